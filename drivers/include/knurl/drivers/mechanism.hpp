@@ -1,0 +1,30 @@
+#pragma once
+// Joints <-> Cartesian. A serial chain from a table, or a closed form.
+
+#include <span>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace knurl::drivers {
+
+/// The tip as the joints place it, in the device's base frame.
+struct TipPose {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
+    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+};
+
+/// Rows 0-2: d(position)/d(joint), m/rad; rows 3-5: angular velocity per joint rate. Columns past the mechanism's
+/// joints are zero.
+using Jacobian = Eigen::Matrix<double, 6, 8>;
+
+class Mechanism {
+  public:
+    virtual ~Mechanism() = default;
+    virtual int joints() const noexcept = 0;
+
+    /// False when there is no pose for these joints: keep the last pose, write zero effort, count it.
+    virtual bool forward(std::span<const double> joints, TipPose& pose, Jacobian& jacobian) const noexcept = 0;
+};
+
+}  // namespace knurl::drivers

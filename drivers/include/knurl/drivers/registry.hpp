@@ -1,0 +1,32 @@
+#pragma once
+// One line per driver: a scheme ("sim") and what opens "sim:premium15".
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <knurl/drivers/device.hpp>
+
+namespace knurl::drivers {
+
+/// Settings that come with a device from knurld's command line or configuration.
+struct OpenOptions {
+    std::string hand_file;  // motion of a simulated hand (t,x,y,z[,qw,qx,qy,qz]); empty: it rests at the centre
+    std::uint64_t seed = 1;
+};
+
+struct Driver {
+    std::string scheme;
+    std::string help;  // one line: what the part after the colon may be
+    std::function<std::unique_ptr<Device>(std::string_view what, const OpenOptions&)> open;  // throws: what, where, mend
+};
+
+/// All drivers of this build.
+std::vector<Driver>& drivers();
+
+/// Opens "scheme:what". Throws std::runtime_error that names the known schemes if there is none such.
+std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions& options = {});
+
+}  // namespace knurl::drivers

@@ -1,0 +1,51 @@
+#pragma once
+// The one list of representations. A new one is a header of its own and its name here: the scene, the wire
+// format, TOML scenes and the conformance tests take it from this list.
+
+#include <knurl/reps/constant_force.hpp>
+#include <knurl/reps/plane.hpp>
+#include <knurl/reps/spring.hpp>
+
+namespace knurl {
+
+template <class... R>
+struct TypeList {
+    static constexpr std::size_t size = sizeof...(R);
+};
+
+using Representations = TypeList<Plane, Spring, ConstantForce>;
+
+/// Position in the list: what "kind" means in shared memory.
+using Kind = std::uint32_t;
+
+namespace detail {
+template <class R, class... All>
+constexpr Kind index_in(TypeList<All...>) {
+    Kind index = 0, found = sizeof...(All);
+    ((std::is_same_v<R, All> ? void(found = index) : void(), ++index), ...);
+    return found;
+}
+}  // namespace detail
+
+template <class R>
+inline constexpr Kind kind_of = detail::index_in<R>(Representations{});
+
+template <class R>
+concept Listed = kind_of<R> < Representations::size;
+
+/// What is known of a kind at run time.
+struct KindInfo {
+    std::string_view name;
+    std::span<const Field> fields;
+    std::size_t size;                            // bytes of its parameters
+    bool surface;                                // else an effect
+    Verdict (*validate)(const void* params) noexcept;
+};
+
+/// All kinds, in the list's order.
+std::span<const KindInfo> kinds() noexcept;
+
+/// A hash over names, types, offsets and sizes of all parameters: two builds that differ in it must not talk.
+std::uint64_t layout_hash() noexcept;
+
+}  // namespace knurl

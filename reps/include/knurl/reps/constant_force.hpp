@@ -1,0 +1,38 @@
+#pragma once
+// A force and torque that do not depend on the probe: gravity, wind, or (badly) a contact computed elsewhere.
+
+#include <cstddef>
+
+#include <knurl/reps/concepts.hpp>
+
+namespace knurl {
+
+struct ConstantForce {
+    Vec3 force;                   // N
+    Vec3 torque;                  // N m
+    double recovery = automatic;  // s; 0: at once
+
+    struct State {
+        std::uint64_t unused = 0;
+    };
+};
+
+template <>
+struct Describe<ConstantForce> {
+    static constexpr std::string_view name = "constant_force";
+    static constexpr Field fields[] = {
+        {.name = "force", .type = Field::Type::vector, .offset = offsetof(ConstantForce, force), .unit = "N",
+         .meaning = "on the hand"},
+        {.name = "torque", .type = Field::Type::vector, .offset = offsetof(ConstantForce, torque), .unit = "N m",
+         .meaning = "on the hand, about the probe"},
+        {.name = "recovery", .offset = offsetof(ConstantForce, recovery), .unit = "s",
+         .meaning = "time over which a change reaches the hand", .minimum = 0, .automatic_allowed = true},
+    };
+};
+
+ConstantForce prepared(ConstantForce params, const Limits& limits) noexcept;
+void adopt(const ConstantForce& params, const ConstantForce* previous, ConstantForce::State& state,
+           const Probe& probe) noexcept;
+Wrench evaluate(const ConstantForce& params, ConstantForce::State& state, const Probe& probe, double dt) noexcept;
+
+}  // namespace knurl

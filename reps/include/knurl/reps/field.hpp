@@ -1,0 +1,70 @@
+#pragma once
+// A table of fields describes each representation's parameters once; from it come validation, the keys of TOML
+// scenes, the text of every refusal and the layout hash. Nothing here allocates: the servo validates with it.
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include <knurl/reps/vec.hpp>
+
+namespace knurl {
+
+/// `recovery = automatic`: 20 % of the measured update interval, within 2-50 ms.
+inline constexpr double automatic = -1;
+
+struct Field {
+    enum class Type : std::uint32_t { real, vector, choice };
+
+    std::string_view name;
+    Type type = Type::real;
+    std::size_t offset = 0;
+    std::string_view unit;
+    std::string_view meaning;
+    double minimum = -std::numeric_limits<double>::infinity();  // reals: the smallest legal value
+    double maximum = std::numeric_limits<double>::infinity();
+    bool infinity_allowed = false;   // "as stiff as this device allows"
+    bool automatic_allowed = false;  // the value `automatic` is legal besides the range
+    bool nonzero = false;            // vectors: length >= 1e-6
+    std::span<const std::string_view> choices = {};  // choices: the names of the values 0, 1, ...
+};
+
+/// The answer to a check. `field` is an index into the representation's table, `value` the offending number.
+struct Verdict {
+    enum class Code : std::uint32_t {
+        ok,
+        not_finite,
+        out_of_range,
+        zero_vector,
+        no_such_choice,
+        contradiction,    // two fields together make no sense; `field` is the second of them
+        unknown_kind,
+        wrong_size,
+        no_such_slot,     // no representation in that slot, or of another generation
+        slot_in_use,
+        no_such_probe,
+        too_many,         // a capacity is exhausted
+        not_armed,
+        refused,          // anything else the device's state forbids; `value` is the protocol's reason
+    };
+    Code code = Code::ok;
+    std::uint32_t field = no_field;
+    double value = 0;
+
+    static constexpr std::uint32_t no_field = 0xffffffff;
+    explicit operator bool() const noexcept { return code == Code::ok; }
+};
+
+/// Checks every field of `params` against its table row, in order; the first that fails is the verdict.
+Verdict validate_fields(std::span<const Field> fields, const void* params) noexcept;
+
+/// Each representation R specialises this beside its parameters:
+///   static constexpr std::string_view name;       // the TOML table and what people read
+///   static constexpr Field fields[];              // one row per parameter
+///   static Verdict check(const R&) noexcept;      // optional: contradictions between fields
+template <class R>
+struct Describe;
+
+}  // namespace knurl

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <limits>
+
+namespace knurl {
+
+/// What the device and its rate allow, in world units: plain numbers, so that a representation can clamp without
+/// knowing a device. The defaults are "no limit at all" (offline evaluation without a device).
+struct Limits {
+    double max_stiffness = std::numeric_limits<double>::infinity();  // N/m: b / (T/2 + tau), or as measured
+    double max_force = std::numeric_limits<double>::infinity();      // N, the device's peak
+    double max_torque = std::numeric_limits<double>::infinity();     // N m
+    double damping = 0;                                              // N s/m, the device's own b
+    double lag = 0;                                                  // s, everything late: tau
+    double period = 1e-3;                                            // s, the servo's nominal dt
+};
+
+}  // namespace knurl

@@ -1,0 +1,48 @@
+#pragma once
+// A spring between a point of the application's and a point on the probe. Source: Mark et al. 96, section 2.1.
+
+#include <cstddef>
+
+#include <knurl/reps/concepts.hpp>
+
+namespace knurl {
+
+struct Spring {
+    Vec3 anchor;             // m, the application's end
+    Vec3 attach;             // m, on the probe, in the probe's frame
+    double rest_length = 0;  // m
+    double stiffness = 0;    // N/m
+    double damping = 0;      // N s/m, along the spring
+    double duration = 0.2;   // s, in which anchor and rest length move linearly to new values
+
+    struct State {
+        Vec3 anchor;             // m, where the end is now
+        double rest_length = 0;  // m, now
+        double remaining = 0;    // s, until both have arrived
+    };
+};
+
+template <>
+struct Describe<Spring> {
+    static constexpr std::string_view name = "spring";
+    static constexpr Field fields[] = {
+        {.name = "anchor", .type = Field::Type::vector, .offset = offsetof(Spring, anchor), .unit = "m",
+         .meaning = "the application's end"},
+        {.name = "attach", .type = Field::Type::vector, .offset = offsetof(Spring, attach), .unit = "m",
+         .meaning = "the end on the probe, in the probe's frame"},
+        {.name = "rest_length", .offset = offsetof(Spring, rest_length), .unit = "m",
+         .meaning = "length without force", .minimum = 0},
+        {.name = "stiffness", .offset = offsetof(Spring, stiffness), .unit = "N/m", .meaning = "force per stretch",
+         .minimum = 0, .infinity_allowed = true},
+        {.name = "damping", .offset = offsetof(Spring, damping), .unit = "N s/m", .meaning = "along the spring",
+         .minimum = 0},
+        {.name = "duration", .offset = offsetof(Spring, duration), .unit = "s",
+         .meaning = "time in which anchor and rest length move to new values", .minimum = 0},
+    };
+};
+
+Spring prepared(Spring params, const Limits& limits) noexcept;
+void adopt(const Spring& params, const Spring* previous, Spring::State& state, const Probe& probe) noexcept;
+Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, double dt) noexcept;
+
+}  // namespace knurl

@@ -1,0 +1,200 @@
+#pragma once
+// An application's view of Knurl.
+//
+//     auto client = knurl::Client::connect("knurl:default");
+//     auto hand   = client.claim("right");                    // refused: who holds it, by pid
+//     auto floor  = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.0 /* m */, .stiffness = 800 /* N/m */});
+//     hand.arm();
+//     while (auto report = hand.next_report(50ms)) {          // or hand.latest(), or hand.fd() in your event loop
+//         floor.follow(terrain);                              // plane where the hand will be; or floor.set(...)
+//         hand.commit();                                      // all that changed takes effect in one cycle
+//     }
+//
+// All calls throw knurl::Error. A Claim and its handles belong to one thread at a time; they are inert in the
+// child of a fork.
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <knurl/client/error.hpp>
+#include <knurl/protocol/command.hpp>
+#include <knurl/protocol/report.hpp>
+#include <knurl/reps/all.hpp>
+#include <knurl/reps/limits.hpp>
+#include <knurl/reps/scene.hpp>
+
+namespace knurl {
+
+struct ConnectOptions {
+    std::string name;                               // what `knurl ls` shows; empty: the program's
+    std::chrono::milliseconds wait{2000};           // for a servo that is still starting
+    bool reattach = true;                           // after a restart of the servo, and add everything again
+};
+
+struct ClaimOptions {
+    bool shared = false;                            // others may hold the device as well
+    double workspace_radius = 0;                    // m, of the application's world; 0: the device's own
+    Vec3 workspace_centre;                          // m, where the device's centre lies in that world
+    std::chrono::nanoseconds update_interval{0};    // how often it means to commit; 0: measured
+    std::uint32_t representations = 128;            // at most
+    std::uint32_t batch_bytes = 32 * 1024;
+};
+
+struct DeviceDescription {
+    std::string name, address, profile, serial;
+    double rate = 0;               // Hz
+    Vec3 workspace_centre;         // m
+    double workspace_radius = 0;   // m
+    double peak_force = 0;         // N
+    double max_stiffness = 0;      // N/m
+    bool renders_torque = false;
+};
+
+/// Where a model is nearest to a point, for `follow`.
+struct SurfacePoint {
+    Vec3 foot;    // m
+    Vec3 normal;  // unit, towards free space
+};
+using SurfaceModel = std::function<SurfacePoint(const Vec3& near)>;
+
+/// A report in the claim's world frame (an observer's: the device's), with what only the client knows.
+struct HandReport : Report {
+    std::uint64_t missed = 0;  // reports never seen by this reader, in all
+};
+
+/// How late this application is, as measured by the servo.
+struct Timing {
+    std::chrono::nanoseconds age_at_use{0};    // of the report a batch was computed from, when its force was written
+    std::chrono::nanoseconds interval{0};      // between commits
+    std::uint64_t batches = 0;                 // taken
+    std::uint64_t refused = 0;
+};
+
+/// What the hand and the application's end feel of one representation.
+struct Felt {
+    Vec3 force, torque;     // on the hand, N and N m; the application's end feels the opposite
+    Vec3 contact_point;     // m
+    double stiffness = 0;   // N/m applied
+    std::uint32_t flags = 0;  // Feedback::touching, ...
+};
+
+namespace detail {
+class ClaimState;    // one claim: segment, channels, pending changes, replay list
+class ClientState;   // one connection
+class Reader;        // reports of one device
+}  // namespace detail
+
+template <Listed R>
+class Representing;
+
+/// Reads the reports of a device without holding it.
+class Observer {
+  public:
+    explicit Observer(std::shared_ptr<detail::Reader> reader);
+
+    std::optional<HandReport> latest();                                    // newest; none before the first cycle
+    std::optional<HandReport> next_report(std::chrono::nanoseconds timeout);  // the next one in order; none: timed out
+    int fd();                     // readable when a report is there that was not read; for poll, epoll, any loop
+    std::uint64_t missed() const; // reports overwritten before they were read
+    const DeviceDescription& device() const;
+
+  protected:
+    std::shared_ptr<detail::Reader> reader_;
+};
+
+class Claim : public Observer {
+  public:
+    explicit Claim(std::shared_ptr<detail::ClaimState> state);
+
+    /// Adds a representation; in force from the next cycle on. Bad parameters throw here.
+    template <Listed R>
+    Representing<R> add(const R& params, const Use& use = {}) {
+        return Representing<R>(state_, add_raw(kind_of<R>, &params, sizeof params, use));
+    }
+    /// All commands issued inside `changes` take effect in one cycle, or none does.
+    void together(const std::function<void()>& changes);
+
+    void place_probe(std::uint32_t probe, const ProbePlacement& placement);
+
+    void arm();          // force may follow; throws with the reason if the device's state forbids it
+    void disarm();
+    void reset_fault();
+    void release();      // force fades, the device is free; also done by the destructor
+    /// Renews the claim and makes all changes since the last commit take effect in one cycle. An empty commit
+    /// says "I am alive". Returns the batch's number.
+    std::uint64_t commit();
+
+    const Limits& limits() const;      // world units: what stiffness is clamped to
+    Timing timing() const;
+    /// Where the hand will be when the update computed now is felt.
+    Vec3 predicted_position();
+    /// Waits until the batch `number` (0: the newest committed) has taken effect.
+    bool wait_applied(std::uint64_t number, std::chrono::nanoseconds timeout);
+
+  private:
+    Handle add_raw(Kind kind, const void* params, std::size_t bytes, const Use& use);
+    std::shared_ptr<detail::ClaimState> state_;
+};
+
+/// A handle on one representation of a claim. Copies name the same one.
+class AnyRepresenting {
+  public:
+    void remove();
+    std::optional<Felt> felt() const;  // none before the servo has evaluated it
+    Handle handle() const { return handle_; }
+
+  protected:
+    AnyRepresenting(std::shared_ptr<detail::ClaimState> state, Handle handle, Kind kind)
+        : state_(std::move(state)), handle_(handle), kind_(kind) {}
+    void set_raw(const void* params, std::size_t bytes);
+    void get_raw(void* params, std::size_t bytes) const;
+    void follow_plane(const SurfaceModel& model);
+
+    std::shared_ptr<detail::ClaimState> state_;
+    Handle handle_;
+    Kind kind_;
+};
+
+template <Listed R>
+class Representing : public AnyRepresenting {
+  public:
+    Representing(std::shared_ptr<detail::ClaimState> state, Handle handle)
+        : AnyRepresenting(std::move(state), handle, kind_of<R>) {}
+
+    /// New parameters; sent with the next commit. Bad ones throw here and change nothing.
+    void set(const R& params) { set_raw(&params, sizeof params); }
+    R params() const {
+        R r;
+        get_raw(&r, sizeof r);
+        return r;
+    }
+    /// Asks `model` for the tangent plane where the hand will be when this update is felt, checks the answer
+    /// (an unchecked prediction can push a hand through a plate) and sets it.
+    void follow(const SurfaceModel& model)
+        requires std::is_same_v<R, Plane>
+    {
+        follow_plane(model);
+    }
+};
+
+class Client {
+  public:
+    /// "knurl:NAME" (or NAME): the servo of that name on this box.
+    static Client connect(const std::string& address = "knurl:default", const ConnectOptions& options = {});
+
+    std::vector<DeviceDescription> devices() const;
+    Claim claim(const std::string& device = "", const ClaimOptions& options = {});  // "": the only one
+    Observer observe(const std::string& device = "");
+    pid_t servo_pid() const;
+
+  private:
+    explicit Client(std::shared_ptr<detail::ClientState> state);
+    std::shared_ptr<detail::ClientState> state_;
+};
+
+}  // namespace knurl

@@ -1,0 +1,52 @@
+#pragma once
+// The segment of one claim (or observer): where its rings lie. Written by both sides; it can hurt only its owner,
+// since the servo copies once, then validates the copy, and keeps its own indexes in private memory.
+//
+//   header | waiter flag | command ring -> servo | batches -> servo | replies -> client | feedback -> client
+
+#include <cstddef>
+#include <cstdint>
+
+#include <knurl/protocol/bounds.hpp>
+#include <knurl/protocol/command.hpp>
+#include <knurl/shm/spsc_ring.hpp>
+#include <knurl/shm/triple_buffer.hpp>
+#include <knurl/shm/waiter.hpp>
+
+namespace knurl::protocol {
+
+/// What the claim asked for; both sides compute the same layout from it (never read it from the segment).
+struct ClaimCapacity {
+    std::uint32_t representations = default_representations;  // 0: an observer, which has no rings at all
+    std::uint32_t batch_bytes = default_batch_bytes;          // of entries
+};
+
+struct ClaimLayout {
+    std::size_t waiter = 0, commands = 0, batches = 0, replies = 0, feedback = 0;  // offsets
+    std::size_t batch_slot_bytes = 0, feedback_slot_bytes = 0;
+    std::size_t total = 0;
+};
+
+constexpr ClaimLayout claim_layout(const ClaimCapacity& capacity) {
+    const auto align = [](std::size_t n) { return (n + 127) / 128 * 128; };
+    ClaimLayout layout;
+    layout.waiter = 128;
+    std::size_t end = layout.waiter + align(sizeof(shm::WaiterFlag));
+    if (capacity.representations > 0) {
+        layout.batch_slot_bytes = align(sizeof(BatchHeader) + capacity.batch_bytes);
+        layout.feedback_slot_bytes =
+            align(sizeof(FeedbackHeader) + capacity.representations * sizeof(FeedbackEntry));
+        layout.commands = end;
+        end += align(shm::spsc_bytes(command_cells));
+        layout.batches = end;
+        end += align(shm::triple_bytes(layout.batch_slot_bytes));
+        layout.replies = end;
+        end += align(shm::spsc_bytes(reply_cells));
+        layout.feedback = end;
+        end += align(shm::triple_bytes(layout.feedback_slot_bytes));
+    }
+    layout.total = (end + 4095) / 4096 * 4096;
+    return layout;
+}
+
+}  // namespace knurl::protocol

@@ -1,0 +1,61 @@
+#pragma once
+// The cycle of one device: everything that happens between two deadlines, in one readable function.
+
+#include <cstdint>
+#include <memory>
+
+#include <knurl/drivers/device.hpp>
+#include <knurl/protocol/device_segment.hpp>
+#include <knurl/servo/claim.hpp>
+#include <knurl/servo/clock.hpp>
+#include <knurl/servo/supervisor.hpp>
+
+namespace knurl::servo {
+
+struct ServoOptions {
+    double rate = 1000;  // Hz, 500-20 000
+    SupervisorLimits supervisor;
+    double max_dt = 2e-3;            // s: representations never see a longer gap
+    bool silence = true;             // false: offline evaluation
+    bool start_active = false;       // active at once with gain 1, claims too: offline evaluation
+    bool clamp_stiffness = true;     // false only warns: stability sweeps
+    double rise_speed = 0.1;         // m/s, FadePolicy::rise_speed; infinity offline
+    double automatic_recovery = 0;   // s; 0: 20 % of the measured update interval within 2-50 ms
+};
+
+/// k_max = b/(T/2 + tau), or as measured (REPRESENTATIONS, "Stability"; Colgate & Brown 1994), device frame.
+double max_stiffness(const drivers::LinkConfig& link, double rate) noexcept;
+
+/// The frame of a claim that asked for this workspace (request.workspace_radius 0: scale 1).
+protocol::Frame frame_for(const drivers::LinkConfig& link, const protocol::ClaimRequest& request) noexcept;
+/// The device's limits in that frame's world units.
+Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::Frame& frame) noexcept;
+
+class Servo {
+  public:
+    /// `segment`: memory of protocol::device_layout().total bytes (DeviceInfo is filled in by the caller).
+    Servo(drivers::Device& device, Clock& clock, std::byte* segment, const ServoOptions& options);
+    ~Servo();
+
+    // From one other thread (the broker), wait-free; false: the mailbox is full, try again next cycle.
+    bool adopt(Claim* claim) noexcept;  // taken over in the next cycle
+    bool drop(Claim* claim) noexcept;   // its force fades (50 ms), then it comes back through `released`
+    bool drop_all() noexcept;           // ramp down the device: the servo is about to end
+    Claim* released() noexcept;         // null: none; the broker frees it
+
+    /// The cycle. `deadline` is when it should have begun, `now` when it did (CLOCK_MONOTONIC or virtual, ns).
+    void step(Nanoseconds deadline, Nanoseconds now) noexcept;
+
+    /// After step: someone waits for a report, poke the waker (the only wake-up there is).
+    bool anyone_waiting() const noexcept;
+    /// The report of the last cycle.
+    const Report& last() const noexcept;
+    /// The guardian zeroed the device while this thread stood still.
+    void guardian_acted() noexcept;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace knurl::servo

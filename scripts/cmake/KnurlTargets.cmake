@@ -1,0 +1,65 @@
+# What every target of Knurl shares: the language, the warnings, the sanitizers, the include root.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+add_library(knurl_options INTERFACE)
+# Without contraction a*b + c rounds the same everywhere, and a x b = -(b x a) holds to the last bit.
+target_compile_options(knurl_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
+if(KNURL_DEVELOPER)
+    target_compile_options(knurl_options INTERFACE -Werror)
+endif()
+if(KNURL_SANITIZE)
+    target_compile_options(knurl_options INTERFACE -fsanitize=${KNURL_SANITIZE} -fno-omit-frame-pointer
+                                                   -fno-sanitize-recover=all)
+    target_link_options(knurl_options INTERFACE -fsanitize=${KNURL_SANITIZE})
+    if(KNURL_SANITIZE MATCHES "thread")
+        # GCC warns that ThreadSanitizer does not understand fences; the models in tests/shm guard those.
+        target_compile_options(knurl_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)
+    endif()
+endif()
+
+# knurl_module(shm DEPENDS ...): a library knurl::shm from src/*.cpp whose include root is ./include. A target
+# sees the headers of another module only by linking it: the compiler guards the walls between the modules.
+function(knurl_module name)
+    cmake_parse_arguments(arg "" "" "DEPENDS;PRIVATE" ${ARGN})
+    file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
+    if(sources)
+        add_library(knurl_${name} STATIC ${sources})
+        target_include_directories(knurl_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+                                                        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+        target_link_libraries(knurl_${name} PUBLIC ${arg_DEPENDS}
+                              PRIVATE $<BUILD_INTERFACE:knurl_options> ${arg_PRIVATE})
+        target_compile_features(knurl_${name} PUBLIC cxx_std_20)
+    else()
+        add_library(knurl_${name} INTERFACE)
+        target_include_directories(knurl_${name} INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+                                                           $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+        target_link_libraries(knurl_${name} INTERFACE ${arg_DEPENDS})
+        target_compile_features(knurl_${name} INTERFACE cxx_std_20)
+    endif()
+    set_target_properties(knurl_${name} PROPERTIES EXPORT_NAME ${name})
+    add_library(knurl::${name} ALIAS knurl_${name})
+    install(TARGETS knurl_${name} EXPORT knurlTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+endfunction()
+
+# knurl_test(name SOURCES a.cpp ... LINK targets ... [TIMEOUT s] [ARGS ...]): a GoogleTest program, its cases in ctest.
+function(knurl_test name)
+    cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINK" ${ARGN})
+    if(NOT arg_TIMEOUT)
+        set(arg_TIMEOUT 120)
+    endif()
+    add_executable(${name} ${arg_SOURCES})
+    target_link_libraries(${name} PRIVATE knurl_options ${arg_LINK} GTest::gtest_main)
+    gtest_discover_tests(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} DISCOVERY_TIMEOUT 60)
+endfunction()
+
+# knurl_benchmark(name SOURCES ... LINK ...): a Google Benchmark program; run by scripts/bench, never by ctest.
+function(knurl_benchmark name)
+    cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
+    add_executable(${name} ${arg_SOURCES})
+    target_link_libraries(${name} PRIVATE knurl_options ${arg_LINK} benchmark::benchmark)
+endfunction()
