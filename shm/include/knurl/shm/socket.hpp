@@ -1,0 +1,70 @@
+#pragma once
+// Unix SOCK_SEQPACKET sockets: whole messages, which may carry file descriptors. Never used by the servo's
+// thread.
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include <sys/types.h>
+
+#include <knurl/shm/fd.hpp>
+
+namespace knurl::shm {
+
+/// A message carries at most this many descriptors; the kernel closes what a hostile sender adds.
+inline constexpr std::size_t max_fds = 16;
+
+/// Listens at `path` with the file mode `mode`. A socket that a dead process left behind is replaced; throws
+/// std::runtime_error if a live one answers there, or if the path cannot be used. The listener does not
+/// block.
+UniqueFd listen_at(const std::filesystem::path& path, mode_t mode, int backlog);
+
+/// Throws std::runtime_error if nobody listens at `path`. The socket blocks.
+UniqueFd connect_to(const std::filesystem::path& path);
+
+/// The next connection, or an empty UniqueFd if none is pending. Throws std::runtime_error if the listener is
+/// broken or the process is out of descriptors.
+UniqueFd accept_from(int listener);
+inline UniqueFd accept_from(const UniqueFd& listener) {
+    return accept_from(listener.get());
+}
+
+/// Sends one message, never blocking, never raising SIGPIPE. False if the peer is gone or does not read (its
+/// buffer is full): either way it is lost to us. Throws std::runtime_error on a mistake of our own (too
+/// large, bad fd).
+bool send_message(int fd, std::span<const std::byte> bytes, std::span<const int> fds = {});
+inline bool send_message(const UniqueFd& fd, std::span<const std::byte> bytes,
+                         std::span<const int> fds = {}) {
+    return send_message(fd.get(), bytes, fds);
+}
+
+struct Received {
+    std::size_t bytes = 0;      // of the buffer, filled
+    std::vector<UniqueFd> fds;  // close-on-exec
+    bool closed = false;        // the peer is gone: nothing will come any more
+    bool truncated =
+        false;  // it did not fit the buffer or had too many descriptors: its descriptors are closed
+    bool nothing = false;  // Block::no, and nothing is there
+};
+enum class Block { yes, no };
+
+/// Receives one message. Descriptors are owned by the result, so they never leak.
+Received receive_message(int fd, std::span<std::byte> buffer, Block block = Block::yes);
+inline Received receive_message(const UniqueFd& fd, std::span<std::byte> buffer, Block block = Block::yes) {
+    return receive_message(fd.get(), buffer, block);
+}
+
+/// Who is at the other end, as the kernel recorded it when the connection was made.
+struct PeerCredentials {
+    pid_t pid = 0;
+    uid_t uid = 0;
+    gid_t gid = 0;
+};
+PeerCredentials credentials_of(int fd);
+inline PeerCredentials credentials_of(const UniqueFd& fd) {
+    return credentials_of(fd.get());
+}
+
+}  // namespace knurl::shm

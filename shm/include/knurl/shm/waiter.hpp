@@ -1,0 +1,134 @@
+#pragma once
+// Sleeping until the next report. The reports are mapped read-only, so a client cannot count itself in there:
+// it sets a flag in its own segment. The servo reads the flags of its clients after it has published, and
+// pokes, only if one is set, a thread of lower priority on its own core, which wakes the clients while the
+// servo sleeps.
+//
+//   client: flag = 1   ─sb─> fence(seq_cst) ─sb─> read end: nothing new ⇒ sleep
+//   servo:  end = n+1  ─sb─> fence(seq_cst) ─sb─> read flag: not set    ⇒ wake nobody
+//
+// Dekker's protocol: the fences are in one total order, and the later side sees what the earlier one stored.
+// So at least one of the two notices, and no wake-up is lost. Without either fence both may read the old
+// value.
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <span>
+
+#include <knurl/shm/broadcast_ring.hpp>
+#include <knurl/shm/fd.hpp>
+#include <knurl/shm/words.hpp>
+
+namespace knurl::shm {
+
+struct WaiterOrders {
+    static constexpr auto waiter_fence = std::memory_order::seq_cst;     // pairs with publisher_fence
+    static constexpr auto publisher_fence = std::memory_order::seq_cst;  // pairs with waiter_fence
+};
+
+/// The waiting side: raises the flag, then looks again. True: `counter` is still at `seen`, sleeping is safe.
+template <class Memory = HardwareMemory, class Orders = WaiterOrders>
+bool announce_wait(typename Memory::Word& flag, const typename Memory::Word& counter,
+                   std::uint64_t seen) noexcept {
+    Memory::store(flag, 1, std::memory_order::relaxed);
+    Memory::fence(Orders::waiter_fence);
+    return Memory::load(counter, std::memory_order::acquire) == seen;
+}
+
+/// The publishing side, after its store and before it reads flags.
+template <class Memory = HardwareMemory, class Orders = WaiterOrders>
+void fence_after_publish() noexcept {
+    Memory::fence(Orders::publisher_fence);
+}
+
+/// One client's flag, in the client's segment, a line for itself. Not 0: it waits. The client sets it, the
+/// waker clears it. Zero-initialise it with the segment.
+struct alignas(line_bytes) WaiterFlag {
+    std::uint64_t waiting = 0;
+};
+static_assert(sizeof(WaiterFlag) == line_bytes);
+
+/// Servo, after publishing: does anybody wait? The fence is inside. Costs a fence and a load per flag.
+inline bool anyone_waiting(std::span<const WaiterFlag* const> flags) noexcept {
+    fence_after_publish<>();
+    std::uint64_t any = 0;
+    for (const WaiterFlag* flag : flags)
+        any |= HardwareMemory::load(flag->waiting, std::memory_order::relaxed);
+    return any != 0;
+}
+
+/// A non-blocking, close-on-exec eventfd for a client to sleep on. Throws std::runtime_error.
+UniqueFd make_event();
+
+/// The client's side. Holds none of the things that it is given; the reader's position says what is new.
+class Waiter {
+  public:
+    Waiter(WaiterFlag* flag, int event_fd, const BroadcastReader& reader)
+        : flag_(flag), event_(event_fd), reader_(&reader) {}
+
+    /// Sleeps until the reader has something new, at most `timeout` (nanoseconds::max(): for ever). True: it
+    /// has, or its ring was restarted. A time-out of a few cycles, repeated, also sees a servo that died.
+    /// Signals do not end it.
+    bool wait(std::chrono::nanoseconds timeout) noexcept;
+
+    /// For an event loop: fd() becomes readable when a report arrives after rearm(). When it is readable,
+    /// read all reports, then rearm() again; if a report came in between, the descriptor is readable at once.
+    /// A wake-up may be early, it is never lost.
+    int fd() const noexcept { return event_; }
+    void rearm() noexcept;
+
+    /// No longer interested: lowers the flag.
+    void disarm() noexcept;
+
+  private:
+    void drain() noexcept;
+
+    WaiterFlag* flag_;
+    int event_;
+    const BroadcastReader* reader_;
+};
+
+/// The servo process's side: the table of those who may sleep, and the thread that wakes them. One table per
+/// device, or one for all devices of a CPU (then a waiter of another device is woken early now and then,
+/// which is harmless).
+class Waker {
+  public:
+    static constexpr std::size_t max_entries = 128 * 8;  // clients * devices
+
+    Waker();
+    ~Waker();
+    Waker(const Waker&) = delete;
+    Waker& operator=(const Waker&) = delete;
+
+    /// Neither is owned: remove(flag) before unmapping the one or closing the other. Throws
+    /// std::runtime_error when the table is full. Safe while the thread runs, never called by the servo's
+    /// thread.
+    void add(WaiterFlag* flag, int event_fd);
+    /// On return nobody touches the flag or the descriptor any more. Unknown flags are ignored.
+    void remove(const WaiterFlag* flag) noexcept;
+
+    /// From the servo's thread, if anyone_waiting(): at most one futex wake, no lock, no allocation.
+    void poke() noexcept;
+
+    /// The thread's body: sleeps until poked, wakes, and again, until stop(). The caller makes the thread,
+    /// with the priority, CPU and stack that it wants.
+    void run() noexcept;
+    /// run() returns soon, now or when it is called next. From any thread.
+    void stop() noexcept;
+
+    /// One round: wakes everyone whose flag is set, and lowers it. Returns how many.
+    std::size_t run_once() noexcept;
+
+  private:
+    struct Table;
+    std::unique_ptr<Table> table_;
+
+    // poke: ++pokes_ ─> fence ─> sleeping_?        run: sleeping_ = 1 ─> fence ─> pokes_ still as seen? ─>
+    // futex wait The same Dekker pair; besides, the kernel compares pokes_ again before it sleeps.
+    alignas(line_bytes) std::atomic<std::uint32_t> pokes_ = 0;
+    std::atomic<std::uint32_t> sleeping_ = 0;
+    std::atomic<bool> stop_ = false;
+};
+
+}  // namespace knurl::shm

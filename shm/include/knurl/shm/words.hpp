@@ -1,0 +1,87 @@
+#pragma once
+// Shared memory is made of 64-bit words, and every access to one is atomic: the sanitizer, the standard and
+// the code agree about it, whatever the other side does at that moment.
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace knurl::shm {
+
+/// Words of different writers keep this distance: Intel prefetches lines in pairs. A literal, because
+/// std::hardware_destructive_interference_size changes with compiler flags and this is an ABI.
+inline constexpr std::size_t line_bytes = 128;
+
+constexpr std::size_t round_up(std::size_t bytes, std::size_t unit) {
+    return (bytes + unit - 1) / unit * unit;
+}
+
+/// The memory that ships. The rings are templates over it so that the Relacy models in tests/shm run the very
+/// same algorithms on simulated memory, and deliberately weakened ones to see that each order is needed.
+struct HardwareMemory {
+    using Word = std::uint64_t;
+
+    static std::atomic_ref<Word> at(const Word& word) noexcept {
+        // atomic_ref<const T> comes with C++26. A lock-free load never writes, so a read-only mapping is
+        // fine.
+        static_assert(std::atomic_ref<Word>::is_always_lock_free);
+        return std::atomic_ref<Word>(const_cast<Word&>(word));
+    }
+    static std::uint64_t load(const Word& word, std::memory_order order) noexcept {
+        return at(word).load(order);
+    }
+    static void store(Word& word, std::uint64_t value, std::memory_order order) noexcept {
+        at(word).store(value, order);
+    }
+    static std::uint64_t exchange(Word& word, std::uint64_t value, std::memory_order order) noexcept {
+        return at(word).exchange(value, order);
+    }
+    /// Fails relaxed; `expected` is then what was found.
+    static bool compare_exchange(Word& word, std::uint64_t& expected, std::uint64_t value,
+                                 std::memory_order order) noexcept {
+        return at(word).compare_exchange_strong(expected, value, order, std::memory_order::relaxed);
+    }
+    static void fence(std::memory_order order) noexcept { std::atomic_thread_fence(order); }
+
+    static void store_payload(Word* shared, const void* from, std::size_t words,
+                              std::memory_order order) noexcept {
+        const auto* bytes = static_cast<const std::byte*>(from);
+        for (std::size_t i = 0; i < words; ++i) {
+            std::uint64_t value;
+            std::memcpy(&value, bytes + i * sizeof value, sizeof value);
+            store(shared[i], value, order);
+        }
+    }
+    static void load_payload(void* to, const Word* shared, std::size_t words,
+                             std::memory_order order) noexcept {
+        auto* bytes = static_cast<std::byte*>(to);
+        for (std::size_t i = 0; i < words; ++i) {
+            const std::uint64_t value = load(shared[i], order);
+            std::memcpy(bytes + i * sizeof value, &value, sizeof value);
+        }
+    }
+};
+
+/// Copies `words` 64-bit words into shared memory, each as one atomic store with `order` (relaxed or
+/// release).
+inline void store_words(std::uint64_t* shared, const void* src, std::size_t words,
+                        std::memory_order order = std::memory_order::relaxed) noexcept {
+    HardwareMemory::store_payload(shared, src, words, order);
+}
+
+/// Copies `words` 64-bit words out of shared memory, each as one atomic load with `order` (relaxed or
+/// acquire).
+inline void load_words(void* dst, const std::uint64_t* shared, std::size_t words,
+                       std::memory_order order = std::memory_order::relaxed) noexcept {
+    HardwareMemory::load_payload(dst, shared, words, order);
+}
+
+/// Throws std::invalid_argument unless `memory` begins on a 128-byte boundary, as every segment does.
+void require_aligned(const void* memory, const char* who);
+/// Throws std::invalid_argument unless `count` is a power of two of 2 or more.
+void require_power_of_two(std::uint32_t count, const char* who);
+/// Throws std::invalid_argument unless `bytes` is a multiple of 8 of 8 or more.
+void require_whole_words(std::size_t bytes, const char* who);
+
+}  // namespace knurl::shm

@@ -1,0 +1,102 @@
+#include <string>
+#include <utility>
+
+#include <boost/interprocess/mapped_region.hpp>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+
+#include <knurl/shm/segment.hpp>
+
+#include "system_error.hpp"
+
+namespace knurl::shm {
+
+namespace ipc = boost::interprocess;
+
+namespace {
+
+constexpr int size_seals = F_SEAL_SHRINK | F_SEAL_GROW;
+
+/// All that mapped_region wants of a thing that can be mapped.
+struct Mappable {
+    int fd;
+    ipc::mapping_handle_t get_mapping_handle() const {
+        return ipc::ipcdetail::mapping_handle_from_file_handle(fd);
+    }
+};
+
+}  // namespace
+
+struct Segment::Mapping {
+    ipc::mapped_region region;
+};
+
+Segment::Segment() noexcept = default;
+Segment::Segment(Segment&& other) noexcept
+    : fd_(std::move(other.fd_)),
+      mapping_(std::move(other.mapping_)),
+      data_(std::exchange(other.data_, nullptr)),
+      size_(std::exchange(other.size_, 0)) {}
+Segment& Segment::operator=(Segment&& other) noexcept {
+    fd_ = std::move(other.fd_);
+    mapping_ = std::move(other.mapping_);
+    data_ = std::exchange(other.data_, nullptr);
+    size_ = std::exchange(other.size_, 0);
+    return *this;
+}
+Segment::~Segment() = default;
+
+Segment::Segment(UniqueFd fd, std::size_t bytes, Access access, std::string_view what) : fd_(std::move(fd)) {
+    const ipc::mode_t mode = access == Access::read_write ? ipc::read_write : ipc::read_only;
+    try {
+        // MAP_POPULATE: the first touch of a page costs microseconds, which no cycle has.
+        mapping_ = std::make_unique<Mapping>(
+            Mapping{ipc::mapped_region(Mappable{fd_.get()}, mode, 0, bytes, nullptr, MAP_POPULATE)});
+    } catch (const ipc::interprocess_exception& error) {
+        throw std::runtime_error("segment " + std::string(what) + ": cannot map " + std::to_string(bytes) +
+                                 " bytes: " + error.what() +
+                                 (access == Access::read_write
+                                      ? "; a sealed segment can only be mapped read-only"
+                                      : "; see the limits of memory and address space"));
+    }
+    data_ = static_cast<std::byte*>(mapping_->region.get_address());
+    size_ = bytes;
+}
+
+Segment Segment::create(std::string_view name, std::size_t bytes) {
+    const std::string who(name);
+    if (bytes == 0) throw std::runtime_error("segment " + who + ": 0 bytes; ask for at least one");
+    UniqueFd fd(::memfd_create(who.c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    if (!fd) throw_errno("segment " + who + ": cannot create", "see the limit of open files (ulimit -n)");
+    if (::ftruncate(fd.get(), static_cast<off_t>(bytes)) != 0)
+        throw_errno("segment " + who + ": cannot make it " + std::to_string(bytes) + " bytes",
+                    "see the limits of memory");
+    if (::fcntl(fd.get(), F_ADD_SEALS, size_seals) != 0)
+        throw_errno("segment " + who + ": cannot seal its size", "a kernel of 3.17 or later is needed");
+    return Segment(std::move(fd), bytes, Access::read_write, name);
+}
+
+Segment Segment::open(int fd, std::size_t expected_bytes, Access access) {
+    const std::string who = "received segment (descriptor " + std::to_string(fd) + ")";
+    UniqueFd own(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
+    if (!own) throw_errno(who + ": cannot duplicate", "hand over an open descriptor");
+    struct stat status {};
+    if (::fstat(own.get(), &status) != 0) throw_errno(who + ": no status", "hand over a memfd");
+    if (expected_bytes == 0 || status.st_size < 0 ||
+        static_cast<std::uint64_t>(status.st_size) != static_cast<std::uint64_t>(expected_bytes))
+        throw std::runtime_error(who + ": has " + std::to_string(status.st_size) + " bytes instead of " +
+                                 std::to_string(expected_bytes) + "; both sides must be built alike");
+    const int seals = ::fcntl(own.get(), F_GET_SEALS);
+    if (seals < 0 || (seals & size_seals) != size_seals)
+        throw std::runtime_error(
+            who + ": its size is not sealed; hand over a memfd with F_SEAL_SHRINK and F_SEAL_GROW");
+    return Segment(std::move(own), expected_bytes, access, "received");
+}
+
+void Segment::seal_against_new_writers() {
+    if (::fcntl(fd_.get(), F_ADD_SEALS, F_SEAL_FUTURE_WRITE) != 0)
+        throw_errno("segment: cannot seal against new writers", "a kernel of 5.1 or later is needed");
+}
+
+}  // namespace knurl::shm

@@ -1,0 +1,184 @@
+#include <array>
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <knurl/shm/socket.hpp>
+
+#include "system_error.hpp"
+
+namespace knurl::shm {
+
+namespace {
+
+UniqueFd new_socket(int flags) {
+    UniqueFd fd(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | flags, 0));
+    if (!fd) throw_errno("Unix socket: cannot create", "see the limit of open files (ulimit -n)");
+    return fd;
+}
+
+sockaddr_un address_of(const std::filesystem::path& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string& name = path.native();
+    if (name.empty() || name.size() >= sizeof address.sun_path)
+        throw std::runtime_error("socket " + name + ": the path has " + std::to_string(name.size()) +
+                                 " characters; use 1 to " + std::to_string(sizeof address.sun_path - 1));
+    name.copy(address.sun_path, name.size());
+    return address;
+}
+
+const sockaddr* generic(const sockaddr_un& address) {
+    return reinterpret_cast<const sockaddr*>(&address);
+}
+
+/// Removes the socket of a dead process. Asking the socket itself is the only sure sign of life.
+void take_over(const std::filesystem::path& path, const sockaddr_un& address) {
+    struct stat status {};
+    if (::lstat(path.c_str(), &status) != 0) return;
+    if (!S_ISSOCK(status.st_mode))
+        throw std::runtime_error("socket " + path.string() + ": a file of that name exists; remove it");
+    const UniqueFd probe = new_socket(SOCK_NONBLOCK);
+    if (::connect(probe.get(), generic(address), sizeof address) == 0 || errno == EAGAIN)
+        throw std::runtime_error("socket " + path.string() + ": another servo named " + path.stem().string() +
+                                 " is running; stop it or choose another name");
+    if (errno == ENOENT) return;
+    if (errno != ECONNREFUSED)
+        throw_errno("socket " + path.string() + ": cannot tell who has it", "remove it");
+    if (::unlink(path.c_str()) != 0 && errno != ENOENT)
+        throw_errno("socket " + path.string() + ": cannot replace the one left behind", "remove it");
+}
+
+/// Held from the probe until we listen: otherwise two that start together both find the dead socket, and the
+/// slower one removes the live socket of the faster. A lock on the folder leaves no file behind.
+UniqueFd lock_folder(const std::filesystem::path& folder) {
+    using namespace std::chrono_literals;
+    constexpr int attempts = 200;
+    UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!fd) throw_errno("folder " + folder.string() + ": cannot open", "create it, owned by this user");
+    for (int i = 0; i < attempts; ++i) {
+        if (::flock(fd.get(), LOCK_EX | LOCK_NB) == 0) return fd;
+        if (errno != EWOULDBLOCK && errno != EINTR) break;
+        std::this_thread::sleep_for(10ms);
+    }
+    throw_errno("folder " + folder.string() + ": cannot lock", "is another servo starting? Try again");
+}
+
+}  // namespace
+
+UniqueFd listen_at(const std::filesystem::path& path, mode_t mode, int backlog) {
+    const sockaddr_un address = address_of(path);
+    const UniqueFd lock = lock_folder(path.has_parent_path() ? path.parent_path() : ".");
+    take_over(path, address);
+    UniqueFd fd = new_socket(SOCK_NONBLOCK);
+    if (::bind(fd.get(), generic(address), sizeof address) != 0)
+        throw_errno("socket " + path.string() + ": cannot bind", "see the rights of its folder");
+    // Before listen: until then nobody gets in, whatever the mode was.
+    if (::chmod(path.c_str(), mode) != 0 || ::listen(fd.get(), backlog) != 0)
+        throw_errno("socket " + path.string() + ": cannot listen", "see the rights of its folder");
+    return fd;
+}
+
+UniqueFd connect_to(const std::filesystem::path& path) {
+    const sockaddr_un address = address_of(path);
+    UniqueFd fd = new_socket(0);
+    while (::connect(fd.get(), generic(address), sizeof address) != 0) {
+        if (errno == EINTR) continue;
+        throw_errno("socket " + path.string() + ": cannot connect",
+                    errno == EACCES ? "join the group that owns it" : "is the servo of that name running?");
+    }
+    return fd;
+}
+
+UniqueFd accept_from(int listener) {
+    UniqueFd fd(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC));
+    if (fd || errno == EAGAIN || errno == ECONNABORTED || errno == EINTR) return fd;
+    throw_errno("listening socket: cannot accept", "see the limit of open files (ulimit -n)");
+}
+
+bool send_message(int fd, std::span<const std::byte> bytes, std::span<const int> fds) {
+    if (bytes.empty() || fds.size() > max_fds)
+        throw std::runtime_error(
+            "message of " + std::to_string(bytes.size()) + " bytes with " + std::to_string(fds.size()) +
+            " descriptors; send 1 byte or more and at most " + std::to_string(max_fds) + " descriptors");
+    iovec data{.iov_base = const_cast<std::byte*>(bytes.data()), .iov_len = bytes.size()};
+    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(max_fds * sizeof(int))> control{};
+    msghdr message{};
+    message.msg_iov = &data;
+    message.msg_iovlen = 1;
+    if (!fds.empty()) {
+        message.msg_control = control.data();
+        message.msg_controllen = CMSG_SPACE(fds.size_bytes());
+        cmsghdr* header = CMSG_FIRSTHDR(&message);
+        header->cmsg_level = SOL_SOCKET;
+        header->cmsg_type = SCM_RIGHTS;
+        header->cmsg_len = CMSG_LEN(fds.size_bytes());
+        std::memcpy(CMSG_DATA(header), fds.data(), fds.size_bytes());
+    }
+    while (::sendmsg(fd, &message, MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
+        if (errno == EINTR) continue;
+        if (errno == EPIPE || errno == ECONNRESET || errno == EAGAIN || errno == ENOTCONN) return false;
+        throw_errno("message of " + std::to_string(bytes.size()) + " bytes: cannot send",
+                    "is it larger than the socket's buffer, or a descriptor closed?");
+    }
+    return true;
+}
+
+Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
+    Received result;
+    // What a hostile sender could send at most is reserved first: a bad_alloc later would leak its
+    // descriptors.
+    result.fds.reserve(max_fds);
+    iovec data{.iov_base = buffer.data(), .iov_len = buffer.size()};
+    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(max_fds * sizeof(int))> control{};
+    msghdr message{};
+    message.msg_iov = &data;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    ssize_t n = -1;
+    do n = ::recvmsg(fd, &message, MSG_CMSG_CLOEXEC | (block == Block::no ? MSG_DONTWAIT : 0));
+    while (n < 0 && errno == EINTR);
+    if (n < 0) {
+        if (errno == EAGAIN)
+            result.nothing = true;
+        else if (errno == ECONNRESET || errno == EPIPE || errno == ENOTCONN)
+            result.closed = true;
+        else
+            throw_errno("socket: cannot receive", "is the descriptor a connected socket?");
+        return result;
+    }
+    for (cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr;
+         header = CMSG_NXTHDR(&message, header)) {
+        if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_RIGHTS) continue;
+        const std::size_t count = (header->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+        for (std::size_t i = 0; i < count; ++i) {
+            int received = -1;
+            std::memcpy(&received, CMSG_DATA(header) + i * sizeof received, sizeof received);
+            result.fds.emplace_back(received);
+        }
+    }
+    result.bytes = static_cast<std::size_t>(n);
+    result.truncated = (message.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) != 0;
+    result.closed = n == 0 && result.fds.empty() && !result.truncated;
+    if (result.truncated) result.fds.clear();
+    return result;
+}
+
+PeerCredentials credentials_of(int fd) {
+    ucred peer{};
+    socklen_t size = sizeof peer;
+    if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
+        throw_errno("socket: no credentials of the peer", "is it a connected Unix socket?");
+    return {.pid = peer.pid, .uid = peer.uid, .gid = peer.gid};
+}
+
+}  // namespace knurl::shm

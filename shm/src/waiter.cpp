@@ -1,0 +1,154 @@
+#include <array>
+#include <mutex>
+
+#include <linux/futex.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <knurl/shm/waiter.hpp>
+
+#include "system_error.hpp"
+
+namespace knurl::shm {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::nanoseconds;
+
+void signal_event(int event_fd) noexcept {
+    const std::uint64_t one = 1;
+    // EAGAIN: the counter is full, so it is readable already.
+    [[maybe_unused]] const ssize_t written = ::write(event_fd, &one, sizeof one);
+}
+
+long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value) noexcept {
+    static_assert(sizeof word == sizeof(std::uint32_t) && std::atomic<std::uint32_t>::is_always_lock_free);
+    return ::syscall(SYS_futex, &word, operation | FUTEX_PRIVATE_FLAG, value, nullptr, nullptr, 0);
+}
+
+/// nanoseconds::max() from now is for ever.
+Clock::time_point deadline_after(nanoseconds timeout) noexcept {
+    const auto now = Clock::now();
+    return timeout >= Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+}
+
+}  // namespace
+
+UniqueFd make_event() {
+    UniqueFd fd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+    if (!fd) throw_errno("event descriptor: cannot create", "see the limit of open files (ulimit -n)");
+    return fd;
+}
+
+bool Waiter::wait(nanoseconds timeout) noexcept {
+    if (reader_->fresh()) return true;
+    const Clock::time_point deadline = deadline_after(timeout);
+    while (announce_wait<>(flag_->waiting, reader_->end_word(), reader_->position())) {
+        const nanoseconds left = std::max(nanoseconds(0), deadline - Clock::now());
+        const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+        const timespec span{.tv_sec = static_cast<time_t>(seconds.count()),
+                            .tv_nsec = (left - seconds).count()};
+        pollfd event{.fd = event_, .events = POLLIN, .revents = 0};
+        const int ready = ::ppoll(&event, 1, deadline == Clock::time_point::max() ? nullptr : &span, nullptr);
+        if (ready > 0) drain();
+        if (reader_->fresh() || (ready == 0 && left == nanoseconds(0)) || (ready < 0 && errno != EINTR))
+            break;
+    }
+    disarm();
+    return reader_->fresh();
+}
+
+void Waiter::rearm() noexcept {
+    drain();
+    if (!announce_wait<>(flag_->waiting, reader_->end_word(), reader_->position())) signal_event(event_);
+}
+
+void Waiter::disarm() noexcept {
+    HardwareMemory::store(flag_->waiting, 0, std::memory_order::relaxed);
+}
+
+void Waiter::drain() noexcept {
+    std::uint64_t count = 0;
+    [[maybe_unused]] const ssize_t got = ::read(event_, &count, sizeof count);
+}
+
+struct Waker::Table {
+    struct Entry {
+        WaiterFlag* flag = nullptr;
+        int event_fd = -1;
+    };
+    // Between the waker's thread and the broker only; the servo never takes it.
+    std::mutex mutex;
+    std::array<Entry, max_entries> entries;
+    std::size_t count = 0;
+};
+
+Waker::Waker() : table_(std::make_unique<Table>()) {}
+Waker::~Waker() = default;
+
+void Waker::add(WaiterFlag* flag, int event_fd) {
+    const std::lock_guard lock(table_->mutex);
+    if (table_->count == max_entries)
+        throw std::runtime_error("waker: " + std::to_string(max_entries) + " waiters; no room for one more");
+    table_->entries[table_->count++] = {.flag = flag, .event_fd = event_fd};
+}
+
+void Waker::remove(const WaiterFlag* flag) noexcept {
+    const std::lock_guard lock(table_->mutex);
+    for (std::size_t i = 0; i < table_->count; ++i) {
+        if (table_->entries[i].flag != flag) continue;
+        table_->entries[i] = table_->entries[--table_->count];
+        return;
+    }
+}
+
+std::size_t Waker::run_once() noexcept {
+    const std::lock_guard lock(table_->mutex);
+    std::size_t woken = 0;
+    for (std::size_t i = 0; i < table_->count; ++i) {
+        const Table::Entry& entry = table_->entries[i];
+        if (HardwareMemory::load(entry.flag->waiting, std::memory_order::relaxed) == 0) continue;
+        // Lowered before the event: a client that waits again meanwhile raises it again, and is not
+        // overwritten.
+        HardwareMemory::exchange(entry.flag->waiting, 0, std::memory_order::acq_rel);
+        signal_event(entry.event_fd);
+        ++woken;
+    }
+    return woken;
+}
+
+void Waker::poke() noexcept {
+    // Release: pairs with the acquire loads in run; whoever sees the poke sees the flag that caused it, and
+    // stop_.
+    pokes_.fetch_add(1, std::memory_order::release);
+    fence_after_publish<>();
+    // Relaxed: the fence orders it. Cleared by whoever wakes, so that one sleep costs one futex call.
+    if (sleeping_.load(std::memory_order::relaxed) != 0 && sleeping_.exchange(0) != 0)
+        futex(pokes_, FUTEX_WAKE, 1);
+}
+
+void Waker::run() noexcept {
+    std::uint32_t seen = pokes_.load(std::memory_order::acquire);
+    while (!stop_.load(std::memory_order::acquire)) {
+        run_once();
+        sleeping_.store(1, std::memory_order::relaxed);
+        fence_after_publish<>();
+        // A poke after this load changes pokes_, which the kernel compares before it sleeps; one before it is
+        // seen here.
+        if (pokes_.load(std::memory_order::acquire) == seen && !stop_.load(std::memory_order::relaxed))
+            futex(pokes_, FUTEX_WAIT, seen);
+        sleeping_.store(0, std::memory_order::relaxed);
+        seen = pokes_.load(std::memory_order::acquire);
+    }
+    stop_.store(false, std::memory_order::relaxed);
+}
+
+void Waker::stop() noexcept {
+    stop_.store(true, std::memory_order::release);
+    poke();
+}
+
+}  // namespace knurl::shm
