@@ -1,0 +1,71 @@
+#pragma once
+// Scenes as data: a TOML file with one table per representation, whose keys are the names of its parameters'
+// fields. Examples, tests and `knurl eval` share such files.
+//
+//     [[probe]]                      # probe 0, then 1, ...
+//     radius = 0.005                 # m
+//
+//     [[plane]]
+//     id = "floor"
+//     normal = [0, 0, 1]
+//     stiffness = 800                # N/m
+//
+//     [[plane]]                      # the same id, later: an update
+//     id = "floor"
+//     at = 0.5                       # s
+//     offset = 0.003                 # m
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <knurl/reps/all.hpp>
+#include <knurl/reps/probe.hpp>
+#include <knurl/reps/scene.hpp>
+
+namespace knurl::scenefile {
+
+/// What a scene file gets wrong: one line, "file:line:column: what; what to do".
+class SceneError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+/// One entry of the file, resolved: parameters are complete and valid.
+struct Change {
+    enum class Type { add, update, remove };
+
+    double at = 0;  // s
+    Type type = Type::add;
+    std::uint32_t item = 0;  // which representation: 0, 1, ... in the order in which they are added
+    Kind kind = 0;
+    Use use;
+    std::vector<std::byte> params;  // kinds()[kind].size bytes; of a removal, those it had, but for the time of the fade
+    std::string id;                 // as in the file, or made up from kind and line
+    std::uint32_t line = 0;
+};
+
+struct SceneFile {
+    std::string path;
+    std::vector<ProbePlacement> probes;  // of probes 0, 1, ...; the rest sit at the tip, with no radius
+    std::vector<Change> changes;         // in order of time, then of the file
+    std::uint32_t items = 0;             // representations that are ever added
+};
+
+/// Reads the whole file or throws SceneError at the first thing wrong: nothing is half-applied.
+///
+/// An update inherits what it does not state from the entry before it, but for `recovery` (every field whose
+/// value may be automatic): that one describes the change itself, and absent it is automatic. `probe`,
+/// `on_silence` and `silence_time` are fixed when a representation is added. A removed id may be used again.
+SceneFile read_scene(const std::string& path);
+
+/// The same from memory; `path` is what errors name.
+SceneFile parse_scene(std::string_view text, const std::string& path);
+
+/// The word of `known` that `word` was probably meant to be; empty if none is near.
+std::string_view nearest(std::string_view word, const std::vector<std::string_view>& known);
+
+}  // namespace knurl::scenefile

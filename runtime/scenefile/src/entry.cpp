@@ -1,0 +1,208 @@
+#include "entry.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace knurl::scenefile {
+
+namespace {
+
+constexpr std::string_view silence_names[] = {"fade", "hold", "move"};
+constexpr std::string_view entry_keys[] = {"id", "at", "remove", "probe", "on_silence", "silence_time"};
+
+std::string joined(const std::vector<std::string_view>& words) {
+    std::string text;
+    for (const auto w : words) text += (text.empty() ? "" : ", ") + std::string(w);
+    return text;
+}
+
+[[noreturn]] void fail_unknown_key(const std::string& path, const Value& value, const std::string& called,
+                                   const std::vector<std::string_view>& known) {
+    const auto meant = nearest(value.key, known);
+    fail(path, value.key_at,
+         fmt::format("unknown key '{}' in {}; {}", value.key, called,
+                     meant.empty() ? "it takes " + joined(known) : fmt::format("did you mean '{}'?", meant)));
+}
+
+std::uint32_t choice(const std::string& path, const Value& value, const std::string& what,
+                     std::span<const std::string_view> names) {
+    const std::string chosen = word(path, value, what);
+    for (std::uint32_t i = 0; i < names.size(); ++i) {
+        if (names[i] == chosen) return i;
+    }
+    const std::vector<std::string_view> known(names.begin(), names.end());
+    fail(path, value.at, fmt::format("{} is '{}'; it must be one of: {}", what, chosen, joined(known)));
+}
+
+/// Seconds, 0 or more.
+double seconds(const std::string& path, const Value& value, const std::string& what) {
+    const double time = real(path, value, what, "s");
+    if (!std::isfinite(time) || time < 0) {
+        fail(path, value.at, fmt::format("{} is {} s; it must be 0 s or more, and finite", what, time));
+    }
+    return time;
+}
+
+std::string identity(const std::string& path, const Value& value, const std::string& what) {
+    if (const auto* number = value.node->as_integer()) return std::to_string(number->get());
+    if (const auto* text = value.node->as_string(); text != nullptr && !text->get().empty())
+        return text->get();
+    fail(path, value.at, fmt::format("{} must be a string or an integer; write id = \"floor\"", what));
+}
+
+Setting read_setting(const std::string& path, const Value& value, std::uint32_t index, const Field& field,
+                     const std::string& what) {
+    Setting setting{.field = index, .parts = {}, .at = value.at};
+    switch (field.type) {
+        case Field::Type::real:
+            if (field.automatic_allowed && value.node->is_string() &&
+                value.node->as_string()->get() == "automatic") {
+                setting.parts[0] = automatic;
+                break;
+            }
+            setting.parts[0] = real(path, value, what, field.unit);
+            // Written as a number, the code for "automatic" is only a negative time.
+            if (field.automatic_allowed && setting.parts[0] == automatic) {
+                fail(path, value.at,
+                     fmt::format("{} is {} {}; it must be {} {} or more, or \"automatic\"", what, automatic,
+                                 field.unit, field.minimum, field.unit));
+            }
+            break;
+        case Field::Type::vector: {
+            const Vec3 v = vector(path, value, what, field.unit);
+            setting.parts[0] = v.x;
+            setting.parts[1] = v.y;
+            setting.parts[2] = v.z;
+            break;
+        }
+        case Field::Type::choice:
+            setting.parts[0] = choice(path, value, what, field.choices);
+            break;
+    }
+    return setting;
+}
+
+std::string range_text(const Field& field) {
+    std::string text;
+    if (std::isfinite(field.minimum) && std::isfinite(field.maximum)) {
+        text = fmt::format("{} to {} {}", field.minimum, field.maximum, field.unit);
+    } else if (std::isfinite(field.minimum)) {
+        text = fmt::format("{} {} or more", field.minimum, field.unit);
+    } else if (std::isfinite(field.maximum)) {
+        text = fmt::format("at most {} {}", field.maximum, field.unit);
+    } else {
+        text = "a finite number";
+    }
+    return text + (field.infinity_allowed ? ", or inf" : "");
+}
+
+std::string verdict_text(const Field& field, const Verdict& verdict) {
+    switch (verdict.code) {
+        case Verdict::Code::not_finite:
+            return fmt::format("is {}; it must be {}", verdict.value,
+                               field.type == Field::Type::vector ? "finite" : range_text(field));
+        case Verdict::Code::out_of_range:
+            return fmt::format("is {} {}; it must be {}", verdict.value, field.unit, range_text(field));
+        case Verdict::Code::zero_vector:
+            return "has no length; give it a direction, for instance [0, 0, 1]";
+        case Verdict::Code::contradiction:
+            return fmt::format("({}) contradicts another field", verdict.value);
+        default:
+            return fmt::format("is not valid ({})", verdict.value);
+    }
+}
+
+}  // namespace
+
+Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
+    const KindInfo& info = kinds()[kind];
+    Entry entry;
+    entry.kind = kind;
+    entry.where = table.source().begin;
+    entry.id = fmt::format("{} of line {}", info.name, entry.where.line);
+    entry.called = fmt::format("the {} of line {}", info.name, entry.where.line);
+
+    std::vector<std::string_view> known;
+    for (const Field& field : info.fields) known.push_back(field.name);
+    known.insert(known.end(), std::begin(entry_keys), std::end(entry_keys));
+
+    const auto values = values_of(table);
+    for (const Value& value : values) {  // first, so that every other error can name it
+        if (value.key == "id") {
+            entry.id = identity(path, value, "id of " + entry.called);
+            entry.called = fmt::format("{} '{}'", info.name, entry.id);
+        }
+    }
+    for (const Value& value : values) {
+        const std::string what = fmt::format("{} of {}", value.key, entry.called);
+        if (value.key == "id") continue;
+        if (value.key == "at") {
+            entry.at = seconds(path, value, what);
+        } else if (value.key == "remove") {
+            entry.remove = boolean(path, value, what);
+        } else if (value.key == "probe") {
+            entry.probe = static_cast<std::uint32_t>(integer(path, value, what, 0, Scene::max_probes - 1));
+            entry.use_at = value.at;
+        } else if (value.key == "on_silence") {
+            entry.on_silence = static_cast<OnSilence>(choice(path, value, what, silence_names));
+            entry.use_at = value.at;
+        } else if (value.key == "silence_time") {
+            entry.silence_time = seconds(path, value, what);
+            entry.use_at = value.at;
+        } else {
+            std::uint32_t index = 0;
+            while (index < info.fields.size() && info.fields[index].name != value.key) ++index;
+            if (index == info.fields.size()) fail_unknown_key(path, value, entry.called, known);
+            entry.settings.push_back(read_setting(path, value, index, info.fields[index], what));
+        }
+    }
+    return entry;
+}
+
+ProbePlacement read_probe(const std::string& path, std::size_t index, const toml::table& table) {
+    const std::string called = fmt::format("probe {}", index);
+    ProbePlacement placement;
+    for (const Value& value : values_of(table)) {
+        const std::string what = fmt::format("{} of {}", value.key, called);
+        if (value.key == "offset") {
+            placement.offset = vector(path, value, what, "m");
+            if (!to_eigen(placement.offset).allFinite()) fail(path, value.at, what + " must be finite");
+        } else if (value.key == "radius") {
+            placement.radius = real(path, value, what, "m");
+            if (!std::isfinite(placement.radius) || placement.radius < 0) {
+                fail(path, value.at,
+                     fmt::format("{} is {} m; it must be 0 m or more, and finite", what, placement.radius));
+            }
+        } else {
+            fail_unknown_key(path, value, called, {"offset", "radius"});
+        }
+    }
+    return placement;
+}
+
+void apply(const std::string& path, const Entry& entry, std::vector<std::byte>& params) {
+    const KindInfo& info = kinds()[entry.kind];
+    for (const Setting& setting : entry.settings) {
+        const Field& field = info.fields[setting.field];
+        std::byte* target = params.data() + field.offset;
+        if (field.type == Field::Type::choice) {
+            const auto index = static_cast<std::uint32_t>(setting.parts[0]);
+            std::memcpy(target, &index, sizeof index);
+        } else {
+            std::memcpy(target, setting.parts, (field.type == Field::Type::vector ? 3 : 1) * sizeof(double));
+        }
+    }
+    const Verdict verdict = info.validate(params.data());
+    if (verdict) return;
+    if (verdict.field >= info.fields.size()) fail(path, entry.where, entry.called + " is not valid");
+    const Field& field = info.fields[verdict.field];
+    toml::source_position where = entry.where;
+    for (const Setting& setting : entry.settings) {
+        if (setting.field == verdict.field) where = setting.at;
+    }
+    fail(path, where, fmt::format("{} of {} {}", field.name, entry.called, verdict_text(field, verdict)));
+}
+
+}  // namespace knurl::scenefile

@@ -1,0 +1,39 @@
+#pragma once
+// One [[table]] of a scene file, its keys known and its values of the right type, but not yet put in order of
+// time. Private to this module.
+
+#include <optional>
+
+#include "toml_value.hpp"
+
+namespace knurl::scenefile {
+
+/// A value for one field of a representation.
+struct Setting {
+    std::uint32_t field;
+    double parts[3];  // a real or a choice: the first
+    toml::source_position at;
+};
+
+struct Entry {
+    Kind kind = 0;
+    toml::source_position where;
+    std::string id;
+    std::string called;  // what errors call it: "plane 'floor'"
+    double at = 0;       // s
+    bool remove = false;
+    std::optional<std::uint32_t> probe;
+    std::optional<OnSilence> on_silence;
+    std::optional<double> silence_time;  // s
+    toml::source_position use_at;        // of the last of these three
+    std::vector<Setting> settings;
+};
+
+Entry read_entry(const std::string& path, Kind kind, const toml::table& table);
+ProbePlacement read_probe(const std::string& path, std::size_t index, const toml::table& table);
+
+/// Writes the settings into a kind's parameters and checks the result; throws SceneError at the setting to
+/// blame.
+void apply(const std::string& path, const Entry& entry, std::vector<std::byte>& params);
+
+}  // namespace knurl::scenefile

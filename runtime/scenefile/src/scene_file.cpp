@@ -1,0 +1,225 @@
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "entry.hpp"
+
+namespace knurl::scenefile {
+
+namespace {
+
+template <class R>
+std::vector<std::byte> bytes_of_default() {
+    const R params{};
+    std::vector<std::byte> bytes(sizeof params);
+    std::memcpy(bytes.data(), &params, sizeof params);
+    return bytes;
+}
+
+template <class... R>
+std::vector<std::byte> default_params(Kind kind, TypeList<R...>) {
+    std::vector<std::byte> (*const makers[])() = {&bytes_of_default<R>...};
+    return makers[kind]();
+}
+
+/// A field that may be automatic describes the change, not the thing: an update does not inherit it.
+void reset_automatic(Kind kind, std::vector<std::byte>& params) {
+    for (const Field& field : kinds()[kind].fields) {
+        if (field.automatic_allowed) std::memcpy(params.data() + field.offset, &automatic, sizeof automatic);
+    }
+}
+
+[[noreturn]] void fail_unknown_table(const std::string& path, std::string_view name,
+                                     const toml::source_position& where) {
+    std::vector<std::string_view> known{"probe"};
+    for (const KindInfo& info : kinds()) known.push_back(info.name);
+    std::string all;
+    for (const auto word : known) all += (all.empty() ? "[[" : ", [[") + std::string(word) + "]]";
+    const auto meant = nearest(name, known);
+    fail(path, where,
+         fmt::format("unknown table '{}'; {}", name,
+                     meant.empty() ? "a scene has " + all : fmt::format("did you mean [[{}]]?", meant)));
+}
+
+/// The tables of a [[name]]; fails if it is written otherwise.
+std::vector<const toml::table*> tables_of(const std::string& path, const toml::key& name,
+                                          const toml::node& node) {
+    std::vector<const toml::table*> tables;
+    const auto* array = node.as_array();
+    bool whole = array != nullptr;
+    for (std::size_t i = 0; whole && i < array->size(); ++i) {
+        tables.push_back((*array)[i].as_table());
+        whole = tables.back() != nullptr;
+    }
+    if (!whole) {
+        fail(path, name.source().begin,
+             fmt::format("'{}' must be a list of tables; write [[{}]] above its keys", name.str(),
+                         name.str()));
+    }
+    return tables;
+}
+
+Use use_of(const Entry& entry) {
+    Use use;
+    use.probe = entry.probe.value_or(use.probe);
+    use.on_silence = entry.on_silence.value_or(use.on_silence);
+    use.silence_time = entry.silence_time.value_or(use.silence_time);
+    return use;
+}
+
+bool changes_use(const Entry& entry, const Use& use) {
+    return entry.probe.value_or(use.probe) != use.probe ||
+           entry.on_silence.value_or(use.on_silence) != use.on_silence ||
+           entry.silence_time.value_or(use.silence_time) != use.silence_time;
+}
+
+/// Turns entries in order of time into adds, updates and removals of what is there.
+class Resolver {
+  public:
+    explicit Resolver(SceneFile& scene) : scene_(scene) {}
+
+    void take(const Entry& entry) {
+        const auto [place, fresh] = newest_.try_emplace(entry.id);
+        if (!fresh && place->second.change.at == entry.at) {
+            fail(scene_.path, entry.where,
+                 fmt::format(
+                     "{} has two entries at {} s (the other in line {}); give one of them another 'at' or id",
+                     entry.called, entry.at, place->second.change.line));
+        }
+        if (fresh) place->second.present = false;
+        Newest& newest = place->second;
+        if (entry.remove) {
+            remove(entry, newest);
+        } else if (newest.present) {
+            update(entry, newest);
+        } else {
+            add(entry, newest);
+        }
+    }
+
+  private:
+    struct Newest {
+        Change change;
+        bool present = false;
+    };
+
+    void add(const Entry& entry, Newest& newest) {
+        Change change;
+        change.at = entry.at;
+        change.item = scene_.items++;
+        change.kind = entry.kind;
+        change.use = use_of(entry);
+        change.params = default_params(entry.kind, Representations{});
+        apply(scene_.path, entry, change.params);
+        keep(entry, std::move(change), newest, true);
+    }
+
+    void update(const Entry& entry, Newest& newest) {
+        check_kind(entry, newest);
+        if (changes_use(entry, newest.change.use)) {
+            fail(scene_.path, entry.use_at,
+                 fmt::format(
+                     "probe, on_silence and silence_time of {} were fixed in line {}; remove it and add it "
+                     "again to change them",
+                     entry.called, newest.change.line));
+        }
+        Change change = newest.change;
+        change.type = Change::Type::update;
+        change.at = entry.at;
+        reset_automatic(entry.kind, change.params);
+        apply(scene_.path, entry, change.params);
+        keep(entry, std::move(change), newest, true);
+    }
+
+    void remove(const Entry& entry, Newest& newest) {
+        if (!newest.present) {
+            fail(scene_.path, entry.where,
+                 fmt::format("{} is removed at {} s, but nothing of that id is there then", entry.called,
+                             entry.at));
+        }
+        check_kind(entry, newest);
+        Change change = newest.change;
+        change.type = Change::Type::remove;
+        change.at = entry.at;
+        reset_automatic(entry.kind, change.params);
+        apply(scene_.path, entry, change.params);
+        keep(entry, std::move(change), newest, false);
+    }
+
+    void check_kind(const Entry& entry, const Newest& newest) const {
+        if (entry.kind == newest.change.kind) return;
+        fail(scene_.path, entry.where,
+             fmt::format("{} is a {} since line {}; an update must be of the same kind", entry.called,
+                         kinds()[newest.change.kind].name, newest.change.line));
+    }
+
+    void keep(const Entry& entry, Change change, Newest& newest, bool present) {
+        change.id = entry.id;
+        change.line = entry.where.line;
+        newest.change = change;
+        newest.present = present;
+        scene_.changes.push_back(std::move(change));
+    }
+
+    SceneFile& scene_;
+    std::map<std::string, Newest> newest_;
+};
+
+}  // namespace
+
+SceneFile parse_scene(std::string_view text, const std::string& path) {
+    toml::table root;
+    try {
+        root = toml::parse(text, path);
+    } catch (const toml::parse_error& error) {
+        fail(path, error.source().begin, std::string(error.description()));
+    }
+
+    SceneFile scene;
+    scene.path = path;
+    std::vector<Entry> entries;
+    for (const auto& [name, node] : root) {
+        if (name.str() == "probe") {
+            for (const auto* table : tables_of(path, name, node)) {
+                if (scene.probes.size() == Scene::max_probes) {
+                    fail(path, table->source().begin,
+                         fmt::format("too many probes; a scene has at most {}", Scene::max_probes));
+                }
+                scene.probes.push_back(read_probe(path, scene.probes.size(), *table));
+            }
+            continue;
+        }
+        Kind kind = 0;
+        while (kind < kinds().size() && kinds()[kind].name != name.str()) ++kind;
+        if (kind == kinds().size()) fail_unknown_table(path, name.str(), name.source().begin);
+        for (const auto* table : tables_of(path, name, node))
+            entries.push_back(read_entry(path, kind, *table));
+    }
+
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+        return std::tie(a.at, a.where.line, a.where.column) < std::tie(b.at, b.where.line, b.where.column);
+    });
+    Resolver resolver(scene);
+    for (const Entry& entry : entries) resolver.take(entry);
+    return scene;
+}
+
+SceneFile read_scene(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::stringstream text;
+    if (!file || !(text << file.rdbuf())) {
+        // An empty file sets the failbit as well, and is a scene without anything in it.
+        if (!file.is_open() || file.bad() || file.peek() != std::ifstream::traits_type::eof()) {
+            throw SceneError(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+        }
+    }
+    return parse_scene(text.str(), path);
+}
+
+}  // namespace knurl::scenefile

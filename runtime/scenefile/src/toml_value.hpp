@@ -1,0 +1,36 @@
+#pragma once
+// Values of a TOML file with the place they came from, and the errors that name it. Private to this module.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include <knurl/scenefile/scene_file.hpp>
+
+namespace knurl::scenefile {
+
+/// Throws SceneError "path:line:column: text".
+[[noreturn]] void fail(const std::string& path, const toml::source_position& where, const std::string& text);
+
+/// One key of a table; keys of tables inside it are joined by dots.
+struct Value {
+    std::string key;
+    const toml::node* node;
+    toml::source_position key_at;
+    toml::source_position at;
+};
+
+/// The keys of a [[table]], in order of the file.
+std::vector<Value> values_of(const toml::table& table);
+
+// Each throws if the value is of another type. `what` is what errors call it: "stiffness of plane 'floor'".
+double real(const std::string& path, const Value& value, const std::string& what, std::string_view unit);
+Vec3 vector(const std::string& path, const Value& value, const std::string& what, std::string_view unit);
+std::string word(const std::string& path, const Value& value, const std::string& what);
+bool boolean(const std::string& path, const Value& value, const std::string& what);
+std::int64_t integer(const std::string& path, const Value& value, const std::string& what,
+                     std::int64_t minimum, std::int64_t maximum);
+
+}  // namespace knurl::scenefile
