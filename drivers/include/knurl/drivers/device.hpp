@@ -14,8 +14,8 @@ using Nanoseconds = std::int64_t;  // CLOCK_MONOTONIC, or the virtual clock's
 
 enum class ReadStatus : std::uint32_t {
     ok,
-    stale,      // no new sample this cycle: the old one is repeated
-    bad,        // garbage arrived: count it, keep the old sample
+    stale,  // no new sample this cycle: the old one is repeated
+    bad,    // garbage arrived: count it, keep the old sample
     unplugged,
 };
 
@@ -31,13 +31,13 @@ using JointEfforts = std::array<double, max_joints>;  // N m (N if prismatic)
 
 /// What the servo tells a device besides efforts.
 enum class Notice : std::uint32_t {
-    claim_active,   // a claim's gain has just reached 1: a scripted hand begins its motion
-    enabled,        // efforts other than zero may follow
-    disabled,       // only zero efforts follow: devices with an enable line drop it
+    claim_active,  // a claim's gain has just reached 1: a scripted hand begins its motion
+    enabled,       // efforts other than zero may follow
+    disabled,      // only zero efforts follow: devices with an enable line drop it
 };
 
-/// All but the destructor is noexcept, allocates nothing and never blocks the cycle: a slow transport belongs on
-/// a thread of the driver's own. `read` comes before `write` in every cycle.
+/// All but the destructor is noexcept, allocates nothing and never blocks the cycle: a slow transport belongs
+/// on a thread of the driver's own. `read` comes before `write` in every cycle.
 class Device {
   public:
     virtual ~Device() = default;  // leaves the motors at zero
@@ -50,8 +50,9 @@ class Device {
     virtual bool write(Nanoseconds now, const JointEfforts& efforts) noexcept = 0;
     virtual void notify(Notice) noexcept {}
 
-    /// Zero efforts at once. Called by the guardian, a process forked after the device was opened, when the servo
-    /// has died or stalled: it may touch nothing but what a fork leaves valid (descriptors, shared mappings).
+    /// Zero efforts at once. Called by the guardian, a process forked after the device was opened, when the
+    /// servo has died or stalled: it may touch nothing but what a fork leaves valid (descriptors, shared
+    /// mappings).
     virtual void make_safe() noexcept = 0;
 };
 

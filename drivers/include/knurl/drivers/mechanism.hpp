@@ -14,8 +14,8 @@ struct TipPose {
     Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
 };
 
-/// Rows 0-2: d(position)/d(joint), m/rad; rows 3-5: angular velocity per joint rate. Columns past the mechanism's
-/// joints are zero.
+/// Rows 0-2: d(position)/d(joint), m/rad; rows 3-5: angular velocity per joint rate. Columns past the
+/// mechanism's joints are zero.
 using Jacobian = Eigen::Matrix<double, 6, 8>;
 
 class Mechanism {
@@ -24,7 +24,8 @@ class Mechanism {
     virtual int joints() const noexcept = 0;
 
     /// False when there is no pose for these joints: keep the last pose, write zero effort, count it.
-    virtual bool forward(std::span<const double> joints, TipPose& pose, Jacobian& jacobian) const noexcept = 0;
+    virtual bool forward(std::span<const double> joints, TipPose& pose,
+                         Jacobian& jacobian) const noexcept = 0;
 };
 
 }  // namespace knurl::drivers

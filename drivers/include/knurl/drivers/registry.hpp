@@ -13,14 +13,16 @@ namespace knurl::drivers {
 
 /// Settings that come with a device from knurld's command line or configuration.
 struct OpenOptions {
-    std::string hand_file;  // motion of a simulated hand (t,x,y,z[,qw,qx,qy,qz]); empty: it rests at the centre
+    std::string
+        hand_file;  // motion of a simulated hand (t,x,y,z[,qw,qx,qy,qz]); empty: it rests at the centre
     std::uint64_t seed = 1;
 };
 
 struct Driver {
     std::string scheme;
     std::string help;  // one line: what the part after the colon may be
-    std::function<std::unique_ptr<Device>(std::string_view what, const OpenOptions&)> open;  // throws: what, where, mend
+    std::function<std::unique_ptr<Device>(std::string_view what, const OpenOptions&)>
+        open;  // throws: what, where, mend
 };
 
 /// All drivers of this build.

@@ -1,0 +1,369 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+
+#include <Eigen/LU>
+
+#include <knurl/drivers/sim_device.hpp>
+
+#include "sim/arm.hpp"
+#include "sim/hand.hpp"
+
+namespace knurl::drivers {
+
+namespace {
+
+constexpr std::uint64_t fnv_offset = 0xcbf29ce484222325U;
+constexpr std::uint64_t fnv_prime = 0x100000001b3U;
+
+void hash(std::uint64_t& digest, std::uint64_t word) {
+    for (int byte = 0; byte < 8; ++byte) {
+        digest = (digest ^ ((word >> (8 * byte)) & 0xffU)) * fnv_prime;
+    }
+}
+
+bool during(std::int64_t at, std::int64_t reads, std::uint64_t read) {
+    return at >= 0 && read >= static_cast<std::uint64_t>(at) && read < static_cast<std::uint64_t>(at + reads);
+}
+
+/// The joints that bring the tip to `target`, by damped Newton steps from the profile's centre. Only at
+/// start.
+JointArray reach(const SimProfile& profile, const Eigen::Vector3d& target) {
+    JointArray q = profile.centre;
+    TipPose pose;
+    Jacobian jacobian;
+    for (int step = 0; step < 200; ++step) {
+        if (!profile.mechanism->forward({q.data(), static_cast<std::size_t>(profile.joints)}, pose,
+                                        jacobian)) {
+            break;
+        }
+        Eigen::Vector3d miss = target - pose.position;
+        if (miss.norm() < 1e-12) {
+            return q;
+        }
+        if (miss.norm() > 0.02) {
+            miss *= 0.02 / miss.norm();
+        }
+        const auto j = jacobian.topRows<3>();
+        const Eigen::Matrix3d square = j * j.transpose() + 1e-12 * Eigen::Matrix3d::Identity();
+        const Eigen::Matrix<double, 8, 1> change = j.transpose() * square.inverse() * miss;
+        for (int i = 0; i < profile.joints; ++i) {
+            q[static_cast<std::size_t>(i)] += change[i];
+        }
+    }
+    if ((target - pose.position).norm() < 1e-9) {
+        return q;
+    }
+    throw std::runtime_error(profile.name + " cannot reach the start of the hand's motion, " +
+                             std::to_string(target.x()) + "," + std::to_string(target.y()) + "," +
+                             std::to_string(target.z()) + " m; keep it within " +
+                             std::to_string(profile.workspace_radius) + " m of the origin");
+}
+
+LinkConfig describe(const SimProfile& p) {
+    LinkConfig link;
+    link.name = p.name;
+    link.description = p.description;
+    link.sensed_joints = link.actuated_joints = p.joints;
+    link.senses_orientation = link.renders_torque = p.renders_torque;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(p.joints); ++i) {
+        link.radians_per_count.push_back(p.quantum / p.lever[i]);
+        link.effort_limit.push_back(p.peak_force * p.largest_lever[i]);
+    }
+    link.workspace_radius = p.workspace_radius;
+    link.peak_force = p.peak_force;
+    link.continuous_force = p.peak_force / 2;
+    link.peak_torque = p.peak_torque;
+    link.damping = p.damping;
+    link.lag = p.lag > 0 ? 1 / (2 * std::numbers::pi * p.lag) : 0;
+    link.grip_damping = p.hand.grip * p.hand.damping;
+    link.apparent_mass = p.mass;
+    link.has_watchdog = p.watchdog > 0;
+    link.watchdog_time = p.watchdog;
+    return link;
+}
+
+}  // namespace
+
+struct SimDevice::Body {
+    SimProfile profile;
+    LinkConfig link;
+    Arm arm;
+    Hand hand;
+    SimFaults faults;
+    SimState state;
+    JointSample sample;
+
+    Arm::JointVector target;   // N m, what the amplifiers were told, after DAC and limits
+    Arm::JointVector exerted;  // N m, after the lag
+    bool connected = true;
+    Nanoseconds now = 0;        // of the last read
+    Nanoseconds simulated = 0;  // ns since the first read
+    Nanoseconds written = 0;    // simulated ns of the last write
+    std::uint64_t digest = fnv_offset;
+
+    Body(SimProfile p, const std::optional<Motion>& motion)
+        : profile(std::move(p)),
+          link(describe(profile)),
+          arm(profile),
+          hand(profile.hand, motion, placed(motion), profile.seed),
+          target(Arm::JointVector::Zero(profile.joints)),
+          exerted(target) {
+        set_grip(profile.hand.grip);
+        publish(0);
+    }
+
+    /// The tip where the hand's motion starts, else where it is.
+    MotionSample placed(const std::optional<Motion>& motion) {
+        if (motion) {
+            arm.place(reach(profile, motion->rows().front().position), {});
+        }
+        return tip();
+    }
+
+    MotionSample tip() const {
+        return {.position = arm.pose().position,
+                .orientation = arm.pose().orientation,
+                .velocity = arm.twist().head<3>(),
+                .angular_velocity = arm.twist().tail<3>()};
+    }
+
+    void set_grip(double grip) {
+        hand.set_grip(grip);
+        arm.set_mass(profile.mass + grip * profile.hand.finger_mass);
+        link.grip_damping = grip * profile.hand.damping;
+    }
+
+    double time() const { return static_cast<double>(simulated) * 1e-9; }
+
+    /// All forces on the tip but the hand's and dry friction.
+    Arm::Wrench passive(const MotionSample& tip) const {
+        Eigen::Vector3d force = -profile.damping * tip.velocity;
+        force.z() -= profile.mass * profile.gravity;
+        const double distance = tip.position.norm();
+        if (distance > profile.stop_radius) {
+            const Eigen::Vector3d outwards = tip.position / distance;
+            const double press = profile.stop_stiffness * (distance - profile.stop_radius) +
+                                 profile.stop_damping * outwards.dot(tip.velocity);
+            force -= std::max(0.0, press) * outwards;
+        }
+        Arm::Wrench wrench;
+        wrench << force, -profile.rotational_damping * tip.angular_velocity;
+        return wrench;
+    }
+
+    Arm::JointVector joint_stops() const {
+        Arm::JointVector efforts = Arm::JointVector::Zero(arm.joints());
+        for (Eigen::Index i = 0; i < arm.joints(); ++i) {
+            const auto joint = static_cast<std::size_t>(i);
+            const double q = arm.position()[i];
+            const double over = q - std::clamp(q, profile.least[joint], profile.greatest[joint]);
+            if (over != 0) {
+                efforts[i] =
+                    -profile.joint_stop_stiffness * over - profile.joint_stop_damping * arm.rates()[i];
+            }
+        }
+        return efforts;
+    }
+
+    void advance(Nanoseconds gap) {
+        const auto steps = (gap + max_sub_step - 1) / max_sub_step;
+        if (steps == 0) {
+            return;
+        }
+        const double h = static_cast<double>(gap) * 1e-9 / static_cast<double>(steps);
+        const double follow = profile.lag > 0 ? -std::expm1(-h * 2 * std::numbers::pi * profile.lag) : 1;
+        const auto watchdog = static_cast<Nanoseconds>(profile.watchdog * 1e9);
+        for (Nanoseconds step = 0; step < steps; ++step) {
+            const Nanoseconds at = simulated + gap * step / steps;
+            if (watchdog > 0 && at - written > watchdog) {
+                target.setZero();
+            }
+            exerted += follow * (target - exerted);
+            const double t = static_cast<double>(at) * 1e-9;
+            const MotionSample before = tip();
+            const MotionSample wants = hand.wanted(t);
+            const HandForce pull = hand.force(t, wants, before);
+            Arm::Wrench wrench = passive(before);
+            wrench.head<3>() += pull.force;
+            wrench.tail<3>() += pull.torque;
+            const Arm::JointVector rates_before = arm.rates();
+            arm.step(h, exerted + joint_stops(), wrench);
+
+            // The change of kinetic energy in a semi-implicit step is force times the mean of the velocities.
+            const MotionSample after = tip();
+            state.energy_to_hand -= h * 0.5 *
+                                    (pull.force.dot(before.velocity + after.velocity) +
+                                     pull.torque.dot(before.angular_velocity + after.angular_velocity));
+            state.motor_work += h * 0.5 * exerted.dot(rates_before + arm.rates());
+            state.peak_motor_force = std::max(state.peak_motor_force, arm.motor_force().norm());
+            state.hand_force = pull.force;
+            state.hand_wants = wants.position;
+        }
+        simulated += gap;
+    }
+
+    void publish(Nanoseconds skipped) {
+        state.t = time();
+        for (Eigen::Index i = 0; i < arm.joints(); ++i) {
+            const auto joint = static_cast<std::size_t>(i);
+            state.joints[joint] = arm.position()[i];
+            state.rates[joint] = arm.rates()[i];
+            state.efforts[joint] = exerted[i];
+        }
+        const MotionSample here = tip();
+        state.position = here.position;
+        state.orientation = here.orientation;
+        state.velocity = here.velocity;
+        state.angular_velocity = here.angular_velocity;
+        state.motor_force = arm.motor_force();
+        state.kinetic_energy = arm.kinetic_energy();
+        state.skipped += skipped;
+        for (const JointArray* words : {&state.joints, &state.rates, &state.efforts}) {
+            for (std::size_t i = 0; i < static_cast<std::size_t>(profile.joints); ++i) {
+                hash(digest, std::bit_cast<std::uint64_t>((*words)[i]));
+            }
+        }
+        hash(digest, static_cast<std::uint64_t>(simulated));
+    }
+
+    void measure() {
+        sample.calibrated = true;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(profile.joints); ++i) {
+            const double count = link.radians_per_count[i];
+            sample.position[i] =
+                count > 0 ? count * std::nearbyint(state.joints[i] / count) : state.joints[i];
+        }
+    }
+
+    ReadStatus answer(std::uint64_t read, JointSample& out) {
+        if (faults.unplug_at >= 0 && read >= static_cast<std::uint64_t>(faults.unplug_at)) {
+            connected = faults.replug_at >= 0 && read >= static_cast<std::uint64_t>(faults.replug_at);
+            if (!connected) {
+                target.setZero();
+                out = sample;
+                return ReadStatus::unplugged;
+            }
+        }
+        if (during(faults.stale_at, faults.stale_reads, read)) {
+            out = sample;
+            return ReadStatus::stale;
+        }
+        if (during(faults.bad_at, faults.bad_reads, read)) {
+            out = sample;
+            return ReadStatus::bad;
+        }
+        measure();
+        out = sample;
+        if (during(faults.nan_at, faults.nan_reads, read)) {
+            out.position[0] = std::nan("");
+        }
+        if (during(faults.jump_at, faults.jump_reads, read)) {
+            out.position[static_cast<std::size_t>(std::clamp(faults.jump_joint, 0, max_joints - 1))] +=
+                faults.jump;
+        }
+        out.calibrated = !during(faults.unhomed_at, faults.unhomed_reads, read);
+        return ReadStatus::ok;
+    }
+};
+
+SimDevice::SimDevice(SimProfile profile, const std::optional<Motion>& hand)
+    : body_(std::make_unique<Body>(std::move(profile), hand)) {}
+
+SimDevice::~SimDevice() = default;
+
+const LinkConfig& SimDevice::link() const noexcept {
+    return body_->link;
+}
+const Mechanism& SimDevice::mechanism() const noexcept {
+    return *body_->profile.mechanism;
+}
+const SimState& SimDevice::state() const noexcept {
+    return body_->state;
+}
+const SimProfile& SimDevice::profile() const noexcept {
+    return body_->profile;
+}
+SimFaults& SimDevice::faults() noexcept {
+    return body_->faults;
+}
+std::uint64_t SimDevice::digest() const noexcept {
+    return body_->digest;
+}
+void SimDevice::set_grip(double grip) noexcept {
+    body_->set_grip(std::clamp(grip, 0.0, 1.0));
+}
+
+ReadStatus SimDevice::read(Nanoseconds now, JointSample& sample) noexcept {
+    Body& body = *body_;
+    const Nanoseconds gap = body.state.reads == 0 ? 0 : std::max<Nanoseconds>(0, now - body.now);
+    const Nanoseconds simulated = std::min(gap, max_catch_up);
+    body.now = body.state.reads == 0 ? now : std::max(now, body.now);
+    body.advance(simulated);
+    body.publish(gap - simulated);
+    return body.answer(body.state.reads++, sample);
+}
+
+bool SimDevice::write(Nanoseconds, const JointEfforts& efforts) noexcept {
+    Body& body = *body_;
+    if (!body.connected) {
+        return false;
+    }
+    ++body.state.writes;
+    body.written = body.simulated;
+    const auto joints = static_cast<std::size_t>(body.profile.joints);
+    const std::span<const double> asked(efforts.data(), joints);
+    if (!std::all_of(asked.begin(), asked.end(), [](double effort) { return std::isfinite(effort); })) {
+        ++body.state.refused_efforts;
+        body.target.setZero();
+        return true;
+    }
+    const double steps = body.profile.dac_bits > 0 ? std::exp2(body.profile.dac_bits - 1) - 1 : 0;
+    for (std::size_t i = 0; i < joints; ++i) {
+        const double limit = body.link.effort_limit[i];
+        const double clipped = std::clamp(asked[i], -limit, limit);
+        body.target[static_cast<Eigen::Index>(i)] =
+            steps > 0 ? std::nearbyint(clipped / limit * steps) / steps * limit : clipped;
+    }
+    return true;
+}
+
+void SimDevice::notify(Notice notice) noexcept {
+    if (notice == Notice::claim_active) {
+        body_->hand.begin(body_->time());
+    } else if (notice == Notice::disabled) {
+        body_->hand.rest(body_->time());
+    }
+}
+
+void SimDevice::place(const JointArray& joints, const JointArray& rates) noexcept {
+    body_->arm.place(joints, rates);
+    body_->target.setZero();
+    body_->exerted.setZero();
+    body_->publish(0);
+}
+
+Driver sim_driver() {
+    std::string names;
+    for (const std::string& name : sim_profile_names()) {
+        names += (names.empty() ? "" : "|") + name;
+    }
+    return {.scheme = "sim",
+            .help = names + "[,grip=0.5,push=1.5,...]",
+            .open = [](std::string_view what, const OpenOptions& options) -> std::unique_ptr<Device> {
+                SimProfile profile = sim_profile(what);
+                if (what.find(",seed=") == std::string_view::npos) {
+                    profile.seed = options.seed;
+                }
+                std::optional<Motion> hand;
+                if (!options.hand_file.empty()) {
+                    hand = load_motion(options.hand_file);
+                }
+                return std::make_unique<SimDevice>(std::move(profile), hand);
+            }};
+}
+
+}  // namespace knurl::drivers
