@@ -37,8 +37,8 @@ concept Listed = kind_of<R> < Representations::size;
 struct KindInfo {
     std::string_view name;
     std::span<const Field> fields;
-    std::size_t size;                            // bytes of its parameters
-    bool surface;                                // else an effect
+    std::size_t size;  // bytes of its parameters
+    bool surface;      // else an effect
     Verdict (*validate)(const void* params) noexcept;
 };
 

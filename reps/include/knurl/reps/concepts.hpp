@@ -14,36 +14,59 @@ namespace knurl {
 /// The tangent plane of a surface at the foot of the probe: points x with normal . (x - foot) >= 0 are free.
 struct Contact {
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, towards free space
-    double height = 0;                                  // m, signed: of the probe's surface over the tangent plane
-    double stiffness = 0;                               // N/m
-    double damping = 0;                                 // N s/m
+    double height = 0;     // m, signed: of the probe's surface over the tangent plane
+    double stiffness = 0;  // N/m
+    double damping = 0;    // N s/m
+};
+
+/// The plane of a surface that stands still between changes; points with normal . x >= offset are free.
+struct HalfSpace {
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+    double offset = 0;   // m
+    double damping = 0;  // N s/m
 };
 
 /// Parameters are the application's: a trivially copyable aggregate of fixed-width members in SI units.
 /// State is the servo's. All functions are noexcept and depend on their arguments alone.
 template <class R>
 concept Representation = std::is_trivially_copyable_v<R> && std::is_trivially_copyable_v<typename R::State> &&
-    sizeof(R) <= 512 && sizeof(typename R::State) <= 256 &&
-    requires(R params, const R& previous, typename R::State& state, const Probe& probe, const Limits& limits) {
-        { Describe<R>::name } -> std::convertible_to<std::string_view>;
-        { std::span<const Field>(Describe<R>::fields) };
-        // Validated parameters as the servo uses them (unit normal, stiffness within the limits).
-        { prepared(params, limits) } noexcept -> std::same_as<R>;
-        // New parameters take effect: `previous` is null for one just added. Parameters equal to the previous
-        // ones to the bit never reach adopt.
-        { adopt(params, &previous, state, probe) } noexcept;
-    };
+                             sizeof(R) <= 512 &&
+                         sizeof(typename R::State) <= 256 &&
+                         requires(R params, const R& previous, typename R::State& state, const Probe& probe,
+                                  const Limits& limits) {
+    { Describe<R>::name } -> std::convertible_to<std::string_view>;
+    {std::span<const Field>(Describe<R>::fields)};
+    // Validated parameters as the servo uses them (unit normal, stiffness within the limits).
+    { prepared(params, limits) }
+    noexcept->std::same_as<R>;
+    // New parameters take effect: `previous` is null for one just added. Parameters equal to the previous
+    // ones to the bit never reach adopt.
+    { adopt(params, &previous, state, probe) }
+    noexcept;
+};
 
 template <class R>
 concept Surface = Representation<R> &&
     requires(const R& params, typename R::State& state, const Probe& probe, double dt) {
-        { contact(params, state, probe, dt) } noexcept -> std::same_as<Contact>;
-    };
+    { contact(params, state, probe, dt) }
+    noexcept->std::same_as<Contact>;
+    { params.stiffness } -> std::convertible_to<double>;  // N/m, the same between changes
+};
 
 template <class R>
 concept Effect = Representation<R> &&
     requires(const R& params, typename R::State& state, const Probe& probe, double dt) {
-        { evaluate(params, state, probe, dt) } noexcept -> std::same_as<Wrench>;
-    };
+    { evaluate(params, state, probe, dt) }
+    noexcept->std::same_as<Wrench>;
+};
+
+// What a representation may offer besides; each is found by its name (argument-dependent lookup) and is
+// optional:
+//   std::optional<HalfSpace> standing(const R&)      a surface that is one plane until it changes: scanned,
+//   not called bool recovers_itself(const R&)                   its own state brings a change in: left out of
+//   the cross-fade R carried(const R& old, const R& next)           an effect's `old` with all that moves by
+//   itself taken from `next` void settle(const R&, R::State&)                 ends every motion and recovery
+//   at once
+// A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic.
 
 }  // namespace knurl

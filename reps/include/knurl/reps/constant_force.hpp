@@ -21,18 +21,34 @@ template <>
 struct Describe<ConstantForce> {
     static constexpr std::string_view name = "constant_force";
     static constexpr Field fields[] = {
-        {.name = "force", .type = Field::Type::vector, .offset = offsetof(ConstantForce, force), .unit = "N",
-         .meaning = "on the hand"},
-        {.name = "torque", .type = Field::Type::vector, .offset = offsetof(ConstantForce, torque), .unit = "N m",
-         .meaning = "on the hand, about the probe"},
-        {.name = "recovery", .offset = offsetof(ConstantForce, recovery), .unit = "s",
-         .meaning = "time over which a change reaches the hand", .minimum = 0, .automatic_allowed = true},
+        {.name = "force",
+         .type = Field::Type::vector,
+         .offset = offsetof(ConstantForce, force),
+         .unit = "N",
+         .meaning = "on the hand",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "torque",
+         .type = Field::Type::vector,
+         .offset = offsetof(ConstantForce, torque),
+         .unit = "N m",
+         .meaning = "on the hand, about the probe",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "recovery",
+         .offset = offsetof(ConstantForce, recovery),
+         .unit = "s",
+         .meaning = "time over which a change reaches the hand",
+         .minimum = 0,
+         .maximum = 1000,
+         .automatic_allowed = true},
     };
 };
 
 ConstantForce prepared(ConstantForce params, const Limits& limits) noexcept;
 void adopt(const ConstantForce& params, const ConstantForce* previous, ConstantForce::State& state,
            const Probe& probe) noexcept;
-Wrench evaluate(const ConstantForce& params, ConstantForce::State& state, const Probe& probe, double dt) noexcept;
+Wrench evaluate(const ConstantForce& params, ConstantForce::State& state, const Probe& probe,
+                double dt) noexcept;
 
 }  // namespace knurl

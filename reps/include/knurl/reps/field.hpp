@@ -1,6 +1,7 @@
 #pragma once
-// A table of fields describes each representation's parameters once; from it come validation, the keys of TOML
-// scenes, the text of every refusal and the layout hash. Nothing here allocates: the servo validates with it.
+// A table of fields describes each representation's parameters once; from it come validation, the keys of
+// TOML scenes, the text of every refusal and the layout hash. Nothing here allocates: the servo validates
+// with it.
 
 #include <cstddef>
 #include <cstdint>
@@ -21,13 +22,14 @@ struct Field {
     std::string_view name;
     Type type = Type::real;
     std::size_t offset = 0;
-    std::string_view unit;
-    std::string_view meaning;
-    double minimum = -std::numeric_limits<double>::infinity();  // reals: the smallest legal value
-    double maximum = std::numeric_limits<double>::infinity();
-    bool infinity_allowed = false;   // "as stiff as this device allows"
-    bool automatic_allowed = false;  // the value `automatic` is legal besides the range
-    bool nonzero = false;            // vectors: length >= 1e-6
+    std::string_view unit = {};
+    std::string_view meaning = {};
+    double minimum = -std::numeric_limits<double>::infinity();  // the smallest legal value; of each component
+    double maximum =
+        std::numeric_limits<double>::infinity();     // so large that no product overflows: force stays finite
+    bool infinity_allowed = false;                   // "as stiff as this device allows"
+    bool automatic_allowed = false;                  // the value `automatic` is legal besides the range
+    bool nonzero = false;                            // vectors: length >= 1e-6
     std::span<const std::string_view> choices = {};  // choices: the names of the values 0, 1, ...
 };
 
@@ -39,15 +41,15 @@ struct Verdict {
         out_of_range,
         zero_vector,
         no_such_choice,
-        contradiction,    // two fields together make no sense; `field` is the second of them
+        contradiction,  // two fields together make no sense; `field` is the second of them
         unknown_kind,
         wrong_size,
-        no_such_slot,     // no representation in that slot, or of another generation
+        no_such_slot,  // no representation in that slot, or of another generation
         slot_in_use,
         no_such_probe,
-        too_many,         // a capacity is exhausted
+        too_many,  // a capacity is exhausted
         not_armed,
-        refused,          // anything else the device's state forbids; `value` is the protocol's reason
+        refused,  // anything else the device's state forbids; `value` is the protocol's reason
     };
     Code code = Code::ok;
     std::uint32_t field = no_field;

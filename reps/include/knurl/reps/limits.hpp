@@ -4,8 +4,8 @@
 
 namespace knurl {
 
-/// What the device and its rate allow, in world units: plain numbers, so that a representation can clamp without
-/// knowing a device. The defaults are "no limit at all" (offline evaluation without a device).
+/// What the device and its rate allow, in world units: plain numbers, so that a representation can clamp
+/// without knowing a device. The defaults are "no limit at all" (offline evaluation without a device).
 struct Limits {
     double max_stiffness = std::numeric_limits<double>::infinity();  // N/m: b / (T/2 + tau), or as measured
     double max_force = std::numeric_limits<double>::infinity();      // N, the device's peak

@@ -22,32 +22,32 @@ enum class OnSilence : std::uint32_t { fade = 0, hold = 1, move = 2 };
 
 /// How a representation is used, beside its own parameters; fixed when it is added.
 struct Use {
-    std::uint32_t probe = 0;                  // which probe it acts on, 0-15
+    std::uint32_t probe = 0;  // which probe it acts on, 0-15
     OnSilence on_silence = OnSilence::fade;
-    double silence_time = 0.1;                // s: `move` goes on for this time, then fades
-    std::uint32_t feedback = 1;               // 0: its wrench and contact point are not reported
+    double silence_time = 0.1;   // s: `move` goes on for this time, then fades
+    std::uint32_t feedback = 1;  // 0: its wrench and contact point are not reported
     std::uint32_t reserved = 0;
 };
 
 /// How changes reach the hand in this scene.
 struct FadePolicy {
-    double automatic = 0.01;      // s, what `recovery = automatic` means at the moment
-    double rise_speed = 0.1;      // m/s, a surface rising under the hand is not faster; infinity: no such rule
+    double automatic = 0.01;  // s, what `recovery = automatic` means at the moment
+    double rise_speed = 0.1;  // m/s, a surface rising under the hand is not faster; infinity: no such rule
 };
 
 /// What the application learns of one representation each cycle.
 struct Feedback {
     Handle handle;
-    Wrench wrench;                 // on the hand; the application's end feels the opposite
-    Eigen::Vector3d contact_point; // m, world
-    double stiffness = 0;          // N/m as applied, after clamping
-    std::uint32_t flags = 0;       // Feedback::touching, ...
+    Wrench wrench;  // on the hand; the application's end feels the opposite
+    Eigen::Vector3d contact_point = Eigen::Vector3d::Zero();  // m, world
+    double stiffness = 0;                                     // N/m as applied, after clamping
+    std::uint32_t flags = 0;                                  // Feedback::touching, ...
 
-    static constexpr std::uint32_t touching = 1;            // the hand feels it in this cycle
-    static constexpr std::uint32_t stiffness_clamped = 2;   // less stiff than asked for
-    static constexpr std::uint32_t infeasible = 4;          // its set contradicts itself; the answer is bounded
-    static constexpr std::uint32_t fading = 8;              // a change is still being cross-faded
-    static constexpr std::uint32_t silent = 16;             // its application has fallen silent
+    static constexpr std::uint32_t touching = 1;           // the hand feels it in this cycle
+    static constexpr std::uint32_t stiffness_clamped = 2;  // less stiff than asked for
+    static constexpr std::uint32_t infeasible = 4;  // its set contradicts itself; the answer is bounded
+    static constexpr std::uint32_t fading = 8;      // a change is still being cross-faded
+    static constexpr std::uint32_t silent = 16;     // its application has fallen silent
 };
 
 class Scene {
@@ -69,14 +69,19 @@ class Scene {
     void set_fade(const FadePolicy& policy) noexcept;
     Verdict place_probe(std::uint32_t probe, const ProbePlacement& placement) noexcept;
 
-    // Changes. Each call checks first and changes nothing when it refuses. All changes made between two calls of
-    // `evaluate` are one change of the set: they take effect together, in one cross-fade.
-    Verdict check_add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) const noexcept;
+    // Changes. Each call checks first and changes nothing when it refuses. All changes made between two calls
+    // of `evaluate` are one change of the set: they take effect together, in one cross-fade.
+    Verdict check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
+                      const Use& use) const noexcept;
     Verdict add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) noexcept;
     Verdict check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) const noexcept;
     Verdict update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
     Verdict remove(Handle handle) noexcept;
     void clear() noexcept;  // removes all, at once, with no fade
+
+    /// The changes made since the last `evaluate` are there from the start: taken at once, with no fade or
+    /// motion.
+    void settle() noexcept;
 
     template <Listed R>
     Verdict add(Handle handle, const R& params, const Use& use = {}) noexcept {
@@ -90,16 +95,16 @@ class Scene {
     /// For how long the application has been silent (s); 0 or less: it is not. Acts through each Use.
     void set_silence(double seconds) noexcept;
 
-    /// The wrench on the hand, about the hand's position. `hand` is the device's tip in world coordinates; the
-    /// probes are placed on it. dt in s (0: same wrench, no state advances).
+    /// The wrench on the hand, about the hand's position. `hand` is the device's tip in world coordinates;
+    /// the probes are placed on it. dt in s (0: same wrench, no state advances).
     Wrench evaluate(const Probe& hand, double dt) noexcept;
 
     // After `evaluate`:
-    Eigen::Vector3d contact_point() const noexcept;      // of probe 0, in the new set; else probe 0 itself
-    std::uint32_t size() const noexcept;                 // representations present
+    Eigen::Vector3d contact_point() const noexcept;  // of probe 0, in the new set; else probe 0 itself
+    std::uint32_t size() const noexcept;             // representations present
     std::uint32_t count(Kind kind) const noexcept;
-    std::uint32_t evaluated() const noexcept;            // representations evaluated in the last cycle
-    double stiffness_sum() const noexcept;               // N/m, the stiffest direction's bound: for sharing a device
+    std::uint32_t evaluated() const noexcept;  // representations evaluated in the last cycle
+    double stiffness_sum() const noexcept;     // N/m, the stiffest direction's bound: for sharing a device
     /// Fills in feedback of the representations that ask for it; returns how many (at most out.size()).
     std::size_t feedback(std::span<Feedback> out) const noexcept;
 

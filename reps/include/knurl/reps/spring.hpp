@@ -1,5 +1,6 @@
 #pragma once
-// A spring between a point of the application's and a point on the probe. Source: Mark et al. 96, section 2.1.
+// A spring between a point of the application's and a point on the probe. Source: Mark et al. 96,
+// section 2.1.
 
 #include <cstddef>
 
@@ -14,6 +15,7 @@ struct Spring {
     double stiffness = 0;    // N/m
     double damping = 0;      // N s/m, along the spring
     double duration = 0.2;   // s, in which anchor and rest length move linearly to new values
+    double share = 0;  // stiffness as a share of the largest allowed: the servo's, filled in by `prepared`
 
     struct State {
         Vec3 anchor;             // m, where the end is now
@@ -26,23 +28,58 @@ template <>
 struct Describe<Spring> {
     static constexpr std::string_view name = "spring";
     static constexpr Field fields[] = {
-        {.name = "anchor", .type = Field::Type::vector, .offset = offsetof(Spring, anchor), .unit = "m",
-         .meaning = "the application's end"},
-        {.name = "attach", .type = Field::Type::vector, .offset = offsetof(Spring, attach), .unit = "m",
-         .meaning = "the end on the probe, in the probe's frame"},
-        {.name = "rest_length", .offset = offsetof(Spring, rest_length), .unit = "m",
-         .meaning = "length without force", .minimum = 0},
-        {.name = "stiffness", .offset = offsetof(Spring, stiffness), .unit = "N/m", .meaning = "force per stretch",
-         .minimum = 0, .infinity_allowed = true},
-        {.name = "damping", .offset = offsetof(Spring, damping), .unit = "N s/m", .meaning = "along the spring",
-         .minimum = 0},
-        {.name = "duration", .offset = offsetof(Spring, duration), .unit = "s",
-         .meaning = "time in which anchor and rest length move to new values", .minimum = 0},
+        {.name = "anchor",
+         .type = Field::Type::vector,
+         .offset = offsetof(Spring, anchor),
+         .unit = "m",
+         .meaning = "the application's end",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "attach",
+         .type = Field::Type::vector,
+         .offset = offsetof(Spring, attach),
+         .unit = "m",
+         .meaning = "the end on the probe, in the probe's frame",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "rest_length",
+         .offset = offsetof(Spring, rest_length),
+         .unit = "m",
+         .meaning = "length without force",
+         .minimum = 0,
+         .maximum = 1e9},
+        {.name = "stiffness",
+         .offset = offsetof(Spring, stiffness),
+         .unit = "N/m",
+         .meaning = "force per stretch",
+         .minimum = 0,
+         .maximum = 1e9,
+         .infinity_allowed = true},
+        {.name = "damping",
+         .offset = offsetof(Spring, damping),
+         .unit = "N s/m",
+         .meaning = "along the spring",
+         .minimum = 0,
+         .maximum = 1e9},
+        {.name = "duration",
+         .offset = offsetof(Spring, duration),
+         .unit = "s",
+         .meaning = "time in which anchor and rest length move to new values",
+         .minimum = 0,
+         .maximum = 1000},
     };
 };
 
 Spring prepared(Spring params, const Limits& limits) noexcept;
 void adopt(const Spring& params, const Spring* previous, Spring::State& state, const Probe& probe) noexcept;
+/// About the probe's position. The force is k (1 - L0 / sqrt(l^2 + e^2)) d - b (v.u) u, d from the attached
+/// point to the anchor, u = d / l, v the attached point's velocity; e = max(min(1 mm, L0 / 20), L0 k / k_max)
+/// takes away the jump of 2 k L0 at l = 0.
 Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, double dt) noexcept;
+
+/// What moves by itself at an update (anchor, rest length) taken over from `next`; the rest is cross-faded.
+Spring carried(const Spring& old, const Spring& next) noexcept;
+/// Arrives at once.
+void settle(const Spring& params, Spring::State& state) noexcept;
 
 }  // namespace knurl

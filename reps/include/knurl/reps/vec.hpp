@@ -1,6 +1,7 @@
 #pragma once
-// Plain vectors for parameters and reports. They cross process boundaries, so they are fixed-width structs and
-// never Eigen types (whose alignment changes with compiler flags); inside a computation use the Eigen views.
+// Plain vectors for parameters and reports. They cross process boundaries, so they are fixed-width structs
+// and never Eigen types (whose alignment changes with compiler flags); inside a computation use the Eigen
+// views.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -18,9 +19,17 @@ struct Quat {
     friend bool operator==(const Quat&, const Quat&) = default;
 };
 
-inline Eigen::Vector3d to_eigen(const Vec3& v) noexcept { return {v.x, v.y, v.z}; }
-inline Eigen::Quaterniond to_eigen(const Quat& q) noexcept { return {q.w, q.x, q.y, q.z}; }
-inline Vec3 to_plain(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
-inline Quat to_plain(const Eigen::Quaterniond& q) noexcept { return {q.w(), q.x(), q.y(), q.z()}; }
+inline Eigen::Vector3d to_eigen(const Vec3& v) noexcept {
+    return {v.x, v.y, v.z};
+}
+inline Eigen::Quaterniond to_eigen(const Quat& q) noexcept {
+    return {q.w, q.x, q.y, q.z};
+}
+inline Vec3 to_plain(const Eigen::Vector3d& v) noexcept {
+    return {v.x(), v.y(), v.z()};
+}
+inline Quat to_plain(const Eigen::Quaterniond& q) noexcept {
+    return {q.w(), q.x(), q.y(), q.z()};
+}
 
 }  // namespace knurl

@@ -16,7 +16,11 @@ struct Wrench {
     }
 };
 
-inline Wrench operator*(double scale, const Wrench& w) noexcept { return {scale * w.force, scale * w.torque}; }
-inline Wrench operator+(Wrench a, const Wrench& b) noexcept { return a += b; }
+inline Wrench operator*(double scale, const Wrench& w) noexcept {
+    return {scale * w.force, scale * w.torque};
+}
+inline Wrench operator+(Wrench a, const Wrench& b) noexcept {
+    return a += b;
+}
 
 }  // namespace knurl

@@ -1,0 +1,104 @@
+#include <cmath>
+#include <cstdio>
+
+#include <knurl/reps/describe.hpp>
+
+namespace knurl {
+namespace {
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.15g", value);
+    return text;
+}
+
+std::string with_unit(double value, std::string_view unit) {
+    std::string text = number(value);
+    if (!unit.empty() && unit != "1") text.append(" ").append(unit);
+    return text;
+}
+
+// What may be given: the remedy that ends every refusal of a field.
+std::string legal(const Field& field) {
+    if (field.type == Field::Type::choice) {
+        std::string text = "give one of";
+        for (const std::string_view choice : field.choices) text.append(" ").append(choice);
+        return text;
+    }
+    std::string text = field.type == Field::Type::vector ? "give components" : "give a value";
+    const bool below = std::isfinite(field.minimum), above = std::isfinite(field.maximum);
+    if (below && above) {
+        text += " from " + number(field.minimum) + " to " + with_unit(field.maximum, field.unit);
+    } else if (below) {
+        text += " of " + with_unit(field.minimum, field.unit) + " or more";
+    } else if (above) {
+        text += " of " + with_unit(field.maximum, field.unit) + " or less";
+    } else {
+        text += " that is finite";
+    }
+    if (field.infinity_allowed) text += ", or infinity for as stiff as the device allows";
+    if (field.automatic_allowed) text += ", or leave it out for automatic";
+    return text;
+}
+
+std::string what(const Verdict& verdict, const KindInfo* kind) {
+    const Field* field = kind && verdict.field < kind->fields.size() ? &kind->fields[verdict.field] : nullptr;
+    const std::string name = field ? std::string(kind->name) + "." + std::string(field->name)
+                                   : std::string(kind ? kind->name : "representation");
+    const std::string_view unit = field ? field->unit : std::string_view("1");
+    // Without a field the number belongs to how the representation is used, not to its parameters.
+    const std::string remedy = field ? "; " + legal(*field) : std::string();
+    switch (verdict.code) {
+        case Verdict::Code::ok:
+            return name + ": accepted";
+        case Verdict::Code::not_finite:
+            return field
+                       ? name + " = " + number(verdict.value) + " is not a finite number" + remedy
+                       : name + ": a number is not finite (" + number(verdict.value) + "); give a finite one";
+        case Verdict::Code::out_of_range:
+            return field ? name + " = " + with_unit(verdict.value, unit) + " is out of range" + remedy
+                         : name + ": silence_time = " + number(verdict.value) +
+                               " s is out of range; give 0 s or more";
+        case Verdict::Code::zero_vector:
+            return name + " has length " + number(verdict.value) +
+                   " and so no direction; give a length of 1e-06 or more";
+        case Verdict::Code::no_such_choice:
+            return field ? name + " = " + number(verdict.value) + " is none of its choices" + remedy
+                         : name + ": on_silence = " + number(verdict.value) +
+                               " is none of its choices; give one of fade hold move";
+        case Verdict::Code::contradiction:
+            return name + " = " + with_unit(verdict.value, unit) + " contradicts another of its fields" +
+                   remedy;
+        case Verdict::Code::unknown_kind:
+            return "no representation of kind " + number(verdict.value) +
+                   " exists; build the application and the servo from the same version";
+        case Verdict::Code::wrong_size:
+            return name + ": parameters of " + number(verdict.value) + " bytes instead of " +
+                   std::to_string(kind ? kind->size : 0) +
+                   "; build the application and the servo from the same version";
+        case Verdict::Code::no_such_slot:
+            return name + ": there is none in slot " + number(verdict.value) +
+                   ", or no longer the same one; it was removed: add it again";
+        case Verdict::Code::slot_in_use:
+            return name + ": slot " + number(verdict.value) + " is taken; remove what is there first";
+        case Verdict::Code::no_such_probe:
+            return name + ": there is no probe " + number(verdict.value) + "; probes count from 0";
+        case Verdict::Code::too_many:
+            return name + ": no room for another (limit " + number(verdict.value) + "); remove one first";
+        case Verdict::Code::not_armed:
+            return name + ": the device is not armed; arm it first";
+        case Verdict::Code::refused:
+            return name + ": refused in the device's present state (reason " + number(verdict.value) + ")";
+    }
+    return name + ": refused";
+}
+
+}  // namespace
+
+std::string describe(const Verdict& verdict, Kind kind, std::string_view where) {
+    const KindInfo* info = kind < kinds().size() ? &kinds()[kind] : nullptr;
+    const std::string text = what(verdict, info);
+    return where.empty() ? text : std::string(where) + ": " + text;
+}
+
+}  // namespace knurl

@@ -1,0 +1,67 @@
+#include <array>
+#include <cstring>
+
+#include <knurl/reps/all.hpp>
+
+namespace knurl {
+namespace {
+
+template <Representation R>
+Verdict validate(const void* params) noexcept {
+    if (const Verdict verdict = validate_fields(Describe<R>::fields, params); !verdict) return verdict;
+    if constexpr (requires(const R& r) { Describe<R>::check(r); }) {
+        R copy;  // the bytes may lie anywhere
+        std::memcpy(&copy, params, sizeof copy);
+        return Describe<R>::check(copy);
+    }
+    return {};
+}
+
+template <class... R>
+constexpr auto table(TypeList<R...>) {
+    static_assert((... && (Surface<R> != Effect<R>)), "a representation is a surface or an effect");
+    return std::array<KindInfo, sizeof...(R)>{KindInfo{.name = Describe<R>::name,
+                                                       .fields = Describe<R>::fields,
+                                                       .size = sizeof(R),
+                                                       .surface = Surface<R>,
+                                                       .validate = &validate<R>}...};
+}
+
+constexpr auto all_kinds = table(Representations{});
+
+// FNV-1a, 64 bits.
+struct Hash {
+    std::uint64_t value = 0xcbf29ce484222325u;
+
+    void add(std::string_view text) noexcept {
+        for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+        add(text.size());
+    }
+    void add(std::uint64_t number) noexcept {
+        for (int i = 0; i < 8; ++i) value = (value ^ ((number >> (8 * i)) & 0xff)) * 0x100000001b3u;
+    }
+};
+
+}  // namespace
+
+std::span<const KindInfo> kinds() noexcept {
+    return all_kinds;
+}
+
+std::uint64_t layout_hash() noexcept {
+    Hash hash;
+    for (const KindInfo& kind : all_kinds) {
+        hash.add(kind.name);
+        hash.add(kind.size);
+        for (const Field& field : kind.fields) {
+            hash.add(field.name);
+            hash.add(static_cast<std::uint64_t>(field.type));
+            hash.add(field.offset);
+            for (const std::string_view choice : field.choices) hash.add(choice);
+        }
+        hash.add(kind.fields.size());
+    }
+    return hash.value;
+}
+
+}  // namespace knurl

@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <cmath>
+
+#include <knurl/reps/plane.hpp>
+
+#include "clamped.hpp"
+
+namespace knurl {
+namespace {
+
+double raw_height(const Plane& plane, const Probe& probe) noexcept {
+    return to_eigen(plane.normal).dot(probe.position) - plane.offset - probe.radius;
+}
+
+}  // namespace
+
+Plane prepared(Plane params, const Limits& limits) noexcept {
+    const double length = to_eigen(params.normal).norm();
+    params.normal = {params.normal.x / length, params.normal.y / length, params.normal.z / length};
+    params.offset /= length;
+    params.stiffness = clamped_stiffness(params.stiffness, limits);
+    params.reserved = 0;
+    return params;
+}
+
+void adopt(const Plane& params, const Plane* previous, Plane::State& state, const Probe& probe) noexcept {
+    const double felt = previous ? std::max(0.0, -(raw_height(*previous, probe) + state.lowered)) : 0;
+    const double depth = -raw_height(params, probe);
+    state.lowered = 0;
+    state.remaining = 0;
+    if (params.update == PlaneUpdate::fade || !(depth > 0)) return;  // leaves the probe outside: at once
+    state.lowered = params.update == PlaneUpdate::paper ? depth : depth - felt;
+    state.remaining = params.recovery == automatic ? paper_recovery : params.recovery;
+    if (!(state.remaining > 0)) state.lowered = 0;
+}
+
+Contact contact(const Plane& params, Plane::State& state, const Probe& probe, double dt) noexcept {
+    if (state.remaining > 0 && dt > 0)
+        advance(state.remaining, dt, [&](double share) { state.lowered -= share * state.lowered; });
+    state.last_height = raw_height(params, probe) + state.lowered;
+    state.met = 1;
+    return {.normal = to_eigen(params.normal),
+            .height = state.last_height,
+            .stiffness = params.stiffness,
+            .damping = params.damping};
+}
+
+std::optional<HalfSpace> standing(const Plane& params) noexcept {
+    if (recovers_itself(params)) return std::nullopt;
+    return HalfSpace{.normal = to_eigen(params.normal), .offset = params.offset, .damping = params.damping};
+}
+
+bool recovers_itself(const Plane& params) noexcept {
+    return params.update != PlaneUpdate::fade;
+}
+
+void settle(const Plane&, Plane::State& state) noexcept {
+    state.lowered = 0;
+    state.remaining = 0;
+}
+
+}  // namespace knurl

@@ -1,0 +1,124 @@
+#include <cmath>
+
+#include <knurl/reps/scene.hpp>
+
+#include "scene_core.hpp"
+
+namespace knurl {
+namespace detail {
+
+void SceneCore::place_probes(const Probe& hand) noexcept {
+    for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
+        Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
+        group.probe = hand;
+        group.probe.radius = group.placement.radius;
+        if (group.placement.offset == Vec3{}) {
+            group.arm.setZero();
+            continue;
+        }
+        group.arm = hand.orientation * to_eigen(group.placement.offset);
+        const Eigen::Vector3d turning = hand.angular_velocity.cross(group.arm);
+        group.probe.position += group.arm;
+        group.probe.velocity += turning;
+        group.probe.smooth_velocity += turning;
+    }
+}
+
+// Weights only ever move by their rates, so nothing jumps whatever set_silence is told.
+void SceneCore::advance_weights(double dt) noexcept {
+    constexpr double fade_out = 0.1, fade_in = 0.05;  // s
+    bool changed = false, full = true;
+    const auto advance = [&](Record& r) {
+        if (r.use.on_silence == OnSilence::hold) return;
+        const double delay = r.use.on_silence == OnSilence::move ? r.use.silence_time : 0;
+        const double before = r.weight;
+        r.weight = silence_ > delay ? std::max(0.0, r.weight - dt / fade_out)
+                                    : std::min(1.0, r.weight + dt / fade_in);
+        if (r.weight < 1e-12) r.weight = 0;
+        if (r.weight > 1 - 1e-12) r.weight = 1;
+        changed = changed || r.weight != before;
+        full = full && r.weight == 1;
+    };
+    bool surfaces = false;
+    for (const auto& [list, size] :
+         {std::pair{&surfaces_, surfaces_size_}, std::pair{&effects_, effects_size_}}) {
+        for (std::uint32_t e = 0; e < size; ++e) advance(now_[(*list)[e]]);
+        if (list == &surfaces_) surfaces = changed;
+    }
+    // Old records are few: those of surfaces in a fading set, those of fading effects.
+    for (const Group& group : groups_) {
+        for (std::uint32_t i = group.old.begin; i < group.old.begin + group.old.count; ++i) {
+            const Owner owner = arenas_[arena_].owner[i];
+            if (owner == bridge_owner || !(owner & 1)) continue;
+            advance(record(owner));
+            surfaces = surfaces || changed;
+        }
+    }
+    for (std::uint32_t f = 0; f < fading_size_; ++f) {
+        if (slots_[fading_[f]].from == Slot::From::record) advance(old_[fading_[f]]);
+    }
+    if (surfaces) rebuild_sets();
+    weights_move_ = silence_ > 0 || !full;
+}
+
+}  // namespace detail
+
+Scene::Scene(Capacity capacity, const Limits& limits) : impl_(std::make_unique<Impl>(capacity, limits)) {}
+Scene::~Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+
+void Scene::set_limits(const Limits& limits) noexcept {
+    impl_->limits_ = limits;
+    for (std::uint32_t i = 0; i < impl_->slots_.size(); ++i) {
+        if (impl_->slots_[i].present)
+            impl_->mark(i);  // a changed clamp is a change of the set like any other
+    }
+}
+
+void Scene::set_fade(const FadePolicy& policy) noexcept {
+    impl_->policy_ = policy;
+}
+
+Verdict Scene::place_probe(std::uint32_t probe, const ProbePlacement& placement) noexcept {
+    using Code = Verdict::Code;
+    if (probe >= impl_->groups_.size())
+        return {Code::no_such_probe, Verdict::no_field, static_cast<double>(probe)};
+    constexpr double farthest = 1e9;  // m
+    for (const double value :
+         {placement.offset.x, placement.offset.y, placement.offset.z, placement.radius}) {
+        if (!std::isfinite(value)) return {Code::not_finite, Verdict::no_field, value};
+        if (std::abs(value) > farthest) return {Code::out_of_range, Verdict::no_field, value};
+    }
+    if (placement.radius < 0) return {Code::out_of_range, Verdict::no_field, placement.radius};
+    detail::Group& group = impl_->groups_[probe];
+    const ProbePlacement& present = group.moved ? group.next_placement : group.placement;
+    if (present.offset == placement.offset && present.radius == placement.radius) return {};
+    group.next_placement = placement;
+    group.moved = impl_->moved_ = true;
+    return {};
+}
+
+void Scene::set_silence(double seconds) noexcept {
+    impl_->silence_ = seconds > 0 ? seconds : 0;
+    if (seconds > 0) impl_->weights_move_ = true;
+}
+
+Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
+    detail::SceneCore& core = *impl_;
+    if (!(dt > 0)) dt = 0;
+    ++core.cycle_;
+    core.evaluated_ = 0;
+    if (core.moved_) core.take_placements();
+    core.place_probes(hand);
+    if (core.changed_size_ > 0 || core.sets_edited_) core.take_changes();
+    if (core.weights_move_ && dt > 0) core.advance_weights(dt);
+    Wrench sum;
+    if (core.contacts_used_ != 0) core.evaluate_contacts(dt, sum);
+    if (core.effects_size_ > 0 || core.fading_size_ > 0) core.evaluate_effects(dt, sum);
+    // Finite parameters give a finite wrench; a probe that is not finite gives none.
+    if (!sum.force.allFinite() || !sum.torque.allFinite()) return {};
+    return sum;
+}
+
+}  // namespace knurl

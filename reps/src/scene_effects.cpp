@@ -1,0 +1,81 @@
+// Effects add up; each fades by itself.
+
+#include "clamped.hpp"
+#include "scene_core.hpp"
+
+namespace knurl::detail {
+
+void SceneCore::start_effect_fade(std::uint32_t i, Slot::From from, double time) noexcept {
+    Slot& slot = slots_[i];
+    const bool listed = slot.from != Slot::From::none;
+    if (!(time > 0) && !listed) {
+        slot.gain = 1;
+        return;
+    }
+    slot.from = from;  // a listed one that is to end at once does so when the fades are advanced
+    slot.elapsed = 0;
+    slot.time = time;
+    if (!listed) fading_[fading_size_++] = i;
+}
+
+// The felt effects grouped by kind, and the kinds that there are.
+void SceneCore::list_effects() noexcept {
+    std::array<std::uint32_t, Representations::size + 1> next{};
+    for (std::uint32_t e = 0; e < effects_size_; ++e) ++next[now_[effects_[e]].kind + 1];
+    for (std::size_t k = 0; k < Representations::size; ++k) next[k + 1] += next[k];
+    kind_begin_ = next;
+    for (std::uint32_t e = 0; e < effects_size_; ++e) by_kind_[next[now_[effects_[e]].kind]++] = effects_[e];
+    active_kinds_size_ = 0;
+    for (Kind k = 0; k < Representations::size; ++k) {
+        if (kind_begin_[k + 1] > kind_begin_[k]) active_kinds_[active_kinds_size_++] = k;
+    }
+    effects_edited_ = false;
+}
+
+Wrench SceneCore::at_hand(const Wrench& at_probe, const Group& group) const noexcept {
+    Wrench w{clamped(at_probe.force, limits_.max_force), clamped(at_probe.torque, limits_.max_torque)};
+    if (group.placement.offset != Vec3{}) w.torque += group.arm.cross(w.force);
+    return w;
+}
+
+void SceneCore::advance_effect_fades(double dt, Wrench& sum) noexcept {
+    for (std::uint32_t f = 0; f < fading_size_;) {
+        const std::uint32_t i = fading_[f];
+        Slot& slot = slots_[i];
+        slot.elapsed += dt;
+        if (slot.elapsed >= slot.time * (1 - 1e-9)) {
+            slot.from = Slot::From::none;
+            slot.gain = 1;
+            slot.remnant = slot.last = Wrench{};
+            fading_[f] = fading_[--fading_size_];
+            continue;
+        }
+        slot.gain = slot.elapsed / slot.time;
+        slot.remnant = Wrench{};
+        if (slot.from == Slot::From::record) {
+            Record& old = old_[i];
+            const Group& group = groups_[old.use.probe];
+            slot.remnant = ((1 - slot.gain) * old.weight) *
+                           at_hand(kind_ops()[old.kind].evaluate(old, group.probe, dt), group);
+            ++evaluated_;
+        } else if (slot.from == Slot::From::frozen) {
+            slot.remnant = (1 - slot.gain) * slot.frozen;
+        }
+        slot.last = slot.remnant;  // those that still have an effect add theirs
+        sum += slot.remnant;
+        ++f;
+    }
+}
+
+void SceneCore::evaluate_effects(double dt, Wrench& sum) noexcept {
+    if (fading_size_ > 0) advance_effect_fades(dt, sum);
+    for (std::uint32_t k = 0; k < active_kinds_size_; ++k) {
+        const Kind kind = active_kinds_[k];
+        const std::uint32_t begin = kind_begin_[kind], end = kind_begin_[kind + 1];
+        kind_ops()[kind].evaluate_all(*this, std::span<const std::uint32_t>(&by_kind_[begin], end - begin),
+                                      dt, sum);
+        evaluated_ += end - begin;
+    }
+}
+
+}  // namespace knurl::detail

@@ -1,0 +1,176 @@
+// Slots: what may be added, updated and removed. Nothing here is felt before the next evaluate.
+
+#include <cmath>
+#include <cstring>
+
+#include "scene_core.hpp"
+
+namespace knurl::detail {
+
+using Code = Verdict::Code;
+
+SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits) : capacity_(capacity), limits_(limits) {
+    capacity_.representations = std::max(1u, capacity.representations);
+    capacity_.probes = std::clamp(capacity.probes, 1u, Scene::max_probes);
+    const std::size_t n = capacity_.representations;
+    slots_.resize(n);
+    raw_.resize(n * max_params);
+    now_.resize(n);
+    old_.resize(n);
+    changed_.resize(n);
+    groups_.resize(capacity_.probes);
+    surfaces_.resize(n);
+    effects_.resize(n);
+    fading_.resize(n);
+    by_kind_.resize(n);
+    // A slot is at most in three sets: the old record in one probe's fading set, the new one in both of
+    // another's.
+    const std::size_t members =
+        3 * n + Scene::max_probes + 2 * 4 * Scene::max_probes;  // each set is aligned to four
+    for (Arena& arena : arenas_) {
+        for (std::vector<double>* array : {&arena.nx, &arena.ny, &arena.nz, &arena.c, &arena.s, &arena.b}) {
+            array->resize(members);
+        }
+        arena.owner.resize(members);
+        arena.moving.resize(members);
+    }
+    scratch_.resize(2 * n + 1);
+    level_.resize(2 * n + 1);
+}
+
+Verdict SceneCore::check_use(const Use& use) const noexcept {
+    if (use.probe >= capacity_.probes)
+        return {Code::no_such_probe, Verdict::no_field, static_cast<double>(use.probe)};
+    const auto silence = static_cast<std::uint32_t>(use.on_silence);
+    if (silence > static_cast<std::uint32_t>(OnSilence::move)) {
+        return {Code::no_such_choice, Verdict::no_field, static_cast<double>(silence)};
+    }
+    if (!std::isfinite(use.silence_time)) return {Code::not_finite, Verdict::no_field, use.silence_time};
+    if (use.silence_time < 0) return {Code::out_of_range, Verdict::no_field, use.silence_time};
+    return {};
+}
+
+Verdict SceneCore::check_params(Kind kind, const void* params, std::size_t bytes) noexcept {
+    if (kind >= Representations::size)
+        return {Code::unknown_kind, Verdict::no_field, static_cast<double>(kind)};
+    if (bytes != kinds()[kind].size) return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
+    return kinds()[kind].validate(params);
+}
+
+Verdict SceneCore::check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
+                             const Use& use) const noexcept {
+    if (handle.slot >= capacity_.representations) {
+        return {Code::too_many, Verdict::no_field, static_cast<double>(capacity_.representations)};
+    }
+    if (slots_[handle.slot].present)
+        return {Code::slot_in_use, Verdict::no_field, static_cast<double>(handle.slot)};
+    if (const Verdict verdict = check_use(use); !verdict) return verdict;
+    return check_params(kind, params, bytes);
+}
+
+Verdict SceneCore::check_update(Handle handle, Kind kind, const void* params,
+                                std::size_t bytes) const noexcept {
+    if (kind >= Representations::size)
+        return {Code::unknown_kind, Verdict::no_field, static_cast<double>(kind)};
+    if (handle.slot >= capacity_.representations || !slots_[handle.slot].present ||
+        slots_[handle.slot].generation != handle.generation || slots_[handle.slot].kind != kind) {
+        return {Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
+    }
+    return check_params(kind, params, bytes);
+}
+
+void SceneCore::mark(std::uint32_t slot) noexcept {
+    if (slots_[slot].changed) return;
+    slots_[slot].changed = true;
+    changed_[changed_size_++] = slot;
+}
+
+void SceneCore::write(std::uint32_t slot, const void* params, std::size_t bytes) noexcept {
+    std::memcpy(&raw_[slot * max_params], params, bytes);
+    mark(slot);
+}
+
+void SceneCore::join(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot) noexcept {
+    slots_[slot].place = size;
+    list[size++] = slot;
+}
+
+void SceneCore::leave(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot) noexcept {
+    const std::uint32_t last = list[--size];
+    list[slots_[slot].place] = last;
+    slots_[last].place = slots_[slot].place;
+}
+
+void SceneCore::clear() noexcept {
+    for (std::uint32_t i = 0; i < slots_.size(); ++i) slots_[i] = Slot{};
+    changed_size_ = surfaces_size_ = effects_size_ = fading_size_ = size_ = 0;
+    counts_ = {};
+    for (Group& group : groups_) {
+        group.now = ContactSet{};
+        group.old = ContactSet{};
+        group.fading = group.fresh = false;
+        group.force.setZero();
+    }
+    contacts_used_ = 0;
+    probes_used_ = 1;
+    sets_edited_ = effects_edited_ = true;
+    kind_begin_ = {};
+    active_kinds_size_ = 0;
+}
+
+}  // namespace knurl::detail
+
+namespace knurl {
+
+Verdict Scene::check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
+                         const Use& use) const noexcept {
+    return impl_->check_add(handle, kind, params, bytes, use);
+}
+
+Verdict Scene::add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) noexcept {
+    if (const Verdict verdict = impl_->check_add(handle, kind, params, bytes, use); !verdict) return verdict;
+    detail::Slot& slot = impl_->slots_[handle.slot];
+    slot.present = true;
+    slot.generation = handle.generation;
+    slot.kind = kind;
+    slot.use = use;
+    impl_->write(handle.slot, params, bytes);
+    impl_->probes_used_ |= 1u << use.probe;
+    ++impl_->size_;
+    ++impl_->counts_[kind];
+    return {};
+}
+
+Verdict Scene::check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) const noexcept {
+    return impl_->check_update(handle, kind, params, bytes);
+}
+
+Verdict Scene::update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept {
+    if (const Verdict verdict = impl_->check_update(handle, kind, params, bytes); !verdict) return verdict;
+    impl_->write(handle.slot, params, bytes);
+    return {};
+}
+
+Verdict Scene::remove(Handle handle) noexcept {
+    if (handle.slot >= impl_->slots_.size()) {
+        return {Verdict::Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
+    }
+    detail::Slot& slot = impl_->slots_[handle.slot];
+    if (!slot.present || slot.generation != handle.generation) {
+        return {Verdict::Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
+    }
+    slot.present = false;
+    impl_->mark(handle.slot);
+    --impl_->size_;
+    --impl_->counts_[slot.kind];
+    return {};
+}
+
+void Scene::clear() noexcept {
+    impl_->clear();
+}
+void Scene::settle() noexcept {
+    impl_->settle_ = true;
+}
+
+}  // namespace knurl
