@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <knurl/reps/describe.hpp>
+
 namespace knurl::scenefile {
 
 namespace {
@@ -82,36 +84,6 @@ Setting read_setting(const std::string& path, const Value& value, std::uint32_t 
             break;
     }
     return setting;
-}
-
-std::string range_text(const Field& field) {
-    std::string text;
-    if (std::isfinite(field.minimum) && std::isfinite(field.maximum)) {
-        text = fmt::format("{} to {} {}", field.minimum, field.maximum, field.unit);
-    } else if (std::isfinite(field.minimum)) {
-        text = fmt::format("{} {} or more", field.minimum, field.unit);
-    } else if (std::isfinite(field.maximum)) {
-        text = fmt::format("at most {} {}", field.maximum, field.unit);
-    } else {
-        text = "a finite number";
-    }
-    return text + (field.infinity_allowed ? ", or inf" : "");
-}
-
-std::string verdict_text(const Field& field, const Verdict& verdict) {
-    switch (verdict.code) {
-        case Verdict::Code::not_finite:
-            return fmt::format("is {}; it must be {}", verdict.value,
-                               field.type == Field::Type::vector ? "finite" : range_text(field));
-        case Verdict::Code::out_of_range:
-            return fmt::format("is {} {}; it must be {}", verdict.value, field.unit, range_text(field));
-        case Verdict::Code::zero_vector:
-            return "has no length; give it a direction, for instance [0, 0, 1]";
-        case Verdict::Code::contradiction:
-            return fmt::format("({}) contradicts another field", verdict.value);
-        default:
-            return fmt::format("is not valid ({})", verdict.value);
-    }
 }
 
 }  // namespace
@@ -196,13 +168,11 @@ void apply(const std::string& path, const Entry& entry, std::vector<std::byte>& 
     }
     const Verdict verdict = info.validate(params.data());
     if (verdict) return;
-    if (verdict.field >= info.fields.size()) fail(path, entry.where, entry.called + " is not valid");
-    const Field& field = info.fields[verdict.field];
     toml::source_position where = entry.where;
     for (const Setting& setting : entry.settings) {
         if (setting.field == verdict.field) where = setting.at;
     }
-    fail(path, where, fmt::format("{} of {} {}", field.name, entry.called, verdict_text(field, verdict)));
+    fail(path, where, describe(verdict, entry.kind, entry.called));
 }
 
 }  // namespace knurl::scenefile

@@ -1,0 +1,42 @@
+# Run by ctest: installs the build tree, then builds and runs the outside program against it, once found by CMake and
+# once by pkg-config. -D: BUILD, SOURCE (this folder), WORK (scratch), CXX, GENERATOR, LIBDIR, FLAGS.
+
+function(run what)
+    execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+    if(NOT result EQUAL 0)
+        list(JOIN ARGN " " command)
+        message(FATAL_ERROR "${what} failed (${result}): ${command}\n${output}")
+    endif()
+    set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK})
+set(prefix ${WORK}/prefix)
+set(ENV{KNURL_RUNTIME_DIR} ${WORK})
+
+run("install" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+if(NOT EXISTS ${prefix}/include/knurl/client/client.hpp)
+    message(FATAL_ERROR "the client's header is not installed")
+endif()
+
+run("configure" ${CMAKE_COMMAND} -S ${SOURCE}/outside -B ${WORK}/by-cmake -G ${GENERATOR}
+    -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${FLAGS}" -DCMAKE_PREFIX_PATH=${prefix})
+run("build" ${CMAKE_COMMAND} --build ${WORK}/by-cmake)
+run("program found by CMake" ${WORK}/by-cmake/outside)
+if(NOT output MATCHES "nobody-listens-here")
+    message(FATAL_ERROR "the program did not say which servo is missing:\n${output}")
+endif()
+
+set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
+run("pkg-config" pkg-config --cflags --libs knurl)
+separate_arguments(found UNIX_COMMAND "${FLAGS} ${output}")
+run("compile with pkg-config" ${CXX} -std=c++20 ${SOURCE}/outside/main.cpp -o ${WORK}/by-pkg-config ${found})
+run("program found by pkg-config" ${WORK}/by-pkg-config)
+
+# An application links the client alone: no TOML, no libusb, nothing of the servo.
+find_program(readelf readelf REQUIRED)
+run("readelf" ${readelf} -d ${WORK}/by-pkg-config)
+if(output MATCHES "tomlplusplus|libusb|libfmt|boost")
+    message(FATAL_ERROR "an application needs a library of the servo's:\n${output}")
+endif()
