@@ -53,7 +53,7 @@ struct Reply {
     std::uint32_t reason = 0;   // Refusal, when code is Verdict::Code::refused
     std::uint32_t kind = 0;     // of the representation, for the sentence
     double applied_stiffness = 0;  // N/m: of an `add`, after clamping
-    std::uint64_t reserved[2] = {};
+    std::uint64_t reserved[3] = {};
 };
 static_assert(sizeof(Reply) == 64);
 
