@@ -1,0 +1,39 @@
+#pragma once
+// Elevation models as files: 16-bit PNG, PGM (P2, P5) and ESRI ASCII grids, told apart by their first bytes.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace surface {
+
+struct ElevationModel {
+    int rows = 0, columns = 0;
+    std::vector<double> counts = {};  // as the file has them, row by row from the north
+    // What the file says of its scale; absent: it says nothing.
+    std::optional<double> metres_per_count = {}, metres_per_cell = {};
+    std::string scale_source = {};  // where the scale comes from, for people
+    std::string name = {};          // the file's name without its folder
+};
+
+inline constexpr int smallest_side = 4;     // samples: a bicubic patch
+inline constexpr int largest_side = 16384;  // samples
+
+/// Throws std::runtime_error: file, what is wrong and where in it, what to do.
+ElevationModel load_elevation(const std::filesystem::path& file);
+
+/// The readers of one format each, from a file's bytes. `name` begins their errors.
+ElevationModel read_png(std::string_view bytes, const std::string& name);
+ElevationModel read_pgm(std::string_view bytes, const std::string& name);
+ElevationModel read_esri_grid(std::string_view bytes, const std::string& name);
+
+/// Throws unless rows and columns are within the bounds above.
+void check_sides(const std::string& name, long rows, long columns);
+
+/// PNG text keys by which a model states its scale (scripts/dem_to_png.py writes them).
+inline constexpr const char* key_metres_per_count = "knurl:metres_per_count";
+inline constexpr const char* key_metres_per_cell = "knurl:metres_per_cell";
+
+}  // namespace surface

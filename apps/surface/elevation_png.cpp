@@ -1,0 +1,114 @@
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include "elevation.hpp"
+
+namespace surface {
+namespace {
+
+struct Source {
+    std::string_view rest;
+};
+
+/// libpng reports errors by longjmp, so everything that has a destructor lives in this struct, outside the
+/// jump.
+struct Decoding {
+    Source source;
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    char problem[256] = {};
+    std::vector<unsigned char> bytes;
+    std::vector<png_bytep> row_starts;
+    ~Decoding() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+void on_error(png_structp png, png_const_charp text) {
+    auto* decoding = static_cast<Decoding*>(png_get_error_ptr(png));
+    std::strncpy(decoding->problem, text, sizeof decoding->problem - 1);
+    png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void read_from(png_structp png, png_bytep out, std::size_t count) {
+    auto* source = static_cast<Source*>(png_get_io_ptr(png));
+    if (source->rest.size() < count) png_error(png, "it ends too early");
+    std::memcpy(out, source->rest.data(), count);
+    source->rest.remove_prefix(count);
+}
+
+/// False: `problem` says why. Holds no object with a destructor.
+bool read_header(Decoding& d) {
+    if (setjmp(png_jmpbuf(d.png))) return false;
+    png_set_read_fn(d.png, &d.source, read_from);
+    png_read_info(d.png, d.info);
+    return true;
+}
+
+bool read_pixels(Decoding& d) {
+    if (setjmp(png_jmpbuf(d.png))) return false;
+    png_read_image(d.png, d.row_starts.data());
+    png_read_end(d.png, d.info);
+    return true;
+}
+
+std::optional<double> text_number(const Decoding& d, const char* key) {
+    png_textp texts = nullptr;
+    int count = 0;
+    png_get_text(d.png, d.info, &texts, &count);
+    for (int i = 0; i < count; ++i) {
+        if (std::strcmp(texts[i].key, key) != 0 || texts[i].text == nullptr) continue;
+        char* end = nullptr;
+        const double value = std::strtod(texts[i].text, &end);
+        if (end != texts[i].text && *end == '\0') return value;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+ElevationModel read_png(std::string_view bytes, const std::string& name) {
+    Decoding d;
+    d.source.rest = bytes;
+    d.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &d, on_error, on_warning);
+    if (d.png == nullptr) throw std::runtime_error(name + ": libpng could not start (out of memory?)");
+    d.info = png_create_info_struct(d.png);
+    if (d.info == nullptr) throw std::runtime_error(name + ": libpng could not start (out of memory?)");
+
+    const auto damaged = [&] {
+        return std::runtime_error(fmt::format(
+            "{}: this PNG is damaged or truncated ({}); write or fetch it again", name, d.problem));
+    };
+    if (!read_header(d)) throw damaged();
+    const long columns = png_get_image_width(d.png, d.info), rows = png_get_image_height(d.png, d.info);
+    if (png_get_color_type(d.png, d.info) != PNG_COLOR_TYPE_GRAY)
+        throw std::runtime_error(name +
+                                 ": this PNG has colours or transparency, heights are one channel; export it "
+                                 "as 16-bit greyscale");
+    if (const int depth = png_get_bit_depth(d.png, d.info); depth != 16)
+        throw std::runtime_error(
+            fmt::format("{}: this PNG has {} bits a sample, which would be felt as stairs; export "
+                        "it as 16-bit greyscale",
+                        name, depth));
+    check_sides(name, rows, columns);
+
+    const auto row_bytes = static_cast<std::size_t>(columns) * 2;
+    d.bytes.resize(static_cast<std::size_t>(rows) * row_bytes);
+    for (long r = 0; r < rows; ++r)
+        d.row_starts.push_back(d.bytes.data() + static_cast<std::size_t>(r) * row_bytes);
+    if (!read_pixels(d)) throw damaged();
+
+    ElevationModel model{.rows = static_cast<int>(rows), .columns = static_cast<int>(columns)};
+    model.counts.reserve(d.bytes.size() / 2);
+    for (std::size_t i = 0; i < d.bytes.size(); i += 2)
+        model.counts.push_back(d.bytes[i] * 256 + d.bytes[i + 1]);
+    model.metres_per_count = text_number(d, key_metres_per_count);
+    model.metres_per_cell = text_number(d, key_metres_per_cell);
+    model.scale_source = "the PNG's text";
+    return model;
+}
+
+}  // namespace surface

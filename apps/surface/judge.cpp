@@ -1,0 +1,117 @@
+#include "judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <knurl/protocol/report.hpp>
+
+namespace surface {
+namespace {
+
+constexpr double settling = 0.4;  // s of the rest that are left for the last swing to die
+
+}  // namespace
+
+Eigen::Vector3d true_force(const Terrain::Foot& foot, const Ideal& ideal) {
+    double size = ideal.stiffness * std::max(0.0, -foot.distance);
+    if (ideal.greatest_force > 0) size = std::min(size, ideal.greatest_force);
+    return size * foot.normal;
+}
+
+Judgement judge(const std::vector<Cycle>& cycles, const std::vector<Terrain::Foot>& feet, const Ideal& ideal,
+                const Span& span, const Thresholds& limits) {
+    if (feet.size() != cycles.size()) throw std::invalid_argument("judge: one foot per cycle");
+    Judgement result;
+    bool touched = false;
+    std::uint64_t judged = 0, inside = 0;
+    double squares = 0, forces = 0, lowest = 0, highest = 0;
+    bool resting = false;
+    for (std::size_t i = 0; i < cycles.size(); ++i) {
+        const Cycle& cycle = cycles[i];
+        if (cycle.t > span.end) break;
+        if (cycle.faults != 0) {
+            result.fault_at = cycle.t;
+            result.faults = cycle.faults;
+            break;
+        }
+        ++result.cycles;
+        if (i > 0) {
+            result.missed += cycle.number - cycles[i - 1].number - 1;
+            result.late += cycle.late_count - cycles[i - 1].late_count;
+        }
+        // A step of force counts wherever it comes, the first touch included.
+        if (i > 0 && cycle.number == cycles[i - 1].number + 1) {
+            const double jump = (cycle.force - cycles[i - 1].force).norm();
+            result.jumps += jump > limits.jump;
+            if (jump > result.jump) result.jump = jump, result.jump_at = cycle.t;
+        }
+        const Terrain::Foot& foot = feet[i];
+        touched = touched || foot.distance < 0;
+        if (!touched) continue;
+
+        ++judged;
+        inside += foot.distance < 0;
+        const Eigen::Vector3d wanted = true_force(foot, ideal);
+        squares += (cycle.force - wanted).squaredNorm();
+        forces += wanted.norm();
+        if (const double away = cycle.velocity.dot(foot.normal); away > result.kick)
+            result.kick = away, result.kick_at = cycle.t;
+        if (cycle.t >= span.rest_at + settling) {
+            lowest = resting ? std::min(lowest, foot.distance) : foot.distance;
+            highest = resting ? std::max(highest, foot.distance) : foot.distance;
+            resting = true;
+        }
+    }
+    if (judged > 0) {
+        const auto n = static_cast<double>(judged);
+        result.force_error = std::sqrt(squares / n);
+        result.mean_force = forces / n;
+        result.contact_share = static_cast<double>(inside) / n;
+    }
+    if (resting) result.limit_cycle = 0.5 * (highest - lowest);
+    return result;
+}
+
+bool Judgement::stable(const Thresholds& limits) const {
+    return !fault_at && jump <= limits.jump && kick <= limits.kick && limit_cycle < limits.limit_cycle;
+}
+
+std::string Judgement::verdict(const Thresholds& limits) const {
+    if (fault_at) return fmt::format("faulted at t = {:.2f} s ({})", *fault_at, fault_text(faults));
+    if (stable(limits)) return "stable";
+    std::string why;
+    const auto add = [&](bool broken, const char* what) {
+        if (broken) why += (why.empty() ? "" : ", ") + std::string(what);
+    };
+    add(jump > limits.jump, "jump");
+    add(kick > limits.kick, "kick");
+    add(limit_cycle >= limits.limit_cycle, "limit cycle");
+    return "not stable: " + why;
+}
+
+std::string fault_text(std::uint32_t faults) {
+    static constexpr struct {
+        std::uint32_t bit;
+        const char* text;
+    } names[] = {
+        {knurl::fault::not_finite, "force not finite"},
+        {knurl::fault::slew, "force changed too fast"},
+        {knurl::fault::speed, "hand too fast"},
+        {knurl::fault::power, "too much power into the hand"},
+        {knurl::fault::unplugged, "device unplugged"},
+        {knurl::fault::bad_samples, "bad samples"},
+        {knurl::fault::encoder_jump, "encoder jump"},
+        {knurl::fault::clock_jump, "clock jump"},
+        {knurl::fault::kinematics, "no pose for the joints"},
+        {knurl::fault::guardian, "servo stalled"},
+    };
+    std::string text;
+    for (const auto& [bit, name] : names)
+        if (faults & bit) text += (text.empty() ? "" : ", ") + std::string(name);
+    return text.empty() ? fmt::format("fault {:#x}", faults) : text;
+}
+
+}  // namespace surface

@@ -1,0 +1,135 @@
+#include "outcome.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace surface {
+
+Outcome judged(Recording recording, const Terrain& terrain, const Span& span) {
+    Outcome outcome{.recording = std::move(recording)};
+    const Recording& r = outcome.recording;
+    outcome.feet.reserve(r.cycles.size());
+    for (const Cycle& cycle : r.cycles) outcome.feet.push_back(terrain.foot(cycle.position));
+    outcome.judgement = judge(r.cycles, outcome.feet, {r.stiffness, r.greatest_force}, span);
+    outcome.judgement.missed += r.unread;
+    outcome.ages = ages_at_use(r);
+    return outcome;
+}
+
+double quantile(std::vector<double> values, double p) {
+    if (values.empty()) return 0;
+    const auto rank = static_cast<std::ptrdiff_t>(std::ceil(p * static_cast<double>(values.size()))) - 1;
+    const auto at = values.begin() + std::clamp<std::ptrdiff_t>(rank, 0, std::ssize(values) - 1);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
+    std::string out;
+    const auto line = [&](const std::string& name, const std::function<std::string(const Outcome&)>& cell) {
+        out += fmt::format("{:<34}", name);
+        for (const Outcome& outcome : outcomes) out += fmt::format("{:>17}", cell(outcome));
+        out += '\n';
+    };
+    static const auto head = [](Way way) -> std::pair<const char*, const char*> {
+        switch (way) {
+            case Way::force:
+                return {"force from", "the application"};
+            case Way::planes:
+                return {"planes", "as they come"};
+            case Way::paper:
+                return {"planes, paper's", "recovery 50 ms"};
+            case Way::knurl:
+                return {"planes, predicted", "+ faded (Knurl)"};
+        }
+        return {"", ""};
+    };
+    out += fmt::format("{}: {}\n", text.model, text.scale);
+    if (!outcomes.empty()) {
+        const Recording& r = outcomes.front().recording;
+        out += fmt::format(
+            "{}, servo {:g} Hz, application {:g} Hz answering {:g} ms late, {:.0f} N/m (k_max {:.0f} N/m)\n",
+            text.device, text.servo_rate, text.rate, text.think * 1e3, r.stiffness, r.max_stiffness);
+    }
+    out += '\n';
+    line("", [](const Outcome& o) { return head(o.recording.way).first; });
+    line("", [](const Outcome& o) { return head(o.recording.way).second; });
+    line("cycles run", [](const Outcome& o) { return fmt::format("{}", o.judgement.cycles); });
+    line("late cycles", [](const Outcome& o) { return fmt::format("{}", o.judgement.late); });
+    line("reports missed", [](const Outcome& o) { return fmt::format("{}", o.judgement.missed); });
+    line("updates", [](const Outcome& o) { return fmt::format("{}", o.recording.updates.size()); });
+    line("age of update at use, p50 / max", [](const Outcome& o) {
+        return o.ages.empty() ? std::string("none used")
+                              : fmt::format("{:.1f} / {:.1f} ms", quantile(o.ages, 0.5) * 1e3,
+                                            quantile(o.ages, 1) * 1e3);
+    });
+    line("largest force jump in a cycle",
+         [](const Outcome& o) { return fmt::format("{:.2f} N", o.judgement.jump); });
+    line("RMS force error, true surface",
+         [](const Outcome& o) { return fmt::format("{:.2f} N", o.judgement.force_error); });
+    line("largest speed off the surface",
+         [](const Outcome& o) { return fmt::format("{:.2f} m/s", o.judgement.kick); });
+    line("limit cycle at rest", [](const Outcome& o) {
+        return o.judgement.fault_at ? std::string("-")
+                                    : fmt::format("{:.3f} mm", o.judgement.limit_cycle * 1e3);
+    });
+    out += '\n';
+    for (const Outcome& o : outcomes)
+        out += fmt::format("{:<58}{}{}\n", title_of(o.recording.way, text.rate), o.judgement.verdict(),
+                           o.recording.interrupted ? " (interrupted)" : "");
+    out += fmt::format(
+        "\nstable = jump <= 1 N a cycle, speed off the surface <= 0.3 m/s, limit cycle < 0.1 mm; forces are "
+        "the scene's,\nbefore the supervisor. {}, {}\n",
+        text.machine, text.date);
+    return out;
+}
+
+namespace {
+
+void check_written(std::ofstream& out, const std::filesystem::path& file) {
+    out.close();
+    if (!out)
+        throw std::runtime_error(file.string() + ": cannot be written; check the folder and the space left");
+}
+
+}  // namespace
+
+void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& outcomes, const Ideal& ideal) {
+    std::ofstream out(file);
+    out << "way,t,x,y,z,vx,vy,vz,fx,fy,fz,true_fx,true_fy,true_fz,surface_z,height,faults\n";
+    for (const Outcome& outcome : outcomes) {
+        const std::string way = key_of(outcome.recording.way);
+        for (std::size_t i = 0; i < outcome.recording.cycles.size(); ++i) {
+            const Cycle& c = outcome.recording.cycles[i];
+            const Terrain::Foot& foot = outcome.feet[i];
+            const Eigen::Vector3d wanted = true_force(foot, ideal);
+            out << fmt::format("{},{:.6f}", way, c.t);
+            for (const auto& v : {c.position, c.velocity, c.force, wanted})
+                out << fmt::format(",{:.7g},{:.7g},{:.7g}", v.x(), v.y(), v.z());
+            out << fmt::format(",{:.7g},{:.7g},{}\n", foot.point.z(), foot.distance, c.faults);
+        }
+    }
+    check_written(out, file);
+}
+
+void write_relief(const std::filesystem::path& file, const Terrain& terrain) {
+    const HeightGrid& grid = terrain.grid();
+    std::ofstream out(file);
+    out << fmt::format(
+        "ncols {}\nnrows {}\nxllcenter {:.6g}\nyllcenter {:.6g}\ncellsize {:.6g}\nNODATA_value -9999\n",
+        grid.columns, grid.rows, -terrain.half_width() * 1e3, -terrain.half_length() * 1e3, grid.cell * 1e3);
+    for (int r = 0; r < grid.rows; ++r)
+        for (int c = 0; c < grid.columns; ++c)
+            out << fmt::format("{:.5g}{}",
+                               1e3 * terrain.height(c * grid.cell - terrain.half_width(),
+                                                    terrain.half_length() - r * grid.cell),
+                               c + 1 == grid.columns ? '\n' : ' ');
+    check_written(out, file);
+}
+
+}  // namespace surface

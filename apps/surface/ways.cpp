@@ -1,0 +1,232 @@
+#include "ways.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <stdexcept>
+#include <thread>
+
+#include <fmt/format.h>
+
+namespace surface {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC: the reports' clock
+
+constexpr double slow_hand = 0.1;  // m/s, well below what arming asks for
+constexpr auto patience = 8s;      // for the hand to become slow, and for the device to become active
+
+std::int64_t now_ns() {
+    return Clock::now().time_since_epoch() / 1ns;
+}
+
+std::chrono::nanoseconds seconds(double s) {
+    return std::chrono::nanoseconds(std::llround(s * 1e9));
+}
+
+/// Everything that the application and the servo say to each other in one stroke.
+class Session {
+  public:
+    Session(knurl::Client& client, Way way, const Terrain& terrain, const StrokeRun& run,
+            const std::atomic<bool>& stop)
+        : terrain_(terrain),
+          run_(run),
+          stop_(stop),
+          hand_(client.claim(run.device, {.update_interval = seconds(1 / run.rate)})) {
+        recording_.way = way;
+        const knurl::Limits limits = hand_.limits();
+        recording_.max_stiffness = limits.max_stiffness;
+        recording_.stiffness = std::min(run.stiffness, limits.max_stiffness);
+        recording_.greatest_force = std::isfinite(limits.max_force) ? limits.max_force : 0;
+    }
+
+    Recording run() {
+        wait_until_slow();
+        if (newest_.state == knurl::DeviceState::fault) hand_.reset_fault();
+        switch (recording_.way) {
+            case Way::force: {
+                auto push = hand_.add(knurl::ConstantForce{.recovery = 0});
+                loop([&] { push.set({.force = knurl::to_plain(force_here()), .recovery = 0}); });
+                break;
+            }
+            case Way::planes:
+                follow_with([&](auto& floor) { floor.set(plane_here({.recovery = 0})); }, {.recovery = 0});
+                break;
+            case Way::paper: {
+                const knurl::Plane paper{.recovery = 0.05, .update = knurl::PlaneUpdate::paper};
+                follow_with([&](auto& floor) { floor.set(plane_here(paper)); }, paper);
+                break;
+            }
+            case Way::knurl:
+                follow_with(
+                    [&](auto& floor) {
+                        floor.follow([&](const knurl::Vec3& near) {
+                            const auto foot = terrain_.foot(knurl::to_eigen(near));
+                            return knurl::SurfacePoint{knurl::to_plain(foot.point),
+                                                       knurl::to_plain(foot.normal)};
+                        });
+                    },
+                    {});
+                break;
+        }
+        hand_.release();
+        return std::move(recording_);
+    }
+
+  private:
+    template <class Answer>
+    void follow_with(Answer&& answer, const knurl::Plane& like) {
+        auto floor = hand_.add(plane_here(like));
+        loop([&] { answer(floor); });
+    }
+
+    /// The loop of an application: at fixed times read the hand, think, answer; nothing of it at 1 kHz.
+    template <class Answer>
+    void loop(Answer&& answer) {
+        hand_.arm();
+        const auto deadline = Clock::now() + patience;
+        const auto period = seconds(1 / run_.rate);
+        for (auto tick = Clock::now();; tick += period) {
+            if (tick + period < Clock::now())
+                tick = Clock::now();  // fell behind: updates are skipped, not bunched
+            std::this_thread::sleep_until(tick);
+            take_reports();
+            if (over()) break;
+            if (begun_ == 0 && Clock::now() > deadline)
+                throw std::runtime_error(
+                    "the device did not become active; look at `knurl devices` and the servo's log");
+            const Update read{.report_cycle = newest_.cycle, .report_read_ns = newest_.read_ns};
+            answer();
+            std::this_thread::sleep_until(tick + seconds(run_.think));
+            hand_.commit();
+            Update update = read;
+            update.commit_ns = now_ns();
+            if (begun_ != 0) recording_.updates.push_back(update);
+        }
+        recording_.unread = hand_.missed();
+    }
+
+    bool over() {
+        if (stop_) recording_.interrupted = true;
+        if (recording_.interrupted) return true;
+        if (!hand_.connected()) throw std::runtime_error("the servo has gone; start knurld again");
+        return !recording_.cycles.empty() &&
+               (recording_.cycles.back().faults != 0 || recording_.cycles.back().t > run_.span.end);
+    }
+
+    /// Every report since the last call, in order; the last is the newest.
+    void take_reports() {
+        while (auto report = hand_.next_report(0ns)) {
+            newest_ = *report;
+            const bool lives = report->state == knurl::DeviceState::active;
+            if (begun_ == 0 && lives) begun_ = report->deadline_ns;
+            if (begun_ == 0) continue;
+            recording_.cycles.push_back({
+                .number = report->cycle,
+                .t = static_cast<double>(report->deadline_ns - begun_) * 1e-9,
+                .position = knurl::to_eigen(report->position),
+                .velocity = knurl::to_eigen(report->velocity),
+                .force = knurl::to_eigen(report->scene_force),
+                .faults = report->faults,
+                .late_count = report->late_count,
+            });
+            recording_.read_ns.push_back(report->read_ns);
+            recording_.write_ns.push_back(report->write_ns);
+        }
+    }
+
+    void wait_until_slow() {
+        const auto deadline = Clock::now() + patience;
+        for (int slow = 0; slow < 300;) {  // cycles in a row
+            const auto report = hand_.next_report(100ms);
+            if (stop_) return;
+            if (Clock::now() > deadline)
+                throw std::runtime_error(
+                    "the hand does not come to rest, so the device is not armed; hold it still");
+            if (!report) continue;
+            newest_ = *report;
+            slow = knurl::to_eigen(report->velocity).norm() < slow_hand ? slow + 1 : 0;
+        }
+    }
+
+    Eigen::Vector3d force_here() const {
+        return true_force(terrain_.foot(knurl::to_eigen(newest_.position)),
+                          {.stiffness = recording_.stiffness, .greatest_force = recording_.greatest_force});
+    }
+
+    /// The surface's tangent plane at the hand, otherwise as `plane`.
+    knurl::Plane plane_here(knurl::Plane plane) const {
+        const auto foot = terrain_.foot(knurl::to_eigen(newest_.position));
+        plane.normal = knurl::to_plain(foot.normal);
+        plane.offset = foot.normal.dot(foot.point);
+        plane.stiffness = recording_.stiffness;
+        return plane;
+    }
+
+    const Terrain& terrain_;
+    const StrokeRun& run_;
+    const std::atomic<bool>& stop_;
+    knurl::Claim hand_;
+    Recording recording_;
+    knurl::HandReport newest_;
+    std::int64_t begun_ = 0;  // deadline of the first active cycle
+};
+
+}  // namespace
+
+std::string key_of(Way way) {
+    switch (way) {
+        case Way::force:
+            return "force";
+        case Way::planes:
+            return "planes";
+        case Way::paper:
+            return "paper";
+        case Way::knurl:
+            return "knurl";
+    }
+    return {};
+}
+
+std::string title_of(Way way, double rate) {
+    switch (way) {
+        case Way::force:
+            return fmt::format("force computed in the application, {:g} Hz", rate);
+        case Way::planes:
+            return fmt::format("planes at {:g} Hz, as they come", rate);
+        case Way::paper:
+            return fmt::format("planes at {:g} Hz, recovery of the 1996 paper (50 ms)", rate);
+        case Way::knurl:
+            return fmt::format("planes at {:g} Hz, predicted and cross-faded (Knurl)", rate);
+    }
+    return {};
+}
+
+Way way_of(const std::string& key) {
+    for (const Way way : all_ways)
+        if (key_of(way) == key) return way;
+    throw std::runtime_error("--ways: \"" + key + "\" is none of force, planes, paper, knurl");
+}
+
+Recording stroke(knurl::Client& client, Way way, const Terrain& terrain, const StrokeRun& run,
+                 const std::atomic<bool>& stop) {
+    return Session(client, way, terrain, run, stop).run();
+}
+
+std::vector<double> ages_at_use(const Recording& recording) {
+    std::vector<double> ages;
+    std::size_t cycle = 0;
+    for (std::size_t i = 0; i < recording.updates.size(); ++i) {
+        const Update& update = recording.updates[i];
+        while (cycle < recording.read_ns.size() && recording.read_ns[cycle] < update.commit_ns) ++cycle;
+        if (cycle == recording.read_ns.size()) break;
+        const bool overtaken = i + 1 < recording.updates.size() &&
+                               recording.updates[i + 1].commit_ns <= recording.read_ns[cycle];
+        if (!overtaken)
+            ages.push_back(static_cast<double>(recording.write_ns[cycle] - update.report_read_ns) * 1e-9);
+    }
+    return ages;
+}
+
+}  // namespace surface
