@@ -1,0 +1,95 @@
+#pragma once
+// Who holds a device: its claims and observers from the grant to the day that the servo gives their memory
+// back.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <sys/types.h>
+
+#include <knurl/protocol/attach.hpp>
+#include <knurl/protocol/device_segment.hpp>
+#include <knurl/servo/claim.hpp>
+#include <knurl/servo/servo.hpp>
+#include <knurl/shm/fd.hpp>
+#include <knurl/shm/segment.hpp>
+#include <knurl/shm/waiter.hpp>
+
+namespace knurl::servo {
+
+/// One device as the broker needs it.
+struct HostedDevice {
+    std::string name;
+    const drivers::LinkConfig& link;
+    Servo& servo;
+    shm::Segment& segment;  // protocol::device_layout, sealed
+    double rate = 1000;     // Hz
+};
+
+struct Peer {
+    pid_t pid = 0;
+    std::string name;
+};
+
+/// One line for the client: what, where, what to do.
+class Refusal : public std::runtime_error {
+  public:
+    explicit Refusal(const std::string& text, pid_t holder = 0)
+        : std::runtime_error(text), holder_pid(holder) {}
+    pid_t holder_pid;
+};
+
+/// What a granted client is sent. The descriptors stay the table's.
+struct Grant {
+    protocol::Claimed message;
+    int segment_fd = -1;
+    int event_fd = -1;
+};
+
+/// Used by the broker's thread alone; the servo's thread touches only what adopt() handed to it.
+///
+///   free --grant--> held --let_go (hang-up, release)--> leaving --the servo gives the claim back--> free
+///
+/// A leaving claim fades for 50 ms; it does not keep the next one from the device.
+class ClaimTable {
+  public:
+    ClaimTable(HostedDevice device, shm::Waker& waker);
+    ~ClaimTable();  // the servo must have ended: what it held is freed
+
+    /// Throws Refusal; nothing is half-granted.
+    Grant grant(const protocol::ClaimRequest& request, const Peer& peer);
+    /// Never fails: if the servo's mailbox is full, collect() tries again.
+    void let_go(std::uint32_t row) noexcept;
+    /// Frees what the servo has given back. False: nothing is on its way any more.
+    bool collect() noexcept;
+
+    const HostedDevice& device() const { return device_; }
+
+  private:
+    enum class Stage { free, held, dropping, leaving };  // dropping: the mailbox was full
+    struct Row {
+        Stage stage = Stage::free;
+        bool observer = false;
+        bool shared = false;
+        Peer peer;
+        shm::Segment segment;
+        shm::UniqueFd event;
+        std::unique_ptr<Claim> claim;
+    };
+
+    void require_sane(const protocol::ClaimRequest& request) const;
+    void require_free_for(const protocol::ClaimRequest& request) const;
+    protocol::ClientRow& shared_row(std::uint32_t row) const;
+    void identify(std::uint32_t row, const Peer& peer, std::uint64_t role, bool shared) noexcept;
+    void clear(std::uint32_t row) noexcept;
+
+    HostedDevice device_;
+    shm::Waker& waker_;
+    std::array<Row, protocol::max_clients> rows_;
+    std::uint32_t on_their_way_ = 0;  // rows in dropping or leaving
+};
+
+}  // namespace knurl::servo

@@ -1,0 +1,23 @@
+#pragma once
+// knurld: devices, their loops, the broker and the guardian put together.
+
+#include <knurl/servo/config.hpp>
+
+namespace knurl::servo {
+
+/// Runs a servo until a signal ends it. 0: it was asked to and every device was ramped down; 1: it had to end
+/// otherwise. Throws std::runtime_error (one line: what, where, what to do) if it cannot start; nothing is
+/// left behind then.
+int run_daemon(const DaemonConfig& config);
+
+/// Command line over configuration file. Throws ConfigError.
+struct CommandLine {
+    DaemonConfig config;
+    bool answered = false;  // --help or --version was: nothing is to be run
+};
+CommandLine parse_command_line(int argc, const char* const* argv);
+
+/// main() of knurld. A test build adds its drivers to drivers::drivers() before it calls this.
+int knurld_main(int argc, const char* const* argv);
+
+}  // namespace knurl::servo

@@ -1,0 +1,91 @@
+#pragma once
+// A process that outlives the servo: forked before real time starts, it holds the devices and the report
+// memory.
+//
+//   servo dies (killed, crashed)   -> every device zeroed at once, flight recorder written, the guardian ends
+//   servo stands still > stall     -> that device zeroed; the servo is told, so that it ramps up from gain 0
+//   servo says goodbye             -> the guardian ends, no file
+//   the guardian dies              -> the servo ramps down and ends (Broker): a motor is not run unguarded,
+//   and a
+//                                     fork from a real-time process would cost its threads page faults
+//
+// A host that stops the whole virtual machine stops the guardian too: only a device's own watchdog helps
+// there.
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include <knurl/drivers/device.hpp>
+#include <knurl/servo/clock.hpp>
+#include <knurl/shm/fd.hpp>
+#include <knurl/shm/segment.hpp>
+
+namespace knurl::servo {
+
+struct GuardedDevice {
+    drivers::Device* device = nullptr;
+    const std::byte* segment = nullptr;  // protocol::device_layout
+};
+
+struct GuardianOptions {
+    int priority = 0;      // SCHED_FIFO, above the servo's; 0: ordinary
+    int servo_cpu = -1;    // which it keeps off
+    double stall = 20e-3;  // s
+    std::string state_directory;
+    std::vector<int> close;  // descriptors of the servo's that it must not hold: the listening socket
+};
+
+/// Tells a stall of the servo from one of the whole machine: time counts only as far as the guardian itself
+/// ran.
+class StallWatch {
+  public:
+    explicit StallWatch(Nanoseconds stall) : stall_(stall) {}
+
+    /// One tick of the guardian's. `beat`: reports published; `enabled`: force may be on. True, once per
+    /// stall: act.
+    bool tick(Nanoseconds now, std::uint64_t beat, bool enabled) noexcept;
+
+    static constexpr Nanoseconds period = 1'000'000;         // between ticks while a device is enabled
+    static constexpr Nanoseconds longest_tick = 2 * period;  // a longer one counts as this
+
+  private:
+    Nanoseconds stall_;
+    Nanoseconds last_ = 0;
+    Nanoseconds still_ = 0;  // how long the beat has stood still while we ran
+    std::uint64_t beat_ = 0;
+    bool acted_ = false;
+};
+
+class Guardian {
+  public:
+    /// Forks. Call while the process has one thread and holds nothing that the child must not. Throws
+    /// std::runtime_error.
+    Guardian(std::span<const GuardedDevice> devices, const GuardianOptions& options);
+    /// goodbye(), if that was not said.
+    ~Guardian();
+    Guardian(const Guardian&) = delete;
+    Guardian& operator=(const Guardian&) = delete;
+
+    pid_t pid() const { return pid_; }
+    /// Becomes readable when the guardian has died.
+    int pidfd() const { return pidfd_.get(); }
+    /// How often it has zeroed device `i`. The guardian adds with release before it zeroes; Loop reads with
+    /// acquire.
+    const std::atomic<std::uint64_t>& acts(std::size_t i) const;
+    /// The devices are at rest: it ends, and is waited for.
+    void goodbye() noexcept;
+
+  private:
+    shm::Segment board_;
+    shm::UniqueFd line_;  // to the guardian; its hang-up without a goodbye is our death
+    shm::UniqueFd pidfd_;
+    pid_t pid_ = -1;
+};
+
+}  // namespace knurl::servo

@@ -1,0 +1,77 @@
+#pragma once
+// The thread around Servo::step: when a cycle begins, and what happens when it does not begin in time.
+
+#include <atomic>
+#include <cstdint>
+
+#include <knurl/servo/clock.hpp>
+
+namespace knurl::shm {
+class Waker;
+}
+
+namespace knurl::servo {
+
+class Servo;
+
+/// Deadlines t0 + i T, never re-based after an overrun: cycles that were missed are caught up and counted, so
+/// that no lateness hides (coordinated omission). Only after a gap longer than `stall` time begins anew, one
+/// period ahead: a loop that can never keep up thus sleeps now and then, which a FIFO thread must.
+class Deadlines {
+  public:
+    Deadlines(double rate, Nanoseconds stall);
+
+    void start(Nanoseconds now) noexcept;
+    Nanoseconds current() const noexcept;
+    /// To the next deadline; `now` is when the cycle ended.
+    void advance(Nanoseconds now) noexcept;
+
+    std::uint64_t overruns() const noexcept {
+        return overruns_;
+    }  // cycles that ended after the next had to begin
+    std::uint64_t restarts() const noexcept { return restarts_; }  // times that t0 was set anew
+
+  private:
+    double rate_;  // Hz
+    Nanoseconds stall_;
+    Nanoseconds t0_ = 0;
+    std::uint64_t i_ = 0;
+    std::uint64_t overruns_ = 0;
+    std::uint64_t restarts_ = 0;
+};
+
+struct LoopOptions {
+    double rate = 1000;    // Hz
+    Nanoseconds spin = 0;  // the last part of each sleep is spun
+    Nanoseconds stall = 20'000'000;
+};
+
+/// What the loop saw, read after it has ended.
+struct LoopCounts {
+    std::uint64_t cycles = 0, overruns = 0, restarts = 0;
+    Nanoseconds worst_lateness = 0;  // of a cycle's begin
+};
+
+class Loop {
+  public:
+    /// `guardian_acts`: how often the guardian has zeroed this device, in memory shared with it.
+    Loop(Servo& servo, shm::Waker& waker, const std::atomic<std::uint64_t>& guardian_acts,
+         const LoopOptions& options);
+
+    /// The thread's body, until stop().
+    void run() noexcept;
+    /// From any thread: no cycle begins any more.
+    void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }  // orders nothing: join follows
+
+    const LoopCounts& counts() const noexcept { return counts_; }  // once run() has returned
+
+  private:
+    Servo& servo_;
+    shm::Waker& waker_;
+    const std::atomic<std::uint64_t>& guardian_acts_;
+    LoopOptions options_;
+    LoopCounts counts_;
+    std::atomic<bool> stop_ = false;
+};
+
+}  // namespace knurl::servo

@@ -1,0 +1,390 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <unordered_map>
+
+#include <fmt/format.h>
+#include <sys/epoll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <knurl/protocol/attach.hpp>
+#include <knurl/servo/broker.hpp>
+#include <knurl/shm/broadcast_ring.hpp>
+#include <knurl/shm/socket.hpp>
+
+namespace knurl::servo {
+
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+using protocol::MessageType;
+
+// What epoll hands back. Connections count on from first_connection, never twice the same number, so that an
+// event for one that was closed in the same round finds nobody.
+enum Source : std::uint64_t { listening, signalled, guardian_gone, first_connection };
+
+constexpr auto collect_interval = std::chrono::milliseconds(10);
+constexpr auto ramp_interval = std::chrono::milliseconds(2);
+constexpr auto accept_pause = std::chrono::milliseconds(100);  // when the process is out of descriptors
+
+struct Connection {
+    struct Holding {
+        std::size_t device;
+        std::uint32_t row;
+    };
+    shm::UniqueFd socket;
+    SteadyClock::time_point since;
+    bool greeted = false;
+    Peer peer;
+    std::vector<Holding> holdings;
+};
+
+/// Large enough for every message that a client may send, and one byte more: a longer one shows.
+using Buffer = std::array<std::byte, std::max({sizeof(protocol::Hello), sizeof(protocol::ClaimRequest),
+                                               sizeof(protocol::Release)}) +
+                                         1>;
+
+template <class Message>
+Message read_message(const Buffer& buffer, std::size_t bytes, const char* what) {
+    if (bytes != sizeof(Message)) {
+        throw Refusal(fmt::format("{}: {} bytes instead of {}; build client and servo alike", what, bytes,
+                                  sizeof(Message)));
+    }
+    Message message;
+    std::memcpy(static_cast<void*>(&message), buffer.data(), sizeof message);
+    return message;
+}
+
+/// The type as an integer: loading an enum that has no such value would be undefined.
+std::optional<std::uint32_t> type_of(const Buffer& buffer, std::size_t bytes) {
+    std::array<std::uint32_t, 2> header{};
+    static_assert(sizeof header == sizeof(protocol::MessageHeader));
+    if (bytes < sizeof header) return std::nullopt;
+    std::memcpy(header.data(), buffer.data(), sizeof header);
+    return header[0] == protocol::attach_magic ? std::optional(header[1]) : std::nullopt;
+}
+
+template <class Message>
+std::span<const std::byte> bytes_of(const Message& message) {
+    return std::as_bytes(std::span(&message, 1));
+}
+
+/// A client's name is printed on other people's terminals.
+std::string printable(const char (&name)[protocol::name_bytes]) {
+    std::string text(name, strnlen(name, sizeof name));
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return text.empty() ? "unnamed" : text;
+}
+
+void copy_name(char (&to)[protocol::name_bytes], const std::string& from) {
+    from.copy(to, sizeof to - 1);
+}
+
+}  // namespace
+
+struct Broker::Impl {
+    BrokerOptions options;
+    shm::UniqueFd epoll{epoll_create1(EPOLL_CLOEXEC)};
+    std::vector<std::unique_ptr<ClaimTable>> tables;
+    std::unordered_map<std::uint64_t, Connection> connections;
+    std::uint64_t next_id = first_connection;
+    std::size_t half_open = 0;
+    bool listening_now = false;
+    SteadyClock::time_point pause_until{};
+    std::optional<End> ending;
+    SteadyClock::time_point ending_since{};
+    std::vector<bool> asked_to_end;  // per device: drop_all went through
+
+    void watch(int fd, std::uint64_t source) {
+        epoll_event event{.events = EPOLLIN, .data = {.u64 = source}};
+        if (epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd, &event) != 0) {
+            throw std::runtime_error(fmt::format("knurld: epoll: {}", std::strerror(errno)));
+        }
+    }
+
+    /// With all half-open places taken the next callers wait in the listening queue: nobody is turned away.
+    void update_listening() {
+        const bool wanted = half_open < broker_bounds::half_open && SteadyClock::now() >= pause_until;
+        if (wanted == listening_now) return;
+        if (wanted) {
+            watch(options.listener.get(), listening);
+        } else {
+            epoll_ctl(epoll.get(), EPOLL_CTL_DEL, options.listener.get(), nullptr);
+        }
+        listening_now = wanted;
+    }
+
+    void accept_one() {
+        shm::UniqueFd socket;
+        try {
+            socket = shm::accept_from(options.listener);
+        } catch (const std::runtime_error&) {
+            pause_until = SteadyClock::now() + accept_pause;  // out of descriptors: some client will leave
+            return;
+        }
+        if (!socket) return;
+        Connection connection{.socket = std::move(socket),
+                              .since = SteadyClock::now(),
+                              .greeted = false,
+                              .peer = {},
+                              .holdings = {}};
+        if (connections.size() >= broker_bounds::connections) {
+            refuse(connection,
+                   Refusal(fmt::format("servo \"{}\" has {} connections, which is all it takes; end one",
+                                       options.servo_name, broker_bounds::connections)));
+            return;
+        }
+        connection.peer.pid = shm::credentials_of(connection.socket).pid;
+        const std::uint64_t id = next_id++;
+        watch(connection.socket.get(), id);
+        connections.emplace(id, std::move(connection));
+        ++half_open;
+    }
+
+    static void refuse(const Connection& to, const Refusal& why) {
+        protocol::Refused message;
+        message.holder_pid = static_cast<std::uint32_t>(why.holder_pid);
+        std::string(why.what()).copy(message.text, sizeof message.text - 1);
+        shm::send_message(to.socket, bytes_of(message));
+    }
+
+    void close(std::uint64_t id) {
+        const auto found = connections.find(id);
+        if (found == connections.end()) return;
+        for (const Connection::Holding& holding : found->second.holdings)
+            tables[holding.device]->let_go(holding.row);
+        if (!found->second.greeted) --half_open;
+        connections.erase(found);  // closing the socket takes it out of the epoll set
+    }
+
+    /// Takes what one connection has sent. Anything that is not a message of ours ends it.
+    void serve(std::uint64_t id) {
+        for (int i = 0; i < broker_bounds::messages_at_once; ++i) {
+            const auto found = connections.find(id);
+            if (found == connections.end()) return;
+            Connection& connection = found->second;
+            try {
+                Buffer buffer;
+                const shm::Received received =
+                    shm::receive_message(connection.socket, buffer, shm::Block::no);
+                if (received.nothing) return;
+                if (received.closed) return close(id);
+                if (received.truncated || !received.fds.empty()) {
+                    throw Refusal(
+                        "attach: a message longer than any of ours, or with descriptors; not a Knurl "
+                        "client?");
+                }
+                if (!handle(connection, buffer, received.bytes)) return close(id);
+            } catch (const Refusal& refusal) {
+                refuse(connection, refusal);
+                return close(id);
+            } catch (const std::exception&) {  // the socket broke, or memory ran out: theirs alone
+                return close(id);
+            }
+        }
+    }
+
+    /// False: the peer does not read. Throws Refusal: it ends.
+    bool handle(Connection& connection, const Buffer& buffer, std::size_t bytes) {
+        const std::optional<std::uint32_t> type = type_of(buffer, bytes);
+        if (!type) throw Refusal("attach: not a message of Knurl's (magic); is this a Knurl client?");
+        if (!connection.greeted) {
+            if (*type != static_cast<std::uint32_t>(MessageType::hello))
+                throw Refusal("attach: say Hello first");
+            return greet(connection, buffer, bytes);
+        }
+        switch (*type) {
+            case static_cast<std::uint32_t>(MessageType::claim):
+                return claim(connection, read_message<protocol::ClaimRequest>(buffer, bytes, "claim"));
+            case static_cast<std::uint32_t>(MessageType::release):
+                release(connection, read_message<protocol::Release>(buffer, bytes, "release"));
+                return true;
+            default:
+                throw Refusal(
+                    fmt::format("attach: message type {} is not one that a client sends here", *type));
+        }
+    }
+
+    bool greet(Connection& connection, const Buffer& buffer, std::size_t bytes) {
+        // The version comes before the size: an older client's Hello may have another one.
+        std::uint32_t version = 0;
+        if (bytes >= offsetof(protocol::Hello, version) + sizeof version) {
+            std::memcpy(&version, buffer.data() + offsetof(protocol::Hello, version), sizeof version);
+        }
+        if (version != protocol::protocol_version) {
+            throw Refusal(
+                fmt::format("build mismatch: the client speaks version {} and servo \"{}\" version {}; "
+                            "rebuild the one and restart the other",
+                            version, options.servo_name, protocol::protocol_version));
+        }
+        const auto hello = read_message<protocol::Hello>(buffer, bytes, "build mismatch: hello");
+        if (hello.layout != protocol::wire_hash()) {
+            throw Refusal(
+                fmt::format("build mismatch: the client's memory layout is {:016x} and servo \"{}\" has "
+                            "{:016x}; rebuild the one and restart the other",
+                            hello.layout, options.servo_name, protocol::wire_hash()));
+        }
+        connection.greeted = true;
+        --half_open;
+        connection.peer.name = printable(hello.client);
+
+        protocol::Welcome welcome;
+        welcome.devices = static_cast<std::uint32_t>(tables.size());
+        welcome.servo_pid = static_cast<std::uint32_t>(getpid());
+        std::vector<int> segments;
+        for (std::size_t i = 0; i < tables.size(); ++i) {
+            copy_name(welcome.names[i], tables[i]->device().name);
+            segments.push_back(tables[i]->device().segment.fd());
+        }
+        return shm::send_message(connection.socket, bytes_of(welcome), segments);
+    }
+
+    bool claim(Connection& connection, const protocol::ClaimRequest& request) {
+        // A refused claim leaves the connection open: the client may ask for another device.
+        try {
+            if (ending)
+                throw Refusal(fmt::format("servo \"{}\" is ending; start it again", options.servo_name));
+            if (request.device >= tables.size()) {
+                throw Refusal(fmt::format("claim: device {} of {}", request.device, tables.size()));
+            }
+            if (connection.holdings.size() >= broker_bounds::claims_of_one) {
+                throw Refusal(fmt::format("claim: one connection holds up to {}; connect once more",
+                                          broker_bounds::claims_of_one));
+            }
+            ClaimTable& table = *tables[request.device];
+            const Grant grant = table.grant(request, connection.peer);
+            connection.holdings.push_back({request.device, grant.message.slot});
+            const std::array fds{grant.segment_fd, grant.event_fd};
+            return shm::send_message(connection.socket, bytes_of(grant.message), fds);
+        } catch (const Refusal& refusal) {
+            refuse(connection, refusal);
+            return true;
+        }
+    }
+
+    void release(Connection& connection, const protocol::Release& release) {
+        const auto held = std::find_if(connection.holdings.begin(), connection.holdings.end(),
+                                       [&](const Connection::Holding& h) {
+                                           return h.device == release.device && h.row == release.slot;
+                                       });
+        if (held == connection.holdings.end())
+            throw Refusal("release: this connection does not hold that claim");
+        tables[held->device]->let_go(held->row);
+        connection.holdings.erase(held);
+    }
+
+    void begin_to_end(End why) {
+        if (ending) {
+            if (why == End::asked) ending = End::at_once;
+            return;
+        }
+        ending = why;
+        ending_since = SteadyClock::now();
+        asked_to_end.assign(tables.size(), false);
+    }
+
+    /// Every device is at rest, or has had its time.
+    bool at_rest() {
+        if (SteadyClock::now() - ending_since >
+            std::chrono::duration<double>(broker_bounds::ramp_down_seconds)) {
+            return true;
+        }
+        bool rest = true;
+        for (std::size_t i = 0; i < tables.size(); ++i) {
+            const HostedDevice& device = tables[i]->device();
+            if (!asked_to_end[i]) asked_to_end[i] = device.servo.drop_all();
+            const shm::BroadcastReader reports(device.segment.data() + protocol::device_layout().reports,
+                                               protocol::report_slots, sizeof(Report));
+            Report report;
+            const bool known = reports.published() > 0 && reports.at(reports.published() - 1, &report);
+            rest = rest && asked_to_end[i] && known && report.state != DeviceState::ramp_up &&
+                   report.state != DeviceState::active && report.state != DeviceState::ramp_down;
+        }
+        return rest;
+    }
+
+    void drop_silent_callers() {
+        if (half_open == 0) return;
+        const auto latest = SteadyClock::now() - std::chrono::duration<double>(broker_bounds::hello_seconds);
+        std::vector<std::uint64_t> silent;
+        for (const auto& [id, connection] : connections) {
+            if (!connection.greeted && connection.since < latest) silent.push_back(id);
+        }
+        for (std::uint64_t id : silent) {
+            refuse(connections.at(id),
+                   Refusal(fmt::format("attach: no Hello within {:g} s", broker_bounds::hello_seconds)));
+            close(id);
+        }
+    }
+
+    int patience_ms(bool collecting) const {
+        using std::chrono::milliseconds;
+        auto patience = milliseconds(-1);
+        const auto at_most = [&](milliseconds t) {
+            patience = patience.count() < 0 ? t : std::min(patience, t);
+        };
+        if (ending) at_most(ramp_interval);
+        if (collecting) at_most(collect_interval);
+        if (half_open > 0 || pause_until > SteadyClock::now()) at_most(accept_pause);
+        return static_cast<int>(patience.count());
+    }
+};
+
+Broker::Broker(BrokerOptions options, std::vector<HostedDevice> devices, shm::Waker& waker)
+    : impl_(std::make_unique<Impl>()) {
+    impl_->options = std::move(options);
+    for (HostedDevice& device : devices) {
+        impl_->tables.push_back(std::make_unique<ClaimTable>(std::move(device), waker));
+    }
+    impl_->watch(impl_->options.signals.get(), signalled);
+    if (impl_->options.guardian_pidfd >= 0) impl_->watch(impl_->options.guardian_pidfd, guardian_gone);
+}
+
+Broker::~Broker() = default;
+
+Broker::End Broker::run() {
+    Impl& self = *impl_;
+    for (;;) {
+        bool collecting = false;
+        for (const auto& table : self.tables) collecting |= table->collect();
+        self.drop_silent_callers();
+        self.update_listening();
+        if (self.ending && (*self.ending == End::at_once || self.at_rest())) return *self.ending;
+
+        std::array<epoll_event, 32> events;
+        const int count = epoll_wait(self.epoll.get(), events.data(), static_cast<int>(events.size()),
+                                     self.patience_ms(collecting));
+        if (count < 0 && errno != EINTR) {
+            throw std::runtime_error(fmt::format("knurld: epoll_wait: {}", std::strerror(errno)));
+        }
+        for (int i = 0; i < count; ++i) {
+            switch (const std::uint64_t source = events[static_cast<std::size_t>(i)].data.u64; source) {
+                case listening:
+                    self.accept_one();
+                    break;
+                case signalled: {
+                    signalfd_siginfo signal;
+                    if (read(self.options.signals.get(), &signal, sizeof signal) == sizeof signal) {
+                        self.begin_to_end(End::asked);
+                    }
+                    break;
+                }
+                case guardian_gone:
+                    epoll_ctl(self.epoll.get(), EPOLL_CTL_DEL, self.options.guardian_pidfd, nullptr);
+                    self.begin_to_end(End::guardian_died);
+                    break;
+                default:
+                    self.serve(source);
+            }
+        }
+    }
+}
+
+}  // namespace knurl::servo

@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include <knurl/servo/claim_table.hpp>
+
+namespace knurl::servo {
+
+namespace {
+
+constexpr std::uint64_t role_claim = 1;
+constexpr std::uint64_t role_observer = 2;
+constexpr double longest_interval = 3600;  // s between commits
+
+shm::WaiterFlag* flag_in(shm::Segment& claim_segment) {
+    constexpr protocol::ClaimLayout layout =
+        protocol::claim_layout({});  // the flag lies there for any capacity
+    return reinterpret_cast<shm::WaiterFlag*>(claim_segment.data() + layout.waiter);
+}
+
+bool bounded(double value, double most) {
+    return std::abs(value) <= most;
+}  // false for NaN
+
+}  // namespace
+
+ClaimTable::ClaimTable(HostedDevice device, shm::Waker& waker) : device_(std::move(device)), waker_(waker) {}
+
+ClaimTable::~ClaimTable() {
+    for (std::uint32_t row = 0; row < rows_.size(); ++row) {
+        if (rows_[row].stage != Stage::free) clear(row);
+    }
+}
+
+void ClaimTable::require_sane(const protocol::ClaimRequest& request) const {
+    const auto refuse = [](std::string text) { throw Refusal("claim: " + text); };
+    if (request.observe > 1 || request.shared > 1) refuse("observe and shared are 0 or 1");
+    const protocol::ClaimCapacity& capacity = request.capacity;
+    if (request.observe == 0 &&
+        (capacity.representations < 1 || capacity.representations > protocol::max_representations)) {
+        refuse(fmt::format("{} representations; allowed: 1 to {}", capacity.representations,
+                           protocol::max_representations));
+    }
+    if (request.observe == 0 &&
+        (capacity.batch_bytes < protocol::max_parameter_bytes ||
+         capacity.batch_bytes > protocol::max_batch_bytes || capacity.batch_bytes % 8 != 0)) {
+        refuse(fmt::format("batches of {} bytes; allowed: multiples of 8 from {} to {}", capacity.batch_bytes,
+                           protocol::max_parameter_bytes, protocol::max_batch_bytes));
+    }
+    const double radius = request.workspace_radius;
+    if (radius != 0 && !(radius >= 1e-9 && radius <= 1e9)) {
+        refuse(fmt::format("workspace_radius = {:g} m; allowed: 1e-9 to 1e9, or 0 for the device's own",
+                           radius));
+    }
+    const Vec3& centre = request.workspace_centre;
+    if (!bounded(centre.x, 1e9) || !bounded(centre.y, 1e9) || !bounded(centre.z, 1e9)) {
+        refuse(fmt::format("workspace_centre = ({:g}, {:g}, {:g}) m; allowed: up to 1e9 m", centre.x,
+                           centre.y, centre.z));
+    }
+    if (!(request.update_interval >= 0 && request.update_interval <= longest_interval)) {
+        refuse(fmt::format("update_interval = {:g} s; allowed: 0 (measured) to {:g}", request.update_interval,
+                           longest_interval));
+    }
+}
+
+void ClaimTable::require_free_for(const protocol::ClaimRequest& request) const {
+    if (request.observe != 0) return;
+    for (const Row& row : rows_) {
+        if (row.stage != Stage::held || row.observer) continue;
+        if (row.shared && request.shared != 0) continue;
+        throw Refusal(
+            fmt::format("device \"{}\" is held by pid {} ({}); {}", device_.name, row.peer.pid, row.peer.name,
+                        row.shared ? "it shares: claim it with shared = true"
+                                   : "end that program, or claim with shared = true in both"),
+            row.peer.pid);
+    }
+}
+
+Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer) {
+    require_sane(request);
+    require_free_for(request);
+    const auto found =
+        std::find_if(rows_.begin(), rows_.end(), [](const Row& row) { return row.stage == Stage::free; });
+    if (found == rows_.end()) {
+        throw Refusal(fmt::format("device \"{}\" has {} clients, which is all it takes; end one of them",
+                                  device_.name, protocol::max_clients));
+    }
+    const auto index = static_cast<std::uint32_t>(found - rows_.begin());
+
+    const bool observer = request.observe != 0;
+    ClaimTerms terms;
+    terms.capacity = observer ? protocol::ClaimCapacity{0, 0} : request.capacity;
+    terms.frame = frame_for(device_.link, request);
+    terms.limits = limits_for(device_.link, device_.rate, terms.frame);
+    terms.update_interval = request.update_interval;
+    terms.observer = observer;
+    terms.shared = request.shared != 0;
+    terms.row = index;
+
+    Row fresh;  // into the table only when all of it exists
+    try {
+        fresh.segment = shm::Segment::create("knurl-claim", protocol::claim_layout(terms.capacity).total);
+        fresh.event = shm::make_event();
+        fresh.observer = observer;
+        fresh.shared = terms.shared;
+        fresh.peer = peer;
+        fresh.claim = std::make_unique<Claim>(terms, fresh.segment.data(), &shared_row(index));
+        waker_.add(flag_in(fresh.segment), fresh.event.get());
+    } catch (const std::exception& error) {
+        throw Refusal(fmt::format("claim of device \"{}\": the servo has no memory or descriptors left ({})",
+                                  device_.name, error.what()));
+    }
+    *found = std::move(fresh);
+    identify(index, peer, observer ? role_observer : role_claim, terms.shared);
+    if (!device_.servo.adopt(found->claim.get())) {
+        clear(index);
+        throw Refusal(
+            fmt::format("device \"{}\": the servo is busy with other claims; try again", device_.name));
+    }
+    found->stage = Stage::held;
+
+    Grant grant;
+    grant.message.slot = index;
+    grant.message.capacity = terms.capacity;
+    grant.message.frame = terms.frame;
+    grant.message.limits = terms.limits;
+    grant.segment_fd = found->segment.fd();
+    grant.event_fd = found->event.get();
+    return grant;
+}
+
+void ClaimTable::let_go(std::uint32_t index) noexcept {
+    if (index >= rows_.size() || rows_[index].stage != Stage::held) return;
+    Row& row = rows_[index];
+    row.stage = device_.servo.drop(row.claim.get()) ? Stage::leaving : Stage::dropping;
+    ++on_their_way_;
+}
+
+bool ClaimTable::collect() noexcept {
+    if (on_their_way_ == 0) return false;
+    for (Row& row : rows_) {
+        if (row.stage == Stage::dropping && device_.servo.drop(row.claim.get())) row.stage = Stage::leaving;
+    }
+    while (const Claim* back = device_.servo.released()) {
+        const auto found = std::find_if(rows_.begin(), rows_.end(),
+                                        [back](const Row& row) { return row.claim.get() == back; });
+        if (found == rows_.end()) continue;
+        // Held: the servo is ending and has let go of all by itself (drop_all).
+        if (found->stage != Stage::held) --on_their_way_;
+        clear(static_cast<std::uint32_t>(found - rows_.begin()));
+    }
+    return on_their_way_ > 0;
+}
+
+protocol::ClientRow& ClaimTable::shared_row(std::uint32_t row) const {
+    std::byte* rows = device_.segment.data() + protocol::device_layout().clients;
+    return reinterpret_cast<protocol::ClientRow*>(rows)[row];
+}
+
+void ClaimTable::identify(std::uint32_t index, const Peer& peer, std::uint64_t role, bool shared) noexcept {
+    // Seqlock with one writer. Release on every word, as in the report ring: a reader that sees a new word
+    // (acquire) also sees the odd sequence before it, and its second look at the sequence rejects.
+    //   writer: sequence odd ─sb─> word (rel) ─sb─> sequence even (rel)
+    //   reader: sequence (acq) ─sb─> words (acq) ─sb─> sequence again: the same and even?
+    protocol::ClientRow& row = shared_row(index);
+    const std::uint64_t sequence = row.sequence.load(std::memory_order_relaxed);
+    row.sequence.store(sequence + 1, std::memory_order_relaxed);
+    row.pid.store(static_cast<std::uint64_t>(peer.pid), std::memory_order_release);
+    row.role.store(role, std::memory_order_release);
+    row.shared.store(shared ? 1 : 0, std::memory_order_release);
+    char name[protocol::name_bytes] = {};
+    peer.name.copy(name, sizeof name - 1);
+    for (std::size_t i = 0; i < sizeof name / 8; ++i) {
+        std::uint64_t word;
+        std::memcpy(&word, name + 8 * i, 8);
+        row.name[i].store(word, std::memory_order_release);
+    }
+    row.sequence.store(sequence + 2, std::memory_order_release);
+}
+
+void ClaimTable::clear(std::uint32_t index) noexcept {
+    Row& row = rows_[index];
+    waker_.remove(flag_in(row.segment));  // before it is unmapped
+    identify(index, {}, 0, false);
+    row = Row{};
+}
+
+}  // namespace knurl::servo

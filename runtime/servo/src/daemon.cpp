@@ -1,0 +1,347 @@
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+#include <grp.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <knurl/drivers/registry.hpp>
+#include <knurl/protocol/attach.hpp>
+#include <knurl/protocol/device_segment.hpp>
+#include <knurl/servo/broker.hpp>
+#include <knurl/servo/daemon.hpp>
+#include <knurl/servo/guardian.hpp>
+#include <knurl/servo/loop.hpp>
+#include <knurl/servo/realtime.hpp>
+#include <knurl/servo/servo.hpp>
+#include <knurl/shm/socket.hpp>
+
+namespace knurl::servo {
+
+namespace {
+
+constexpr double longest_hold = 50e-3;  // s: what real-time throttling or a host may stop us for
+constexpr double impulse_bound = 0.1;   // N s into the hand meanwhile, without a watchdog of the device's own
+constexpr int lateness_samples = 32;
+
+void say(const std::string& line) {
+    std::fputs((line + "\n").c_str(), stdout);
+    std::fflush(stdout);
+}
+
+void complain(const std::string& line) {
+    std::fputs(("knurld: " + line + "\n").c_str(), stderr);
+}
+
+/// Signals come through a descriptor, in the broker's thread alone. Before any thread is made.
+shm::UniqueFd take_signals() {
+    sigset_t set;
+    sigemptyset(&set);
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
+    pthread_sigmask(SIG_BLOCK, &set, nullptr);
+    std::signal(SIGPIPE, SIG_IGN);  // a closed terminal must not end a servo
+    shm::UniqueFd fd(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
+    if (!fd) throw std::runtime_error(fmt::format("signalfd: {}", std::strerror(errno)));
+    return fd;
+}
+
+/// Each client costs three descriptors, and the usual soft limit is 1024.
+void raise_descriptor_limit() {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 8192);
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+/// The listening socket, and its name in the file system for as long as this lives.
+class Door {
+  public:
+    Door(const std::string& servo_name, const std::string& group) : path_(protocol::socket_path(servo_name)) {
+        const std::filesystem::path directory = std::filesystem::path(path_).parent_path();
+        std::error_code failed;
+        if (std::filesystem::create_directories(directory, failed)) {
+            using std::filesystem::perms;  // the socket's own mode says who may connect
+            std::filesystem::permissions(directory,
+                                         perms::owner_all | perms::group_read | perms::group_exec |
+                                             perms::others_read | perms::others_exec,
+                                         failed);
+        }
+        if (failed) {
+            throw std::runtime_error(
+                fmt::format("{}: cannot make this directory for the socket ({}); set "
+                            "KNURL_RUNTIME_DIR to one of yours",
+                            directory.string(), failed.message()));
+        }
+        socket_ = shm::listen_at(path_, 0660, broker_bounds::listen_backlog);
+        if (group.empty()) return;
+        const ::group* found = getgrnam(group.c_str());
+        if (found == nullptr || chown(path_.c_str(), static_cast<uid_t>(-1), found->gr_gid) != 0) {
+            const std::string why = found == nullptr
+                                        ? "no such group; make it: sudo groupadd " + group
+                                        : std::string(std::strerror(errno)) + "; be a member of it";
+            unlink(path_.c_str());
+            throw ConfigError(fmt::format("socket_group = \"{}\": {}", group, why));
+        }
+    }
+    ~Door() { unlink(path_.c_str()); }
+    Door(const Door&) = delete;
+    Door& operator=(const Door&) = delete;
+
+    const std::string& path() const { return path_; }
+    shm::UniqueFd& socket() { return socket_; }
+
+  private:
+    std::string path_;
+    shm::UniqueFd socket_;
+};
+
+template <std::size_t n>
+void copy_text(char (&to)[n], const std::string& from) {
+    from.copy(to, n - 1);
+}
+
+/// One device and all that runs it.
+struct Station {
+    DeviceConfig config;
+    std::unique_ptr<drivers::Device> device;
+    shm::Segment segment;
+    MonotonicClock clock;
+    std::unique_ptr<Servo> servo;
+    std::unique_ptr<Loop> loop;
+    std::unique_ptr<Thread> thread;
+
+    Station(const DeviceConfig& stated, const DaemonConfig& daemon) : config(stated) {
+        device = drivers::open_device(config.address, {.hand_file = config.hand_file, .seed = config.seed});
+        const drivers::LinkConfig& link = device->link();
+        if (config.name.empty()) {
+            config.name = link.name;
+            require_name(config.name, "the profile's name");
+        }
+        check_limits(config.limits, link, fmt::format("device \"{}\"", config.name));
+
+        const protocol::DeviceLayout layout = protocol::device_layout();
+        segment = shm::Segment::create("knurl-reports", layout.total);
+        auto& info = *reinterpret_cast<protocol::DeviceInfo*>(segment.data() + layout.info);
+        info.magic = protocol::segment_magic;
+        info.layout_hash = protocol::wire_hash();
+        copy_text(info.servo, daemon.name);
+        copy_text(info.name, config.name);
+        copy_text(info.address, config.address);
+        copy_text(info.profile, link.name);
+        copy_text(info.serial, link.serial);
+        info.joints = static_cast<std::uint32_t>(link.sensed_joints);
+        info.renders_torque = link.renders_torque ? 1 : 0;
+        info.senses_orientation = link.senses_orientation ? 1 : 0;
+        info.servo_pid = static_cast<std::uint32_t>(getpid());
+        info.rate = daemon.rate;
+        info.workspace_centre = {link.workspace_centre[0], link.workspace_centre[1],
+                                 link.workspace_centre[2]};
+        info.workspace_radius = link.workspace_radius;
+        info.peak_force = peak_force();
+        info.max_stiffness = max_stiffness(link, daemon.rate);
+        info.damping = link.damping;
+        info.lag = link.lag;
+        timespec now{};
+        clock_gettime(CLOCK_REALTIME, &now);
+        info.started_ns = now.tv_sec * Nanoseconds{1'000'000'000} + now.tv_nsec;
+        shm::broadcast_init(segment.data() + layout.reports);
+        segment.seal_against_new_writers();
+    }
+
+    double peak_force() const {
+        return config.limits.peak_force > 0 ? config.limits.peak_force : device->link().peak_force;
+    }
+
+    void stop() noexcept {
+        if (loop) loop->stop();
+        if (thread) thread->join();
+    }
+
+    std::string description(double rate) const {
+        const drivers::LinkConfig& link = device->link();
+        const double impulse = peak_force() * longest_hold;
+        std::string rule;
+        if (link.has_watchdog) {
+            rule = fmt::format("its watchdog switches off after {:g} ms", link.watchdog_time * 1e3);
+        } else if (impulse <= impulse_bound) {
+            rule = "within the 0.1 N s for a device without a watchdog";
+        } else {
+            rule = fmt::format(
+                "more than the 0.1 N s for a device without a watchdog; limits.peak_force = {:g} keeps it",
+                impulse_bound / longest_hold);
+        }
+        return fmt::format("  {}: {}, k_max {:.0f} N/m, peak {:g} N; held for {:g} ms that is {:.3g} N s, {}",
+                           config.name, config.address, max_stiffness(link, rate), peak_force(),
+                           longest_hold * 1e3, impulse, rule);
+    }
+};
+
+/// Whatever happens, no loop runs when the memory of its claims goes.
+struct StopLoops {
+    std::vector<std::unique_ptr<Station>>& stations;
+    ~StopLoops() {
+        for (const auto& station : stations) station->stop();
+        for (const auto& station : stations) station->device->make_safe();
+    }
+};
+
+std::vector<std::unique_ptr<Station>> open_stations(const DaemonConfig& config) {
+    std::vector<std::unique_ptr<Station>> stations;
+    for (const DeviceConfig& device : config.devices) {
+        stations.push_back(std::make_unique<Station>(device, config));
+        const std::string& name = stations.back()->config.name;
+        const auto same = [&](const auto& other) { return other->config.name == name; };
+        if (std::count_if(stations.begin(), stations.end(), same) > 1) {
+            throw ConfigError(
+                fmt::format("two devices are called \"{}\"; name one of them otherwise: --device left={}",
+                            name, device.address));
+        }
+    }
+    return stations;
+}
+
+int servo_cpu(const DaemonConfig& config) {
+    const std::vector<int> cpus = allowed_cpus();
+    if (config.cpu < 0) return cpus.back();  // interrupts prefer the first
+    if (std::find(cpus.begin(), cpus.end(), config.cpu) == cpus.end()) {
+        throw ConfigError(
+            fmt::format("cpu = {}; this process may use: {}", config.cpu, fmt::join(cpus, ", ")));
+    }
+    return config.cpu;
+}
+
+std::string lateness_line(const DaemonConfig& config, int cpu) {
+    const auto measured = [&] {
+        const WakeLateness late = measure_wake_lateness(config.priority, cpu, lateness_samples);
+        return fmt::format("p50 {:.0f} us, max {:.0f} us", static_cast<double>(late.p50) * 1e-3,
+                           static_cast<double>(late.max) * 1e-3);
+    };
+    std::string line = fmt::format("wake-ups late by {} of {} with idle = \"{}\"", measured(),
+                                   lateness_samples, config.idle == Idle::poll ? "poll" : "sleep");
+    if (config.idle == Idle::sleep) {
+        Shortfalls unasked;
+        const shm::UniqueFd polling = hold_idle_polling(unasked);
+        if (polling) line += fmt::format(" (with \"poll\": {})", measured());
+    }
+    return fmt::format("{}, spin {:g} us", line, config.spin * 1e6);
+}
+
+ServoOptions servo_options(const DaemonConfig& config, const DeviceConfig& device) {
+    ServoOptions options;
+    options.rate = config.rate;
+    options.supervisor = device.limits;
+    return options;
+}
+
+int below(int priority, int by) {
+    return priority == 0 ? 0 : priority - by;
+}
+
+}  // namespace
+
+int run_daemon(const DaemonConfig& config) {
+    check(config);
+    tame_malloc();
+    shm::UniqueFd signals = take_signals();
+    raise_descriptor_limit();
+    const int cpu = servo_cpu(config);
+
+    Door door(config.name,
+              config.socket_group);  // first: a second servo of this name must not touch the devices
+    std::vector<std::unique_ptr<Station>> stations = open_stations(config);
+
+    Shortfalls missing;
+    const shm::UniqueFd idle_polling =
+        config.idle == Idle::poll ? hold_idle_polling(missing) : shm::UniqueFd();
+
+    std::vector<GuardedDevice> guarded;
+    for (const auto& station : stations) guarded.push_back({station->device.get(), station->segment.data()});
+    std::vector<int> not_for_the_guardian{door.socket().get(), signals.get()};
+    if (idle_polling) not_for_the_guardian.push_back(idle_polling.get());
+    Guardian guardian(guarded, {.priority = below(config.priority, -guardian_above_servo),
+                                .servo_cpu = cpu,
+                                .stall = config.guardian_stall,
+                                .state_directory = protocol::state_directory(),
+                                .close = std::move(not_for_the_guardian)});
+
+    const std::string lateness = lateness_line(config, cpu);
+    shm::Waker waker;
+    std::vector<HostedDevice> hosted;
+    for (std::size_t i = 0; i < stations.size(); ++i) {
+        Station& station = *stations[i];
+        station.servo = std::make_unique<Servo>(*station.device, station.clock, station.segment.data(),
+                                                servo_options(config, station.config));
+        station.loop = std::make_unique<Loop>(
+            *station.servo, waker, guardian.acts(i),
+            LoopOptions{.rate = config.rate, .spin = static_cast<Nanoseconds>(config.spin * 1e9)});
+        hosted.push_back({.name = station.config.name,
+                          .link = station.device->link(),
+                          .servo = *station.servo,
+                          .segment = station.segment,
+                          .rate = config.rate});
+    }
+    lock_memory(missing);
+    Broker broker({.servo_name = config.name,
+                   .listener = std::move(door.socket()),
+                   .signals = std::move(signals),
+                   .guardian_pidfd = guardian.pidfd()},
+                  std::move(hosted), waker);
+
+    // Ends in the reverse order: loops, then the waker, then the claims that both used, then servos and
+    // devices.
+    struct WakerThread {
+        shm::Waker& waker;
+        Thread thread;
+        ~WakerThread() { waker.stop(); }
+    } waker_thread{
+        waker, Thread(
+                   {.name = "knurl-waker", .priority = below(config.priority, waker_below_servo), .cpu = cpu},
+                   [&waker] { waker.run(); }, missing)};
+    Broker::End end = Broker::End::at_once;
+    {
+        const StopLoops stop_loops{stations};
+        become_real_time(below(config.priority, broker_below_servo), "broker", missing);
+        for (const auto& station : stations) {
+            station->thread = std::make_unique<Thread>(
+                ThreadOptions{.name = "knurl-servo", .priority = config.priority, .cpu = cpu},
+                [loop = station->loop.get()] { loop->run(); }, missing);
+        }
+
+        say(fmt::format("knurld {}: servo \"{}\" at {}, pid {}, guardian {}", KNURL_VERSION, config.name,
+                        door.path(), getpid(), guardian.pid()));
+        say(fmt::format("  {:g} Hz on CPU {}, {}", config.rate, cpu, lateness));
+        for (const auto& station : stations) say(station->description(config.rate));
+        std::sort(missing.begin(), missing.end());
+        missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+        for (const std::string& line : missing) complain(line);
+        say("knurld: ready");
+
+        end = broker.run();
+    }
+    guardian.goodbye();
+
+    for (const auto& station : stations) {
+        const LoopCounts& counts = station->loop->counts();
+        say(fmt::format("  {}: {} cycles, {} late, {} overruns, {} restarts; latest begin {:.0f} us",
+                        station->config.name, counts.cycles, station->servo->last().late_count,
+                        counts.overruns, counts.restarts, static_cast<double>(counts.worst_lateness) * 1e-3));
+    }
+    if (end == Broker::End::guardian_died) {
+        complain(
+            "the guardian died; a motor is not run unguarded, so every device was ramped down; start knurld "
+            "again");
+    }
+    return end == Broker::End::asked ? 0 : 1;
+}
+
+}  // namespace knurl::servo

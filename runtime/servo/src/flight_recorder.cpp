@@ -1,0 +1,119 @@
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <knurl/protocol/device_segment.hpp>
+#include <knurl/servo/flight_recorder.hpp>
+#include <knurl/shm/broadcast_ring.hpp>
+
+namespace knurl::servo {
+
+namespace {
+
+constexpr std::string_view columns =
+    "cycle,deadline_ns,read_ns,write_ns,q0,q1,q2,q3,q4,q5,q6,q7,x,y,z,qw,qx,qy,qz,vx,vy,vz,slow_vx,slow_vy,"
+    "slow_vz,"
+    "wx,wy,wz,scene_fx,scene_fy,scene_fz,scene_tx,scene_ty,scene_tz,sent_fx,sent_fy,sent_fz,sent_tx,sent_ty,"
+    "sent_tz,"
+    "contact_x,contact_y,contact_z,state,faults,buttons,flags,late_count\n";
+
+void append(fmt::memory_buffer& line, const Report& r) {
+    const auto out = std::back_inserter(line);
+    fmt::format_to(out, "{},{},{},{}", r.cycle, r.deadline_ns, r.read_ns, r.write_ns);
+    const auto number = [&](double value) { fmt::format_to(out, ",{:.17g}", value); };
+    const auto vector = [&](const Vec3& v) {
+        number(v.x);
+        number(v.y);
+        number(v.z);
+    };
+    for (double joint : r.joints) number(joint);
+    vector(r.position);
+    number(r.orientation.w);
+    number(r.orientation.x);
+    number(r.orientation.y);
+    number(r.orientation.z);
+    for (const Vec3& v : {r.velocity, r.slow_velocity, r.angular_velocity, r.scene_force, r.scene_torque,
+                          r.sent_force, r.sent_torque, r.contact_point}) {
+        vector(v);
+    }
+    fmt::format_to(out, ",{},{},{},{},{}\n", static_cast<std::uint32_t>(r.state), r.faults, r.buttons,
+                   r.flags, r.late_count);
+}
+
+std::string utc_now() {
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    std::tm utc{};
+    gmtime_r(&now.tv_sec, &utc);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y%m%dT%H%M%S", &utc);
+    return fmt::format("{}.{:03}Z", text, now.tv_nsec / 1'000'000);  // two deaths in one second are two files
+}
+
+struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+}  // namespace
+
+std::string write_flight_record(const std::string& directory, const std::byte* device_segment,
+                                const std::string& cause) {
+    constexpr protocol::DeviceLayout layout = protocol::device_layout();
+    protocol::DeviceInfo info;  // written once, before anybody else had the memory
+    std::memcpy(&info, device_segment + layout.info, sizeof info);
+    const shm::BroadcastReader reports(device_segment + layout.reports, protocol::report_slots,
+                                       sizeof(Report), 0);
+
+    const std::string path =
+        fmt::format("{}/flight-{}-{}-{}.csv", directory, info.servo, info.name, utc_now());
+    const std::string unfinished = path + ".part";
+    const auto failed = [&](const std::string& what) {
+        return std::runtime_error(fmt::format("flight recorder: {}: {}", what, std::strerror(errno)));
+    };
+
+    std::error_code ignored;  // the open below says it better
+    std::filesystem::create_directories(directory, ignored);
+    std::unique_ptr<std::FILE, Close> file(std::fopen(unfinished.c_str(), "we"));
+    if (!file) throw failed(unfinished);
+
+    fmt::memory_buffer text;
+    const auto out = std::back_inserter(text);
+    fmt::format_to(out, "# Knurl flight recorder: the last reports of a servo that died\n");
+    fmt::format_to(out, "# build: {} layout {:016x}\n", KNURL_VERSION, info.layout_hash);
+    fmt::format_to(out, "# cause: {}\n", cause);
+    fmt::format_to(out, "# servo: {} pid {}\n", info.servo, info.servo_pid);
+    fmt::format_to(out, "# device: {} {} {} Hz\n", info.name, info.address, info.rate);
+    fmt::format_to(out, "# units: s, m, rad, N, N m; *_ns CLOCK_MONOTONIC; device frame\n");
+    text.append(columns);
+
+    const std::uint64_t end = reports.published();
+    const std::uint64_t readable = protocol::report_slots - 1;
+    bool written = true;
+    for (std::uint64_t n = end > readable ? end - readable : 0; n < end; ++n) {
+        Report report;
+        if (reports.at(n, &report)) append(text, report);
+        if (text.size() > 64 * 1024 || n + 1 == end) {
+            written = written && std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
+            text.clear();
+        }
+    }
+    written = written && std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
+    written = written && std::fflush(file.get()) == 0;
+    if (!written || std::rename(unfinished.c_str(), path.c_str()) != 0) {
+        const auto error = failed(unfinished);
+        std::remove(unfinished.c_str());
+        throw error;
+    }
+    return path;
+}
+
+}  // namespace knurl::servo

@@ -1,0 +1,199 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <knurl/protocol/bounds.hpp>
+#include <knurl/protocol/device_segment.hpp>
+#include <knurl/servo/flight_recorder.hpp>
+#include <knurl/servo/guardian.hpp>
+#include <knurl/servo/realtime.hpp>
+
+namespace knurl::servo {
+
+namespace {
+
+/// In memory shared by servo and guardian. Written by the guardian alone.
+struct Board {
+    std::array<std::atomic<std::uint64_t>, protocol::max_devices> acts;
+};
+
+constexpr char goodbye_byte = 'G';
+constexpr int idle_tick_ms = 20;  // no device enabled: force takes far longer than this to ramp up
+
+shm::UniqueFd open_pidfd(pid_t pid) {
+    return shm::UniqueFd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
+}
+
+std::runtime_error system_error(const char* what) {
+    return std::runtime_error(fmt::format("knurld: {}: {}", what, std::strerror(errno)));
+}
+
+/// One guarded device as the guardian sees it.
+struct Watched {
+    drivers::Device* device;
+    const std::byte* segment;
+    shm::BroadcastReader reports;
+    StallWatch stall;
+
+    bool enabled() const noexcept {
+        // The newest report's own number is one behind the count; the servo may publish in between, so try
+        // again.
+        for (int attempt = 0; attempt < 4; ++attempt) {
+            const std::uint64_t end = reports.published();
+            Report report;
+            if (end == 0) return false;
+            if (!reports.at(end - 1, &report)) continue;
+            return report.state == DeviceState::ramp_up || report.state == DeviceState::active ||
+                   report.state == DeviceState::ramp_down;
+        }
+        return true;  // it is publishing as fast as we read: certainly alive, and the watch sees the beat
+    }
+};
+
+/// The guardian's life. Returns when it has nothing left to guard.
+void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo_pidfd,
+                const std::string& state_directory) {
+    MonotonicClock clock;
+    for (;;) {
+        bool any_enabled = false;
+        for (std::size_t i = 0; i < devices.size(); ++i) {
+            Watched& watched = devices[i];
+            const bool enabled = watched.enabled();
+            any_enabled |= enabled;
+            if (watched.stall.tick(clock.now(), watched.reports.published(), enabled)) {
+                // First the word, then the zero: a servo that comes back in between finds the word, and its
+                // gain is 0 before it writes again. Pairs with the acquire in Loop::run.
+                board.acts[i].fetch_add(1, std::memory_order_release);
+                watched.device->make_safe();
+            }
+        }
+        std::array<pollfd, 2> waits{pollfd{.fd = line, .events = POLLIN, .revents = 0},
+                                    pollfd{.fd = servo_pidfd, .events = POLLIN, .revents = 0}};
+        const int tick_ms = any_enabled ? static_cast<int>(StallWatch::period / 1'000'000) : idle_tick_ms;
+        if (poll(waits.data(), waits.size(), tick_ms) <= 0) continue;
+
+        // A goodbye that lies in the socket counts even if the servo has ended since.
+        char byte = 0;
+        const ssize_t n = recv(line, &byte, 1, MSG_DONTWAIT);
+        if (n == 1 && byte == goodbye_byte) return;
+        const bool hung_up = n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR);
+        if (!hung_up && (waits[1].revents & POLLIN) == 0) continue;
+
+        for (Watched& watched : devices) watched.device->make_safe();
+        // The devices are safe; a file may take its time, and must not hold up anybody who is real-time.
+        const sched_param ordinary{};
+        sched_setscheduler(0, SCHED_OTHER, &ordinary);
+        for (const Watched& watched : devices) {
+            try {
+                const std::string path = write_flight_record(
+                    state_directory, watched.segment, "killed, crashed or ended without saying goodbye");
+                std::fprintf(
+                    stderr,
+                    "knurl-guardian: the servo died; devices are zeroed, its last reports are in %s\n",
+                    path.c_str());
+            } catch (const std::exception& error) {
+                std::fprintf(stderr, "knurl-guardian: the servo died; devices are zeroed; %s\n",
+                             error.what());
+            }
+        }
+        return;
+    }
+}
+
+}  // namespace
+
+bool StallWatch::tick(Nanoseconds now, std::uint64_t beat, bool enabled) noexcept {
+    const Nanoseconds ran = last_ == 0 ? 0 : std::min(now - last_, longest_tick);
+    last_ = now;
+    if (beat != beat_ || !enabled) {
+        beat_ = beat;
+        still_ = 0;
+        acted_ = false;
+        return false;
+    }
+    still_ += ran;
+    if (acted_ || still_ <= stall_) return false;
+    acted_ = true;
+    return true;
+}
+
+Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions& options)
+    : board_(shm::Segment::create("knurl-guardian", 4096)) {
+    static_assert(sizeof(Board) <= 4096 && std::atomic<std::uint64_t>::is_always_lock_free);
+    Board& board = *new (board_.data()) Board{};
+
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw system_error("socketpair");
+    line_ = shm::UniqueFd(ends[0]);
+    shm::UniqueFd guardians_end(ends[1]);
+    // Of ourselves, before the fork: in the child getppid() might already be somebody else.
+    const shm::UniqueFd servo_pidfd = open_pidfd(getpid());
+    if (!servo_pidfd) throw system_error("pidfd_open");
+
+    std::fflush(nullptr);  // else the child might print it again
+    pid_ = fork();
+    if (pid_ < 0) throw system_error("cannot fork the guardian");
+    if (pid_ == 0) {
+        // Its own group: a ^C on the terminal reaches the servo, which then says goodbye.
+        setpgid(0, 0);
+        for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) std::signal(signal, SIG_IGN);
+        prctl(PR_SET_NAME, "knurl-guardian");
+        line_.reset();
+        for (int fd : options.close) close(fd);
+        try {
+            Shortfalls reported_by_the_servo;
+            if (options.servo_cpu >= 0) keep_off_cpu(options.servo_cpu);
+            lock_memory(reported_by_the_servo);
+            become_real_time(options.priority, "guardian", reported_by_the_servo);
+            std::vector<Watched> watched;
+            for (const GuardedDevice& device : devices) {
+                watched.push_back({device.device, device.segment,
+                                   shm::BroadcastReader(device.segment + protocol::device_layout().reports,
+                                                        protocol::report_slots, sizeof(Report)),
+                                   StallWatch(static_cast<Nanoseconds>(options.stall * 1e9))});
+            }
+            keep_watch(watched, board, guardians_end.get(), servo_pidfd.get(), options.state_directory);
+        } catch (const std::exception& error) {
+            std::fprintf(stderr, "knurl-guardian: %s\n", error.what());
+            _exit(1);
+        }
+        _exit(0);  // no destructors: the devices are the servo's
+    }
+    pidfd_ = open_pidfd(pid_);
+    if (!pidfd_) throw system_error("pidfd_open of the guardian");
+}
+
+Guardian::~Guardian() {
+    goodbye();
+}
+
+const std::atomic<std::uint64_t>& Guardian::acts(std::size_t i) const {
+    return reinterpret_cast<const Board*>(board_.data())->acts[i];
+}
+
+void Guardian::goodbye() noexcept {
+    if (pid_ < 0) return;
+    send(line_.get(), &goodbye_byte, 1, MSG_NOSIGNAL | MSG_DONTWAIT);
+    line_.reset();
+    pollfd wait{.fd = pidfd_.get(), .events = POLLIN, .revents = 0};
+    constexpr int patience_ms = 1000;
+    // Only a guardian that somebody has stopped takes longer; it ends when it is let go on.
+    if (poll(&wait, 1, patience_ms) > 0) waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+}
+
+}  // namespace knurl::servo

@@ -1,0 +1,121 @@
+#include <algorithm>
+
+#include <knurl/servo/loop.hpp>
+#include <knurl/servo/servo.hpp>
+#include <knurl/shm/waiter.hpp>
+
+namespace knurl::servo {
+
+namespace {
+
+void sleep_until(Nanoseconds t) noexcept {
+    // A signal or a stop ends it early or late; the caller looks at the clock anyway.
+    const timespec until{.tv_sec = t / 1'000'000'000, .tv_nsec = t % 1'000'000'000};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+}
+
+void relax() noexcept {
+#if defined(__x86_64__)
+    __builtin_ia32_pause();
+#endif
+}
+
+Nanoseconds read_clock(clockid_t clock) noexcept {
+    timespec t{};
+    clock_gettime(clock, &t);
+    return t.tv_sec * Nanoseconds{1'000'000'000} + t.tv_nsec;
+}
+
+/// While the machine is suspended CLOCK_MONOTONIC stands still and CLOCK_BOOTTIME goes on: no deadline is
+/// missed, and yet the hand has been elsewhere. Costs one reading of a clock a cycle.
+class SuspendWatch {
+  public:
+    bool slept(Nanoseconds monotonic_now) noexcept {
+        // Preempted since monotonic_now was read, this looks like a jump: then once more, in the order in
+        // which a preemption can only hide a jump until the next cycle.
+        if (read_clock(CLOCK_BOOTTIME) - monotonic_now - offset_ <= jump) return false;
+        const Nanoseconds offset = read_offset();
+        if (offset - offset_ <= jump) return false;
+        offset_ = offset;
+        return true;
+    }
+
+  private:
+    static Nanoseconds read_offset() noexcept {
+        const Nanoseconds boot = read_clock(CLOCK_BOOTTIME);
+        return boot - read_clock(CLOCK_MONOTONIC);
+    }
+
+    static constexpr Nanoseconds jump = 10'000'000;
+    Nanoseconds offset_ =
+        std::max({read_offset(), read_offset(), read_offset()});  // too small would be a jump
+};
+
+}  // namespace
+
+Deadlines::Deadlines(double rate, Nanoseconds stall) : rate_(rate), stall_(stall) {}
+
+void Deadlines::start(Nanoseconds now) noexcept {
+    t0_ = now;
+    i_ = 0;
+}
+
+Nanoseconds Deadlines::current() const noexcept {
+    // From i each time: rounding a period of 333 333.3 ns to whole ones would drift. A double counts
+    // nanoseconds exactly for 104 days, and to 16 ns for four years.
+    return t0_ + static_cast<Nanoseconds>(static_cast<double>(i_) * (1e9 / rate_));
+}
+
+void Deadlines::advance(Nanoseconds now) noexcept {
+    ++i_;
+    const Nanoseconds late = now - current();
+    if (late <= 0) return;
+    ++overruns_;
+    if (late > stall_) {
+        ++restarts_;
+        start(now + static_cast<Nanoseconds>(1e9 / rate_));
+    }
+}
+
+Loop::Loop(Servo& servo, shm::Waker& waker, const std::atomic<std::uint64_t>& guardian_acts,
+           const LoopOptions& options)
+    : servo_(servo), waker_(waker), guardian_acts_(guardian_acts), options_(options) {}
+
+void Loop::run() noexcept {
+    MonotonicClock clock;
+    Deadlines deadlines(options_.rate, options_.stall);
+    SuspendWatch suspend;
+    std::uint64_t acts_seen = guardian_acts_.load(std::memory_order_acquire);
+    deadlines.start(clock.now() + static_cast<Nanoseconds>(1e9 / options_.rate));
+    while (!stop_.load(std::memory_order_relaxed)) {
+        const Nanoseconds deadline = deadlines.current();
+        Nanoseconds now = clock.now();
+        if (now < deadline - options_.spin) {
+            sleep_until(deadline - options_.spin);
+            now = clock.now();
+        }
+        while (now < deadline) {  // at most options_.spin long
+            relax();
+            now = clock.now();
+        }
+        // guardian: ++acts (rel) ─sb─> zeroes the device        here: acts (acq): more than seen ⇒ gain 0,
+        // ramp up Pairs with keep_watch's release. Should the guardian act just after this load, then the gap
+        // that made it act is one that step() sees too, and sets the gain to 0 for.
+        const std::uint64_t acts = guardian_acts_.load(std::memory_order_acquire);
+        if (acts != acts_seen) {
+            acts_seen = acts;
+            servo_.guardian_acted();
+        }
+        if (suspend.slept(now)) servo_.clock_jumped();
+        servo_.step(deadline, now);
+        if (servo_.anyone_waiting()) waker_.poke();
+
+        ++counts_.cycles;
+        counts_.worst_lateness = std::max(counts_.worst_lateness, now - deadline);
+        deadlines.advance(clock.now());
+    }
+    counts_.overruns = deadlines.overruns();
+    counts_.restarts = deadlines.restarts();
+}
+
+}  // namespace knurl::servo

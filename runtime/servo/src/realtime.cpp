@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <malloc.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <knurl/servo/realtime.hpp>
+
+namespace knurl::servo {
+
+namespace {
+
+// Bits of CapEff in /proc/self/status (linux/capability.h).
+constexpr int cap_ipc_lock = 14;
+constexpr int cap_sys_nice = 23;
+
+bool capable(int bit) {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);) {
+        if (line.rfind("CapEff:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> bit) & 1;
+    }
+    return false;
+}
+
+std::string own_path() {
+    char path[4096];
+    const ssize_t n = readlink("/proc/self/exe", path, sizeof path);
+    return n > 0 ? std::string(path, static_cast<std::size_t>(n)) : "knurld";
+}
+
+std::string grant_command() {
+    return fmt::format("sudo setcap cap_sys_nice,cap_ipc_lock=ep {}", own_path());
+}
+
+std::string priority_shortfall(int priority, const char* who, int error) {
+    if (capable(cap_sys_nice)) {
+        return fmt::format(
+            "no real-time priority {} for the {} ({}): this cgroup has no real-time budget; run: sudo "
+            "sysctl kernel.sched_rt_runtime_us=950000, or start knurld outside of the cgroup",
+            priority, who, std::strerror(error));
+    }
+    return fmt::format("no real-time priority {} for the {} ({}): it will be late under load; run: {}",
+                       priority, who, std::strerror(error), grant_command());
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool sanitized = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+constexpr bool sanitized = true;
+#else
+constexpr bool sanitized = false;
+#endif
+#else
+constexpr bool sanitized = false;
+#endif
+
+// Instrumented frames are several times larger.
+constexpr std::size_t stack_bytes = sanitized ? 8 * thread_stack_bytes : thread_stack_bytes;
+
+void* run_body(void* body) {
+    (*static_cast<std::function<void()>*>(body))();
+    return nullptr;
+}
+
+/// Owns a pthread_attr_t.
+struct Attributes {
+    Attributes() {
+        if (pthread_attr_init(&value) != 0) throw std::runtime_error("knurld: cannot make thread attributes");
+    }
+    ~Attributes() { pthread_attr_destroy(&value); }
+    Attributes(const Attributes&) = delete;
+    Attributes& operator=(const Attributes&) = delete;
+    pthread_attr_t value;
+};
+
+}  // namespace
+
+void tame_malloc() noexcept {
+    // With all memory locked each arena would be resident, and so would what freed claims leave behind: one
+    // arena, large blocks (claims' tables) from mmap so that they go back to the system when a client leaves.
+    mallopt(M_ARENA_MAX, 1);
+    mallopt(M_MMAP_THRESHOLD, 64 * 1024);
+    mallopt(M_TRIM_THRESHOLD, 64 * 1024);
+    mallopt(M_TOP_PAD, 64 * 1024);
+}
+
+void lock_memory(Shortfalls& missing) {
+    // With a finite limit MCL_FUTURE makes later allocations fail: then only what is there now is locked.
+    rlimit limit{};
+    getrlimit(RLIMIT_MEMLOCK, &limit);
+    const bool unlimited = limit.rlim_cur == RLIM_INFINITY || capable(cap_ipc_lock);
+    if (unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return;
+    const int error = unlimited ? errno : ENOMEM;
+    const bool some = mlockall(MCL_CURRENT) == 0;
+    missing.push_back(fmt::format(
+        "memory is {} locked ({}; the limit is {} KiB): page faults will cost cycles; run: {}",
+        some ? "only partly" : "not", std::strerror(error), limit.rlim_cur / 1024, grant_command()));
+}
+
+void become_real_time(int priority, const char* who, Shortfalls& missing) {
+    if (priority == 0) return;
+    sched_param parameters{};
+    parameters.sched_priority = priority;
+    const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+    if (error != 0) missing.push_back(priority_shortfall(priority, who, error));
+}
+
+std::vector<int> allowed_cpus() {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    std::vector<int> cpus;
+    if (sched_getaffinity(0, sizeof set, &set) != 0) return {0};
+    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+        if (CPU_ISSET(cpu, &set)) cpus.push_back(cpu);
+    }
+    return cpus;
+}
+
+void keep_off_cpu(int cpu) noexcept {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    if (sched_getaffinity(0, sizeof set, &set) != 0) return;
+    CPU_CLR(cpu, &set);
+    if (CPU_COUNT(&set) > 0) sched_setaffinity(0, sizeof set, &set);
+}
+
+shm::UniqueFd hold_idle_polling(Shortfalls& missing) {
+    constexpr const char* path = "/dev/cpu_dma_latency";
+    shm::UniqueFd fd(open(path, O_WRONLY | O_CLOEXEC));
+    const std::int32_t no_latency = 0;  // us
+    if (fd && write(fd.get(), &no_latency, sizeof no_latency) == sizeof no_latency) return fd;
+    missing.push_back(fmt::format("idle = \"poll\" is not in force: {}: {}; run: sudo setfacl -m u:{}:rw {}",
+                                  path, std::strerror(errno), geteuid(), path));
+    return {};
+}
+
+Thread::Thread(const ThreadOptions& options, std::function<void()> body, Shortfalls& missing)
+    : body_(std::make_unique<std::function<void()>>(std::move(body))) {
+    Attributes attributes;
+    pthread_attr_setstacksize(&attributes.value, stack_bytes);
+    if (options.cpu >= 0) {
+        cpu_set_t set;
+        CPU_ZERO(&set);
+        CPU_SET(static_cast<std::size_t>(options.cpu), &set);
+        pthread_attr_setaffinity_np(&attributes.value, sizeof set, &set);
+    }
+    // Explicit in any case: the creating thread may be real-time itself.
+    pthread_attr_setinheritsched(&attributes.value, PTHREAD_EXPLICIT_SCHED);
+    const auto create = [&](int policy, int priority) {
+        sched_param parameters{};
+        parameters.sched_priority = priority;
+        pthread_attr_setschedpolicy(&attributes.value, policy);
+        pthread_attr_setschedparam(&attributes.value, &parameters);
+        return pthread_create(&thread_, &attributes.value, run_body, body_.get());
+    };
+    int error = EPERM;
+    if (options.priority > 0) {
+        error = create(SCHED_FIFO, options.priority);
+        if (error == EPERM) missing.push_back(priority_shortfall(options.priority, options.name, error));
+    }
+    if (error == EPERM) error = create(SCHED_OTHER, 0);
+    if (error != 0) {
+        throw std::runtime_error(fmt::format("cannot start the {} thread on CPU {}: {}", options.name,
+                                             options.cpu, std::strerror(error)));
+    }
+    running_ = true;
+    pthread_setname_np(thread_, options.name);
+}
+
+void Thread::join() noexcept {
+    if (running_) pthread_join(thread_, nullptr);
+    running_ = false;
+}
+
+WakeLateness measure_wake_lateness(int priority, int cpu, int samples) {
+    std::vector<Nanoseconds> late(static_cast<std::size_t>(samples));
+    Shortfalls unused;
+    Thread(
+        {.name = "knurl-lateness", .priority = priority, .cpu = cpu},
+        [&late] {
+            MonotonicClock clock;
+            Nanoseconds deadline = clock.now();
+            for (Nanoseconds& sample : late) {
+                deadline += 1'000'000;
+                const timespec until{.tv_sec = deadline / 1'000'000'000, .tv_nsec = deadline % 1'000'000'000};
+                clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+                sample = clock.now() - deadline;
+            }
+        },
+        unused)
+        .join();
+    std::sort(late.begin(), late.end());
+    return {.samples = samples, .p50 = late[late.size() / 2], .max = late.back()};
+}
+
+}  // namespace knurl::servo
