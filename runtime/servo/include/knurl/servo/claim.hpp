@@ -20,11 +20,13 @@ struct ClaimTerms {
     double update_interval = 0;  // s; 0: measured
     bool observer = false;
     bool shared = false;
-    std::uint32_t row = 0;       // in the device's table of clients
+    std::uint32_t row = 0;  // in the device's table of clients
 };
 
-/// Made by the broker (allocates, prefaults), used by the servo's thread alone from then on, given back through
-/// the servo's outbox to be freed. `memory` is the claim's segment, laid out by protocol::claim_layout.
+/// Made by the broker (allocates, prefaults), used by the servo's thread alone from then on, given back
+/// through the servo's outbox to be freed. `memory` is the claim's segment, laid out by
+/// protocol::claim_layout; its rings are made empty here, so this comes before the segment is handed to the
+/// client. `row` may be null: nobody looks.
 class Claim {
   public:
     Claim(const ClaimTerms& terms, std::byte* memory, protocol::ClientRow* row);

@@ -15,12 +15,12 @@ namespace knurl::servo {
 struct ServoOptions {
     double rate = 1000;  // Hz, 500-20 000
     SupervisorLimits supervisor;
-    double max_dt = 2e-3;            // s: representations never see a longer gap
-    bool silence = true;             // false: offline evaluation
-    bool start_active = false;       // active at once with gain 1, claims too: offline evaluation
-    bool clamp_stiffness = true;     // false only warns: stability sweeps
-    double rise_speed = 0.1;         // m/s, FadePolicy::rise_speed; infinity offline
-    double automatic_recovery = 0;   // s; 0: 20 % of the measured update interval within 2-50 ms
+    double max_dt = 2e-3;           // s: representations never see a longer gap
+    bool silence = true;            // false: offline evaluation
+    bool start_active = false;      // active at once with gain 1, claims too: offline evaluation
+    bool clamp_stiffness = true;    // false only warns: stability sweeps
+    double rise_speed = 0.1;        // m/s, FadePolicy::rise_speed; infinity offline
+    double automatic_recovery = 0;  // s; 0: 20 % of the measured update interval within 2-50 ms
 };
 
 /// k_max = b/(T/2 + tau), or as measured (REPRESENTATIONS, "Stability"; Colgate & Brown 1994), device frame.
@@ -33,7 +33,8 @@ Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::
 
 class Servo {
   public:
-    /// `segment`: memory of protocol::device_layout().total bytes (DeviceInfo is filled in by the caller).
+    /// `segment`: memory of protocol::device_layout().total bytes. DeviceInfo is filled in by the caller;
+    /// counters, table and report ring begin empty.
     Servo(drivers::Device& device, Clock& clock, std::byte* segment, const ServoOptions& options);
     ~Servo();
 
@@ -43,15 +44,22 @@ class Servo {
     bool drop_all() noexcept;           // ramp down the device: the servo is about to end
     Claim* released() noexcept;         // null: none; the broker frees it
 
-    /// The cycle. `deadline` is when it should have begun, `now` when it did (CLOCK_MONOTONIC or virtual, ns).
+    /// The cycle. `deadline` is when it should have begun, `now` when it did (CLOCK_MONOTONIC or virtual,
+    /// ns).
     void step(Nanoseconds deadline, Nanoseconds now) noexcept;
 
     /// After step: someone waits for a report, poke the waker (the only wake-up there is).
     bool anyone_waiting() const noexcept;
     /// The report of the last cycle.
     const Report& last() const noexcept;
-    /// The guardian zeroed the device while this thread stood still.
+    // From the servo's thread, before the next step:
+    /// The guardian zeroed the device while this thread stood still: gain 0, then the ordinary ramp up.
     void guardian_acted() noexcept;
+    /// The machine slept (CLOCK_BOOTTIME moved without CLOCK_MONOTONIC): a fault, latched.
+    void clock_jumped() noexcept;
+
+    /// The output stage, for looking at.
+    const Supervisor& supervisor() const noexcept;
 
   private:
     struct Impl;

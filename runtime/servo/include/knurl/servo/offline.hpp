@@ -1,0 +1,155 @@
+#pragma once
+// A servo in this process, on a virtual clock: evaluation of scenes, tests, benchmarks. Changes travel
+// through the very same rings as an application's; only the memory is not shared.
+//
+//     Offline servo(device);                      // active at once, gain 1, no silence
+//     OfflineClaim& hand = servo.claim();
+//     Handle floor = hand.add(Plane{.stiffness = 800});
+//     hand.commit();
+//     const Report& report = servo.step();        // what was sent is in force in this cycle
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <span>
+#include <vector>
+
+#include <knurl/drivers/device.hpp>
+#include <knurl/protocol/claim_segment.hpp>
+#include <knurl/protocol/command.hpp>
+#include <knurl/servo/claim.hpp>
+#include <knurl/servo/servo.hpp>
+
+namespace knurl::servo {
+
+/// Zeroed heap memory aligned as a segment is.
+class OfflineMemory {
+  public:
+    explicit OfflineMemory(std::size_t bytes);
+    std::byte* data() const noexcept { return memory_.get(); }
+    std::size_t size() const noexcept { return size_; }
+
+  private:
+    struct Free {
+        void operator()(std::byte* memory) const noexcept {
+            ::operator delete (memory, std::align_val_t{4096});
+        }
+    };
+    std::unique_ptr<std::byte, Free> memory_;
+    std::size_t size_;
+};
+
+/// The client's end of one claim: writes commands and batches, reads replies and feedback.
+class OfflineClaim {
+  public:
+    explicit OfflineClaim(const ClaimTerms& terms);
+
+    // Commands. Each is pushed at once, as a group of its own, unless begin_group was called: then end_group
+    // pushes them together. Throws std::runtime_error when the ring is full.
+    void add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use = {});
+    void remove(Handle handle);
+    void place_probe(std::uint32_t probe, const ProbePlacement& placement);
+    void arm() { state_command(protocol::CommandType::arm); }
+    void disarm() { state_command(protocol::CommandType::disarm); }
+    void reset_fault() { state_command(protocol::CommandType::reset_fault); }
+    void begin_group() { in_group_ = true; }
+    void end_group();
+    /// Number of the last command issued.
+    std::uint64_t issued() const noexcept { return issued_; }
+
+    // Parameters: merged until commit, and on until the servo has taken them.
+    void update(Handle handle, Kind kind, const void* params, std::size_t bytes);
+    std::uint64_t commit(std::uint64_t report_cycle = 0, std::int64_t commit_ns = 0);
+
+    /// The lowest slot that was never used, and its next generation.
+    template <Listed R>
+    Handle add(const R& params, const Use& use = {}) {
+        const Handle handle{next_slot_++, 1};
+        add(handle, kind_of<R>, &params, sizeof params, use);
+        return handle;
+    }
+    template <Listed R>
+    void update(Handle handle, const R& params) {
+        update(handle, kind_of<R>, &params, sizeof params);
+    }
+
+    /// Replies that came since the last call, in order of their commands.
+    std::vector<protocol::Reply> replies();
+    struct Felt {
+        protocol::FeedbackHeader header;
+        std::vector<protocol::FeedbackEntry> entries;
+    };
+    /// The newest feedback.
+    const Felt& feedback();
+
+    std::byte* memory() const noexcept { return memory_.data(); }
+    const protocol::ClaimLayout& layout() const noexcept { return layout_; }
+    Claim& servo_side() noexcept { return servo_side_; }
+
+  private:
+    struct Pending {
+        Handle handle;
+        Kind kind = 0;
+        std::uint64_t version = 0;
+        std::vector<std::byte> params;
+        bool since_last_commit = true;
+    };
+
+    void push(protocol::CommandType type, std::span<const std::byte> body, std::span<const std::byte> params);
+    void state_command(protocol::CommandType type) { push(type, {}, {}); }
+    void flush();
+
+    protocol::ClaimLayout layout_;
+    OfflineMemory memory_;
+    Claim servo_side_;
+    shm::SpscProducer commands_;
+    shm::TripleWriter batches_;
+    shm::SpscConsumer replies_;
+    shm::TripleReader feedback_;
+    std::uint64_t issued_ = 0, sequence_ = 0, version_ = 0;
+    std::uint32_t next_slot_ = 0;
+    bool in_group_ = false;
+    std::vector<std::byte> group_;  // whole cells
+    std::size_t last_message_ = 0;  // where the group's last message begins
+    std::vector<Pending> pending_;
+    Felt felt_;
+};
+
+/// Active at once with gain 1, no silence, no limits: what evaluation without a device assumes.
+ServoOptions offline_options(double rate = 1000);
+
+class Offline {
+  public:
+    explicit Offline(drivers::Device& device, const ServoOptions& options = offline_options());
+    ~Offline();
+
+    /// One more claim, taken over in the next step. The frame is the device's own, the limits are none with
+    /// `options.supervisor.off`, else the device's.
+    OfflineClaim& claim(const protocol::ClaimCapacity& capacity = {});
+    OfflineClaim& claim(ClaimTerms terms);
+
+    /// One cycle, one period after the last; the first is at 0.
+    const Report& step();
+    /// One cycle that begins `late` after its deadline, `gap` after the last one's.
+    const Report& step_after(Nanoseconds gap, Nanoseconds late = 0);
+
+    std::uint64_t count(protocol::Count which) const noexcept;
+    Servo& servo() noexcept { return servo_; }
+    VirtualClock& clock() noexcept { return clock_; }
+    std::byte* segment() const noexcept { return segment_.data(); }
+    const drivers::Device& device() const noexcept { return device_; }
+    const ServoOptions& options() const noexcept { return options_; }
+
+  private:
+    drivers::Device& device_;
+    ServoOptions options_;
+    OfflineMemory segment_;
+    VirtualClock clock_;
+    Servo servo_;
+    std::vector<std::unique_ptr<OfflineClaim>> claims_;
+    std::uint64_t steps_ = 0;
+    Nanoseconds extra_ = 0;  // of gaps other than a period
+};
+
+}  // namespace knurl::servo

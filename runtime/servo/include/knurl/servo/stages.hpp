@@ -1,0 +1,79 @@
+#pragma once
+// The stages of the supervisor that remember something between cycles. Each is a few numbers and one rule,
+// and can be tested against its closed form.
+
+#include <array>
+#include <cstddef>
+
+#include <knurl/reps/wrench.hpp>
+
+namespace knurl::servo {
+
+/// Mean power over a sliding window, kept in 25 parts: exact to a part's length, and no running sum that
+/// drifts.
+class PowerMeter {
+  public:
+    explicit PowerMeter(double window) noexcept : part_time_(window / static_cast<double>(parts)) {}
+
+    void add(double work /* J */, double dt /* s */) noexcept;
+    double mean() const noexcept { return mean_; }  // W, over the last whole parts
+    void reset() noexcept;
+
+  private:
+    static constexpr std::size_t parts = 25;
+    double part_time_;
+    std::array<double, parts> work_ = {};  // J
+    std::size_t next_ = 0;
+    double filling_work_ = 0, filling_time_ = 0;
+    double mean_ = 0;
+};
+
+/// Work put into the hand since contact began: Hannaford & Ryu 2002, the observer alone. In contact = force
+/// is sent.
+class PassivityObserver {
+  public:
+    /// `work` = sent force of the last cycle . displacement since then; `contact`: a force was being sent.
+    void add(double work, bool contact) noexcept { work_ = contact ? work_ + work : 0; }
+    double generated() const noexcept {
+        return work_ > 0 ? work_ : 0;
+    }  // J; 0 while the hand has paid for it
+
+  private:
+    double work_ = 0;
+};
+
+/// Lets the wrench change by no more than slew x dt in a cycle: a fault gate far out of reach of contact.
+class SlewGate {
+  public:
+    SlewGate(double force_slew /* N/s */, double torque_slew /* N m/s */) noexcept
+        : force_slew_(force_slew), torque_slew_(torque_slew) {}
+
+    bool clip(Wrench& wanted, double dt) noexcept;                // true: it did
+    double clipped_for() const noexcept { return clipped_for_; }  // s, in a row
+    void restart_from_zero() noexcept;
+
+  private:
+    double force_slew_, torque_slew_;
+    Wrench last_;
+    double clipped_for_ = 0;
+};
+
+/// I^2 t. heat' = ((F/continuous)^2 - heat)/tau, and heat stays at 1 or below: above `full_until` the allowed
+/// force goes down from the peak towards the continuous force. tau is such that a cold motor may give the
+/// peak for `time`: continuous^2/peak^2 = 1 - exp(-time/tau).
+class ThermalLimit {
+  public:
+    static constexpr double full_until = 0.9;
+
+    ThermalLimit(double peak, double continuous, double time) noexcept;
+    double allowed() const noexcept;  // N
+    void add(double force, double dt) noexcept;
+    double heat() const noexcept { return heat_; }
+    double time_constant() const noexcept { return tau_; }
+
+  private:
+    double peak_, continuous_, tau_;
+    double heat_ = 0;
+};
+
+}  // namespace knurl::servo

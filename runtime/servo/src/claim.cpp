@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <cstring>
+
+#include <knurl/servo/claim.hpp>
+
+#include "claim_impl.hpp"
+
+namespace knurl::servo {
+
+namespace {
+
+std::byte* laid_out(std::byte* memory, const protocol::ClaimLayout& layout) {
+    shm::spsc_init(memory + layout.commands);
+    shm::triple_init(memory + layout.batches);
+    shm::spsc_init(memory + layout.replies);
+    shm::triple_init(memory + layout.feedback);
+    return memory;
+}
+
+std::optional<Channels> channels_of(std::byte* memory, const protocol::ClaimLayout& layout) {
+    if (layout.batch_slot_bytes == 0) return std::nullopt;
+    return Channels(laid_out(memory, layout), layout);
+}
+
+}  // namespace
+
+Channels::Channels(std::byte* memory, const protocol::ClaimLayout& layout)
+    : commands(memory + layout.commands, protocol::command_cells),
+      batches(memory + layout.batches, layout.batch_slot_bytes),
+      replies(memory + layout.replies, protocol::reply_cells),
+      feedback(memory + layout.feedback, layout.feedback_slot_bytes) {}
+
+Claim::Impl::Impl(const ClaimTerms& stated, std::byte* memory, protocol::ClientRow* table_row)
+    : terms(stated),
+      layout(protocol::claim_layout(stated.capacity)),
+      channels(channels_of(memory, layout)),
+      waiter(reinterpret_cast<const shm::WaiterFlag*>(memory + layout.waiter)),
+      row(table_row),
+      scene({.representations = stated.capacity.representations, .probes = protocol::max_probes},
+            stated.limits),
+      silence(stated.update_interval) {
+    if (!channels) return;
+    slots.resize(terms.capacity.representations);
+    felt.resize(terms.capacity.representations);
+    feedback_bytes.resize(layout.feedback_slot_bytes);
+}
+
+Claim::Claim(const ClaimTerms& terms, std::byte* memory, protocol::ClientRow* row)
+    : impl(std::make_unique<Impl>(terms, memory, row)) {}
+Claim::~Claim() = default;
+
+void Claim::Impl::watch_silence(Nanoseconds now) noexcept {
+    silent_for = silence.silent_for(now);
+    scene.set_silence(silent_for);
+}
+
+void Claim::Impl::evaluate(const Probe& device_hand, double dt) noexcept {
+    const protocol::Frame& f = terms.frame;
+    Probe hand = device_hand;
+    hand.position = f.scale * (device_hand.position - to_eigen(f.device_centre)) + to_eigen(f.world_centre);
+    hand.velocity = f.scale * device_hand.velocity;
+    hand.smooth_velocity = f.scale * device_hand.smooth_velocity;
+    wrench = scene.evaluate(hand, dt);
+    felt_size = scene.feedback(felt);
+    touching = false;
+    for (std::size_t i = 0; i < felt_size; ++i)
+        touching = touching || (felt[i].flags & Feedback::touching) != 0;
+}
+
+void Claim::Impl::advance_gain(double step) noexcept {
+    constexpr double rounding = 1e-9;  // n steps are n steps
+    if (wants_force()) {
+        gain = gain + step > 1 - rounding ? 1 : gain + step;
+    } else {
+        gain = gain - step < rounding ? 0 : gain - step;
+    }
+}
+
+Wrench Claim::Impl::device_wrench() const noexcept {
+    // World and device positions differ by `scale`, so a lever arm does too, and with it the torque.
+    const double share = gain * stiffness_scale * terms.frame.force_scale;
+    return {share * wrench.force, share / terms.frame.scale * wrench.torque};
+}
+
+Eigen::Vector3d Claim::Impl::device_contact_point() const noexcept {
+    const protocol::Frame& f = terms.frame;
+    return (scene.contact_point() - to_eigen(f.world_centre)) / f.scale + to_eigen(f.device_centre);
+}
+
+double Claim::Impl::device_stiffness() const noexcept {
+    return gain * terms.frame.force_scale * terms.frame.scale * scene.stiffness_sum();
+}
+
+namespace {
+
+protocol::FeedbackEntry entry_of(const Feedback& felt) noexcept {
+    protocol::FeedbackEntry entry;
+    entry.handle = felt.handle;
+    entry.force = to_plain(felt.wrench.force);
+    entry.torque = to_plain(felt.wrench.torque);
+    entry.contact_point = to_plain(felt.contact_point);
+    entry.stiffness = felt.stiffness;
+    entry.flags = felt.flags;
+    return entry;
+}
+
+template <class T>
+void put(std::atomic<T>& word, T value) noexcept {
+    word.store(value, std::memory_order_relaxed);  // read by anyone, orders nothing
+}
+
+}  // namespace
+
+void Claim::Impl::publish(std::uint64_t cycle) noexcept {
+    if (row != nullptr) {
+        put(row->commits, batches_taken);
+        put(row->refused, refused.count);
+        put(row->merged, batches_merged);
+        put(row->age_ns, static_cast<std::uint64_t>(in_force.age_ns));
+        put(row->interval_ns, static_cast<std::uint64_t>(silence.interval() * 1e9));
+        put(row->gain_ppm, static_cast<std::uint64_t>(gain * 1e6));
+        put(row->silent, std::uint64_t{silent_for > 0});
+        if (counts_changed)
+            for (Kind kind = 0; kind < Representations::size; ++kind)
+                put(row->present[kind], std::uint64_t{scene.count(kind)});
+        counts_changed = false;
+    }
+    if (!channels) return;
+
+    protocol::FeedbackHeader header;
+    header.cycle = cycle;
+    header.batch = in_force.sequence;
+    header.batch_cycle = in_force.cycle;
+    header.batch_report_cycle = in_force.report_cycle;
+    header.batch_commit_ns = in_force.commit_ns;
+    header.batch_write_ns = in_force.write_ns;
+    header.batch_age_ns = in_force.age_ns;
+    header.batches_refused = refused.count;
+    header.refused_batch = refused.sequence;
+    header.refused_code = static_cast<std::uint32_t>(refused.verdict.code);
+    header.refused_field = refused.verdict.field;
+    header.refused_value = refused.verdict.value;
+    header.refused_kind = refused.kind;
+    header.refused_slot = refused.slot;
+    header.gain = gain;
+    header.silence = silent_for;
+    header.stiffness_scale = stiffness_scale;
+    header.entries = static_cast<std::uint32_t>(felt_size);
+
+    // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would).
+    published.cycle = cycle;
+    if (felt_size == 0 && std::memcmp(&published, &header, sizeof header) == 0) return;
+    published = header;
+
+    std::memcpy(feedback_bytes.data(), &header, sizeof header);
+    std::byte* to = feedback_bytes.data() + sizeof header;
+    for (std::size_t i = 0; i < felt_size; ++i, to += sizeof(protocol::FeedbackEntry)) {
+        const protocol::FeedbackEntry entry = entry_of(felt[i]);
+        std::memcpy(to, &entry, sizeof entry);
+    }
+    const std::span<const std::byte> part(feedback_bytes.data(), to);
+    channels->feedback.publish(0, {&part, 1});
+}
+
+}  // namespace knurl::servo

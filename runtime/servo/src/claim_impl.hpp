@@ -1,0 +1,103 @@
+#pragma once
+// The servo's side of one claim. One thread at a time: the broker's until it is adopted and after it was
+// released, the servo's between.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <knurl/servo/claim.hpp>
+#include <knurl/servo/supervisor.hpp>
+
+#include "silence.hpp"
+
+namespace knurl::servo {
+
+/// What the servo knows of a slot of the claim's scene: enough to check a group of commands before any is
+/// done.
+struct Slot {
+    std::uint32_t generation = 0;
+    Kind kind = 0;
+    bool present = false;
+    std::uint64_t version = 0;  // of the parameters in force
+};
+
+/// The newest batch in force, for feedback.
+struct BatchInForce {
+    std::uint64_t sequence = 0, cycle = 0, report_cycle = 0;
+    std::int64_t commit_ns = 0, write_ns = 0, age_ns = 0;
+};
+
+/// The last batch that was refused.
+struct RefusedBatch {
+    std::uint64_t count = 0, sequence = 0;
+    Verdict verdict;
+    std::uint32_t kind = 0, slot = 0;
+};
+
+/// The rings, if it is no observer.
+struct Channels {
+    Channels(std::byte* memory, const protocol::ClaimLayout& layout);
+
+    shm::SpscConsumer commands;
+    shm::TripleReader batches;
+    shm::SpscProducer replies;
+    shm::TripleWriter feedback;
+};
+
+struct Claim::Impl {
+    Impl(const ClaimTerms& terms, std::byte* memory, protocol::ClientRow* row);
+
+    // claim.cpp
+    void watch_silence(Nanoseconds now) noexcept;
+    /// World wrench of this cycle, before gain and sharing.
+    void evaluate(const Probe& device_hand, double dt) noexcept;
+    void advance_gain(double step) noexcept;
+    /// The wrench as the device feels it: frame, gain and sharing applied.
+    Wrench device_wrench() const noexcept;
+    /// m, of probe 0.
+    Eigen::Vector3d device_contact_point() const noexcept;
+    /// N/m, device frame, weighted by the gain.
+    double device_stiffness() const noexcept;
+    bool wants_force() const noexcept { return armed && !faulted && !dropping; }
+    void publish(std::uint64_t cycle) noexcept;  // feedback and the row in the device's table
+    void fault() noexcept { faulted = true; }
+
+    ClaimTerms terms;
+    protocol::ClaimLayout layout;
+    std::optional<Channels> channels;  // none: an observer
+    const shm::WaiterFlag* waiter;
+    protocol::ClientRow* row;  // may be null: nobody looks
+    Scene scene;
+
+    bool armed = false;
+    bool dropping = false;        // fades, then goes back to the broker
+    bool faulted = false;         // its bytes made no sense: ignored from then on, fades
+    bool announced = false;       // the device knows that it is active
+    bool from_the_start = false;  // offline: what the first cycle finds is in full force at once
+    double gain = 0;
+    double stiffness_scale = 1;
+    Wrench wrench;          // world, of this cycle
+    bool touching = false;  // of this cycle, as far as feedback is asked for
+    SilenceWatch silence;
+    double silent_for = 0;  // s
+
+    // What Intake (intake.cpp) keeps of this claim.
+    std::uint64_t commands_done = 0;
+    std::vector<Slot> slots;
+    BatchInForce in_force;
+    bool batch_is_new = false;  // taken in this cycle
+    RefusedBatch refused;
+    std::uint64_t batches_taken = 0, batches_merged = 0, stale_entries = 0;
+    std::uint64_t last_sequence = 0;
+
+    // Feedback's memory.
+    std::vector<Feedback> felt;
+    std::size_t felt_size = 0;
+    std::vector<std::byte> feedback_bytes;
+    protocol::FeedbackHeader published;  // as of the last one
+
+    bool counts_changed = true;  // representations came or went
+};
+
+}  // namespace knurl::servo

@@ -1,0 +1,67 @@
+#pragma once
+// From joint samples to the hand's motion: which samples are believed, where the tip is, how fast it moves.
+// Device frame.
+
+#include <cstdint>
+
+#include <knurl/drivers/device.hpp>
+#include <knurl/protocol/report.hpp>
+#include <knurl/servo/clock.hpp>
+#include <knurl/servo/velocity.hpp>
+
+namespace knurl::servo {
+
+/// What a sample that is not good asks of the supervisor.
+struct Trouble {
+    bool unplugged = false;
+    bool ramp_down = false;    // three bad samples in a row
+    std::uint32_t faults = 0;  // ten of them
+};
+
+class Hand {
+  public:
+    static constexpr std::uint32_t bad_ramp_down = 3;  // in a row
+    static constexpr std::uint32_t bad_fault = 10;
+    static constexpr double stale_limit = 20e-3;  // s: a repeated sample that is older counts as bad
+    // No hand moves like this: an encoder that says so has lost counts. 1.5 m/s already is a fault.
+    static constexpr double impossible_speed = 10;  // m/s at the tip
+    static constexpr double impossible_turn = 100;  // rad/s
+
+    /// `trusting`: every finite sample is believed (offline evaluation along a given motion).
+    Hand(drivers::Device& device, bool trusting);
+
+    /// One reading. Afterwards the members below are the hand as this cycle knows it.
+    Trouble read(Nanoseconds now) noexcept;
+
+    drivers::JointSample sample;  // the last good one
+    drivers::TipPose pose;
+    drivers::Jacobian jacobian = drivers::Jacobian::Zero();
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, first order 100 Hz: damping
+    Eigen::Vector3d smooth_velocity =
+        Eigen::Vector3d::Zero();  // m/s, adaptive window of 16 ms: friction, reports
+    Eigen::Vector3d slow_velocity = Eigen::Vector3d::Zero();     // m/s, first order 20 Hz: prediction
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
+    bool connected = false;
+    bool has_pose = false;  // this cycle: the mechanism had a pose for the sample
+    bool stale = false;     // this cycle: no new sample
+    std::uint64_t bad_samples = 0, stale_samples = 0, kinematics_failures = 0;
+
+  private:
+    Trouble bad(std::uint32_t fault) noexcept;
+    bool impossible(const drivers::JointSample& next, double gap) const noexcept;
+    void restart() noexcept;
+    bool place(double gap) noexcept;
+    void differentiate(const drivers::TipPose& previous, double gap) noexcept;
+
+    drivers::Device& device_;
+    bool trusting_;
+    std::size_t joints_;
+    Eigen::Matrix<double, drivers::max_joints, 1> count_;  // rad per count of each joint
+    std::uint32_t bad_in_row_ = 0, poseless_in_row_ = 0;
+    Nanoseconds last_good_ = 0;
+    bool known_ = false;  // there is a sample and a pose to compare with
+    FirstOrderVelocity damping_{100}, slow_{20}, turning_{100};
+    AdaptiveVelocity smooth_;
+};
+
+}  // namespace knurl::servo

@@ -1,0 +1,399 @@
+#include "intake.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace knurl::servo {
+
+using protocol::CommandHeader;
+using protocol::CommandType;
+using protocol::Refusal;
+using protocol::Reply;
+using Code = Verdict::Code;
+
+namespace {
+
+/// Structs out of bytes that lie anywhere.
+template <class T>
+T read(const std::byte* from) noexcept {
+    T value;
+    std::memcpy(&value, from, sizeof value);
+    return value;
+}
+
+constexpr std::size_t no_such_command = ~std::size_t{0};
+
+constexpr std::size_t body_bytes(CommandType type) noexcept {
+    switch (type) {
+        case CommandType::add:
+            return sizeof(protocol::AddBody);
+        case CommandType::remove:
+            return sizeof(protocol::RemoveBody);
+        case CommandType::place_probe:
+            return sizeof(protocol::PlaceProbeBody);
+        case CommandType::arm:
+        case CommandType::disarm:
+        case CommandType::reset_fault:
+            return 0;
+    }
+    return no_such_command;
+}
+
+Verdict check_placement(const protocol::PlaceProbeBody& body) noexcept {
+    if (body.probe >= protocol::max_probes)
+        return {Code::no_such_probe, Verdict::no_field, static_cast<double>(body.probe)};
+    for (const double value :
+         {body.placement.offset.x, body.placement.offset.y, body.placement.offset.z, body.placement.radius})
+        if (!std::isfinite(value)) return {Code::not_finite, Verdict::no_field, value};
+    if (body.placement.radius < 0) return {Code::out_of_range, Verdict::no_field, body.placement.radius};
+    return {};
+}
+
+Verdict check_use(const Use& use) noexcept {
+    if (use.probe >= protocol::max_probes)
+        return {Code::no_such_probe, Verdict::no_field, static_cast<double>(use.probe)};
+    const auto silence = static_cast<std::uint32_t>(use.on_silence);
+    if (silence > static_cast<std::uint32_t>(OnSilence::move))
+        return {Code::no_such_choice, Verdict::no_field, static_cast<double>(silence)};
+    if (!std::isfinite(use.silence_time)) return {Code::not_finite, Verdict::no_field, use.silence_time};
+    if (use.silence_time < 0) return {Code::out_of_range, Verdict::no_field, use.silence_time};
+    return {};
+}
+
+template <class R>
+double stiffness_of(const void* params, const Limits& limits) noexcept {
+    if constexpr (requires(const R& r) { r.stiffness; }) {
+        R copy;
+        std::memcpy(&copy, params, sizeof copy);
+        return prepared(copy, limits).stiffness;
+    }
+    return 0;
+}
+
+/// N/m that the servo applies for these (valid) parameters; 0 for kinds that have none.
+template <class... R>
+double applied_stiffness(TypeList<R...>, Kind kind, const void* params, const Limits& limits) noexcept {
+    double stiffness = 0;
+    ((kind == kind_of<R> ? void(stiffness = stiffness_of<R>(params, limits)) : void()), ...);
+    return stiffness;
+}
+
+}  // namespace
+
+Intake::Intake()
+    : cells_(std::size_t{protocol::command_cells} * shm::cell_bytes),
+      group_(protocol::command_cells),
+      replies_(protocol::command_cells),
+      entries_(protocol::max_batch_bytes) {
+    undo_.reserve(protocol::command_cells);
+}
+
+// --------------------------------------------------------------------------------------------- commands
+
+void Intake::take_commands(Claim::Impl& claim, const Authority& authority, Nanoseconds now) noexcept {
+    const std::uint32_t available = claim.channels->commands.available();
+    if (claim.channels->commands.corrupt()) claim.fault();
+    if (available == 0) return;
+    static_assert(protocol::command_cells_per_cycle >=
+                  protocol::command_cells);  // so `available` is the bound
+    if (!claim.channels->commands.peek(0, cells_.data(), available)) return;
+    claim.silence.sign_of_life(now);
+
+    for (std::uint32_t at = 0; at < available;) {
+        const Parsed group = parse_group(at, available, claim.commands_done + 1);
+        if (group.malformed) {
+            malformed(claim, claim.commands_done + group.commands + 1);
+            return;
+        }
+        // Full means that the application does not read its replies: its commands wait, nothing is dropped.
+        if (claim.channels->replies.free_cells() < group.commands) return;
+
+        const bool accepted = check_group(claim, group.commands, authority);
+        for (std::size_t i = 0; accepted && i < group.commands; ++i)
+            do_command(claim, group_[i], authority, replies_[i]);
+        (accepted ? counts_.commands_done : counts_.commands_refused) += group.commands;
+        claim.commands_done += group.commands;
+        claim.channels->commands.pop(group.cells);
+        claim.channels->replies.try_push(replies_.data(), group.commands);
+        at += group.cells;
+    }
+}
+
+Intake::Parsed Intake::parse_group(std::uint32_t from, std::uint32_t available,
+                                   std::uint64_t first_number) noexcept {
+    Parsed parsed;
+    // A group was pushed at once, so all of it is here: one that goes on past the end is no group of ours.
+    for (std::uint32_t at = from; at < available; ++parsed.commands) {
+        const std::byte* message = cells_.data() + std::size_t{at} * shm::cell_bytes;
+        Command& command = group_[parsed.commands];
+        command.header = read<CommandHeader>(message);
+        command.body = message + sizeof(CommandHeader);
+        const CommandHeader& header = command.header;
+        const std::size_t body = body_bytes(header.type);
+        if (body == no_such_command || header.number != first_number + parsed.commands) break;
+        if (header.bytes > (header.type == CommandType::add ? protocol::max_parameter_bytes : 0)) break;
+        const std::size_t cells =
+            (sizeof(CommandHeader) + body + header.bytes + shm::cell_bytes - 1) / shm::cell_bytes;
+        if (header.cells != cells || header.cells > available - at || header.more > 1) break;
+        command.params = command.body + body;
+        at += header.cells;
+        if (header.more == 0) {
+            parsed.cells = at - from;
+            ++parsed.commands;
+            return parsed;
+        }
+    }
+    parsed.malformed = true;
+    return parsed;
+}
+
+void Intake::malformed(Claim::Impl& claim, std::uint64_t number) noexcept {
+    const Reply reply{.command = number,
+                      .code = static_cast<std::uint32_t>(Code::refused),
+                      .field = Verdict::no_field,
+                      .reason = static_cast<std::uint32_t>(Refusal::malformed)};
+    claim.channels->replies.try_push(&reply, 1);
+    ++counts_.commands_refused;
+    claim.fault();
+}
+
+/// Checks the commands one after the other, each as if those before it had been done: the claim's slots are
+/// changed on trial. If one is refused they are put back, and none is done.
+bool Intake::check_group(Claim::Impl& claim, std::size_t commands, const Authority& authority) noexcept {
+    undo_.clear();
+    bool reset = false;  // an earlier command of the group resets the fault
+    Answer answer;
+    std::size_t bad = 0;
+    for (; bad < commands; ++bad)
+        if (answer = check(claim, group_[bad], authority, reset); !answer) break;
+
+    for (std::size_t i = 0; i < commands; ++i) {
+        replies_[i] = Reply{.command = group_[i].header.number, .field = Verdict::no_field};
+        if (group_[i].header.type == CommandType::add)
+            replies_[i].kind = read<protocol::AddBody>(group_[i].body).kind;
+        if (bad == commands) continue;
+        const Answer whole{{Code::refused}, Refusal::group_refused};
+        const Answer& mine = i == bad ? answer : whole;
+        replies_[i].code = static_cast<std::uint32_t>(mine.verdict.code);
+        replies_[i].field = mine.verdict.field;
+        replies_[i].value = mine.verdict.value;
+        replies_[i].reason = static_cast<std::uint32_t>(mine.reason);
+    }
+    if (bad == commands) return true;
+    for (; !undo_.empty(); undo_.pop_back()) claim.slots[undo_.back().first] = undo_.back().second;
+    return false;
+}
+
+void Intake::remember(Claim::Impl& claim, std::uint32_t slot) noexcept {
+    undo_.emplace_back(slot, claim.slots[slot]);  // at most one per command: within what was reserved
+}
+
+Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const Authority& authority,
+                             bool& reset) noexcept {
+    const auto state = [&](Refusal refusal) -> Answer {
+        if (refusal == Refusal::none) return {};
+        double value = 0;
+        if (refusal == Refusal::in_fault) value = authority.supervisor.faults();
+        if (refusal == Refusal::hand_too_fast) value = authority.speed;
+        return {{Code::refused, Verdict::no_field, value}, refusal};
+    };
+    switch (command.header.type) {
+        case CommandType::add:
+            return check_add(claim, command);
+        case CommandType::remove:
+            return check_remove(claim, command);
+        case CommandType::place_probe:
+            return {check_placement(read<protocol::PlaceProbeBody>(command.body))};
+        case CommandType::arm:
+            if (authority.ending) return state(Refusal::disconnected);
+            return state(authority.supervisor.may_arm(authority.calibrated, authority.speed, reset));
+        case CommandType::disarm:
+            return {};
+        case CommandType::reset_fault:
+            if (reset) return state(Refusal::not_in_fault);
+            reset = true;
+            return state(authority.supervisor.may_reset_fault(authority.speed));
+    }
+    return state(Refusal::malformed);
+}
+
+Intake::Answer Intake::check_add(Claim::Impl& claim, const Command& command) noexcept {
+    const auto body = read<protocol::AddBody>(command.body);
+    const std::uint32_t slot = body.handle.slot;
+    if (slot >= claim.slots.size())
+        return {{Code::too_many, Verdict::no_field, static_cast<double>(claim.slots.size())}};
+    if (claim.slots[slot].present) return {{Code::slot_in_use, Verdict::no_field, static_cast<double>(slot)}};
+    // The scene itself still has what an earlier command of this group removes: ask it for the parameters
+    // only then.
+    Verdict verdict =
+        claim.scene.check_add(body.handle, body.kind, command.params, command.header.bytes, body.use);
+    if (verdict.code == Code::slot_in_use) {
+        verdict = check_use(body.use);
+        if (verdict && body.kind >= Representations::size)
+            verdict = {Code::unknown_kind, Verdict::no_field, static_cast<double>(body.kind)};
+        if (verdict && command.header.bytes != kinds()[body.kind].size)
+            verdict = {Code::wrong_size, Verdict::no_field, static_cast<double>(command.header.bytes)};
+        if (verdict) verdict = kinds()[body.kind].validate(command.params);
+    }
+    if (!verdict) return {verdict};
+    remember(claim, slot);
+    claim.slots[slot] = {.generation = body.handle.generation, .kind = body.kind, .present = true};
+    return {};
+}
+
+Intake::Answer Intake::check_remove(Claim::Impl& claim, const Command& command) noexcept {
+    const Handle handle = read<protocol::RemoveBody>(command.body).handle;
+    if (handle.slot >= claim.slots.size() || !claim.slots[handle.slot].present ||
+        claim.slots[handle.slot].generation != handle.generation)
+        return {{Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)}};
+    remember(claim, handle.slot);
+    claim.slots[handle.slot].present = false;
+    return {};
+}
+
+void Intake::do_command(Claim::Impl& claim, const Command& command, const Authority& authority,
+                        Reply& reply) noexcept {
+    Answer answer;
+    switch (command.header.type) {
+        case CommandType::add: {
+            const auto body = read<protocol::AddBody>(command.body);
+            answer.verdict =
+                claim.scene.add(body.handle, body.kind, command.params, command.header.bytes, body.use);
+            reply.applied_stiffness =
+                applied_stiffness(Representations{}, body.kind, command.params, claim.terms.limits);
+            claim.counts_changed = true;
+            break;
+        }
+        case CommandType::remove:
+            answer.verdict = claim.scene.remove(read<protocol::RemoveBody>(command.body).handle);
+            claim.counts_changed = true;
+            break;
+        case CommandType::place_probe: {
+            const auto body = read<protocol::PlaceProbeBody>(command.body);
+            answer.verdict = claim.scene.place_probe(body.probe, body.placement);
+            break;
+        }
+        case CommandType::arm:
+            answer.reason = authority.supervisor.arm(authority.calibrated, authority.speed);
+            claim.armed = answer.reason == Refusal::none;
+            break;
+        case CommandType::disarm:
+            claim.armed = false;
+            break;
+        case CommandType::reset_fault:
+            answer.reason = authority.supervisor.reset_fault(authority.speed);
+            break;
+    }
+    // All was checked before: these are ok, unless the scene knows better, and then its owner is told.
+    if (answer.reason != Refusal::none) answer.verdict.code = Code::refused;
+    reply.code = static_cast<std::uint32_t>(answer.verdict.code);
+    reply.reason = static_cast<std::uint32_t>(answer.reason);
+}
+
+// ---------------------------------------------------------------------------------------------- batches
+
+void Intake::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept {
+    shm::TripleReader& batches = claim.channels->batches;
+    if (!batches.take(claim.commands_done)) {
+        if (batches.corrupt()) claim.fault();
+        return;
+    }
+    protocol::BatchHeader header;
+    batches.copy(&header, 0, sizeof header);
+    const bool fits = header.bytes % 8 == 0 && header.bytes <= claim.terms.capacity.batch_bytes &&
+                      header.bytes <= entries_.size();
+    if (fits) batches.copy(entries_.data(), sizeof header, header.bytes);
+
+    ++counts_.batches_taken;
+    ++claim.batches_taken;
+    claim.silence.renew(now);
+    // Sequences count commits; those that were never seen alone were merged into this one.
+    if (header.sequence > claim.last_sequence + 1 && claim.last_sequence != 0) {
+        const std::uint64_t merged = header.sequence - claim.last_sequence - 1;
+        claim.batches_merged += merged;
+        counts_.batches_merged += merged;
+    }
+    claim.last_sequence = header.sequence;
+
+    bad_kind_ = bad_slot_ = 0;
+    const Verdict verdict =
+        fits ? check_entries(claim, header)
+             : Verdict{Code::wrong_size, Verdict::no_field, static_cast<double>(header.bytes)};
+    if (!verdict) {
+        ++counts_.batches_refused;
+        claim.refused = {.count = claim.refused.count + 1,
+                         .sequence = header.sequence,
+                         .verdict = verdict,
+                         .kind = bad_kind_,
+                         .slot = bad_slot_};
+        return;
+    }
+    apply_entries(claim, header);
+    claim.in_force = {.sequence = header.sequence,
+                      .cycle = cycle,
+                      .report_cycle = header.report_cycle,
+                      .commit_ns = header.commit_ns};
+    claim.batch_is_new = true;
+}
+
+namespace {
+
+/// Walks the entries of a batch. Their headers were checked by the first walk, which stops at the first that
+/// does not fit; `use` returns false to stop.
+template <class Use>
+bool each_entry(const std::byte* at, const protocol::BatchHeader& header, Use use) noexcept {
+    const std::byte* const end = at + header.bytes;
+    for (std::uint32_t i = 0; i < header.entries; ++i) {
+        if (end - at < static_cast<std::ptrdiff_t>(sizeof(protocol::EntryHeader))) return false;
+        const auto entry = read<protocol::EntryHeader>(at);
+        at += sizeof entry;
+        if (entry.bytes > protocol::max_parameter_bytes) return false;
+        const std::ptrdiff_t padded = (static_cast<std::ptrdiff_t>(entry.bytes) + 7) / 8 * 8;
+        if (end - at < padded) return false;
+        if (!use(entry, at)) return false;
+        at += padded;
+    }
+    return at == end;
+}
+
+/// Parameters that are older than those in force, or of a representation that is gone: an entry may arrive
+/// twice, or cross its own removal.
+bool no_op(const Claim::Impl& claim, const protocol::EntryHeader& entry) noexcept {
+    if (entry.handle.slot >= claim.slots.size()) return true;
+    const Slot& slot = claim.slots[entry.handle.slot];
+    return !slot.present || slot.generation != entry.handle.generation || entry.version <= slot.version;
+}
+
+}  // namespace
+
+Verdict Intake::check_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept {
+    if (header.entries > claim.slots.size())
+        return {Code::too_many, Verdict::no_field, static_cast<double>(header.entries)};
+    Verdict verdict;
+    const bool whole =
+        each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
+            if (no_op(claim, entry)) return true;
+            verdict = claim.scene.check_update(entry.handle, entry.kind, params, entry.bytes);
+            if (verdict) return true;
+            bad_kind_ = entry.kind;
+            bad_slot_ = entry.handle.slot;
+            return false;
+        });
+    if (!verdict) return verdict;
+    return whole ? Verdict{}
+                 : Verdict{Code::wrong_size, Verdict::no_field, static_cast<double>(header.bytes)};
+}
+
+void Intake::apply_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept {
+    each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
+        if (no_op(claim, entry)) {
+            ++claim.stale_entries;
+            return true;
+        }
+        claim.slots[entry.handle.slot].version = entry.version;
+        claim.scene.update(entry.handle, entry.kind, params, entry.bytes);
+        return true;
+    });
+}
+
+}  // namespace knurl::servo

@@ -1,0 +1,82 @@
+#pragma once
+// What a claim's application sends, and how much of it is believed: bytes are copied once into private
+// memory, checked there, and only then acted upon. Nothing in them can crash or stall the servo, or touch
+// another claim.
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "claim_impl.hpp"
+
+namespace knurl::servo {
+
+/// What a command about the device's state is answered from.
+struct Authority {
+    Supervisor& supervisor;
+    bool calibrated = false;
+    double speed = 0;     // m/s, of the hand
+    bool ending = false;  // the servo is about to leave: nothing is armed any more
+};
+
+struct IntakeCounts {
+    std::uint64_t commands_done = 0, commands_refused = 0;
+    std::uint64_t batches_taken = 0, batches_refused = 0, batches_merged = 0;
+};
+
+/// Scratch memory for one claim at a time; everything that lasts is in the claim.
+class Intake {
+  public:
+    Intake();
+
+    /// All whole groups of commands that are there and whose replies fit: at most command_cells_per_cycle
+    /// cells. A group is done in this cycle or refused, whole.
+    void take_commands(Claim::Impl& claim, const Authority& authority, Nanoseconds now) noexcept;
+    /// The newest batch, unless it was committed after commands that are not done yet.
+    void take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept;
+
+    const IntakeCounts& counts() const noexcept { return counts_; }
+
+  private:
+    /// A command of the group at hand; pointers into the private copy.
+    struct Command {
+        protocol::CommandHeader header;
+        const std::byte* body = nullptr;
+        const std::byte* params = nullptr;
+    };
+    struct Answer {
+        Verdict verdict;
+        protocol::Refusal reason = protocol::Refusal::none;
+        explicit operator bool() const noexcept { return static_cast<bool>(verdict); }
+    };
+    /// How a group came out of parsing: `cells` of them, or malformed at command `at`.
+    struct Parsed {
+        std::uint32_t cells = 0;
+        std::size_t commands = 0;
+        bool malformed = false;
+    };
+
+    Parsed parse_group(std::uint32_t from, std::uint32_t available, std::uint64_t first_number) noexcept;
+    Answer check(Claim::Impl& claim, const Command& command, const Authority& authority,
+                 bool& reset) noexcept;
+    Answer check_add(Claim::Impl& claim, const Command& command) noexcept;
+    Answer check_remove(Claim::Impl& claim, const Command& command) noexcept;
+    bool check_group(Claim::Impl& claim, std::size_t commands, const Authority& authority) noexcept;
+    void do_command(Claim::Impl& claim, const Command& command, const Authority& authority,
+                    protocol::Reply& reply) noexcept;
+    void remember(Claim::Impl& claim, std::uint32_t slot) noexcept;
+    void malformed(Claim::Impl& claim, std::uint64_t number) noexcept;
+
+    Verdict check_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept;
+    void apply_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept;
+
+    std::vector<std::byte> cells_;
+    std::vector<Command> group_;
+    std::vector<protocol::Reply> replies_;
+    std::vector<std::pair<std::uint32_t, Slot>> undo_;  // slots as they were before the group
+    std::vector<std::byte> entries_;
+    std::uint32_t bad_kind_ = 0, bad_slot_ = 0;  // of the entry that spoiled a batch
+    IntakeCounts counts_;
+};
+
+}  // namespace knurl::servo

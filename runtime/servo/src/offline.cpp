@@ -1,0 +1,200 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+#include <knurl/servo/offline.hpp>
+#include <knurl/shm/counters.hpp>
+
+namespace knurl::servo {
+
+using protocol::CommandHeader;
+using protocol::CommandType;
+
+OfflineMemory::OfflineMemory(std::size_t bytes)
+    : memory_(static_cast<std::byte*>(::operator new (bytes, std::align_val_t{4096}))), size_(bytes) {
+    std::memset(memory_.get(), 0, bytes);
+}
+
+// ---------------------------------------------------------------------------------------------- the claim
+
+OfflineClaim::OfflineClaim(const ClaimTerms& terms)
+    : layout_(protocol::claim_layout(terms.capacity)),
+      memory_(layout_.total),
+      servo_side_(terms, memory_.data(), nullptr),
+      commands_(memory_.data() + layout_.commands, protocol::command_cells),
+      batches_(memory_.data() + layout_.batches, layout_.batch_slot_bytes),
+      replies_(memory_.data() + layout_.replies, protocol::reply_cells),
+      feedback_(memory_.data() + layout_.feedback, layout_.feedback_slot_bytes) {}
+
+namespace {
+
+template <class T>
+std::span<const std::byte> bytes_of(const T& value) {
+    return std::as_bytes(std::span<const T, 1>(&value, 1));
+}
+
+}  // namespace
+
+void OfflineClaim::push(CommandType type, std::span<const std::byte> body,
+                        std::span<const std::byte> params) {
+    const std::size_t bytes = sizeof(CommandHeader) + body.size() + params.size();
+    const std::size_t cells = (bytes + shm::cell_bytes - 1) / shm::cell_bytes;
+    const CommandHeader header{.cells = static_cast<std::uint32_t>(cells),
+                               .type = type,
+                               .number = ++issued_,
+                               .more = 1,
+                               .bytes = static_cast<std::uint32_t>(params.size())};
+    last_message_ = group_.size();
+    group_.resize(group_.size() + cells * shm::cell_bytes);
+    std::byte* to = group_.data() + last_message_;
+    std::memcpy(to, &header, sizeof header);
+    std::copy(body.begin(), body.end(), to + sizeof header);
+    std::copy(params.begin(), params.end(), to + sizeof header + body.size());
+    if (!in_group_) flush();
+}
+
+void OfflineClaim::flush() {
+    if (group_.empty()) return;
+    const std::uint32_t last = 0;
+    std::memcpy(group_.data() + last_message_ + offsetof(CommandHeader, more), &last, sizeof last);
+    const bool fits = commands_.try_push(group_.data(), group_.size() / shm::cell_bytes);
+    group_.clear();
+    if (!fits) throw std::runtime_error("the command ring is full: let the servo take some first (step)");
+}
+
+void OfflineClaim::end_group() {
+    in_group_ = false;
+    flush();
+}
+
+void OfflineClaim::add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) {
+    const protocol::AddBody body{.handle = handle, .kind = kind, .reserved = 0, .use = use};
+    push(CommandType::add, bytes_of(body), {static_cast<const std::byte*>(params), bytes});
+}
+
+void OfflineClaim::remove(Handle handle) {
+    std::erase_if(pending_, [handle](const Pending& p) { return p.handle == handle; });
+    push(CommandType::remove, bytes_of(protocol::RemoveBody{handle}), {});
+}
+
+void OfflineClaim::place_probe(std::uint32_t probe, const ProbePlacement& placement) {
+    push(CommandType::place_probe,
+         bytes_of(protocol::PlaceProbeBody{.probe = probe, .reserved = 0, .placement = placement}), {});
+}
+
+void OfflineClaim::update(Handle handle, Kind kind, const void* params, std::size_t bytes) {
+    std::erase_if(pending_, [handle](const Pending& p) { return p.handle == handle; });
+    const auto* from = static_cast<const std::byte*>(params);
+    pending_.push_back(
+        {.handle = handle, .kind = kind, .version = ++version_, .params = {from, from + bytes}});
+}
+
+std::uint64_t OfflineClaim::commit(std::uint64_t report_cycle, std::int64_t commit_ns) {
+    std::vector<std::byte> entries;
+    for (const Pending& p : pending_) {
+        const protocol::EntryHeader entry{.handle = p.handle,
+                                          .kind = p.kind,
+                                          .bytes = static_cast<std::uint32_t>(p.params.size()),
+                                          .version = p.version};
+        const auto head = bytes_of(entry);
+        entries.insert(entries.end(), head.begin(), head.end());
+        entries.insert(entries.end(), p.params.begin(), p.params.end());
+        entries.resize((entries.size() + 7) / 8 * 8);
+    }
+    if (sizeof(protocol::BatchHeader) + entries.size() > layout_.batch_slot_bytes)
+        throw std::runtime_error(
+            "the batch is larger than the claim's batch_bytes: claim with a larger capacity");
+    const protocol::BatchHeader header{.sequence = ++sequence_,
+                                       .commands_before = issued_,
+                                       .report_cycle = report_cycle,
+                                       .commit_ns = commit_ns,
+                                       .entries = static_cast<std::uint32_t>(pending_.size()),
+                                       .bytes = static_cast<std::uint32_t>(entries.size())};
+    const std::span<const std::byte> parts[] = {bytes_of(header), entries};
+    // What the last batch held was taken with it; otherwise this one has replaced it and holds it too.
+    if (batches_.publish(issued_, parts))
+        std::erase_if(pending_, [](const Pending& p) { return !p.since_last_commit; });
+    for (Pending& p : pending_) p.since_last_commit = false;
+    return sequence_;
+}
+
+std::vector<protocol::Reply> OfflineClaim::replies() {
+    std::vector<protocol::Reply> all(replies_.available());
+    for (protocol::Reply& reply : all) {
+        replies_.peek(0, &reply, 1);
+        replies_.pop(1);
+    }
+    return all;
+}
+
+const OfflineClaim::Felt& OfflineClaim::feedback() {
+    if (!feedback_.take()) return felt_;
+    feedback_.copy(&felt_.header, 0, sizeof felt_.header);
+    felt_.entries.resize(felt_.header.entries);
+    feedback_.copy(felt_.entries.data(), sizeof felt_.header,
+                   felt_.entries.size() * sizeof(protocol::FeedbackEntry));
+    return felt_;
+}
+
+// ---------------------------------------------------------------------------------------------- the servo
+
+ServoOptions offline_options(double rate) {
+    ServoOptions options;
+    options.rate = rate;
+    options.silence = false;
+    options.start_active = true;
+    options.rise_speed = std::numeric_limits<double>::infinity();
+    options.automatic_recovery = 0.01;
+    options.supervisor.off = true;
+    return options;
+}
+
+Offline::Offline(drivers::Device& device, const ServoOptions& options)
+    : device_(device),
+      options_(options),
+      segment_(protocol::device_layout().total),
+      servo_(device, clock_, segment_.data(), options) {}
+
+Offline::~Offline() = default;
+
+OfflineClaim& Offline::claim(const protocol::ClaimCapacity& capacity) {
+    ClaimTerms terms;
+    terms.capacity = capacity;
+    if (options_.supervisor.off)
+        terms.limits.period = 1 / options_.rate;
+    else
+        terms.limits = limits_for(device_.link(), options_.rate, terms.frame);
+    return claim(std::move(terms));
+}
+
+OfflineClaim& Offline::claim(ClaimTerms terms) {
+    claims_.push_back(std::make_unique<OfflineClaim>(terms));
+    if (!servo_.adopt(&claims_.back()->servo_side()))
+        throw std::runtime_error("the servo's mailbox is full: step once in between");
+    return *claims_.back();
+}
+
+const Report& Offline::step() {
+    // t = i/rate, each rounded by itself: 3000 cycles at 3 kHz are a second.
+    clock_.time = extra_ + std::llround(static_cast<double>(steps_++) * 1e9 / options_.rate);
+    servo_.step(clock_.time, clock_.time);
+    return servo_.last();
+}
+
+const Report& Offline::step_after(Nanoseconds gap, Nanoseconds late) {
+    const Nanoseconds at = clock_.time + gap;
+    extra_ += at - (extra_ + std::llround(static_cast<double>(steps_++) * 1e9 / options_.rate));
+    clock_.time = at;
+    servo_.step(at - late, at);
+    return servo_.last();
+}
+
+std::uint64_t Offline::count(protocol::Count which) const noexcept {
+    const shm::CountersReader counters(segment_.data() + protocol::device_layout().counters,
+                                       protocol::count_names);
+    return counters.read(static_cast<std::size_t>(which));
+}
+
+}  // namespace knurl::servo

@@ -1,0 +1,447 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <knurl/servo/servo.hpp>
+#include <knurl/shm/counters.hpp>
+#include <knurl/shm/waiter.hpp>
+
+#include "claim_impl.hpp"
+#include "hand.hpp"
+#include "intake.hpp"
+#include "mailbox.hpp"
+
+namespace knurl::servo {
+
+using protocol::Count;
+
+namespace {
+
+struct Message {
+    enum class What : std::uint32_t { adopt, drop, drop_all } what = What::adopt;
+    Claim* claim = nullptr;
+};
+
+std::byte* with_empty_ring(std::byte* segment) {
+    shm::broadcast_init(segment + protocol::device_layout().reports);
+    return segment;
+}
+
+}  // namespace
+
+/// The parts of the cycle, in the order in which `step` calls them, and what they remember.
+struct Servo::Impl {
+    Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segment, const ServoOptions& stated);
+
+    double begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept;
+    void read_device(Nanoseconds now) noexcept;
+    void take_mail(Nanoseconds now) noexcept;
+    void take_changes(Nanoseconds now) noexcept;
+    Wrench evaluate_claims(Nanoseconds now, double dt) noexcept;
+    Supervised supervise(const Wrench& sum, double dt) noexcept;
+    void notify_device() noexcept;
+    void write_device(Nanoseconds now, const Supervised& out) noexcept;
+    void publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept;
+    void publish_counters(Nanoseconds now) noexcept;
+    void let_go() noexcept;
+
+    void adopt(Claim* claim, Nanoseconds now) noexcept;
+    FadePolicy fade_for(const Claim::Impl& claim) const noexcept;
+    double sharing_target() const noexcept;
+    double nominal(Nanoseconds gap) const noexcept;
+
+    drivers::Device& device;
+    Clock& clock;
+    ServoOptions options;
+    Nanoseconds period;
+    double device_max_stiffness;  // N/m
+
+    Hand hand;
+    Supervisor supervisor;
+    Intake intake;
+    shm::BroadcastWriter reports;
+    shm::Counters counters;
+
+    std::array<Claim*, protocol::max_clients> claims = {};  // observers too
+    std::array<const shm::WaiterFlag*, protocol::max_clients> waiters = {};
+    std::size_t claims_size = 0;
+    Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
+    Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
+    bool ending = false;                    // drop_all
+
+    bool first = true;
+    Nanoseconds last_now = 0, read_ns = 0, write_ns = 0;
+    double stiffness_scale = 1;  // of claims that share the device
+    bool enabled = false;        // as the device was last told
+    bool guardian = false;       // it zeroed the device before this cycle
+    bool unplugged = false;      // this cycle's read, or the last write, found no device
+    const Claim::Impl* in_contact = nullptr;
+    Report report;
+    std::array<Nanoseconds, protocol::report_slots> read_times =
+        {};  // of the last reports, for the age of a batch
+    std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, pokes = 0, evaluated = 0,
+                  present = 0;
+};
+
+Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segment,
+                  const ServoOptions& stated)
+    : device(the_device),
+      clock(the_clock),
+      options(stated),
+      period(std::llround(1e9 / stated.rate)),
+      device_max_stiffness(max_stiffness(the_device.link(), stated.rate)),
+      hand(the_device, stated.supervisor.off),
+      supervisor(the_device.link(), stated.supervisor, stated.rate),
+      reports(with_empty_ring(segment) + protocol::device_layout().reports, protocol::report_slots,
+              sizeof(Report)),
+      counters(segment + protocol::device_layout().counters, protocol::count_names) {
+    if (options.start_active) supervisor.start_active();
+}
+
+// ---------------------------------------------------------------------------------------------- the cycle
+
+void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
+    Impl& cycle = *impl_;
+    const double dt = cycle.begin_cycle(deadline, now);  // stalls and jumps of the clock
+    cycle.read_device(now);                              // joints -> pose and velocities
+    cycle.take_mail(now);                                // claims that come and go
+    cycle.take_changes(now);                             // commands and batches -> scenes
+    const Wrench sum = cycle.evaluate_claims(now, dt);   // scenes -> wrench, gains, sharing
+    const Supervised out = cycle.supervise(sum, dt);     // wrench -> efforts: the last gate
+    cycle.notify_device();
+    cycle.write_device(now, out);
+    cycle.publish(deadline, sum, out);  // report, feedback
+    cycle.let_go();                     // claims whose force has faded
+    cycle.publish_counters(now);
+}
+
+double Servo::Impl::begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept {
+    ++report.cycle;
+    if (now > deadline + period) ++overruns;
+    const Nanoseconds gap = first ? period : now - last_now;
+    first = false;
+    last_now = now;
+    const double seconds = nominal(gap);
+    if (gap < 0 || seconds > options.supervisor.clock_jump) {
+        supervisor.raise(fault::clock_jump);
+    } else if (seconds > options.supervisor.stall) {
+        ++stalls;
+        supervisor.hold();
+    }
+    if (guardian) supervisor.hold();
+    // Representations never see a gap.
+    return std::clamp(seconds, 0.0, std::max(options.max_dt, 1 / options.rate));
+}
+
+/// Seconds. A rate like 3000 Hz has no whole number of nanoseconds: within one of the period it is the
+/// period.
+double Servo::Impl::nominal(Nanoseconds gap) const noexcept {
+    if (gap >= period - 1 && gap <= period + 1) return 1 / options.rate;
+    return static_cast<double>(gap) * 1e-9;
+}
+
+void Servo::Impl::read_device(Nanoseconds now) noexcept {
+    const bool was_gone = unplugged;
+    const Trouble trouble = hand.read(now);
+    read_ns = clock.now();
+    unplugged = trouble.unplugged;
+    if (unplugged) {
+        // The fault is reported for one cycle at least, its cause for as long as the device is gone.
+        if (supervisor.state() == DeviceState::fault && was_gone)
+            supervisor.disconnected();
+        else if (supervisor.state() != DeviceState::disconnected)
+            supervisor.raise(fault::unplugged);
+        return;
+    }
+    if (supervisor.state() == DeviceState::disconnected || (supervisor.faults() & fault::unplugged) != 0)
+        supervisor.reconnected();
+    if (trouble.ramp_down) supervisor.disarm();
+    if (trouble.faults != 0) supervisor.raise(trouble.faults);
+}
+
+void Servo::Impl::take_mail(Nanoseconds now) noexcept {
+    Message message;
+    for (std::size_t i = 0; i < mailbox_slots && inbox.take(message); ++i) {
+        if (message.what == Message::What::adopt) adopt(message.claim, now);
+        // By address: a claim that was let go already may be freed by now.
+        for (std::size_t c = 0; c < claims_size && message.what == Message::What::drop; ++c)
+            if (claims[c] == message.claim) claims[c]->impl->dropping = true;
+        if (message.what != Message::What::drop_all) continue;
+        ending = true;
+        supervisor.disarm();
+        for (std::size_t c = 0; c < claims_size; ++c) claims[c]->impl->dropping = true;
+    }
+}
+
+void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
+    if (ending || claims_size == claims.size()) {
+        outbox.post(claim);  // no room, which the broker should have known
+        return;
+    }
+    Claim::Impl& c = *claim->impl;
+    claims[claims_size] = claim;
+    waiters[claims_size] = c.waiter;
+    ++claims_size;
+    c.silence.begin(now);
+    if (!options.clamp_stiffness) {
+        c.terms.limits.max_stiffness = std::numeric_limits<double>::infinity();
+        c.scene.set_limits(c.terms.limits);
+    }
+    c.scene.set_fade(fade_for(c));
+    if (!options.start_active || !c.channels) return;
+    c.armed = true;
+    c.gain = 1;
+    c.from_the_start = true;
+    if (supervisor.state() != DeviceState::fault) supervisor.start_active();
+}
+
+FadePolicy Servo::Impl::fade_for(const Claim::Impl& claim) const noexcept {
+    FadePolicy policy;
+    policy.rise_speed = options.rise_speed;
+    const double interval = claim.silence.interval();
+    if (options.automatic_recovery > 0)
+        policy.automatic = options.automatic_recovery;
+    else if (interval > 0)
+        policy.automatic = std::clamp(0.2 * interval, 2e-3, 50e-3);
+    return policy;
+}
+
+void Servo::Impl::take_changes(Nanoseconds now) noexcept {
+    const Authority authority{.supervisor = supervisor,
+                              .calibrated = hand.connected && hand.sample.calibrated,
+                              .speed = hand.velocity.norm(),
+                              .ending = ending};
+    const auto listening = [](const Claim::Impl& c) { return c.channels && !c.dropping && !c.faulted; };
+    // Two passes: the lines that other cores wrote arrive together instead of one after the other.
+    for (std::size_t i = 0; i < claims_size; ++i)
+        if (const Claim::Impl& c = *claims[i]->impl; listening(c)) c.channels->batches.prefetch();
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        Claim::Impl& c = *claims[i]->impl;
+        c.batch_is_new = false;
+        if (!listening(c)) continue;
+        intake.take_commands(c, authority, now);
+        if (!c.faulted) intake.take_batch(c, report.cycle, now);
+        if (c.batch_is_new) c.scene.set_fade(fade_for(c));
+        if (c.from_the_start) c.scene.settle();  // what was there before the first cycle has not just come
+        c.from_the_start = false;
+    }
+}
+
+Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
+    const Probe probe{.position = hand.pose.position,
+                      .orientation = hand.pose.orientation,
+                      .velocity = hand.velocity,
+                      .smooth_velocity = hand.smooth_velocity,
+                      .angular_velocity = hand.angular_velocity};
+    // Ramps are of real time: a stall is over before they go on, dt or not.
+    const double gain_step = dt / options.supervisor.claim_ramp;
+    evaluated = present = 0;
+    in_contact = nullptr;
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        Claim::Impl& c = *claims[i]->impl;
+        if (!c.channels) continue;
+        if (options.silence) c.watch_silence(now);
+        c.advance_gain(gain_step);
+        c.evaluate(probe, dt);
+        evaluated += c.scene.evaluated();
+        present += c.scene.size();
+        if (c.touching && in_contact == nullptr) in_contact = &c;
+    }
+    // Contacts are solved within each claim; what several claims make together must not exceed k_max either.
+    // The scale moves as fast as a gain does: a claim's coming is felt by the others as a change of
+    // stiffness, not as a step.
+    const double target = sharing_target();
+    stiffness_scale += std::clamp(target - stiffness_scale, -gain_step, gain_step);
+    Wrench sum;
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        Claim::Impl& c = *claims[i]->impl;
+        if (!c.channels) continue;
+        c.stiffness_scale = stiffness_scale;
+        if (c.gain > 0) sum += c.device_wrench();
+    }
+    return sum;
+}
+
+double Servo::Impl::sharing_target() const noexcept {
+    double stiffness = 0;
+    int sharers = 0;
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        const Claim::Impl& c = *claims[i]->impl;
+        if (!c.channels || !(c.gain > 0)) continue;
+        ++sharers;
+        stiffness += c.device_stiffness();
+    }
+    // One claim alone is clamped by its scene, representation by representation.
+    if (sharers < 2 || !options.clamp_stiffness || !(stiffness > device_max_stiffness)) return 1;
+    return device_max_stiffness / stiffness;
+}
+
+Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
+    int armed = 0;
+    for (std::size_t i = 0; i < claims_size; ++i) armed += claims[i]->impl->wants_force() ? 1 : 0;
+    const Supervised out = hand.has_pose
+                               ? supervisor.supervise(sum, hand.pose.position, hand.velocity, hand.jacobian,
+                                                      device.mechanism().joints(), armed, dt)
+                               : supervisor.cut(armed, dt);
+    // Enabling is never automatic: after a fault, a lost device or a ramp down to the end every claim arms
+    // anew.
+    const DeviceState state = supervisor.state();
+    if (state == DeviceState::idle || state == DeviceState::fault || state == DeviceState::disconnected)
+        for (std::size_t i = 0; i < claims_size; ++i) claims[i]->impl->armed = false;
+    return out;
+}
+
+void Servo::Impl::notify_device() noexcept {
+    if (supervisor.powered() != enabled) {
+        enabled = !enabled;
+        device.notify(enabled ? drivers::Notice::enabled : drivers::Notice::disabled);
+    }
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        Claim::Impl& c = *claims[i]->impl;
+        if (c.gain < 1 || !enabled) c.announced = false;
+        if (c.announced || c.gain < 1 || supervisor.state() != DeviceState::active) continue;
+        c.announced = true;
+        device.notify(drivers::Notice::claim_active);
+    }
+}
+
+void Servo::Impl::write_device(Nanoseconds now, const Supervised& out) noexcept {
+    if (!unplugged && !device.write(now, out.efforts)) supervisor.raise(fault::unplugged);
+    write_ns = clock.now();
+}
+
+void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept {
+    if (write_ns > deadline + period) ++late;
+    report.deadline_ns = deadline;
+    report.read_ns = read_ns;
+    report.write_ns = write_ns;
+    report.joints = hand.sample.position;
+    report.position = to_plain(hand.pose.position);
+    report.orientation = to_plain(hand.pose.orientation);
+    report.velocity = to_plain(hand.smooth_velocity);
+    report.slow_velocity = to_plain(hand.slow_velocity);
+    report.angular_velocity = to_plain(hand.angular_velocity);
+    report.scene_force = to_plain(sum.force);
+    report.scene_torque = to_plain(sum.torque);
+    report.sent_force = to_plain(out.sent.force);
+    report.sent_torque = to_plain(out.sent.torque);
+    report.contact_point =
+        to_plain(in_contact != nullptr ? in_contact->device_contact_point() : hand.pose.position);
+    report.state = supervisor.state();
+    report.faults = supervisor.faults();
+    report.buttons = hand.sample.buttons;
+    report.flags = out.flags | (hand.stale ? report_flags::stale : 0) |
+                   (guardian ? report_flags::guardian : 0) |
+                   (in_contact != nullptr ? report_flags::touching : 0);
+    report.late_count = late;
+    guardian = false;
+    reports.publish(&report);
+    read_times[report.cycle % read_times.size()] = read_ns;
+
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        Claim::Impl& c = *claims[i]->impl;
+        if (c.batch_is_new) {
+            c.in_force.write_ns = write_ns;
+            const std::uint64_t from = c.in_force.report_cycle;
+            const bool known = from > 0 && from <= report.cycle && report.cycle - from < read_times.size();
+            c.in_force.age_ns = known ? write_ns - read_times[from % read_times.size()] : 0;
+        }
+        c.publish(report.cycle);
+    }
+}
+
+void Servo::Impl::let_go() noexcept {
+    for (std::size_t i = 0; i < claims_size;) {
+        const Claim::Impl& c = *claims[i]->impl;
+        if (c.dropping && !(c.gain > 0) && outbox.post(claims[i])) {
+            --claims_size;
+            // Keeps the order: who came first is asked first.
+            std::copy(claims.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                      claims.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
+                      claims.begin() + static_cast<std::ptrdiff_t>(i));
+            std::copy(waiters.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                      waiters.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
+                      waiters.begin() + static_cast<std::ptrdiff_t>(i));
+        } else {
+            ++i;
+        }
+    }
+}
+
+void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
+    const auto set = [this](Count which, std::uint64_t value) {
+        counters.set(static_cast<std::size_t>(which), value);
+    };
+    const IntakeCounts& taken = intake.counts();
+    const Supervisor::Counts& gate = supervisor.counts();
+    set(Count::cycles, report.cycle);
+    set(Count::late_cycles, late);
+    set(Count::overruns, overruns);
+    set(Count::stalls, stalls);
+    set(Count::batches_taken, taken.batches_taken);
+    set(Count::batches_refused, taken.batches_refused);
+    set(Count::batches_merged, taken.batches_merged);
+    set(Count::commands_done, taken.commands_done);
+    set(Count::commands_refused, taken.commands_refused);
+    set(Count::bad_samples, hand.bad_samples);
+    set(Count::stale_samples, hand.stale_samples);
+    set(Count::kinematics_failures, hand.kinematics_failures);
+    set(Count::slew_clips, gate.slew_clips);
+    set(Count::force_clamps, gate.force_clamps);
+    set(Count::thermal_clamps, gate.thermal_clamps);
+    set(Count::joint_clamps, gate.joint_clamps);
+    set(Count::faults, gate.faults);
+    set(Count::guardian_zeroings, guardian_zeroings);
+    set(Count::reps_present, present);
+    set(Count::reps_evaluated, evaluated);
+    set(Count::clients, claims_size);
+    set(Count::last_step_ns, static_cast<std::uint64_t>(std::max<Nanoseconds>(0, write_ns - now)));
+    set(Count::device_state, static_cast<std::uint64_t>(supervisor.state()));
+    set(Count::fault_mask, supervisor.faults());
+    set(Count::generated_energy_uj, static_cast<std::uint64_t>(std::min(gate.generated_energy * 1e6, 1e18)));
+}
+
+// ------------------------------------------------------------------------------------------ around it
+
+Servo::Servo(drivers::Device& device, Clock& clock, std::byte* segment, const ServoOptions& options)
+    : impl_(std::make_unique<Impl>(device, clock, segment, options)) {}
+Servo::~Servo() = default;
+
+bool Servo::adopt(Claim* claim) noexcept {
+    return impl_->inbox.post({Message::What::adopt, claim});
+}
+bool Servo::drop(Claim* claim) noexcept {
+    return impl_->inbox.post({Message::What::drop, claim});
+}
+bool Servo::drop_all() noexcept {
+    return impl_->inbox.post({Message::What::drop_all, nullptr});
+}
+
+Claim* Servo::released() noexcept {
+    Claim* claim = nullptr;
+    return impl_->outbox.take(claim) ? claim : nullptr;
+}
+
+bool Servo::anyone_waiting() const noexcept {
+    return shm::anyone_waiting(
+        std::span<const shm::WaiterFlag* const>(impl_->waiters.data(), impl_->claims_size));
+}
+
+const Report& Servo::last() const noexcept {
+    return impl_->report;
+}
+const Supervisor& Servo::supervisor() const noexcept {
+    return impl_->supervisor;
+}
+
+void Servo::guardian_acted() noexcept {
+    impl_->guardian = true;
+    ++impl_->guardian_zeroings;
+}
+
+void Servo::clock_jumped() noexcept {
+    impl_->supervisor.raise(fault::clock_jump);
+}
+
+}  // namespace knurl::servo
