@@ -8,8 +8,8 @@
 namespace knurl {
 
 struct ConstantForce {
-    Vec3 force;                   // N
-    Vec3 torque;                  // N m
+    Vec3 force = {};              // N
+    Vec3 torque = {};             // N m
     double recovery = automatic;  // s; 0: at once
 
     struct State {

@@ -9,8 +9,8 @@
 namespace knurl {
 
 struct Spring {
-    Vec3 anchor;             // m, the application's end
-    Vec3 attach;             // m, on the probe, in the probe's frame
+    Vec3 anchor = {};        // m, the application's end
+    Vec3 attach = {};        // m, on the probe, in the probe's frame
     double rest_length = 0;  // m
     double stiffness = 0;    // N/m
     double damping = 0;      // N s/m, along the spring
