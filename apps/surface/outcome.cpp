@@ -85,7 +85,7 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
     out += fmt::format(
         "\nstable = jump <= 1 N a cycle, speed off the surface <= 0.3 m/s, limit cycle < 0.1 mm; forces are "
         "the scene's,\nbefore the supervisor. {}, {}\n",
-        text.machine, text.date);
+        text.machine.sentence(), text.machine.date);
     return out;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "judge.hpp"
+#include "machine.hpp"
 #include "stroke.hpp"
 #include "ways.hpp"
 
@@ -23,11 +24,10 @@ Outcome judged(Recording recording, const Terrain& terrain, const Span& span);
 
 /// Everything about the run that is the same for all its strokes.
 struct RunText {
-    std::string model;      // the file's name
-    std::string scale;      // Relief::statement
-    std::string device;     // "premium15 (sim:premium15)"
-    std::string machine;    // one line
-    std::string date;       // UTC, ISO 8601
+    std::string model = {};   // the file's name
+    std::string scale = {};   // Relief::statement
+    std::string device = {};  // "premium15 (sim:premium15)"
+    Machine machine = {};
     double servo_rate = 0;  // Hz
     double rate = 0;        // Hz, of the application
     double think = 0;       // s

@@ -1,0 +1,160 @@
+// knurl-surface: lets a hand stroke a real relief through an application of 20 Hz, in four ways, and judges
+// them.
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "outcome.hpp"
+#include "relief.hpp"
+#include "stroke.hpp"
+#include "ways.hpp"
+
+namespace {
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "written by a signal handler");
+
+struct Wishes {
+    std::string model, connect = "knurl:default", device;
+    double wait = 2;  // s
+    std::string write_stroke, json, csv, relief_file;
+    std::vector<std::string> ways = {"force", "planes", "paper", "knurl"};
+    surface::ReliefOptions relief;
+    surface::StrokeOptions stroke;
+    surface::StrokeRun run;
+};
+
+void describe(CLI::App& app, Wishes& w) {
+    app.add_option("MODEL", w.model, "elevation model: 16-bit greyscale PNG, 16-bit PGM, ESRI ASCII grid")
+        ->required();
+    app.add_option("--connect", w.connect, "the servo")->capture_default_str();
+    app.add_option("--device", w.device, "the servo's device; may be left out if it has one");
+    app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 3600.0));
+    app.add_option("--ways", w.ways, "which of force, planes, paper, knurl")
+        ->delimiter(',')
+        ->capture_default_str();
+    app.add_option("--rate", w.run.rate, "Hz of this application's updates")
+        ->capture_default_str()
+        ->check(CLI::Range(1.0, 1000.0));
+    app.add_option("--think", w.run.think, "s from reading the hand to answering")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1.0));
+    app.add_option("--stiffness", w.run.stiffness, "N/m, or the device's k_max if that is less")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    app.add_option("--json", w.json, "FILE for the judgement");
+    app.add_option("--csv", w.csv, "FILE for every cycle");
+    app.add_option("--relief", w.relief_file, "FILE for the felt surface (ESRI ASCII grid, mm)");
+    app.add_option("--write-stroke", w.write_stroke,
+                   "write the motion for `knurld --hand` to this FILE, and end");
+    app.add_option("--speed", w.stroke.speed, "m/s of the stroke")
+        ->capture_default_str()
+        ->check(CLI::Range(0.005, 1.0));
+    app.add_option("--press", w.stroke.press, "m that the hand's path runs below the broad shape")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 0.05));
+    app.add_option("--cell", w.relief.cell, "m under the hand per cell of the model")
+        ->capture_default_str()
+        ->check(CLI::Range(1e-5, 0.05));
+    app.add_option("--exaggeration", w.relief.exaggeration, "of heights")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    app.add_option("--smoothing", w.relief.smoothing, "m under the hand, standard deviation; 0: none")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 0.05));
+    app.add_option("--metres-per-count", w.relief.metres_per_count, "overrides the model's own")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--metres-per-cell", w.relief.metres_per_cell, "overrides the model's own")
+        ->check(CLI::PositiveNumber);
+    app.footer(
+        "Example:\n"
+        "  knurl-surface --write-stroke stroke.csv hills.png\n"
+        "  knurld --device sim:premium15 --hand stroke.csv &\n"
+        "  knurl-surface hills.png --json out.json --csv out.csv --relief relief.asc\n"
+        "  scripts/plot_surface.py out.json out.csv relief.asc out.png\n");
+}
+
+int run(const Wishes& wishes) {
+    std::vector<surface::Way> ways;
+    for (const auto& key : wishes.ways) ways.push_back(surface::way_of(key));
+
+    const auto model = surface::load_elevation(wishes.model);
+    const auto relief = surface::make_relief(model, wishes.relief);
+    const surface::Terrain terrain(relief.grid);
+    const auto path = surface::make_stroke(terrain, wishes.stroke);
+    fmt::print("{}: {}\n", model.name, relief.statement);
+    if (!wishes.relief_file.empty()) surface::write_relief(wishes.relief_file, terrain);
+    if (!wishes.write_stroke.empty()) {
+        surface::write_stroke(path, wishes.write_stroke);
+        fmt::print("{}: a stroke of {:.1f} s at {:g} m/s\n", wishes.write_stroke, path.end,
+                   wishes.stroke.speed);
+        return 0;
+    }
+
+    auto client = knurl::Client::connect(
+        wishes.connect,
+        {.name = "knurl-surface", .wait = std::chrono::milliseconds(static_cast<int>(wishes.wait * 1e3))});
+    surface::RunText text{.model = model.name,
+                          .scale = relief.statement,
+                          .machine = surface::this_machine(),
+                          .rate = wishes.run.rate,
+                          .think = wishes.run.think};
+    for (const auto& device : client.devices())
+        if (wishes.device.empty() || device.name == wishes.device) {
+            text.device = fmt::format("{} ({})", device.name, device.address);
+            text.servo_rate = device.rate;
+            break;
+        }
+
+    surface::StrokeRun stroke = wishes.run;
+    stroke.device = wishes.device;
+    stroke.span = {.rest_at = path.rest_at, .end = path.end};
+    std::vector<surface::Outcome> outcomes;
+    for (const auto way : ways) {
+        if (stop) break;
+        fmt::print("{} ... ", surface::title_of(way, stroke.rate));
+        std::fflush(stdout);
+        outcomes.push_back(
+            surface::judged(surface::stroke(client, way, terrain, stroke, stop), terrain, stroke.span));
+        fmt::print("{}\n", stop ? "interrupted" : outcomes.back().judgement.verdict());
+    }
+    if (outcomes.empty()) return 130;
+    fmt::print("\n{}", surface::table(outcomes, text));
+    const auto& first = outcomes.front().recording;
+    if (!wishes.csv.empty())
+        surface::write_csv(wishes.csv, outcomes, {first.stiffness, first.greatest_force});
+    if (!wishes.json.empty()) surface::write_json(wishes.json, outcomes, text);
+    return stop ? 130 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Wishes wishes;
+    CLI::App app("knurl-surface: a hand strokes a real relief through an application of 20 Hz, in four ways.",
+                 "knurl-surface");
+    describe(app, wishes);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& wanted) {  // --help
+        return app.exit(wanted);
+    } catch (const CLI::ParseError& error) {
+        fmt::print(stderr, "knurl-surface: {}; see knurl-surface --help\n", error.what());
+        return 2;
+    }
+    std::signal(SIGINT, [](int) { stop = true; });
+    std::signal(SIGTERM, [](int) { stop = true; });
+    try {
+        return run(wishes);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "knurl-surface: {}\n", error.what());
+        return 1;
+    }
+}
