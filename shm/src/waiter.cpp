@@ -110,10 +110,7 @@ std::size_t Waker::run_once() noexcept {
     std::size_t woken = 0;
     for (std::size_t i = 0; i < table_->count; ++i) {
         const Table::Entry& entry = table_->entries[i];
-        if (HardwareMemory::load(entry.flag->waiting, std::memory_order::relaxed) == 0) continue;
-        // Lowered before the event: a client that waits again meanwhile raises it again, and is not
-        // overwritten.
-        HardwareMemory::exchange(entry.flag->waiting, 0, std::memory_order::acq_rel);
+        if (!lower_flag<>(entry.flag->waiting)) continue;
         signal_event(entry.event_fd);
         ++woken;
     }

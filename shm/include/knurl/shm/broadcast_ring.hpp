@@ -25,7 +25,8 @@ struct BroadcastOrders {
     static constexpr auto see_end = std::memory_order::acquire;      // pairs with publish_end
     static constexpr auto put_word =
         std::memory_order::release;  // pairs with get_word: the slot is overwritten
-    static constexpr auto get_word = std::memory_order::acquire;  // pairs with put_word
+    static constexpr auto get_word = std::memory_order::acquire;   // pairs with put_word
+    static constexpr auto check_end = std::memory_order::relaxed;  // ordered by get_word
 
     /// Report n can be read while `end` reports are published: it is one of the last slots-1. The slot of
     /// report end-slots is the one that the writer is filling now. Unsigned: also false for n >= end.
@@ -37,7 +38,7 @@ struct BroadcastOrders {
 template <class Memory = HardwareMemory>
 struct BroadcastPlaces {
     typename Memory::Word* end;
-    typename Memory::Word* slots;
+    typename Memory::Payload* slots;
     std::uint32_t count;       // of slots, a power of two
     std::size_t stride_words;  // from one slot to the next
     std::size_t slot_words;    // payload
@@ -133,7 +134,7 @@ class BasicBroadcastReader {
     bool copy(std::uint64_t n, void* out) const noexcept {
         Memory::load_payload(out, places_.slots + (n & (places_.count - 1)) * places_.stride_words,
                              places_.slot_words, Orders::get_word);
-        return Orders::readable(n, Memory::load(*places_.end, std::memory_order::relaxed), places_.count);
+        return Orders::readable(n, Memory::load(*places_.end, Orders::check_end), places_.count);
     }
 
     BroadcastPlaces<Memory> places_;

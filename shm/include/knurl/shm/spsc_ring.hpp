@@ -28,9 +28,9 @@ struct SpscOrders {
 
 template <class Memory = HardwareMemory>
 struct SpscPlaces {
-    typename Memory::Word* tail;   // written by the producer: cells pushed since the start
-    typename Memory::Word* head;   // written by the consumer: cells popped since the start
-    typename Memory::Word* cells;  // a power of two of them
+    typename Memory::Word* tail;      // written by the producer: cells pushed since the start
+    typename Memory::Word* head;      // written by the consumer: cells popped since the start
+    typename Memory::Payload* cells;  // a power of two of them
 };
 
 template <class Memory = HardwareMemory, class Orders = SpscOrders>

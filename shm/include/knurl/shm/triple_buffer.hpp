@@ -50,9 +50,9 @@ inline constexpr std::uint64_t max_triple_tag = (std::uint64_t{1} << 56) - 1;
 template <class Memory = HardwareMemory>
 struct TriplePlaces {
     typename Memory::Word* mid;
-    typename Memory::Word* slots;  // three
-    std::size_t slot_words;        // payload
-    std::size_t stride_words;      // from one slot to the next
+    typename Memory::Payload* slots;  // three
+    std::size_t slot_words;           // payload
+    std::size_t stride_words;         // from one slot to the next
 };
 
 inline constexpr std::uint32_t triple_first_back = 0;
@@ -162,7 +162,7 @@ class BasicTripleReader {
     bool corrupt() const noexcept { return corrupt_; }
 
   protected:
-    const typename Memory::Word* slot(std::uint32_t index) const noexcept {
+    const typename Memory::Payload* slot(std::uint32_t index) const noexcept {
         return places_.slots + index * places_.stride_words;
     }
 

@@ -42,6 +42,14 @@ void fence_after_publish() noexcept {
     Memory::fence(Orders::publisher_fence);
 }
 
+/// The waker: was the flag up? It is down now. Lowered before the client is signalled: one that waits again
+/// meanwhile raises it again, and that is not overwritten.
+template <class Memory = HardwareMemory>
+bool lower_flag(typename Memory::Word& flag) noexcept {
+    return Memory::load(flag, std::memory_order::relaxed) != 0 &&
+           Memory::exchange(flag, 0, std::memory_order::acq_rel) != 0;
+}
+
 /// One client's flag, in the client's segment, a line for itself. Not 0: it waits. The client sets it, the
 /// waker clears it. Zero-initialise it with the segment.
 struct alignas(line_bytes) WaiterFlag {

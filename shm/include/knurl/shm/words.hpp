@@ -20,7 +20,8 @@ constexpr std::size_t round_up(std::size_t bytes, std::size_t unit) {
 /// The memory that ships. The rings are templates over it so that the Relacy models in tests/shm run the very
 /// same algorithms on simulated memory, and deliberately weakened ones to see that each order is needed.
 struct HardwareMemory {
-    using Word = std::uint64_t;
+    using Word = std::uint64_t;     // indexes, flags
+    using Payload = std::uint64_t;  // what is copied
 
     static std::atomic_ref<Word> at(const Word& word) noexcept {
         // atomic_ref<const T> comes with C++26. A lock-free load never writes, so a read-only mapping is
@@ -44,7 +45,7 @@ struct HardwareMemory {
     }
     static void fence(std::memory_order order) noexcept { std::atomic_thread_fence(order); }
 
-    static void store_payload(Word* shared, const void* from, std::size_t words,
+    static void store_payload(Payload* shared, const void* from, std::size_t words,
                               std::memory_order order) noexcept {
         const auto* bytes = static_cast<const std::byte*>(from);
         for (std::size_t i = 0; i < words; ++i) {
@@ -53,7 +54,7 @@ struct HardwareMemory {
             store(shared[i], value, order);
         }
     }
-    static void load_payload(void* to, const Word* shared, std::size_t words,
+    static void load_payload(void* to, const Payload* shared, std::size_t words,
                              std::memory_order order) noexcept {
         auto* bytes = static_cast<std::byte*>(to);
         for (std::size_t i = 0; i < words; ++i) {

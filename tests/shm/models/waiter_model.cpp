@@ -1,0 +1,80 @@
+// Sleeping and waking: a client that gives up once and waits again, a servo that publishes once, the waker
+// between them.
+
+#include "model.hpp"
+
+namespace knurl::shm::model {
+namespace {
+
+using Memory = SimulatedMemory<AtomicPayload>;
+
+template <class Orders>
+struct Sleep : rl::test_suite<Sleep<Orders>, 3> {
+    Word flag, end, poked, event;
+    bool sleeps;
+
+    void before() {
+        for (Word* word : {&flag, &end, &poked, &event}) Memory::store(*word, 0, std::memory_order::relaxed);
+        sleeps = false;
+    }
+
+    void thread(unsigned index) {
+        switch (index) {
+            case 0:
+                return client();
+            case 1:
+                return servo();
+            default:
+                return waker();
+        }
+    }
+
+    void client() {
+        if (!announce_wait<Memory, Orders>(flag, end, 0)) return;
+        Memory::store(flag, 0, std::memory_order::relaxed);  // the time-out came first
+        sleeps = announce_wait<Memory, Orders>(flag, end, 0);
+    }
+
+    void servo() {
+        Memory::store(end, 1, std::memory_order::release);
+        fence_after_publish<Memory, Orders>();
+        if (Memory::load(flag, std::memory_order::relaxed) != 0)
+            Memory::store(poked, 1, std::memory_order::release);
+    }
+
+    void waker() {
+        if (Memory::load(poked, std::memory_order::acquire) != 0 && lower_flag<Memory>(flag))
+            Memory::store(event, 1, std::memory_order::release);
+    }
+
+    void after() {
+        waker();  // a poke is never forgotten: the waker's next round comes
+        if (sleeps) require(Memory::load(event, std::memory_order::acquire) != 0);
+    }
+};
+
+struct WeakWaiterFence : WaiterOrders {
+    static constexpr auto waiter_fence = std::memory_order::acq_rel;
+};
+struct WeakPublisherFence : WaiterOrders {
+    static constexpr auto publisher_fence = std::memory_order::acq_rel;
+};
+struct NoPublisherFence : WaiterOrders {
+    static constexpr auto publisher_fence = std::memory_order::relaxed;
+};
+
+TEST(WaiterModel, WhoeverSleepsIsWoken) {
+    expect_holds<Sleep<WaiterOrders>>();
+}
+TEST(WaiterModel, WrongTwinWeakWaiterFence) {
+    expect_found_wrong<Sleep<WeakWaiterFence>>();
+}
+TEST(WaiterModel, WrongTwinWeakPublisherFence) {
+    expect_found_wrong<Sleep<WeakPublisherFence>>();
+}
+TEST(WaiterModel, WrongTwinNoPublisherFence) {
+    expect_found_wrong<Sleep<NoPublisherFence>>();
+}
+
+}  // namespace
+}  // namespace knurl::shm::model

@@ -1,0 +1,115 @@
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <knurl/shm/segment.hpp>
+
+namespace knurl::shm {
+namespace {
+
+std::string error_of(const std::function<void()>& action) {
+    try {
+        action();
+    } catch (const std::runtime_error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(Segment, IsZeroAndSharedByWhoeverOpensItsDescriptor) {
+    Segment ours = Segment::create("knurl-test", 10000);
+    ASSERT_EQ(ours.size(), 10000u);
+    for (std::size_t i = 0; i < ours.size(); ++i) ASSERT_EQ(ours.data()[i], std::byte{0});
+    const Segment theirs = Segment::open(ours.fd(), 10000, Segment::Access::read_only);
+    std::memcpy(ours.data() + 4096, "touch", 5);
+    EXPECT_EQ(std::memcmp(theirs.data() + 4096, "touch", 5), 0);
+    EXPECT_NE(theirs.fd(), ours.fd());
+}
+
+TEST(Segment, IsWhollyPresentFromTheStart) {
+    const std::size_t bytes = 64 * 4096;
+    Segment segment = Segment::create("knurl-test", bytes);
+    std::vector<unsigned char> present(64);
+    ASSERT_EQ(::mincore(segment.data(), bytes, present.data()), 0);
+    for (const unsigned char page : present) EXPECT_TRUE(page & 1);
+}
+
+TEST(Segment, CannotBeShrunkOrGrown) {
+    const Segment segment = Segment::create("knurl-test", 8192);
+    EXPECT_NE(::ftruncate(segment.fd(), 4096), 0);
+    EXPECT_NE(::ftruncate(segment.fd(), 16384), 0);
+}
+
+TEST(Segment, MovesWithItsMapping) {
+    Segment first = Segment::create("knurl-test", 4096);
+    std::byte* const data = first.data();
+    Segment second = std::move(first);
+    EXPECT_EQ(second.data(), data);
+    EXPECT_EQ(first.size(), 0u);
+    EXPECT_EQ(first.data(), nullptr);
+    first = std::move(second);
+    EXPECT_EQ(first.data(), data);
+    first.data()[4095] = std::byte{1};
+}
+
+TEST(SealedSegment, ClientsCanMapItReadOnlyAndInNoOtherWay) {
+    Segment servo = Segment::create("knurl-test", 4096);
+    servo.seal_against_new_writers();
+    EXPECT_NE(error_of([&] { Segment::open(servo.fd(), 4096, Segment::Access::read_write); }), "");
+    Segment client = Segment::open(servo.fd(), 4096, Segment::Access::read_only);
+    EXPECT_NE(::mprotect(client.data(), 4096, PROT_READ | PROT_WRITE), 0);
+    EXPECT_EQ(::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, client.fd(), 0), MAP_FAILED);
+    EXPECT_NE(::pwrite(client.fd(), "x", 1, 0), 1);
+    // Nor through a descriptor opened anew.
+    const UniqueFd again(
+        ::open(("/proc/self/fd/" + std::to_string(client.fd())).c_str(), O_RDWR | O_CLOEXEC));
+    if (again) {
+        EXPECT_EQ(::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, again.get(), 0), MAP_FAILED);
+        EXPECT_NE(::pwrite(again.get(), "x", 1, 0), 1);
+    }
+    // The servo's own mapping, made before, still writes.
+    servo.data()[7] = std::byte{42};
+    EXPECT_EQ(client.data()[7], std::byte{42});
+}
+
+TEST(SegmentOpen, RefusesAnotherSizeAndSaysBoth) {
+    const Segment segment = Segment::create("knurl-test", 4096);
+    const std::string error =
+        error_of([&] { Segment::open(segment.fd(), 8192, Segment::Access::read_only); });
+    EXPECT_NE(error.find("4096"), std::string::npos) << error;
+    EXPECT_NE(error.find("8192"), std::string::npos) << error;
+}
+
+TEST(SegmentOpen, RefusesWhatIsNotSealedOrNotAMemfd) {
+    const UniqueFd unsealed(::memfd_create("unsealed", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    ASSERT_EQ(::ftruncate(unsealed.get(), 4096), 0);
+    EXPECT_NE(error_of([&] { Segment::open(unsealed.get(), 4096, Segment::Access::read_only); }), "");
+    ASSERT_EQ(::fcntl(unsealed.get(), F_ADD_SEALS, F_SEAL_SHRINK), 0);
+    EXPECT_NE(error_of([&] { Segment::open(unsealed.get(), 4096, Segment::Access::read_only); }), "");
+
+    const UniqueFd device(::open("/dev/zero", O_RDWR | O_CLOEXEC));
+    EXPECT_NE(error_of([&] { Segment::open(device.get(), 4096, Segment::Access::read_only); }), "");
+    EXPECT_NE(error_of([&] { Segment::open(device.get(), 0, Segment::Access::read_only); }), "");
+    EXPECT_NE(error_of([&] { Segment::open(-1, 4096, Segment::Access::read_only); }), "");
+}
+
+TEST(SegmentOpen, LeavesTheCallersDescriptorAlone) {
+    Segment segment = Segment::create("knurl-test", 4096);
+    const int fd = ::dup(segment.fd());
+    { const Segment opened = Segment::open(fd, 4096, Segment::Access::read_write); }
+    error_of([&] { Segment::open(fd, 8192, Segment::Access::read_write); });
+    EXPECT_EQ(::close(fd), 0);
+}
+
+TEST(Segment, RefusesToBeEmpty) {
+    EXPECT_NE(error_of([] { Segment::create("knurl-test", 0); }), "");
+}
+
+}  // namespace
+}  // namespace knurl::shm

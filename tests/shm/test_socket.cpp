@@ -1,0 +1,210 @@
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <knurl/shm/segment.hpp>
+#include <knurl/shm/socket.hpp>
+
+namespace knurl::shm {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string error_of(const std::function<void()>& action) {
+    try {
+        action();
+    } catch (const std::runtime_error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+std::size_t open_descriptors() {
+    std::size_t n = 0;
+    for ([[maybe_unused]] const auto& entry : fs::directory_iterator("/proc/self/fd")) ++n;
+    return n;
+}
+
+std::span<const std::byte> bytes_of(std::string_view text) {
+    return std::as_bytes(std::span(text));
+}
+
+class Socket : public testing::Test {
+  protected:
+    Socket() {
+        char name[] = "/tmp/knurl-test-XXXXXX";
+        folder_ = ::mkdtemp(name);
+        path_ = folder_ / "default.sock";
+    }
+    ~Socket() override { fs::remove_all(folder_); }
+
+    UniqueFd accepted() {
+        pollfd event{.fd = listener_.get(), .events = POLLIN, .revents = 0};
+        ::poll(&event, 1, 10000);
+        return accept_from(listener_);
+    }
+    void connect() {
+        listener_ = listen_at(path_, 0660, 8);
+        client_ = connect_to(path_);
+        servo_ = accepted();
+        ASSERT_TRUE(servo_);
+    }
+
+    fs::path folder_, path_;
+    UniqueFd listener_, client_, servo_;
+    std::array<std::byte, 64> buffer_{};
+};
+
+TEST_F(Socket, CarriesWholeMessagesBothWays) {
+    connect();
+    ASSERT_TRUE(send_message(client_, bytes_of("first")));
+    ASSERT_TRUE(send_message(client_, bytes_of("second one")));
+    EXPECT_EQ(receive_message(servo_, buffer_).bytes, 5u);
+    EXPECT_EQ(receive_message(servo_, buffer_).bytes, 10u);
+    EXPECT_EQ(std::memcmp(buffer_.data(), "second one", 10), 0);
+    ASSERT_TRUE(send_message(servo_, bytes_of("answer")));
+    EXPECT_EQ(receive_message(client_, buffer_).bytes, 6u);
+}
+
+TEST_F(Socket, HasTheModeThatWasAskedFor) {
+    listener_ = listen_at(path_, 0660, 8);
+    struct stat status {};
+    ASSERT_EQ(::stat(path_.c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0660u);
+}
+
+TEST_F(Socket, HandsOverDescriptorsThatDoNotSurviveExec) {
+    connect();
+    Segment segment = Segment::create("knurl-test", 4096);
+    segment.data()[9] = std::byte{7};
+    const int fds[] = {segment.fd(), servo_.get()};
+    ASSERT_TRUE(send_message(servo_, bytes_of("take"), fds));
+    const Received received = receive_message(client_, buffer_);
+    ASSERT_EQ(received.fds.size(), 2u);
+    EXPECT_FALSE(received.truncated);
+    EXPECT_TRUE(::fcntl(received.fds[0].get(), F_GETFD) & FD_CLOEXEC);
+    EXPECT_EQ(Segment::open(received.fds[0].get(), 4096, Segment::Access::read_only).data()[9], std::byte{7});
+}
+
+TEST_F(Socket, TellsThatThePeerIsGone) {
+    connect();
+    ASSERT_TRUE(send_message(client_, bytes_of("last words")));
+    client_.reset();
+    EXPECT_EQ(receive_message(servo_, buffer_).bytes, 10u);
+    EXPECT_TRUE(receive_message(servo_, buffer_).closed);
+    EXPECT_FALSE(send_message(servo_, bytes_of("anyone?")));  // and no SIGPIPE
+}
+
+TEST_F(Socket, NeedNotBlock) {
+    connect();
+    const Received received = receive_message(servo_, buffer_, Block::no);
+    EXPECT_TRUE(received.nothing);
+    EXPECT_FALSE(received.closed);
+    EXPECT_FALSE(accept_from(listener_));
+}
+
+TEST_F(Socket, APeerThatDoesNotReadCannotBlockTheSender) {
+    connect();
+    int sent = 0;
+    while (sent < 100000 && send_message(servo_, bytes_of("report"))) ++sent;
+    EXPECT_GT(sent, 0);
+    EXPECT_LT(sent, 100000);
+}
+
+TEST_F(Socket, SaysThatAMessageWasTooLongAndKeepsNoneOfItsDescriptors) {
+    connect();
+    const std::string text(200, 'x');
+    const int fds[] = {client_.get(), client_.get()};
+    ASSERT_TRUE(send_message(client_, bytes_of(text), fds));
+    const std::size_t before = open_descriptors();
+    const Received received = receive_message(servo_, buffer_);
+    EXPECT_TRUE(received.truncated);
+    EXPECT_TRUE(received.fds.empty());
+    EXPECT_EQ(open_descriptors(), before);
+}
+
+TEST_F(Socket, AHostileSenderCannotFillOurDescriptorTable) {
+    connect();
+    // What send_message refuses, a hostile client does by itself: 200 descriptors at once.
+    constexpr std::size_t many = 200;
+    std::array<int, many> fds;
+    fds.fill(client_.get());
+    EXPECT_NE(error_of([&] { send_message(client_, bytes_of("x"), fds); }), "");
+    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof fds)> control{};
+    char letter = 'x';
+    iovec data{.iov_base = &letter, .iov_len = 1};
+    msghdr message{};
+    message.msg_iov = &data;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    cmsghdr* header = CMSG_FIRSTHDR(&message);
+    header->cmsg_level = SOL_SOCKET;
+    header->cmsg_type = SCM_RIGHTS;
+    header->cmsg_len = CMSG_LEN(sizeof fds);
+    std::memcpy(CMSG_DATA(header), fds.data(), sizeof fds);
+    ASSERT_EQ(::sendmsg(client_.get(), &message, 0), 1);
+
+    const std::size_t before = open_descriptors();
+    const Received received = receive_message(servo_, buffer_);
+    EXPECT_TRUE(received.truncated);
+    EXPECT_TRUE(received.fds.empty());
+    EXPECT_EQ(open_descriptors(), before);
+}
+
+TEST_F(Socket, KnowsWhoIsAtTheOtherEnd) {
+    connect();
+    const PeerCredentials peer = credentials_of(servo_);
+    EXPECT_EQ(peer.pid, ::getpid());
+    EXPECT_EQ(peer.uid, ::geteuid());
+    EXPECT_EQ(peer.gid, ::getegid());
+}
+
+TEST_F(Socket, ReplacesTheSocketThatADeadServoLeftBehind) {
+    listener_ = listen_at(path_, 0660, 8);
+    listener_.reset();
+    ASSERT_TRUE(fs::exists(path_));
+    connect();
+    EXPECT_TRUE(send_message(client_, bytes_of("alive")));
+}
+
+TEST_F(Socket, DoesNotTouchALiveServo) {
+    connect();
+    const std::string error = error_of([&] { listen_at(path_, 0660, 8); });
+    EXPECT_NE(error.find("another servo named default is running"), std::string::npos) << error;
+    client_ = connect_to(path_);  // the first one still answers
+    EXPECT_TRUE(accepted());
+}
+
+TEST_F(Socket, DoesNotTouchALiveServoWithAFullBacklog) {
+    listener_ = listen_at(path_, 0660, 0);
+    client_ = connect_to(path_);  // never accepted: the next one would have to wait
+    EXPECT_NE(error_of([&] { listen_at(path_, 0660, 0); }), "");
+    EXPECT_TRUE(fs::exists(path_));
+}
+
+TEST_F(Socket, NeverRemovesAFileThatIsNotASocket) {
+    std::ofstream(path_) << "precious";
+    EXPECT_NE(error_of([&] { listen_at(path_, 0660, 8); }), "");
+    EXPECT_EQ(fs::file_size(path_), 8u);
+}
+
+TEST_F(Socket, SaysWhatToDoAboutAPathThatCannotBe) {
+    EXPECT_NE(error_of([&] { listen_at(folder_ / "none" / "x.sock", 0660, 8); }).find("create it"),
+              std::string::npos);
+    EXPECT_NE(error_of([&] { listen_at(folder_ / std::string(200, 'x'), 0660, 8); }).find("107"),
+              std::string::npos);
+    EXPECT_NE(error_of([&] { connect_to(path_); }).find("running?"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace knurl::shm
