@@ -3,17 +3,23 @@
 //
 //     auto client = knurl::Client::connect("knurl:default");
 //     auto hand   = client.claim("right");                    // refused: who holds it, by pid
-//     auto floor  = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.0 /* m */, .stiffness = 800 /* N/m */});
-//     hand.arm();
-//     while (auto report = hand.next_report(50ms)) {          // or hand.latest(), or hand.fd() in your event loop
-//         floor.follow(terrain);                              // plane where the hand will be; or floor.set(...)
-//         hand.commit();                                      // all that changed takes effect in one cycle
+//     auto floor  = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.0 /* m */, .stiffness = 800 /* N/m
+//     */}); hand.arm(); while (auto report = hand.next_report(50ms)) {          // or hand.latest(), or
+//     hand.fd() in your event loop
+//         floor.follow(terrain);                              // plane where the hand will be; or
+//         floor.set(...) hand.commit();                                      // all that changed takes effect
+//         in one cycle
 //     }
 //
-// All calls throw knurl::Error. A Claim and its handles belong to one thread at a time; they are inert in the
-// child of a fork.
+// All calls throw knurl::Error. A Claim and its handles belong to one thread at a time; in the child of a
+// fork they are inert: every call throws, no destructor does anything to the parent's claim.
+//
+// When the servo dies the library knows within 10 ms: connected() is false, next_report() and latest() return
+// nothing, fd() becomes readable once. When a servo of that name is back, everything that was added is added
+// again under the same handles (ConnectOptions::reattach); force stays off until arm() is called again.
 
 #include <chrono>
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -22,6 +28,7 @@
 #include <vector>
 
 #include <knurl/client/error.hpp>
+#include <knurl/client/predict.hpp>
 #include <knurl/protocol/command.hpp>
 #include <knurl/protocol/report.hpp>
 #include <knurl/reps/all.hpp>
@@ -31,36 +38,29 @@
 namespace knurl {
 
 struct ConnectOptions {
-    std::string name;                               // what `knurl ls` shows; empty: the program's
-    std::chrono::milliseconds wait{2000};           // for a servo that is still starting
-    bool reattach = true;                           // after a restart of the servo, and add everything again
+    std::string name;                      // what `knurl ls` shows; empty: the program's
+    std::chrono::milliseconds wait{2000};  // for a servo that is still starting
+    bool reattach = true;                  // after a restart of the servo, and add everything again
 };
 
 struct ClaimOptions {
-    bool shared = false;                            // others may hold the device as well
-    double workspace_radius = 0;                    // m, of the application's world; 0: the device's own
-    Vec3 workspace_centre;                          // m, where the device's centre lies in that world
-    std::chrono::nanoseconds update_interval{0};    // how often it means to commit; 0: measured
-    std::uint32_t representations = 128;            // at most
+    bool shared = false;                          // others may hold the device as well
+    double workspace_radius = 0;                  // m, of the application's world; 0: the device's own
+    Vec3 workspace_centre = {};                   // m, where the device's centre lies in that world
+    std::chrono::nanoseconds update_interval{0};  // how often it means to commit; 0: measured
+    std::uint32_t representations = 128;          // at most
     std::uint32_t batch_bytes = 32 * 1024;
 };
 
 struct DeviceDescription {
     std::string name, address, profile, serial;
-    double rate = 0;               // Hz
-    Vec3 workspace_centre;         // m
-    double workspace_radius = 0;   // m
-    double peak_force = 0;         // N
-    double max_stiffness = 0;      // N/m
+    double rate = 0;              // Hz
+    Vec3 workspace_centre;        // m
+    double workspace_radius = 0;  // m
+    double peak_force = 0;        // N
+    double max_stiffness = 0;     // N/m
     bool renders_torque = false;
 };
-
-/// Where a model is nearest to a point, for `follow`.
-struct SurfacePoint {
-    Vec3 foot;    // m
-    Vec3 normal;  // unit, towards free space
-};
-using SurfaceModel = std::function<SurfacePoint(const Vec3& near)>;
 
 /// A report in the claim's world frame (an observer's: the device's), with what only the client knows.
 struct HandReport : Report {
@@ -69,71 +69,95 @@ struct HandReport : Report {
 
 /// How late this application is, as measured by the servo.
 struct Timing {
-    std::chrono::nanoseconds age_at_use{0};    // of the report a batch was computed from, when its force was written
-    std::chrono::nanoseconds interval{0};      // between commits
-    std::uint64_t batches = 0;                 // taken
-    std::uint64_t refused = 0;
+    // Of the report that a batch was computed from, when the first force made of it had been written; the
+    // median of the last seven batches. 0: not measured yet.
+    std::chrono::nanoseconds age_at_use{0};
+    std::chrono::nanoseconds interval{
+        0};                     // between commits, the median of the last seven; as claimed until measured
+    std::uint64_t batches = 0;  // taken by the servo; those it did not take alone it had in a later one
+    std::uint64_t refused = 0;  // by the servo's own check of its copy
 };
 
 /// What the hand and the application's end feel of one representation.
 struct Felt {
-    Vec3 force, torque;     // on the hand, N and N m; the application's end feels the opposite
-    Vec3 contact_point;     // m
-    double stiffness = 0;   // N/m applied
+    Vec3 force, torque;       // on the hand, N and N m; the application's end feels the opposite
+    Vec3 contact_point;       // m
+    double stiffness = 0;     // N/m applied: less than asked for if Feedback::stiffness_clamped is set
     std::uint32_t flags = 0;  // Feedback::touching, ...
+    std::uint64_t cycle = 0;  // in which it was so: equal for representations felt in the same cycle
 };
 
 namespace detail {
-class ClaimState;    // one claim: segment, channels, pending changes, replay list
-class ClientState;   // one connection
-class Reader;        // reports of one device
+class ClaimState;   // one claim: segment, channels, pending changes, replay list
+class ClientState;  // one connection
+class Reader;       // reports of one device
 }  // namespace detail
 
 template <Listed R>
 class Representing;
 
-/// Reads the reports of a device without holding it.
+/// Reads the reports of a device without holding it. Copies share one position in the stream.
 class Observer {
   public:
     explicit Observer(std::shared_ptr<detail::Reader> reader);
 
-    std::optional<HandReport> latest();                                    // newest; none before the first cycle
-    std::optional<HandReport> next_report(std::chrono::nanoseconds timeout);  // the next one in order; none: timed out
-    int fd();                     // readable when a report is there that was not read; for poll, epoll, any loop
-    std::uint64_t missed() const; // reports overwritten before they were read
-    const DeviceDescription& device() const;
+    /// The newest report, though it may have been read already. None: before the first cycle, or not
+    /// connected.
+    std::optional<HandReport> latest();
+    /// The next report in order, waiting for it. None: none came in time, or not connected.
+    std::optional<HandReport> next_report(std::chrono::nanoseconds timeout);
+    /// For poll, epoll, any loop: readable while a report is there that was not read, and once when the servo
+    /// has gone. One descriptor for life, also across a restart of the servo; it stays the library's: do not
+    /// close it.
+    int fd();
+    std::uint64_t missed()
+        const;  // reports overwritten before they were read; those latest() passes over are not
+    DeviceDescription device() const;
+
+    bool connected() const;               // false: the servo is gone, and not back yet
+    std::uint64_t reattachments() const;  // how often it came back
 
   protected:
     std::shared_ptr<detail::Reader> reader_;
 };
 
+/// The hold on a device. Its end releases the device: the force fades. Handles do not prolong it.
 class Claim : public Observer {
   public:
     explicit Claim(std::shared_ptr<detail::ClaimState> state);
+    Claim(Claim&&) noexcept = default;
+    Claim& operator=(Claim&& other) noexcept;
+    ~Claim();
 
     /// Adds a representation; in force from the next cycle on. Bad parameters throw here.
     template <Listed R>
     Representing<R> add(const R& params, const Use& use = {}) {
         return Representing<R>(state_, add_raw(kind_of<R>, &params, sizeof params, use));
     }
-    /// All commands issued inside `changes` take effect in one cycle, or none does.
+    /// All commands issued inside `changes` take effect in one cycle, or none does. If `changes` throws,
+    /// nothing is sent. commit() has no place inside.
     void together(const std::function<void()>& changes);
 
     void place_probe(std::uint32_t probe, const ProbePlacement& placement);
 
-    void arm();          // force may follow; throws with the reason if the device's state forbids it
+    // These wait for the servo's answer, at most a second, and throw with the reason if it is no.
+    void arm();  // force may follow
     void disarm();
     void reset_fault();
-    void release();      // force fades, the device is free; also done by the destructor
+
+    void release();  // force fades, the device is free; also done by the destructor
     /// Renews the claim and makes all changes since the last commit take effect in one cycle. An empty commit
-    /// says "I am alive". Returns the batch's number.
+    /// says "I am alive". Returns the batch's number. Throws, after it has sent this batch, if the servo has
+    /// refused a command or a batch since the last call (once for each; the library checks before it sends,
+    /// so this means that the two disagree). Not connected, it keeps the changes for the servo's return.
     std::uint64_t commit();
 
-    const Limits& limits() const;      // world units: what stiffness is clamped to
+    Limits limits() const;  // world units: what stiffness is clamped to
     Timing timing() const;
-    /// Where the hand will be when the update computed now is felt.
+    /// Where the hand will be when an update computed now is half-way through its life: what follow() looks
+    /// at. Its own position until the latency is known, and at most 20 mm from it.
     Vec3 predicted_position();
-    /// Waits until the batch `number` (0: the newest committed) has taken effect.
+    /// Waits until the batch `number` (0: the newest committed) has taken effect; throws if it was refused.
     bool wait_applied(std::uint64_t number, std::chrono::nanoseconds timeout);
 
   private:
@@ -145,7 +169,10 @@ class Claim : public Observer {
 class AnyRepresenting {
   public:
     void remove();
-    std::optional<Felt> felt() const;  // none before the servo has evaluated it
+    std::optional<Felt> felt() const;  // in the newest cycle; none before the servo has evaluated it
+    /// N/m, after clamping to what the device allows; none before the servo has answered (one cycle after
+    /// add).
+    std::optional<double> applied_stiffness() const;
     Handle handle() const { return handle_; }
 
   protected:
@@ -175,22 +202,20 @@ class Representing : public AnyRepresenting {
     }
     /// Asks `model` for the tangent plane where the hand will be when this update is felt, checks the answer
     /// (an unchecked prediction can push a hand through a plate) and sets it.
-    void follow(const SurfaceModel& model)
-        requires std::is_same_v<R, Plane>
-    {
-        follow_plane(model);
-    }
+    void follow(const SurfaceModel& model) requires std::same_as<R, Plane> { follow_plane(model); }
 };
 
 class Client {
   public:
     /// "knurl:NAME" (or NAME): the servo of that name on this box.
+    /// Waits for one that is still starting, then says how to start it.
     static Client connect(const std::string& address = "knurl:default", const ConnectOptions& options = {});
 
     std::vector<DeviceDescription> devices() const;
     Claim claim(const std::string& device = "", const ClaimOptions& options = {});  // "": the only one
     Observer observe(const std::string& device = "");
-    pid_t servo_pid() const;
+    pid_t servo_pid() const;  // 0: not connected
+    bool connected() const;
 
   private:
     explicit Client(std::shared_ptr<detail::ClientState> state);

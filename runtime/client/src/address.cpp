@@ -1,0 +1,43 @@
+#include "address.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <knurl/client/error.hpp>
+#include <knurl/protocol/bounds.hpp>
+
+namespace knurl::detail {
+
+namespace {
+
+constexpr std::string_view local_prefix = "knurl:";
+constexpr std::string_view remote_prefix = "knurl://";
+
+bool fits_a_name(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+           c == '_' || c == '.';
+}
+
+}  // namespace
+
+std::string servo_name(const std::string& address) {
+    if (address.starts_with(remote_prefix))
+        throw Error(
+            Error::Kind::no_servo,
+            fmt::format("address '{}': another host is reached through the bridge, which this build does not "
+                        "have; run on the servo's own host and use 'knurl:NAME'",
+                        address));
+    const std::string name =
+        address.starts_with(local_prefix) ? address.substr(local_prefix.size()) : address;
+    if (name.empty() || name.size() >= protocol::name_bytes || name.front() == '.' ||
+        !std::all_of(name.begin(), name.end(), fits_a_name))
+        throw Error(
+            Error::Kind::no_servo,
+            fmt::format("address '{}': no servo has such a name; give 'knurl:NAME', NAME of 1 to {} letters, "
+                        "digits, '-', '_' and '.', as `knurl ls` shows it",
+                        address, protocol::name_bytes - 1));
+    return name;
+}
+
+}  // namespace knurl::detail

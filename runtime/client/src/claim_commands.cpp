@@ -1,0 +1,305 @@
+// The command channel of a claim.
+
+#include <cstring>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <knurl/client/error.hpp>
+#include <knurl/shm/spsc_ring.hpp>
+
+#include "claim_state.hpp"
+#include "client_state.hpp"
+#include "sentence.hpp"
+#include "validate.hpp"
+
+namespace knurl::detail {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using protocol::CommandType;
+
+constexpr std::chrono::milliseconds longest_answer{1000};  // the servo answers in its next cycle
+constexpr std::chrono::milliseconds replay_time{400};      // for all of a claim's representations
+
+template <class Body>
+std::vector<std::byte> bytes_of(const Body& body) {
+    const auto bytes = std::as_bytes(std::span(&body, 1));
+    return {bytes.begin(), bytes.end()};
+}
+
+bool is_asked(CommandType type) {
+    return type == CommandType::arm || type == CommandType::disarm || type == CommandType::reset_fault;
+}
+
+std::size_t cells_for(std::size_t body_bytes) {
+    return (sizeof(protocol::CommandHeader) + body_bytes + shm::cell_bytes - 1) / shm::cell_bytes;
+}
+
+}  // namespace
+
+ClaimState::Command ClaimState::add_command(Handle handle, const Entry& entry,
+                                            std::span<const std::byte> params) {
+    const protocol::AddBody body{.handle = handle, .kind = entry.kind, .reserved = 0, .use = entry.use};
+    Command command{.type = CommandType::add,
+                    .handle = handle,
+                    .kind = entry.kind,
+                    .body = std::vector<std::byte>(sizeof body + params.size()),
+                    .parameter_bytes = static_cast<std::uint32_t>(params.size())};
+    std::memcpy(command.body.data(), &body, sizeof body);
+    std::memcpy(command.body.data() + sizeof body, params.data(), params.size());
+    return command;
+}
+
+Handle ClaimState::add(Kind kind, const void* params, std::size_t bytes, const Use& use) {
+    const Lock lock = enter();
+    validate(kind, params, bytes);
+    validate(kind, use);
+    const std::span given(static_cast<const std::byte*>(params), bytes);
+    const Handle handle = table_.add(kind, given, use);
+    issue(add_command(handle, *table_.find(handle), given));
+    return handle;
+}
+
+void ClaimState::remove(Handle handle) {
+    const Lock lock = enter();
+    const Kind kind = entry(handle).kind;
+    table_.set_leaving(handle, true);
+    issue({.type = CommandType::remove,
+           .handle = handle,
+           .kind = kind,
+           .body = bytes_of(protocol::RemoveBody{handle})});
+}
+
+void ClaimState::place_probe(std::uint32_t probe, const ProbePlacement& placement) {
+    const Lock lock = enter();
+    validate(probe, placement);
+    issue(
+        {.type = CommandType::place_probe,
+         .body = bytes_of(protocol::PlaceProbeBody{.probe = probe, .reserved = 0, .placement = placement})});
+}
+
+void ClaimState::ask(CommandType type) {
+    Lock lock = enter();
+    if (channel() == nullptr) throw_disconnected();
+    issue({.type = type});
+    if (depth_ == 0) wait_for_answer(issued_, type, lock);
+}
+
+void ClaimState::together(const std::function<void()>& changes) {
+    std::size_t start = 0;
+    {
+        const Lock lock = enter();
+        ++depth_;
+        start = group_.size();
+    }
+    try {
+        changes();
+    } catch (...) {
+        require_own(made_in_);
+        const Lock lock(mutex_);
+        --depth_;
+        take_back(start);
+        throw;
+    }
+    Lock lock = enter();
+    if (--depth_ > 0 || group_.empty()) return;
+    std::vector<Command> group;
+    group.swap(group_);
+    const std::uint64_t first = issued_ + 1;
+    issue(group);
+    for (std::size_t i = 0; i < group.size(); ++i)
+        if (is_asked(group[i].type)) wait_for_answer(first + i, group[i].type, lock);
+}
+
+void ClaimState::issue(Command command) {
+    if (depth_ > 0)
+        group_.push_back(std::move(command));
+    else
+        issue(std::span<const Command>(&command, 1));
+}
+
+void ClaimState::issue(std::span<const Command> commands) {
+    try {
+        if (ClaimChannel* open = channel()) {
+            drain_replies(*open);
+            push(commands, *open);
+        } else {
+            // Kept for the servo's return; but nobody can be armed then.
+            for (const Command& command : commands)
+                if (is_asked(command.type)) throw_disconnected();
+        }
+    } catch (...) {
+        for (const Command& command : commands) take_back(command);
+        throw;
+    }
+    for (const Command& command : commands) apply(command);
+}
+
+void ClaimState::push(std::span<const Command> commands, ClaimChannel& channel) {
+    std::vector<std::byte> message;
+    std::uint64_t number = issued_;
+    for (std::size_t i = 0; i < commands.size(); ++i) {
+        const Command& command = commands[i];
+        const std::size_t cells = cells_for(command.body.size());
+        const protocol::CommandHeader header{.cells = static_cast<std::uint32_t>(cells),
+                                             .type = command.type,
+                                             .number = ++number,
+                                             .more = i + 1 < commands.size() ? 1u : 0u,
+                                             .bytes = command.parameter_bytes};
+        const std::size_t start = message.size();
+        message.resize(start + cells * shm::cell_bytes);
+        std::memcpy(message.data() + start, &header, sizeof header);
+        if (!command.body.empty())
+            std::memcpy(message.data() + start + sizeof header, command.body.data(), command.body.size());
+    }
+    const std::size_t cells = message.size() / shm::cell_bytes;
+    if (cells > channel.command_cells())
+        throw Error(
+            Error::Kind::channel_full,
+            fmt::format(
+                "device '{}': a group of {} commands takes {} cells, the command channel has {}; nothing "
+                "was sent; make it smaller",
+                device_name(), commands.size(), cells, channel.command_cells()));
+    if (!channel.push(message.data(), static_cast<std::uint32_t>(cells)))
+        throw Error(
+            Error::Kind::channel_full,
+            fmt::format("device '{}': the command channel is full; nothing was sent; try again after the "
+                        "servo's next cycle (wait for a report)",
+                        device_name()));
+    issued_ = number;
+    for (std::size_t i = 0; i < commands.size(); ++i)
+        outstanding_.push_back({.number = number - commands.size() + 1 + i,
+                                .type = commands[i].type,
+                                .handle = commands[i].handle,
+                                .kind = commands[i].kind});
+}
+
+void ClaimState::push_patiently(const Command& command, Attachment& attachment) {
+    const auto deadline = Clock::now() + replay_time;
+    for (;;) {
+        try {
+            drain_replies(*attachment.channel);
+            push({&command, 1}, *attachment.channel);
+            return;
+        } catch (const Error&) {
+            if (Clock::now() > deadline) throw;
+        }
+        attachment.reports->wait_cycle(longest_sleep);
+    }
+}
+
+void ClaimState::apply(const Command& command) {
+    switch (command.type) {
+        case CommandType::add:
+            if (Entry* added = table_.find_any(command.handle)) added->issued = true;
+            break;
+        case CommandType::remove:
+            table_.remove(command.handle);
+            break;
+        case CommandType::place_probe: {
+            protocol::PlaceProbeBody body;
+            std::memcpy(&body, command.body.data(), sizeof body);
+            probes_[body.probe] = body.placement;
+            break;
+        }
+        case CommandType::arm:
+        case CommandType::disarm:
+        case CommandType::reset_fault:
+            break;
+    }
+}
+
+void ClaimState::take_back(const Command& command) {
+    if (command.type == CommandType::add) table_.remove(command.handle);
+    if (command.type == CommandType::remove) table_.set_leaving(command.handle, false);
+}
+
+void ClaimState::take_back(std::size_t from) {
+    // Backwards: what was added and removed in the same group is added again before it is forgotten.
+    while (group_.size() > from) {
+        take_back(group_.back());
+        group_.pop_back();
+    }
+}
+
+void ClaimState::wait_for_answer(std::uint64_t number, CommandType type, Lock& lock) {
+    const auto deadline = Clock::now() + longest_answer;
+    const ClaimChannel* const asked = channel();
+    bool waited = false;
+    for (;;) {
+        if (channel() == nullptr || channel() != asked) throw_disconnected();
+        drain_replies(*channel());
+        if (const auto found = answers_.find(number); found != answers_.end()) {
+            const protocol::Reply reply = found->second;
+            answers_.erase(found);
+            settle(lock, waited);
+            if (static_cast<Verdict::Code>(reply.code) == Verdict::Code::ok) return;
+            // The member of the group that was at fault says more than "the group was refused".
+            const bool other = reply.reason == static_cast<std::uint32_t>(protocol::Refusal::group_refused);
+            if (other && !deferred_.empty()) throw Error(Error::Kind::refused, std::exchange(deferred_, {}));
+            throw Error(Error::Kind::refused, refused_command(reply, about(type, 0)));
+        }
+        if (Clock::now() > deadline)
+            throw Error(
+                Error::Kind::refused,
+                fmt::format(
+                    "device '{}': the servo has not answered for {} ms; is it stopped? `knurl ls` shows "
+                    "its process",
+                    device_name(), longest_answer.count()));
+        const std::shared_ptr<ReportSource> source = attachment_->reports;
+        lock.unlock();
+        source->wait_cycle(longest_sleep);
+        waited = true;
+        lock = enter();
+    }
+}
+
+void ClaimState::drain_replies(ClaimChannel& channel) {
+    protocol::Reply reply;
+    for (std::uint32_t n = 0; n < protocol::reply_cells && channel.reply(reply); ++n) answered(reply);
+}
+
+void ClaimState::answered(const protocol::Reply& reply) {
+    while (!outstanding_.empty() && outstanding_.front().number < reply.command) outstanding_.pop_front();
+    if (outstanding_.empty() || outstanding_.front().number != reply.command) return;
+    const Outstanding command = outstanding_.front();
+    outstanding_.pop_front();
+    const bool accepted = static_cast<Verdict::Code>(reply.code) == Verdict::Code::ok;
+    if (command.type == CommandType::add) {
+        if (!accepted)
+            table_.remove(command.handle);  // the servo has no such thing: the handle is stale
+        else if (Entry* added = table_.find_any(command.handle))
+            added->applied_stiffness = reply.applied_stiffness;
+    }
+    if (is_asked(command.type)) {
+        answers_[command.number] = reply;
+        return;
+    }
+    const bool group = static_cast<Verdict::Code>(reply.code) == Verdict::Code::refused &&
+                       reply.reason == static_cast<std::uint32_t>(protocol::Refusal::group_refused);
+    if (!accepted && !(group && !deferred_.empty()))
+        deferred_ = refused_command(reply, about(command.type, command.kind));
+}
+
+std::string ClaimState::about(CommandType type, Kind kind) const {
+    const std::string_view what = kind < kinds().size() ? kinds()[kind].name : "representation";
+    switch (type) {
+        case CommandType::add:
+            return fmt::format("device '{}': adding a {}", device_name(), what);
+        case CommandType::remove:
+            return fmt::format("device '{}': removing a {}", device_name(), what);
+        case CommandType::place_probe:
+            return fmt::format("device '{}': placing a probe", device_name());
+        case CommandType::arm:
+            return fmt::format("cannot arm device '{}'", device_name());
+        case CommandType::disarm:
+            return fmt::format("cannot disarm device '{}'", device_name());
+        case CommandType::reset_fault:
+            return fmt::format("cannot reset device '{}'", device_name());
+    }
+    return fmt::format("device '{}'", device_name());
+}
+
+}  // namespace knurl::detail

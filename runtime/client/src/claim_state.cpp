@@ -1,0 +1,257 @@
+#include "claim_state.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <knurl/client/error.hpp>
+
+#include "client_state.hpp"
+#include "sentence.hpp"
+#include "validate.hpp"
+
+namespace knurl::detail {
+
+namespace {
+
+using std::chrono::nanoseconds;
+
+std::int64_t monotonic_ns() {
+    timespec t{};
+    ::clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
+}
+
+nanoseconds from_seconds(double seconds) {
+    return nanoseconds(std::llround(seconds * 1e9));
+}
+
+Lateness in_seconds(double latency, nanoseconds interval) {
+    return {.latency = latency, .interval = std::chrono::duration<double>(interval).count()};
+}
+
+}  // namespace
+
+ClaimState::ClaimState(std::shared_ptr<ClientState> client, std::string device,
+                       const protocol::ClaimRequest& request)
+    : Reader(std::move(client), std::move(device), request) {}
+
+Entry& ClaimState::entry(Handle handle) {
+    if (Entry* found = table_.find(handle)) return *found;
+    throw Error(
+        Error::Kind::stale_handle,
+        fmt::format(
+            "device '{}': slot {} holds no representation of generation {}; it was removed, or refused",
+            device_name(), handle.slot, handle.generation));
+}
+
+void ClaimState::set(Handle handle, Kind kind, const void* params, std::size_t bytes) {
+    const Lock lock = enter();
+    entry(handle);
+    validate(kind, params, bytes);
+    table_.set(handle, {static_cast<const std::byte*>(params), bytes});
+    if (last_) note_basis(last_->cycle);
+}
+
+void ClaimState::get(Handle handle, void* params, std::size_t bytes) {
+    const Lock lock = enter();
+    std::memcpy(params, entry(handle).params.data(), bytes);
+}
+
+void ClaimState::follow(Handle handle, const SurfaceModel& model) {
+    Lock lock = enter();
+    Plane plane;
+    std::memcpy(&plane, entry(handle).params.data(), sizeof plane);
+    FollowMemory memory = entry(handle).followed;
+    // The newest, though the application may have read an older one before a long computation.
+    const std::optional<Report> report = peek(lock);
+    if (!report) return;
+    const Lateness late = lateness();
+    const double stiffness = std::min(plane.stiffness, limits_.max_stiffness);
+    lock.unlock();  // the model is the application's: it may call us
+    const SurfacePoint there =
+        follow_surface(model, report->position, report->slow_velocity, late, stiffness, memory).plane;
+    lock = enter();
+
+    plane.normal = there.normal;
+    plane.offset = to_eigen(there.normal).dot(to_eigen(there.foot));
+    validate(kind_of<Plane>, &plane, sizeof plane);
+    entry(handle).followed = memory;
+    table_.set(handle, std::as_bytes(std::span(&plane, 1)));
+    note_basis(report->cycle);
+}
+
+std::uint64_t ClaimState::commit() {
+    const Lock lock = enter();
+    if (depth_ > 0)
+        throw Error(Error::Kind::refused,
+                    "commit() inside together(): the group's commands are not sent yet; commit after it");
+    const std::int64_t now = monotonic_ns();
+    if (last_commit_ns_ != 0) intervals_.add(static_cast<double>(now - last_commit_ns_) * 1e-9);
+    last_commit_ns_ = now;
+    ++sequence_;
+    if (channel() == nullptr) {
+        table_.committed_for_replay();
+        basis_cycle_ = 0;
+        return sequence_;
+    }
+    refresh();
+    if (basis_cycle_ == 0 && last_) basis_cycle_ = last_->cycle;
+    const std::span<const std::byte> entries = table_.batch();
+    const protocol::BatchHeader header{.sequence = sequence_,
+                                       .commands_before = issued_,
+                                       .report_cycle = std::exchange(basis_cycle_, 0),
+                                       .commit_ns = now,
+                                       .entries = table_.batch_entries(),
+                                       .bytes = static_cast<std::uint32_t>(entries.size())};
+    const bool previous_taken = channel()->publish(header, entries);
+    table_.published(previous_taken);
+    if (previous_taken && sequence_ > first_of_channel_ + 1) ++taken_;
+    if (!deferred_.empty()) throw Error(Error::Kind::refused, std::exchange(deferred_, {}));
+    return sequence_;
+}
+
+bool ClaimState::wait_applied(std::uint64_t number, nanoseconds timeout) {
+    using Clock = std::chrono::steady_clock;
+    const auto deadline = Clock::now() + std::min(timeout, nanoseconds(std::chrono::hours(1)));
+    Lock lock = enter();
+    if (number == 0) number = sequence_;
+    bool waited = false;
+    for (;;) {
+        if (!attachment_) return false;
+        refresh();
+        const nanoseconds left = deadline - Clock::now();
+        const bool applied = feedback_.batch >= number;
+        const bool refused = feedback_.refused_batch >= number && !deferred_.empty();
+        if (applied || refused || left <= nanoseconds(0)) {
+            settle(lock, waited);
+            if (refused && !applied) throw Error(Error::Kind::refused, std::exchange(deferred_, {}));
+            return applied;
+        }
+        const std::shared_ptr<ReportSource> source = attachment_->reports;
+        lock.unlock();
+        source->wait_cycle(std::min(left, longest_sleep));
+        waited = true;
+        lock = enter();
+    }
+}
+
+std::optional<Felt> ClaimState::felt(Handle handle) {
+    const Lock lock = enter();
+    entry(handle);
+    refresh();
+    if (handle.slot >= felt_at_.size() || felt_at_[handle.slot] == 0) return std::nullopt;
+    const protocol::FeedbackEntry& found = felt_[felt_at_[handle.slot] - 1];
+    if (found.handle != handle) return std::nullopt;
+    return Felt{.force = found.force,
+                .torque = found.torque,
+                .contact_point = found.contact_point,
+                .stiffness = found.stiffness,
+                .flags = found.flags,
+                .cycle = feedback_.cycle};
+}
+
+std::optional<double> ClaimState::applied_stiffness(Handle handle) {
+    const std::optional<Felt> newest = felt(handle);
+    if (newest) return newest->stiffness;
+    const Lock lock = enter();
+    const double answered = entry(handle).applied_stiffness;
+    return answered < 0 ? std::nullopt : std::optional(answered);
+}
+
+Timing ClaimState::timing() {
+    const Lock lock = enter();
+    refresh();
+    const bool last_taken = sequence_ > first_of_channel_ && feedback_.batch >= sequence_;
+    return {.age_at_use = from_seconds(ages_.median()),
+            .interval = interval(),
+            .batches = taken_ + (last_taken ? 1 : 0),
+            .refused = refused_before_ + feedback_.batches_refused};
+}
+
+Limits ClaimState::limits() {
+    const Lock lock = enter();
+    return limits_;
+}
+
+Vec3 ClaimState::predicted_position() {
+    const Lock lock = enter();
+    const std::optional<Report> report = peek(lock);
+    if (!report) throw_disconnected();
+    note_basis(report->cycle);
+    return look_ahead(report->position, report->slow_velocity, lateness());
+}
+
+nanoseconds ClaimState::interval() const {
+    return intervals_.empty() ? from_seconds(request().update_interval) : from_seconds(intervals_.median());
+}
+
+Lateness ClaimState::lateness() const {
+    return ages_.empty() ? Lateness{} : in_seconds(ages_.median(), interval());
+}
+
+void ClaimState::note_basis(std::uint64_t cycle) {
+    if (basis_cycle_ == 0 || cycle < basis_cycle_) basis_cycle_ = cycle;
+}
+
+void ClaimState::refresh() {
+    if (ClaimChannel* open = channel()) {
+        drain_replies(*open);
+        take_feedback(*open);
+    }
+}
+
+void ClaimState::take_feedback(ClaimChannel& channel) {
+    const std::uint64_t refused = feedback_.batches_refused;
+    if (!channel.feedback(feedback_, felt_)) return;
+    std::fill(felt_at_.begin(), felt_at_.end(), 0);
+    for (std::size_t i = 0; i < felt_.size(); ++i) {
+        const std::uint32_t slot = felt_[i].handle.slot;
+        if (slot < felt_at_.size()) felt_at_[slot] = static_cast<std::uint32_t>(i + 1);
+    }
+    if (feedback_.batch != measured_batch_ && feedback_.batch_report_cycle != 0 &&
+        feedback_.batch_age_ns > 0) {
+        measured_batch_ = feedback_.batch;
+        ages_.add(static_cast<double>(feedback_.batch_age_ns) * 1e-9);
+    }
+    if (feedback_.batches_refused > refused)
+        deferred_ = fmt::format("device '{}': {}", device_name(), refused_batch(feedback_));
+}
+
+void ClaimState::on_attach(Attachment& attachment, bool again) {
+    if (!again) {
+        table_ = Table(attachment.terms.capacity);
+        felt_at_.resize(attachment.terms.capacity.representations);
+        felt_.reserve(attachment.terms.capacity.representations);
+    }
+    limits_ = attachment.terms.limits;
+    issued_ = 0;
+    outstanding_.clear();
+    answers_.clear();
+    feedback_ = {};
+    felt_.clear();
+    std::fill(felt_at_.begin(), felt_at_.end(), 0);
+    measured_batch_ = 0;
+    basis_cycle_ = 0;
+    first_of_channel_ = sequence_;
+    table_.restarted();
+    for (const auto& [probe, placement] : probes_) {
+        const protocol::PlaceProbeBody body{.probe = probe, .reserved = 0, .placement = placement};
+        const auto bytes = std::as_bytes(std::span(&body, 1));
+        push_patiently({.type = protocol::CommandType::place_probe, .body = {bytes.begin(), bytes.end()}},
+                       attachment);
+    }
+    for (const Handle handle : table_.issued())
+        push_patiently(add_command(handle, *table_.find_any(handle), table_.find_any(handle)->committed),
+                       attachment);
+}
+
+void ClaimState::on_detach() {
+    refused_before_ += feedback_.batches_refused;
+    feedback_.batches_refused = 0;
+}
+
+}  // namespace knurl::detail

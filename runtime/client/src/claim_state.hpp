@@ -1,0 +1,110 @@
+#pragma once
+// One claim: its commands, its pending changes, what the servo answers, and what to tell a servo that has
+// restarted.
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <knurl/client/predict.hpp>
+
+#include "reader.hpp"
+#include "recent.hpp"
+#include "table.hpp"
+
+namespace knurl::detail {
+
+class ClaimState final : public Reader {
+  public:
+    ClaimState(std::shared_ptr<ClientState> client, std::string device,
+               const protocol::ClaimRequest& request);
+
+    Handle add(Kind kind, const void* params, std::size_t bytes, const Use& use);
+    void remove(Handle handle);
+    void set(Handle handle, Kind kind, const void* params, std::size_t bytes);
+    void get(Handle handle, void* params, std::size_t bytes);
+    void follow(Handle handle, const SurfaceModel& model);
+    void place_probe(std::uint32_t probe, const ProbePlacement& placement);
+    void together(const std::function<void()>& changes);
+    /// arm, disarm, reset_fault: sends it and waits for the answer.
+    void ask(protocol::CommandType type);
+
+    std::uint64_t commit();
+    bool wait_applied(std::uint64_t number, std::chrono::nanoseconds timeout);
+    std::optional<Felt> felt(Handle handle);
+    std::optional<double> applied_stiffness(Handle handle);
+    Timing timing();
+    Limits limits();
+    Vec3 predicted_position();
+
+  private:
+    /// A command that was not sent, hence not numbered yet: a restart of the servo starts the numbers again.
+    struct Command {
+        protocol::CommandType type{};
+        Handle handle{};                // of add, remove
+        Kind kind = 0;                  // of add, remove
+        std::vector<std::byte> body{};  // and parameters
+        std::uint32_t parameter_bytes = 0;
+    };
+    struct Outstanding {
+        std::uint64_t number = 0;
+        protocol::CommandType type{};
+        Handle handle;
+        Kind kind = 0;
+    };
+
+    void on_attach(Attachment& attachment, bool again) override;
+    void on_detach() override;
+
+    // All of these with `mutex_` held.
+    Entry& entry(Handle handle);  // throws Error::stale_handle
+    ClaimChannel* channel() { return attachment_ ? attachment_->channel.get() : nullptr; }
+    static Command add_command(Handle handle, const Entry& entry, std::span<const std::byte> params);
+    void issue(Command command);  // alone, or into the open group; taken back if it throws
+    void issue(std::span<const Command> commands);
+    void push(std::span<const Command> commands, ClaimChannel& channel);  // all or none
+    void push_patiently(const Command& command, Attachment& attachment);
+    void apply(const Command& command);  // it is on its way: the claim's own books
+    void take_back(std::size_t from);    // the open group's commands from that one on
+    void take_back(const Command& command);
+    void wait_for_answer(std::uint64_t number, protocol::CommandType type, Lock& lock);
+    void drain_replies(ClaimChannel& channel);
+    void answered(const protocol::Reply& reply);
+    void take_feedback(ClaimChannel& channel);
+    void refresh();
+    std::string about(protocol::CommandType type, Kind kind) const;
+    void note_basis(std::uint64_t cycle);
+    Lateness lateness() const;
+    std::chrono::nanoseconds interval() const;
+
+    Table table_;
+    std::map<std::uint32_t, ProbePlacement> probes_;
+    Limits limits_;
+
+    int depth_ = 0;  // of together()
+    std::vector<Command> group_;
+
+    // Of the present channel.
+    std::uint64_t issued_ = 0;                          // commands, numbered from 1
+    std::deque<Outstanding> outstanding_;               // not answered yet; answers come in order
+    std::map<std::uint64_t, protocol::Reply> answers_;  // of those that somebody waits for
+    std::uint64_t first_of_channel_ = 0;                // sequence before its first batch
+    std::uint64_t measured_batch_ = 0;
+    protocol::FeedbackHeader feedback_;
+    std::vector<protocol::FeedbackEntry> felt_;
+    std::vector<std::uint32_t> felt_at_;  // slot -> index + 1 in felt_
+
+    std::uint64_t sequence_ = 0;        // of batches
+    std::uint64_t taken_ = 0;           // batches that are known to have been taken, in all
+    std::uint64_t refused_before_ = 0;  // by earlier servos
+    std::uint64_t basis_cycle_ = 0;     // of the report that the oldest uncommitted change came from
+    std::int64_t last_commit_ns_ = 0;
+    Recent intervals_, ages_;  // s
+    std::string deferred_;     // a refusal that nobody waited for
+};
+
+}  // namespace knurl::detail

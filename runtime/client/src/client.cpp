@@ -1,0 +1,170 @@
+#include <knurl/client/client.hpp>
+
+#include "claim_state.hpp"
+#include "client_state.hpp"
+#include "reader.hpp"
+
+namespace knurl {
+
+namespace {
+
+double seconds(std::chrono::nanoseconds time) {
+    return std::chrono::duration<double>(time).count();
+}
+
+void require_range(const char* what, std::uint32_t value, std::uint32_t most) {
+    if (value < 1 || value > most)
+        throw Error(Error::Kind::bad_parameters, std::string("claim: ") + what + " = " +
+                                                     std::to_string(value) + "; give 1 to " +
+                                                     std::to_string(most));
+}
+
+protocol::ClaimRequest request_of(const ClaimOptions& options) {
+    require_range("representations", options.representations, protocol::max_representations);
+    require_range("batch_bytes", options.batch_bytes, protocol::max_batch_bytes);
+    if (!(options.workspace_radius >= 0 && options.workspace_radius < 1e6))
+        throw Error(Error::Kind::bad_parameters,
+                    "claim: workspace_radius = " + std::to_string(options.workspace_radius) +
+                        " m; give the radius of the application's world, or 0 for the device's own");
+    if (!to_eigen(options.workspace_centre).allFinite())
+        throw Error(Error::Kind::bad_parameters, "claim: workspace_centre is not finite; give metres");
+    if (options.update_interval.count() < 0)
+        throw Error(Error::Kind::bad_parameters,
+                    "claim: update_interval is below 0; give a time, or 0 for measured");
+    protocol::ClaimRequest request;
+    request.shared = options.shared ? 1 : 0;
+    request.capacity = {.representations = options.representations,
+                        .batch_bytes = options.batch_bytes / 8 * 8};
+    request.workspace_radius = options.workspace_radius;
+    request.workspace_centre = options.workspace_centre;
+    request.update_interval = seconds(options.update_interval);
+    return request;
+}
+
+}  // namespace
+
+Observer::Observer(std::shared_ptr<detail::Reader> reader) : reader_(std::move(reader)) {}
+std::optional<HandReport> Observer::latest() {
+    return reader_->latest();
+}
+std::optional<HandReport> Observer::next_report(std::chrono::nanoseconds timeout) {
+    return reader_->next_report(timeout);
+}
+int Observer::fd() {
+    return reader_->fd();
+}
+std::uint64_t Observer::missed() const {
+    return reader_->missed();
+}
+DeviceDescription Observer::device() const {
+    return reader_->description();
+}
+bool Observer::connected() const {
+    return reader_->connected();
+}
+std::uint64_t Observer::reattachments() const {
+    return reader_->reattachments();
+}
+
+Claim::Claim(std::shared_ptr<detail::ClaimState> state) : Observer(state), state_(std::move(state)) {}
+
+Claim& Claim::operator=(Claim&& other) noexcept {
+    if (this != &other) {
+        if (state_) state_->close();
+        Observer::operator=(std::move(other));
+        state_ = std::move(other.state_);
+    }
+    return *this;
+}
+
+Claim::~Claim() {
+    if (state_) state_->close();  // handles may live on
+}
+
+Handle Claim::add_raw(Kind kind, const void* params, std::size_t bytes, const Use& use) {
+    return state_->add(kind, params, bytes, use);
+}
+void Claim::together(const std::function<void()>& changes) {
+    state_->together(changes);
+}
+void Claim::place_probe(std::uint32_t probe, const ProbePlacement& placement) {
+    state_->place_probe(probe, placement);
+}
+void Claim::arm() {
+    state_->ask(protocol::CommandType::arm);
+}
+void Claim::disarm() {
+    state_->ask(protocol::CommandType::disarm);
+}
+void Claim::reset_fault() {
+    state_->ask(protocol::CommandType::reset_fault);
+}
+void Claim::release() {
+    state_->close();
+}
+std::uint64_t Claim::commit() {
+    return state_->commit();
+}
+Limits Claim::limits() const {
+    return state_->limits();
+}
+Timing Claim::timing() const {
+    return state_->timing();
+}
+Vec3 Claim::predicted_position() {
+    return state_->predicted_position();
+}
+bool Claim::wait_applied(std::uint64_t number, std::chrono::nanoseconds timeout) {
+    return state_->wait_applied(number, timeout);
+}
+
+void AnyRepresenting::remove() {
+    state_->remove(handle_);
+}
+std::optional<Felt> AnyRepresenting::felt() const {
+    return state_->felt(handle_);
+}
+std::optional<double> AnyRepresenting::applied_stiffness() const {
+    return state_->applied_stiffness(handle_);
+}
+void AnyRepresenting::set_raw(const void* params, std::size_t bytes) {
+    state_->set(handle_, kind_, params, bytes);
+}
+void AnyRepresenting::get_raw(void* params, std::size_t bytes) const {
+    state_->get(handle_, params, bytes);
+}
+void AnyRepresenting::follow_plane(const SurfaceModel& model) {
+    state_->follow(handle_, model);
+}
+
+Client::Client(std::shared_ptr<detail::ClientState> state) : state_(std::move(state)) {}
+
+Client Client::connect(const std::string& address, const ConnectOptions& options) {
+    return Client(detail::make_own<detail::ClientState>(address, options));
+}
+
+std::vector<DeviceDescription> Client::devices() const {
+    return state_->devices();
+}
+pid_t Client::servo_pid() const {
+    return state_->servo_pid();
+}
+bool Client::connected() const {
+    return state_->connected();
+}
+
+Claim Client::claim(const std::string& device, const ClaimOptions& options) {
+    auto state = detail::make_own<detail::ClaimState>(state_, state_->resolve(device), request_of(options));
+    state_->join(*state);
+    return Claim(std::move(state));
+}
+
+Observer Client::observe(const std::string& device) {
+    protocol::ClaimRequest request;
+    request.observe = 1;
+    auto reader = detail::make_own<detail::Reader>(state_, state_->resolve(device), request);
+    state_->join(*reader);
+    return Observer(std::move(reader));
+}
+
+}  // namespace knurl

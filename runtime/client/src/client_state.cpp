@@ -1,0 +1,227 @@
+#include "client_state.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <thread>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <knurl/client/error.hpp>
+
+#include "address.hpp"
+#include "local_link.hpp"
+#include "reader.hpp"
+
+namespace knurl::detail {
+
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr milliseconds answer_time{2000};         // the broker is given this long
+constexpr milliseconds first_try{10};             // between attempts to reach a servo that starts
+constexpr milliseconds watcher_answer_time{500};  // while readers are locked out
+constexpr milliseconds short_retry{20};           // right after a hang-up: back within 500 ms means this
+constexpr milliseconds long_retry{250};
+constexpr milliseconds retry_shortly_for{30'000};
+constexpr std::size_t watcher_stack = 256 * 1024;  // explicit: an application may lock all its memory
+
+bool may_be_starting(const Error& error) {
+    return error.kind == Error::Kind::no_servo || error.kind == Error::Kind::disconnected;
+}
+
+}  // namespace
+
+ClientState::ClientState(const std::string& address, const ConnectOptions& options)
+    : servo_(servo_name(address)), options_(options), stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    const auto deadline = Clock::now() + options_.wait;
+    while (!link_) {
+        try {
+            link_ = open_link(answer_time);
+        } catch (const Error& error) {
+            if (!may_be_starting(error)) throw;
+            if (Clock::now() + first_try > deadline)
+                throw Error(error.kind,
+                            fmt::format("{} (waited {} ms)", error.what(), options_.wait.count()));
+            std::this_thread::sleep_for(first_try);
+        }
+    }
+    start_watcher();
+}
+
+std::unique_ptr<Link> ClientState::open_link(milliseconds wait_for_answer) const {
+    return connect_local(servo_, options_.name.empty() ? program_invocation_short_name : options_.name,
+                         wait_for_answer);
+}
+
+void ClientState::throw_disconnected() const {
+    throw Error(Error::Kind::disconnected, fmt::format("servo '{}' has gone{}; start it again", servo_,
+                                                       options_.reattach ? " and is not back yet" : ""));
+}
+
+std::vector<DeviceDescription> ClientState::devices() {
+    require_own(made_in_);
+    const Lock lock(mutex_);
+    if (!link_) throw_disconnected();
+    return link_->devices();
+}
+
+pid_t ClientState::servo_pid() {
+    require_own(made_in_);
+    const Lock lock(mutex_);
+    return link_ ? link_->servo_pid() : 0;
+}
+
+bool ClientState::connected() {
+    require_own(made_in_);
+    const Lock lock(mutex_);
+    return link_ != nullptr;
+}
+
+std::string ClientState::resolve(const std::string& device) {
+    const std::vector<DeviceDescription> all = devices();
+    std::vector<std::string> names;
+    for (const DeviceDescription& each : all) {
+        if (each.name == device) return device;
+        names.push_back(each.name);
+    }
+    if (device.empty() && names.size() == 1) return names.front();
+    throw Error(Error::Kind::no_such_device,
+                names.empty()    ? fmt::format("servo '{}' has no device; start it with --device", servo_)
+                : device.empty() ? fmt::format("servo '{}' has {} devices; say which one: {}", servo_,
+                                               names.size(), fmt::join(names, ", "))
+                                 : fmt::format("servo '{}' has no device '{}'; it has: {}", servo_, device,
+                                               fmt::join(names, ", ")));
+}
+
+void ClientState::join(Reader& reader) {
+    require_own(made_in_);
+    const Lock lock(mutex_);
+    if (!link_) throw_disconnected();
+    attach_one(reader);
+    readers_.push_back(&reader);
+}
+
+void ClientState::attach_one(Reader& reader) {
+    const auto& devices = link_->devices();
+    const auto device = std::find_if(devices.begin(), devices.end(), [&](const DeviceDescription& each) {
+        return each.name == reader.device_name();
+    });
+    if (device == devices.end())
+        throw Error(Error::Kind::no_such_device,
+                    fmt::format("servo '{}' has no device '{}' any more", servo_, reader.device_name()));
+    Attachment attachment =
+        link_->attach(static_cast<std::uint32_t>(device - devices.begin()), reader.request());
+    try {
+        reader.attach(attachment);
+    } catch (...) {
+        link_->release(attachment);
+        throw;
+    }
+}
+
+void ClientState::leave(Reader& reader) {
+    const Lock lock(mutex_);
+    if (std::erase(readers_, &reader) == 0) return;
+    const std::optional<Attachment> old = reader.detach();
+    if (old && link_) link_->release(*old);
+}
+
+void ClientState::close() {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t written = ::write(stop_.get(), &one, sizeof one);
+    ::pthread_join(watcher_, nullptr);
+}
+
+void ClientState::start_watcher() {
+    pthread_attr_t attributes;
+    ::pthread_attr_init(&attributes);
+    ::pthread_attr_setstacksize(&attributes, watcher_stack);
+    // The application's signals are the application's threads' business.
+    sigset_t all, before;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int error = ::pthread_create(
+        &watcher_, &attributes,
+        [](void* self) -> void* {
+            static_cast<ClientState*>(self)->watch();
+            return nullptr;
+        },
+        this);
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    ::pthread_attr_destroy(&attributes);
+    if (error != 0)
+        throw Error(Error::Kind::refused,
+                    "no thread to watch the servo with; see the limit of processes (ulimit -u)");
+    ::pthread_setname_np(watcher_, "knurl-watcher");
+}
+
+bool ClientState::sleep_on(int descriptor, milliseconds timeout) {
+    pollfd events[] = {{.fd = stop_.get(), .events = POLLIN, .revents = 0},
+                       {.fd = descriptor, .events = POLLRDHUP, .revents = 0}};
+    ::poll(events, 2, static_cast<int>(timeout.count()));
+    return events[0].revents == 0;
+}
+
+void ClientState::watch() {
+    constexpr milliseconds forever{-1};
+    // link_ is replaced by this thread alone, so that its descriptor may be looked at without the lock.
+    while (sleep_on(link_->hang_up(), forever)) {
+        lose_link();
+        if (!options_.reattach) return;
+        const auto lost_at = Clock::now();
+        const auto attached = [this] {
+            return link_ &&
+                   std::all_of(readers_.begin(), readers_.end(), [](Reader* r) { return r->connected(); });
+        };
+        for (;;) {
+            reattach();
+            const int hang_up = link_ ? link_->hang_up() : -1;
+            {
+                const Lock lock(mutex_);
+                if (attached()) break;
+            }
+            const bool recently = Clock::now() - lost_at < retry_shortly_for;
+            if (!sleep_on(hang_up, recently ? short_retry : long_retry)) return;
+        }
+    }
+}
+
+void ClientState::lose_link() {
+    const Lock lock(mutex_);
+    link_.reset();
+    for (Reader* reader : readers_) {
+        reader->detach();
+        if (!options_.reattach)
+            reader->give_up(fmt::format("servo '{}' has gone; start it again and connect again", servo_));
+    }
+}
+
+void ClientState::reattach() {
+    const Lock lock(mutex_);
+    try {
+        if (!link_) link_ = open_link(watcher_answer_time);
+    } catch (const std::exception&) {
+        return;  // not there yet
+    }
+    for (Reader* reader : readers_) {
+        if (reader->connected()) continue;
+        try {
+            attach_one(*reader);
+        } catch (const Error& error) {
+            // Somebody else was faster to claim, or the device is not there: the next round tries again.
+            if (error.kind != Error::Kind::disconnected) continue;
+            link_.reset();
+            for (Reader* lost : readers_) lost->detach();
+            return;
+        }
+    }
+}
+
+}  // namespace knurl::detail

@@ -1,0 +1,66 @@
+#pragma once
+// One connection: the handshake, the list of those who read or claim through it, and a watcher: a thread that
+// sleeps until the servo hangs up, then attaches everyone again as soon as it is back.
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <pthread.h>
+
+#include <knurl/shm/fd.hpp>
+
+#include "fork_guard.hpp"
+#include "transport.hpp"
+
+namespace knurl::detail {
+
+class Reader;
+
+class ClientState {
+  public:
+    /// Waits for a servo that is still starting. Throws Error.
+    ClientState(const std::string& address, const ConnectOptions& options);
+    ClientState(const ClientState&) = delete;
+    ClientState& operator=(const ClientState&) = delete;
+
+    std::vector<DeviceDescription> devices();
+    pid_t servo_pid();
+    bool connected();
+    /// "": the only one. Throws Error::no_such_device with the names that there are.
+    std::string resolve(const std::string& device);
+
+    /// Attaches a reader and keeps it attached from then on. Throws Error.
+    void join(Reader& reader);
+    /// On return the watcher does not know it any more.
+    void leave(Reader& reader);
+
+    void close();  // ends the watcher
+
+  private:
+    using Lock = std::unique_lock<std::mutex>;
+
+    std::unique_ptr<Link> open_link(std::chrono::milliseconds answer_time) const;
+    void start_watcher();
+    void watch();
+    bool sleep_on(int descriptor, std::chrono::milliseconds timeout);  // false: close() was called
+    void lose_link();
+    void reattach();
+    void attach_one(Reader& reader);
+    [[noreturn]] void throw_disconnected() const;
+
+    const std::uint64_t made_in_ = fork_generation();
+    const std::string servo_;
+    const ConnectOptions options_;
+    shm::UniqueFd stop_;  // readable: the watcher ends
+    pthread_t watcher_{};
+
+    // Taken before any Reader's mutex, never after one. Serialises requests on the socket.
+    std::mutex mutex_;
+    std::unique_ptr<Link> link_;  // null: detached
+    std::vector<Reader*> readers_;
+};
+
+}  // namespace knurl::detail

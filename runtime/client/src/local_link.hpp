@@ -1,0 +1,23 @@
+#pragma once
+// The two channels through shared memory: the handshake over the servo's Unix socket, then rings.
+
+#include <knurl/shm/segment.hpp>
+
+#include "transport.hpp"
+
+namespace knurl::detail {
+
+/// One attempt: throws Error::no_servo if nobody listens (yet), Error::permission, Error::incompatible.
+std::unique_ptr<Link> connect_local(const std::string& servo, const std::string& client_name,
+                                    std::chrono::milliseconds answer_time);
+
+/// The channels in a claim's segment; the servo's side of the same memory is the counterpart.
+std::unique_ptr<ClaimChannel> local_channel(std::shared_ptr<shm::Segment> claim,
+                                            const protocol::ClaimCapacity& capacity);
+
+/// Reports in a device's segment, waited for by the flag in the claim's.
+std::shared_ptr<ReportSource> local_reports(std::shared_ptr<const shm::Segment> device,
+                                            std::shared_ptr<shm::Segment> claim,
+                                            const protocol::ClaimCapacity& capacity, shm::UniqueFd event);
+
+}  // namespace knurl::detail

@@ -1,0 +1,216 @@
+#include "reader.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <knurl/client/error.hpp>
+
+#include "client_state.hpp"
+#include "frame.hpp"
+
+namespace knurl::detail {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::nanoseconds;
+
+Clock::time_point deadline_after(nanoseconds timeout) {
+    const auto now = Clock::now();
+    return timeout >= Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+}
+
+}  // namespace
+
+Reader::Reader(std::shared_ptr<ClientState> client, std::string device, const protocol::ClaimRequest& request)
+    : client_(std::move(client)), device_(std::move(device)), request_(request) {}
+
+Reader::Lock Reader::enter() {
+    require_own(made_in_);
+    Lock lock(mutex_);
+    if (closed_)
+        throw Error(Error::Kind::stale_handle,
+                    fmt::format("device '{}' was released; claim it again with Client::claim", device_));
+    if (!given_up_.empty()) throw Error(Error::Kind::disconnected, given_up_);
+    return lock;
+}
+
+void Reader::throw_disconnected() const {
+    throw Error(
+        Error::Kind::disconnected,
+        fmt::format(
+            "device '{}': the servo has gone and is not back yet; start it again, and call arm() once "
+            "connected() is true",
+            device_));
+}
+
+HandReport Reader::taken(const Report& report) {
+    HandReport result;
+    static_cast<Report&>(result) = last_.emplace(to_world(attachment_->terms.frame, report));
+    result.missed = missed_before_ + attachment_->reports->missed();
+    return result;
+}
+
+std::optional<HandReport> Reader::latest() {
+    const Lock lock = enter();
+    if (!attachment_) {
+        notify_loop(false);
+        return std::nullopt;
+    }
+    Report report;
+    const bool fresh = attachment_->reports->latest(report);
+    settle(lock, false);
+    if (fresh) return taken(report);
+    if (!last_) return std::nullopt;
+    HandReport again;
+    static_cast<Report&>(again) = *last_;
+    again.missed = missed_before_ + attachment_->reports->missed();
+    return again;
+}
+
+std::optional<HandReport> Reader::next_report(nanoseconds timeout) {
+    const auto deadline = deadline_after(timeout);
+    Lock lock = enter();
+    bool waited = false;
+    for (;;) {
+        if (!attachment_) {
+            notify_loop(false);
+            const auto attached = [this] { return attachment_.has_value() || closed_ || !given_up_.empty(); };
+            const bool changed = deadline == Clock::time_point::max()
+                                     ? (changed_.wait(lock, attached), true)
+                                     : changed_.wait_until(lock, deadline, attached);
+            if (!changed) return std::nullopt;
+            lock.unlock();
+            lock = enter();  // throws if this is the end
+            continue;
+        }
+        Report report;
+        const bool got = attachment_->reports->next(report);
+        const nanoseconds left = deadline - Clock::now();
+        if (got || left <= nanoseconds(0)) {
+            settle(lock, waited);
+            return got ? std::optional(taken(report)) : std::nullopt;
+        }
+        const std::shared_ptr<ReportSource> source = attachment_->reports;  // stays mapped while we sleep
+        lock.unlock();
+        source->wait(std::min(left, longest_sleep));
+        waited = true;
+        lock = enter();
+    }
+}
+
+std::optional<Report> Reader::peek(const Lock&) const {
+    Report report;
+    if (!attachment_ || !attachment_->reports->newest(report)) return std::nullopt;
+    return to_world(attachment_->terms.frame, report);
+}
+
+void Reader::settle(const Lock&, bool waited) {
+    // Unread reports and no wait: the event that announced them is still there.
+    if (loop_ && attachment_ && (waited || !attachment_->reports->fresh())) attachment_->reports->rearm();
+}
+
+int Reader::fd() {
+    const Lock lock = enter();
+    if (loop_) return loop_.get();
+    notice_ = shm::UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+    shm::UniqueFd loop(::epoll_create1(EPOLL_CLOEXEC));
+    epoll_event event{.events = EPOLLIN, .data = {}};
+    if (!notice_ || !loop || ::epoll_ctl(loop.get(), EPOLL_CTL_ADD, notice_.get(), &event) != 0)
+        throw Error(Error::Kind::refused,
+                    fmt::format("fd of device '{}': {}; see the limit of open files (ulimit -n)", device_,
+                                std::strerror(errno)));
+    loop_ = std::move(loop);
+    if (attachment_) {
+        watch_event(EPOLL_CTL_ADD);
+        attachment_->reports->rearm();
+    }
+    return loop_.get();
+}
+
+void Reader::watch_event(int operation) {
+    epoll_event event{.events = EPOLLIN, .data = {}};
+    if (loop_) ::epoll_ctl(loop_.get(), operation, attachment_->reports->event(), &event);
+}
+
+void Reader::notify_loop(bool raise) {
+    if (!loop_ || raise == noticed_) return;
+    noticed_ = raise;
+    std::uint64_t count = 1;
+    [[maybe_unused]] const ssize_t done =
+        raise ? ::write(notice_.get(), &count, sizeof count) : ::read(notice_.get(), &count, sizeof count);
+}
+
+std::uint64_t Reader::missed() {
+    const Lock lock = enter();
+    return missed_before_ + (attachment_ ? attachment_->reports->missed() : 0);
+}
+
+DeviceDescription Reader::description() {
+    const Lock lock = enter();
+    if (!attachment_) throw_disconnected();
+    return attachment_->device;
+}
+
+bool Reader::connected() {
+    require_own(made_in_);
+    const Lock lock(mutex_);
+    return attachment_.has_value();
+}
+
+std::uint64_t Reader::reattachments() {
+    const Lock lock = enter();
+    return reattachments_;
+}
+
+void Reader::close() {
+    if (made_in_ != fork_generation()) return;
+    client_->leave(*this);
+    const Lock lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+}
+
+void Reader::attach(Attachment& attachment) {
+    const Lock lock(mutex_);
+    const bool again = was_attached_;
+    on_attach(attachment, again);  // may throw: then nothing has changed
+    attachment_ = std::move(attachment);
+    was_attached_ = true;
+    last_.reset();
+    reattachments_ += again ? 1 : 0;
+    notify_loop(false);
+    watch_event(EPOLL_CTL_ADD);
+    if (loop_) attachment_->reports->rearm();
+    changed_.notify_all();
+}
+
+std::optional<Attachment> Reader::detach() {
+    const Lock lock(mutex_);
+    if (!attachment_) return std::nullopt;
+    on_detach();
+    missed_before_ += attachment_->reports->missed();
+    watch_event(EPOLL_CTL_DEL);
+    std::optional<Attachment> old = std::move(attachment_);
+    attachment_.reset();
+    last_.reset();
+    notify_loop(true);
+    changed_.notify_all();
+    return old;
+}
+
+void Reader::give_up(const std::string& reason) {
+    const Lock lock(mutex_);
+    given_up_ = reason;
+    changed_.notify_all();
+}
+
+void Reader::on_attach(Attachment&, bool) {}
+
+}  // namespace knurl::detail

@@ -1,0 +1,81 @@
+#include "sentence.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include <knurl/protocol/report.hpp>
+#include <knurl/reps/describe.hpp>
+
+namespace knurl::detail {
+
+namespace {
+
+struct Named {
+    std::uint32_t bit;
+    std::string_view name;
+};
+constexpr std::array fault_bits{
+    Named{fault::not_finite, "a force was not finite"},
+    Named{fault::slew, "the force changed too fast"},
+    Named{fault::speed, "the hand was too fast"},
+    Named{fault::power, "too much power into the hand"},
+    Named{fault::unplugged, "the device was unplugged"},
+    Named{fault::bad_samples, "bad samples from the device"},
+    Named{fault::encoder_jump, "an impossible jump of position"},
+    Named{fault::clock_jump, "the clock jumped"},
+    Named{fault::kinematics, "no pose for the joints"},
+    Named{fault::guardian, "the servo stood still and the guardian zeroed the device"},
+};
+
+std::string reason(const protocol::Reply& reply) {
+    switch (static_cast<protocol::Refusal>(reply.reason)) {
+        case protocol::Refusal::not_calibrated:
+            return "the device is not calibrated; bring it to its home position first";
+        case protocol::Refusal::in_fault:
+            return fmt::format("the device is in fault ({}); mend the cause, then call reset_fault()",
+                               fault_names(static_cast<std::uint32_t>(reply.value)));
+        case protocol::Refusal::hand_too_fast:
+            return fmt::format("the hand moves at {:.3g} m/s; hold it still and try again", reply.value);
+        case protocol::Refusal::not_in_fault:
+            return "the device is not in fault; call arm() instead";
+        case protocol::Refusal::group_refused:
+            return "another command of the same group was refused; nothing of the group was done";
+        case protocol::Refusal::disconnected:
+            return "the device is not connected; plug it in";
+        case protocol::Refusal::malformed:
+            return "the servo could not read it; build the application and the servo from the same version";
+        case protocol::Refusal::none:
+            break;
+    }
+    return "the device's state forbids it";
+}
+
+}  // namespace
+
+std::string fault_names(std::uint32_t faults) {
+    std::string text;
+    for (const Named& bit : fault_bits) {
+        if ((faults & bit.bit) == 0) continue;
+        if (!text.empty()) text += ", ";
+        text += bit.name;
+    }
+    return text.empty() ? "no cause given" : text;
+}
+
+std::string refused_command(const protocol::Reply& reply, const std::string& what) {
+    const auto code = static_cast<Verdict::Code>(reply.code);
+    if (code == Verdict::Code::refused) return what + ": " + reason(reply);
+    return describe({.code = code, .field = reply.field, .value = reply.value}, reply.kind, what);
+}
+
+std::string refused_batch(const protocol::FeedbackHeader& header) {
+    return describe({.code = static_cast<Verdict::Code>(header.refused_code),
+                     .field = header.refused_field,
+                     .value = header.refused_value},
+                    header.refused_kind,
+                    fmt::format("batch {}, slot {}: the servo refused all of it", header.refused_batch,
+                                header.refused_slot));
+}
+
+}  // namespace knurl::detail

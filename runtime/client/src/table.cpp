@@ -1,0 +1,142 @@
+#include "table.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include <knurl/client/error.hpp>
+
+namespace knurl::detail {
+
+namespace {
+
+std::size_t padded(std::size_t bytes) {
+    return (bytes + 7) / 8 * 8;
+}
+std::size_t batch_share(std::size_t params) {
+    return sizeof(protocol::EntryHeader) + padded(params);
+}
+
+}  // namespace
+
+Table::Table(const protocol::ClaimCapacity& capacity) : capacity_(capacity) {
+    entries_.resize(capacity.representations);
+    for (std::uint32_t slot = capacity.representations; slot-- > 0;) free_.push_back(slot);
+    pending_.reserve(capacity.representations);
+    batch_.reserve(capacity.batch_bytes);
+}
+
+Handle Table::add(Kind kind, std::span<const std::byte> params, const Use& use) {
+    if (free_.empty())
+        throw Error(
+            Error::Kind::bad_parameters,
+            fmt::format("{}: the claim holds {} representations, all that it asked for; remove one, or claim "
+                        "with ClaimOptions::representations up to {}",
+                        kinds()[kind].name, entries_.size(), protocol::max_representations));
+    // So that a batch that changes everything at once always fits.
+    const std::size_t share = batch_share(params.size());
+    if (bytes_ + share > capacity_.batch_bytes)
+        throw Error(
+            Error::Kind::bad_parameters,
+            fmt::format(
+                "{}: its {} bytes do not fit the claim's batch of {} any more; remove a representation, "
+                "or claim with ClaimOptions::batch_bytes up to {}",
+                kinds()[kind].name, share, capacity_.batch_bytes, protocol::max_batch_bytes));
+    const std::uint32_t slot = free_.back();
+    free_.pop_back();
+    bytes_ += share;
+    Entry& entry = entries_[slot];
+    entry = Entry{.generation = entry.generation + 1,
+                  .kind = kind,
+                  .live = true,
+                  .version = ++version_,
+                  .order = ++order_,
+                  .use = use,
+                  .params = {params.begin(), params.end()},
+                  .committed = {params.begin(), params.end()}};
+    return {.slot = slot, .generation = entry.generation};
+}
+
+void Table::remove(Handle handle) {
+    Entry* entry = find_any(handle);
+    if (entry == nullptr) return;
+    if (entry->changed || entry->in_flight) std::erase(pending_, handle.slot);
+    bytes_ -= batch_share(entry->params.size());
+    *entry = Entry{.generation = entry->generation};
+    free_.push_back(handle.slot);
+}
+
+Entry* Table::find_any(Handle handle) {
+    if (handle.slot >= entries_.size()) return nullptr;
+    Entry& entry = entries_[handle.slot];
+    return entry.live && entry.generation == handle.generation ? &entry : nullptr;
+}
+
+Entry* Table::find(Handle handle) {
+    Entry* entry = find_any(handle);
+    return entry != nullptr && !entry->leaving ? entry : nullptr;
+}
+
+void Table::set(Handle handle, std::span<const std::byte> params) {
+    Entry* entry = find(handle);
+    if (!entry->changed && !entry->in_flight) pending_.push_back(handle.slot);
+    entry->changed = true;
+    entry->version = ++version_;
+    entry->params.assign(params.begin(), params.end());
+}
+
+std::vector<Handle> Table::issued() const {
+    std::vector<Handle> result;
+    for (std::uint32_t slot = 0; slot < entries_.size(); ++slot)
+        if (entries_[slot].live && entries_[slot].issued) result.push_back(handle_of(slot));
+    std::sort(result.begin(), result.end(),
+              [this](Handle a, Handle b) { return entries_[a.slot].order < entries_[b.slot].order; });
+    return result;
+}
+
+std::span<const std::byte> Table::batch() {
+    batch_.clear();
+    for (const std::uint32_t slot : pending_) {
+        const Entry& entry = entries_[slot];
+        const protocol::EntryHeader header{.handle = handle_of(slot),
+                                           .kind = entry.kind,
+                                           .bytes = static_cast<std::uint32_t>(entry.params.size()),
+                                           .version = entry.version};
+        const auto bytes = std::as_bytes(std::span(&header, 1));
+        batch_.insert(batch_.end(), bytes.begin(), bytes.end());
+        batch_.insert(batch_.end(), entry.params.begin(), entry.params.end());
+        batch_.resize(padded(batch_.size()));
+    }
+    return batch_;
+}
+
+void Table::commit_changes() {
+    for (const std::uint32_t slot : pending_) {
+        Entry& entry = entries_[slot];
+        if (!entry.changed) continue;
+        entry.changed = false;
+        entry.in_flight = true;
+        entry.committed = entry.params;
+    }
+}
+
+void Table::published(bool previous_taken) {
+    if (previous_taken) {
+        for (const std::uint32_t slot : pending_) entries_[slot].in_flight = false;
+        std::erase_if(pending_, [this](std::uint32_t slot) { return !entries_[slot].changed; });
+    }
+    commit_changes();
+}
+
+void Table::committed_for_replay() {
+    commit_changes();
+    restarted();
+}
+
+void Table::restarted() {
+    for (const std::uint32_t slot : pending_) entries_[slot].in_flight = false;
+    std::erase_if(pending_, [this](std::uint32_t slot) { return !entries_[slot].changed; });
+}
+
+}  // namespace knurl::detail

@@ -1,0 +1,86 @@
+#pragma once
+// What a claim has added, and which of its parameters the servo may not have yet: the client's side of the
+// coalescing triple buffer. Per representation the newest parameters are pending until a batch that held them
+// is known to have been taken; a batch holds all that is pending, so whichever one the servo takes is a
+// superset of all that it did not take before.
+//
+//   set:        changed
+//   published:  the one before was taken?  yes: pending is what this batch changed   no: that, and all of
+//   before
+//
+// A slot that is removed is pending no more; entries in flight for it carry an old generation, which the
+// servo counts and ignores. No lock of its own.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <knurl/client/predict.hpp>
+#include <knurl/protocol/claim_segment.hpp>
+#include <knurl/reps/scene.hpp>
+
+namespace knurl::detail {
+
+struct Entry {
+    std::uint32_t generation = 0;  // of the latest user of this slot; handles begin at 1
+    Kind kind = 0;
+    bool live = false;
+    bool leaving = false;    // removed in a group that was not sent yet: find() does not see it
+    bool issued = false;     // its `add` was sent: an entry of an open group is not
+    bool changed = false;    // since the last batch
+    bool in_flight = false;  // in a batch that is not known to have been taken
+    std::uint64_t version = 0;
+    std::uint64_t order = 0;        // of addition: replayed in this order
+    double applied_stiffness = -1;  // N/m, from the servo's answer; below 0: not answered
+    Use use{};
+    std::vector<std::byte> params{};     // newest
+    std::vector<std::byte> committed{};  // as of the last batch: what a new servo gets
+    FollowMemory followed{};
+};
+
+class Table {
+  public:
+    Table() = default;
+    explicit Table(const protocol::ClaimCapacity& capacity);
+
+    /// Throws Error::bad_parameters if the claim's capacity is exhausted, naming which.
+    Handle add(Kind kind, std::span<const std::byte> params, const Use& use);
+    void remove(Handle handle);
+    /// Null: removed, or never this claim's.
+    Entry* find(Handle handle);
+    Entry* find_any(Handle handle);  // also one that is leaving
+    /// Inside a group: gone for the application, here until the group is sent.
+    void set_leaving(Handle handle, bool leaving) { entries_[handle.slot].leaving = leaving; }
+    void set(Handle handle, std::span<const std::byte> params);
+
+    /// Live entries whose `add` was sent, in the order in which they were added.
+    std::vector<Handle> issued() const;
+    Handle handle_of(std::uint32_t slot) const {
+        return {.slot = slot, .generation = entries_[slot].generation};
+    }
+
+    /// All that is pending, as the entries of a batch; valid until the next call.
+    std::span<const std::byte> batch();
+    std::uint32_t batch_entries() const { return static_cast<std::uint32_t>(pending_.size()); }
+    /// batch() has been published; the one before it was taken, or not.
+    void published(bool previous_taken);
+    /// As published(), to nobody: there is no servo; a new one gets everything by replay.
+    void committed_for_replay();
+    /// A new servo knows what was committed, and nothing is in flight.
+    void restarted();
+
+  private:
+    void commit_changes();
+
+    protocol::ClaimCapacity capacity_{.representations = 0, .batch_bytes = 0};
+    std::vector<Entry> entries_;
+    std::vector<std::uint32_t> free_;
+    std::vector<std::uint32_t> pending_;  // slots changed or in flight
+    std::vector<std::byte> batch_;        // reserved once
+    std::size_t bytes_ = 0;               // of all live entries in a batch
+    std::uint64_t version_ = 0;
+    std::uint64_t order_ = 0;
+};
+
+}  // namespace knurl::detail

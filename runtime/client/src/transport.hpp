@@ -1,0 +1,76 @@
+#pragma once
+// The seam between the library and what carries the two channels. On one box that is shared memory
+// (local_link.cpp); whoever carries them to another host implements the same three classes, and nothing above
+// this line changes.
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <knurl/client/client.hpp>
+#include <knurl/protocol/attach.hpp>
+#include <knurl/protocol/command.hpp>
+#include <knurl/protocol/report.hpp>
+
+namespace knurl::detail {
+
+/// The reports of one device for one reader, in the device's frame.
+class ReportSource {
+  public:
+    virtual ~ReportSource() = default;
+    virtual bool next(Report& out) noexcept = 0;    // in order
+    virtual bool latest(Report& out) noexcept = 0;  // the newest, if it was not read yet; skips the others
+    virtual bool newest(Report& out) const noexcept = 0;  // the newest; moves nothing
+    virtual bool fresh() const noexcept = 0;              // next() has something
+    virtual std::uint64_t missed() const noexcept = 0;
+
+    /// Sleeps until fresh(), at most `timeout`.
+    virtual void wait(std::chrono::nanoseconds timeout) noexcept = 0;
+    /// Sleeps until the servo has ended another cycle, whatever was read, at most `timeout`.
+    virtual void wait_cycle(std::chrono::nanoseconds timeout) noexcept = 0;
+    /// Readable when a report comes after rearm().
+    virtual int event() const noexcept = 0;
+    virtual void rearm() noexcept = 0;
+};
+
+/// The two channels of one claim. World frame of the claim.
+class ClaimChannel {
+  public:
+    virtual ~ClaimChannel() = default;
+    /// Whole messages, all or none; false: no room now. `cells` * 64 bytes.
+    virtual bool push(const void* commands, std::uint32_t cells) noexcept = 0;
+    virtual std::uint32_t command_cells() const noexcept = 0;  // that fit when it is empty
+    virtual bool reply(protocol::Reply& out) noexcept = 0;     // the next one; false: none
+    /// `entries` is header.bytes long. True: the batch before this one was taken.
+    virtual bool publish(const protocol::BatchHeader& header,
+                         std::span<const std::byte> entries) noexcept = 0;
+    /// Takes what is newer than the last; false: nothing is.
+    virtual bool feedback(protocol::FeedbackHeader& header,
+                          std::vector<protocol::FeedbackEntry>& entries) = 0;
+};
+
+/// What an attach brings. `channel` is null for an observer.
+struct Attachment {
+    protocol::Claimed terms;
+    DeviceDescription device;
+    std::uint32_t device_index = 0;
+    std::shared_ptr<ReportSource> reports;
+    std::unique_ptr<ClaimChannel> channel;
+};
+
+/// One connection to a servo.
+class Link {
+  public:
+    virtual ~Link() = default;
+    virtual const std::vector<DeviceDescription>& devices() const = 0;
+    virtual pid_t servo_pid() const = 0;
+    /// poll() says POLLHUP or POLLRDHUP when the servo has gone.
+    virtual int hang_up() const = 0;
+    /// Throws Error; request.device is ignored, `device` is the index in devices().
+    virtual Attachment attach(std::uint32_t device, protocol::ClaimRequest request) = 0;
+    virtual void release(const Attachment& attachment) noexcept = 0;
+};
+
+}  // namespace knurl::detail
