@@ -1,0 +1,150 @@
+// The whole cycle on the 3-axis arm: read, kinematics, drain, plane with cross-fade, supervisor, Jacobian, write,
+// report, feedback. The device's own dynamics are not in it: its joints are a table. `read_and_kinematics` is the part
+// that any loop has, in the same run.
+//
+//   knurl_bench_cycle --benchmark_repetitions=9 --benchmark_report_aggregates_only=true    (look at the medians)
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include <knurl/drivers/sim_device.hpp>
+#include <knurl/servo/offline.hpp>
+
+namespace knurl::servo {
+namespace {
+
+/// The arm of premium15, its joints on a slow closed path of 4096 samples, in whole encoder counts.
+class TableArm final : public drivers::Device {
+  public:
+    TableArm() {
+        const drivers::SimProfile profile = drivers::sim_profile("premium15");
+        const drivers::SimDevice device(profile);
+        link_ = device.link();
+        mechanism_ = profile.mechanism;
+        for (std::size_t i = 0; i < path_.size(); ++i) {
+            const double phase = 2 * M_PI * static_cast<double>(i) / static_cast<double>(path_.size());
+            for (std::size_t j = 0; j < 3; ++j) {
+                const double q = profile.centre[j] + 0.1 * std::sin(phase * static_cast<double>(j + 1));
+                const double count = link_.radians_per_count[j];
+                path_[i][j] = count > 0 ? std::round(q / count) * count : q;
+            }
+        }
+    }
+
+    const drivers::LinkConfig& link() const noexcept override { return link_; }
+    const drivers::Mechanism& mechanism() const noexcept override { return *mechanism_; }
+    drivers::ReadStatus read(Nanoseconds, drivers::JointSample& sample) noexcept override {
+        const auto& joints = path_[next_++ % path_.size()];
+        for (std::size_t j = 0; j < 3; ++j) sample.position[j] = joints[j];
+        return drivers::ReadStatus::ok;
+    }
+    bool write(Nanoseconds, const drivers::JointEfforts& efforts) noexcept override {
+        benchmark::DoNotOptimize(efforts);
+        return true;
+    }
+    void make_safe() noexcept override {}
+
+  private:
+    drivers::LinkConfig link_;
+    std::shared_ptr<const drivers::Mechanism> mechanism_;
+    std::array<std::array<double, 3>, 4096> path_ = {};
+    std::size_t next_ = 0;
+};
+
+/// A servo on CLOCK_MONOTONIC's stamps whose cycles follow each other without a pause.
+struct Rig {
+    TableArm arm;
+    MonotonicClock clock;
+    OfflineMemory segment{protocol::device_layout().total};
+    Servo servo;
+    std::vector<std::unique_ptr<OfflineClaim>> claims;
+    Nanoseconds now = 0;
+
+    explicit Rig(int claim_count) : servo(arm, clock, segment.data(), options()) {
+        for (int i = 0; i < claim_count; ++i) {
+            ClaimTerms terms;
+            terms.limits = limits_for(arm.link(), 1000, terms.frame);
+            claims.push_back(std::make_unique<OfflineClaim>(terms));
+            servo.adopt(&claims.back()->servo_side());
+            step();
+        }
+    }
+    static ServoOptions options() {
+        ServoOptions o;
+        o.start_active = true;
+        o.silence = false;
+        return o;
+    }
+    void step() {
+        servo.step(now, now);
+        now += 1'000'000;
+    }
+};
+
+void read_and_kinematics(benchmark::State& state) {
+    TableArm arm;
+    MonotonicClock clock;
+    drivers::JointSample sample;
+    drivers::TipPose pose;
+    drivers::Jacobian jacobian;
+    for (auto _ : state) {
+        arm.read(0, sample);
+        benchmark::DoNotOptimize(clock.now());
+        arm.mechanism().forward(std::span<const double>(sample.position.data(), 3), pose, jacobian);
+        benchmark::DoNotOptimize(jacobian);
+        arm.write(0, {});
+        benchmark::DoNotOptimize(clock.now());
+    }
+}
+BENCHMARK(read_and_kinematics);
+
+void cycle_without_claims(benchmark::State& state) {
+    Rig rig(0);
+    for (auto _ : state) rig.step();
+}
+BENCHMARK(cycle_without_claims);
+
+/// In contact, the plane changed every tenth cycle and faded over ten: a fade in every cycle.
+void cycle_with_a_plane_that_fades(benchmark::State& state) {
+    Rig rig(1);
+    OfflineClaim& claim = *rig.claims[0];
+    const Plane plane{.offset = 1.0, .stiffness = 20, .recovery = 0.01};
+    const Handle handle = claim.add(plane);
+    rig.step();
+    std::uint64_t n = 0;
+    for (auto _ : state) {
+        if (++n % 10 == 0) {
+            state.PauseTiming();  // the client's work
+            Plane changed = plane;
+            changed.offset += n % 20 == 0 ? 1e-4 : 0;
+            claim.update(handle, changed);
+            claim.commit();
+            state.ResumeTiming();
+        }
+        rig.step();
+    }
+    if ((rig.servo.last().flags & report_flags::touching) == 0) state.SkipWithError("not in contact");
+}
+BENCHMARK(cycle_with_a_plane_that_fades)->Iterations(40'000);
+
+void cycle_with_a_resting_plane(benchmark::State& state) {
+    Rig rig(1);
+    rig.claims[0]->add(Plane{.offset = 1.0, .stiffness = 20});
+    for (auto _ : state) rig.step();
+}
+BENCHMARK(cycle_with_a_resting_plane);
+
+void cycle_with_idle_claims(benchmark::State& state) {
+    Rig rig(static_cast<int>(state.range(0)));
+    for (auto _ : state) rig.step();
+}
+BENCHMARK(cycle_with_idle_claims)->Arg(1)->Arg(16)->Arg(100)->Arg(128);
+
+}  // namespace
+}  // namespace knurl::servo
+
+BENCHMARK_MAIN();
