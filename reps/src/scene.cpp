@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include <knurl/reps/scene.hpp>
 
@@ -106,17 +107,24 @@ void Scene::set_silence(double seconds) noexcept {
 
 Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     detail::SceneCore& core = *impl_;
+    // A probe that is nowhere feels nothing, and leaves no trace in any state.
+    constexpr double farthest = 1e12;  // m
+    if (!(hand.position.lpNorm<1>() < farthest) || !(hand.velocity.lpNorm<1>() < farthest) ||
+        !(hand.angular_velocity.lpNorm<1>() < farthest) || !hand.orientation.coeffs().allFinite()) {
+        return {};
+    }
     if (!(dt > 0)) dt = 0;
     ++core.cycle_;
     core.evaluated_ = 0;
     if (core.moved_) core.take_placements();
     core.place_probes(hand);
     if (core.changed_size_ > 0 || core.sets_edited_) core.take_changes();
+    core.settle_ = false;
     if (core.weights_move_ && dt > 0) core.advance_weights(dt);
     Wrench sum;
     if (core.contacts_used_ != 0) core.evaluate_contacts(dt, sum);
     if (core.effects_size_ > 0 || core.fading_size_ > 0) core.evaluate_effects(dt, sum);
-    // Finite parameters give a finite wrench; a probe that is not finite gives none.
+    // The field tables keep every product finite; this is the last word all the same.
     if (!sum.force.allFinite() || !sum.torque.allFinite()) return {};
     return sum;
 }

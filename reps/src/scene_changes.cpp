@@ -9,7 +9,7 @@ namespace knurl::detail {
 
 double SceneCore::fade_time(const Record& record) const noexcept {
     const double time = kind_ops()[record.kind].fade_time(record.params);
-    return time == automatic ? std::max(0.0, policy_.automatic) : time;
+    return time == automatic ? policy_.automatic : time;
 }
 
 // The old record is about to be overwritten. Whatever still fades from it goes on from the force of this
@@ -28,6 +28,8 @@ void SceneCore::release_old(std::uint32_t i) noexcept {
     if (slot.from == Slot::From::record) {
         slot.frozen = slot.remnant;
         slot.from = Slot::From::frozen;
+        slot.time -= slot.elapsed;
+        slot.elapsed = 0;
     }
 }
 
@@ -138,14 +140,14 @@ void SceneCore::take_placements() noexcept {
         group.moved = false;
         group.placement = group.next_placement;
         group.edited = group.fades = group.interrupted = group.replaced = true;
-        group.fade_time = std::max(0.0, policy_.automatic);
+        group.fade_time = policy_.automatic;
         sets_edited_ = true;
     }
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
         Slot& slot = slots_[effects_[e]];
         if (!groups_[now_[effects_[e]].use.probe].replaced) continue;
         slot.frozen = slot.last;
-        start_effect_fade(effects_[e], Slot::From::frozen, std::max(0.0, policy_.automatic));
+        start_effect_fade(effects_[e], Slot::From::frozen, policy_.automatic);
     }
     moved_ = false;
 }
@@ -156,7 +158,6 @@ void SceneCore::take_changes() noexcept {
     if (effects_edited_) list_effects();
     for (std::uint32_t c = 0; c < changed_size_; ++c) slots_[changed_[c]].renewed = false;
     changed_size_ = 0;
-    settle_ = false;
 }
 
 }  // namespace knurl::detail

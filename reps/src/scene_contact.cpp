@@ -39,7 +39,8 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
     }
     if (!(worst > 0)) {
         for (std::uint32_t j = 0; j < set.layers; ++j) {
-            set.layer[j].solution = ContactSolution{};
+            set.layer[j].solution.dx.setZero();
+            set.layer[j].solution.active.count = 0;
             set.layer[j].proxy = p;
         }
         set.infeasible = false;
@@ -59,8 +60,7 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
         const ContactPlanes planes{&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.s[begin], layer.count};
         // Contradictory planes that stand still give way once and for all; moving ones are asked afresh.
         if (set.moving_count > 0) layer.give = 0;
-        layer.solution = solve_contact_relaxed(planes, worst, layer.give, layer.warm);
-        layer.warm = layer.solution.active;
+        solve_contact_relaxed(planes, worst, layer.give, layer.solution);
         if (layer.solution.status == ContactSolution::Status::solved) {
             layer.proxy = p + layer.solution.dx;
         } else {  // bounded whatever happens: the proxy stays where it was

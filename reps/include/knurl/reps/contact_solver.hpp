@@ -27,6 +27,7 @@ struct ActiveSet {
     std::array<std::uint32_t, 3> plane{};
 };
 
+/// A solution, and the first guess of the next: keep it from cycle to cycle.
 struct ContactSolution {
     enum class Status : std::uint32_t {
         solved,      // x is the optimum (KKT); x = p if no plane is violated
@@ -34,11 +35,11 @@ struct ContactSolution {
         unfinished,  // the bound on iterations was hit
     };
     Status status = Status::solved;
-    std::uint32_t iterations = 0;                  // planes taken in; 0: the warm set was right
+    std::uint32_t iterations = 0;                  // planes taken in; 0: the guess was right
     Eigen::Vector3d dx = Eigen::Vector3d::Zero();  // m, x - p
     ActiveSet active;
-    std::array<double, 3> multiplier{};  // m: dx = sum multiplier_i n_i, all >= 0
-    double contradiction = 0;  // m, infeasible: all planes must give way by at least this much (Farkas)
+    std::array<double, 3> multiplier{};  // m, of the active planes: dx = sum multiplier_i n_i, all >= 0
+    double contradiction = 0;  // m, if infeasible: all planes must give way by at least this (Farkas)
 };
 
 /// No solution takes more steps than this; the property tests see at most about a dozen.
@@ -51,15 +52,15 @@ double worst_violation(const ContactPlanes& planes, const Eigen::Vector3d& dx) n
 double shift_to_probe(const double* nx, const double* ny, const double* nz, const double* c,
                       std::uint32_t count, const Eigen::Vector3d& p, double* s) noexcept;
 
-/// Solves for the planes moved outwards by `give` (m, 0: as they are). `worst` is the largest s. `warm` may
-/// be any set of indices below count.
-ContactSolution solve_contact(const ContactPlanes& planes, double worst, double give,
-                              const ActiveSet& warm) noexcept;
+/// Solves for the planes moved outwards by `give` (m, 0: as they are). `worst` is the largest s. On entry
+/// solution.active is the guess: any planes; the last solution's are best.
+void solve_contact(const ContactPlanes& planes, double worst, double give,
+                   ContactSolution& solution) noexcept;
 
 /// As above, but planes that contradict each other give way by the smallest amount that makes them feasible,
 /// which is left in `give` (at most `max_contact_relaxations` solves). Feasible planes leave `give` alone.
-ContactSolution solve_contact_relaxed(const ContactPlanes& planes, double worst, double& give,
-                                      const ActiveSet& warm) noexcept;
+void solve_contact_relaxed(const ContactPlanes& planes, double worst, double& give,
+                           ContactSolution& solution) noexcept;
 inline constexpr std::uint32_t max_contact_relaxations = 60;
 
 }  // namespace knurl
