@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -184,16 +185,17 @@ Motion parse_motion(std::string_view text, const std::string& name) {
 }
 
 Motion load_motion(const std::string& path) {
+    constexpr const char* remedy = "; name a CSV file of t,x,y,z[,qw,qx,qy,qz]";
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) {
+        throw std::runtime_error(path + ": cannot read the motion: it is a folder" + remedy);
+    }
     std::ifstream file(path, std::ios::binary);
+    if (!file) {
+        throw std::runtime_error(path + ": cannot read the motion: " + std::strerror(errno) + remedy);
+    }
     std::ostringstream text;
-    if (file) {
-        text << file.rdbuf();  // sets failbit for an empty file, badbit if reading fails (a folder)
-    }
-    if (!file || text.bad()) {
-        throw std::runtime_error(path + ": cannot read the motion" + (file ? "" : ": ") +
-                                 (file ? "" : std::strerror(errno)) +
-                                 "; name a CSV file of t,x,y,z[,qw,qx,qy,qz]");
-    }
+    text << file.rdbuf();
     return parse_motion(text.str(), path);
 }
 

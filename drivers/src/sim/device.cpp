@@ -100,6 +100,7 @@ struct SimDevice::Body {
     Arm::JointVector target;   // N m, what the amplifiers were told, after DAC and limits
     Arm::JointVector exerted;  // N m, after the lag
     bool connected = true;
+    bool asleep = false;        // the watchdog has switched the motors off
     Nanoseconds now = 0;        // of the last read
     Nanoseconds simulated = 0;  // ns since the first read
     Nanoseconds written = 0;    // simulated ns of the last write
@@ -179,7 +180,9 @@ struct SimDevice::Body {
         const auto watchdog = static_cast<Nanoseconds>(profile.watchdog * 1e9);
         for (Nanoseconds step = 0; step < steps; ++step) {
             const Nanoseconds at = simulated + gap * step / steps;
-            if (watchdog > 0 && at - written > watchdog) {
+            if (watchdog > 0 && at - written > watchdog && !asleep) {
+                asleep = true;
+                ++state.watchdog_trips;
                 target.setZero();
             }
             exerted += follow * (target - exerted);
@@ -314,6 +317,7 @@ bool SimDevice::write(Nanoseconds, const JointEfforts& efforts) noexcept {
     }
     ++body.state.writes;
     body.written = body.simulated;
+    body.asleep = false;
     const auto joints = static_cast<std::size_t>(body.profile.joints);
     const std::span<const double> asked(efforts.data(), joints);
     if (!std::all_of(asked.begin(), asked.end(), [](double effort) { return std::isfinite(effort); })) {

@@ -25,7 +25,7 @@ struct SerialChainTable {
     std::vector<DhRow> rows;  // 1 to max_joints, from the base outwards
     /// theta_DH = A q_motor (+ the row's own theta). Rows alone do not describe a PHANToM, whose
     /// parallelogram measures both arm angles from the base. Empty: the identity.
-    Eigen::MatrixXd coupling;
+    Eigen::MatrixXd coupling = {};
     Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  // row 0's frame in the device frame
     Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();  // the tip in the last row's frame
     /// The hand holds the tip through a passive gimbal: no orientation is known and no torque gets through.

@@ -45,6 +45,7 @@ struct SimState {
     double peak_motor_force = 0;  // N, largest |motor_force| at any sub-step
     std::uint64_t reads = 0, writes = 0;
     std::uint64_t refused_efforts = 0;  // writes that held something not finite: taken as zero
+    std::uint64_t watchdog_trips = 0;   // times that the device's own watchdog switched the motors off
     std::int64_t skipped = 0;           // ns of time that were not simulated: gaps longer than max_catch_up
 };
 
