@@ -1,0 +1,222 @@
+#include "measure.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+namespace knurl::measure {
+
+namespace {
+
+constexpr std::size_t least_above = 10;  // samples above a percentile that is worth stating
+
+std::string first_line(const char* path) {
+    std::ifstream file(path);
+    std::string line;
+    std::getline(file, line);
+    return line;
+}
+
+std::string processor() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);) {
+        const std::size_t colon = line.find(": ");
+        if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+    }
+    return "unknown";
+}
+
+std::string load() {
+    double averages[3] = {};
+    if (::getloadavg(averages, 3) != 3) return "unknown";
+    char text[64];
+    std::snprintf(text, sizeof text, "%.2f %.2f %.2f", averages[0], averages[1], averages[2]);
+    return text;
+}
+
+std::string idle() {
+    const std::string driver = first_line("/sys/devices/system/cpu/cpuidle/current_driver");
+    std::string text = driver.empty() ? "unknown" : driver;
+    // Reading asks for nothing: the value is what all holders together want.
+    const int fd = ::open("/dev/cpu_dma_latency", O_RDONLY | O_CLOEXEC);
+    std::int32_t microseconds = 0;
+    if (fd >= 0 && ::read(fd, &microseconds, sizeof microseconds) == sizeof microseconds)
+        text += ", cpu_dma_latency " + std::to_string(microseconds) + " us";
+    if (fd >= 0) ::close(fd);
+    return text;
+}
+
+std::string build() {
+#if defined(__clang__)
+    std::string text = "clang " __clang_version__;
+#else
+    std::string text = "gcc " __VERSION__;
+#endif
+#if defined(__OPTIMIZE__)
+    return text + ", optimised";
+#else
+    return text + ", not optimised";
+#endif
+}
+
+std::string date() {
+    const std::time_t now = std::time(nullptr);
+    std::tm utc{};
+    ::gmtime_r(&now, &utc);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    return text;
+}
+
+/// Nearest rank: the smallest sample that at least the fraction q of all do not exceed.
+std::optional<double> percentile(const std::vector<double>& sorted, double q) {
+    const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size())));
+    if (rank == 0 || sorted.size() - rank < least_above) return std::nullopt;
+    return sorted[rank - 1];
+}
+
+template <class T>
+nlohmann::ordered_json or_null(const std::optional<T>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+std::string column(const std::optional<double>& value) {
+    if (!value) return "-";
+    char text[32];
+    std::snprintf(text, sizeof text, *value < 10 ? "%.2f" : *value < 100 ? "%.1f" : "%.0f", *value);
+    return text;
+}
+
+}  // namespace
+
+Machine this_machine() {
+    utsname system{};
+    ::uname(&system);
+    return {.processor = processor(),
+            .cpus = static_cast<unsigned>(std::max(1L, ::sysconf(_SC_NPROCESSORS_ONLN))),
+            .kernel = system.release,
+            .load = load(),
+            .idle = idle(),
+            .build = build(),
+            .date = date()};
+}
+
+Result summarise(std::string name, std::string unit, std::vector<double> samples) {
+    Result result;
+    result.name = std::move(name);
+    result.unit = std::move(unit);
+    result.n = samples.size();
+    if (samples.empty()) return result;
+    std::sort(samples.begin(), samples.end());
+    result.p50 = percentile(samples, 0.5);
+    result.p99 = percentile(samples, 0.99);
+    result.p999 = percentile(samples, 0.999);
+    result.max = samples.back();
+    return result;
+}
+
+void relate(Result& result, const Result& reference) {
+    result.reference = reference.name;
+    if (result.p50 && reference.p50 && *reference.p50 > 0) result.ratio = *result.p50 / *reference.p50;
+}
+
+void print(std::ostream& out, const Run& run) {
+    const Machine& m = run.machine;
+    out << m.processor << ", " << m.cpus << " CPUs, Linux " << m.kernel << ", load " << m.load << ", idle "
+        << m.idle << "\n"
+        << m.build << ", " << m.date << "\n\n";
+    std::size_t width = 4;
+    for (const Result& r : run.results) width = std::max(width, r.name.size());
+    char line[512];
+    std::snprintf(line, sizeof line, "%-*s %4s %8s %8s %8s %8s %9s  %s\n", static_cast<int>(width), "what",
+                  "unit", "n", "p50", "p99", "p99.9", "max", "ratio to");
+    out << line;
+    for (const Result& r : run.results) {
+        std::snprintf(line, sizeof line, "%-*s %4s %8zu %8s %8s %8s %9s  ", static_cast<int>(width),
+                      r.name.c_str(), r.unit.c_str(), r.n, column(r.p50).c_str(), column(r.p99).c_str(),
+                      column(r.p999).c_str(), column(r.max).c_str());
+        out << line;
+        if (r.ratio) {
+            std::snprintf(line, sizeof line, "%.2f ", *r.ratio);
+            out << line << *r.reference;
+        }
+        out << "\n";
+    }
+}
+
+std::string to_json(const Run& run) {
+    using Json = nlohmann::ordered_json;
+    const Machine& m = run.machine;
+    Json results = Json::array();
+    for (const Result& r : run.results)
+        results.push_back({{"name", r.name},
+                           {"unit", r.unit},
+                           {"n", r.n},
+                           {"p50", or_null(r.p50)},
+                           {"p99", or_null(r.p99)},
+                           {"p999", or_null(r.p999)},
+                           {"max", r.max},
+                           {"reference", or_null(r.reference)},
+                           {"ratio", or_null(r.ratio)}});
+    const Json all = {{"machine",
+                       {{"processor", m.processor},
+                        {"cpus", m.cpus},
+                        {"kernel", m.kernel},
+                        {"load", m.load},
+                        {"idle", m.idle},
+                        {"build", m.build},
+                        {"date", m.date}}},
+                      {"results", results}};
+    return all.dump(2);
+}
+
+bool pin_this_thread(unsigned cpu) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(cpu, &set);
+    return ::pthread_setaffinity_np(::pthread_self(), sizeof set, &set) == 0;
+}
+
+bool run_real_time(int priority) {
+    const sched_param parameters{.sched_priority = priority};
+    return ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters) == 0;
+}
+
+std::vector<unsigned> allowed_cpus() {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    std::vector<unsigned> cpus;
+    if (::sched_getaffinity(0, sizeof set, &set) != 0) return cpus;
+    for (unsigned cpu = 0; cpu < CPU_SETSIZE; ++cpu)
+        if (CPU_ISSET(cpu, &set)) cpus.push_back(cpu);
+    return cpus;
+}
+
+Stopwatch::Stopwatch() {
+    using Clock = std::chrono::steady_clock;
+    const auto start = Clock::now();
+    const std::uint64_t first = begin();
+    while (Clock::now() - start < std::chrono::milliseconds(20)) {
+    }
+    const auto took = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
+    nanoseconds_per_tick_ = took / static_cast<double>(begin() - first);
+    std::vector<double> empty;
+    for (int i = 0; i < 1001; ++i) {
+        const std::uint64_t at = begin();
+        empty.push_back(nanoseconds(at, end()));
+    }
+    std::nth_element(empty.begin(), empty.begin() + 500, empty.end());
+    empty_interval_ = empty[500];
+}
+
+}  // namespace knurl::measure
