@@ -127,9 +127,7 @@ int run(const Wishes& wishes) {
     }
     if (outcomes.empty()) return 130;
     fmt::print("\n{}", surface::table(outcomes, text));
-    const auto& first = outcomes.front().recording;
-    if (!wishes.csv.empty())
-        surface::write_csv(wishes.csv, outcomes, {first.stiffness, first.greatest_force});
+    if (!wishes.csv.empty()) surface::write_csv(wishes.csv, outcomes, terrain);
     if (!wishes.json.empty()) surface::write_json(wishes.json, outcomes, text);
     return stop ? 130 : 0;
 }

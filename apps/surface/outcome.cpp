@@ -32,8 +32,8 @@ double quantile(std::vector<double> values, double p) {
 std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
     std::string out;
     const auto line = [&](const std::string& name, const std::function<std::string(const Outcome&)>& cell) {
-        out += fmt::format("{:<34}", name);
-        for (const Outcome& outcome : outcomes) out += fmt::format("{:>17}", cell(outcome));
+        out += fmt::format("{:<33}", name);
+        for (const Outcome& outcome : outcomes) out += fmt::format("{:>19}", cell(outcome));
         out += '\n';
     };
     static const auto head = [](Way way) -> std::pair<const char*, const char*> {
@@ -99,11 +99,13 @@ void check_written(std::ofstream& out, const std::filesystem::path& file) {
 
 }  // namespace
 
-void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& outcomes, const Ideal& ideal) {
+void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& outcomes,
+               const Terrain& terrain) {
     std::ofstream out(file);
     out << "way,t,x,y,z,vx,vy,vz,fx,fy,fz,true_fx,true_fy,true_fz,surface_z,height,faults\n";
     for (const Outcome& outcome : outcomes) {
         const std::string way = key_of(outcome.recording.way);
+        const Ideal ideal{outcome.recording.stiffness, outcome.recording.greatest_force};
         for (std::size_t i = 0; i < outcome.recording.cycles.size(); ++i) {
             const Cycle& c = outcome.recording.cycles[i];
             const Terrain::Foot& foot = outcome.feet[i];
@@ -111,7 +113,8 @@ void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& ou
             out << fmt::format("{},{:.6f}", way, c.t);
             for (const auto& v : {c.position, c.velocity, c.force, wanted})
                 out << fmt::format(",{:.7g},{:.7g},{:.7g}", v.x(), v.y(), v.z());
-            out << fmt::format(",{:.7g},{:.7g},{}\n", foot.point.z(), foot.distance, c.faults);
+            out << fmt::format(",{:.7g},{:.7g},{}\n", terrain.height(c.position.x(), c.position.y()),
+                               foot.distance, c.faults);
         }
     }
     check_written(out, file);

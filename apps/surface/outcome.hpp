@@ -7,8 +7,7 @@
 
 #include "judge.hpp"
 #include "machine.hpp"
-#include "stroke.hpp"
-#include "ways.hpp"
+#include "recording.hpp"
 
 namespace surface {
 
@@ -39,7 +38,10 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text);
 // Each throws std::runtime_error if its file cannot be written.
 void write_json(const std::filesystem::path& file, const std::vector<Outcome>& outcomes, const RunText& text);
 /// One row per cycle: way,t,x,y,z,vx,vy,vz,fx,fy,fz,true_fx,true_fy,true_fz,surface_z,height,faults.
-void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& outcomes, const Ideal& ideal);
+/// (true_f: of the true surface; surface_z: its height right below the probe; height: the probe's signed
+/// distance.)
+void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& outcomes,
+               const Terrain& terrain);
 /// The felt surface at the samples, in mm, as an ESRI ASCII grid with cells in mm.
 void write_relief(const std::filesystem::path& file, const Terrain& terrain);
 

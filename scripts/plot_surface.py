@@ -1,0 +1,234 @@
+#!/usr/bin/python3
+"""Draws what knurl-surface measured.
+
+    plot_surface.py OUT.json OUT.csv RELIEF.asc PICTURE.png
+
+The three inputs are knurl-surface's --json, --csv and --relief.
+"""
+
+import csv
+import io
+import json
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import LightSource, LinearSegmentedColormap
+from PIL import Image
+
+COLOURS = {"force": "#b3261e", "planes": "#c77700", "paper": "#7a4fa3", "knurl": "#00796b"}
+NAMES = {  # a title, and what is special about it
+    "force": ("Force from the application", "held until the next one comes"),
+    "planes": ("Planes, as they come", "the surface's tangent plane at the hand"),
+    "paper": ("Planes, the paper's recovery", "lowered to the hand, raised over 50 ms"),
+    "knurl": ("Planes, Knurl's default", "asked for where the hand will be, cross-faded"),
+}
+TRUE, INK, FAINT = "#9aa0a6", "#202124", "#5f6368"
+GOOD, BAD = "#00796b", "#b3261e"
+LAND = LinearSegmentedColormap.from_list(
+    "land", ["#6d8f86", "#9db38f", "#d3cfa4", "#cdb083", "#b08d6a", "#e9e4da", "#ffffff"])
+
+
+def fail(text):
+    sys.exit(f"plot_surface: {text}")
+
+
+def read_cycles(path):
+    """Arrays by column, per way, in the file's order."""
+    with open(path, newline="") as file:
+        rows = csv.reader(file)
+        names = next(rows)
+        ways = {}
+        for row in rows:
+            ways.setdefault(row[0], []).append(row[1:])
+    return {way: dict(zip(names[1:], np.asarray(values, dtype=float).T)) for way, values in ways.items()}
+
+
+def read_relief(path):
+    """Heights (mm, row 0 in the north) and the extent (mm) of an ESRI ASCII grid."""
+    with open(path) as file:
+        head = dict(next(file).split() for _ in range(6))
+        heights = np.loadtxt(file)
+    cell = float(head["cellsize"])
+    west, south = float(head["xllcenter"]), float(head["yllcenter"])
+    rows, columns = heights.shape
+    return heights, cell, (west - cell / 2, west + (columns - 0.5) * cell, south - cell / 2, south + (rows - 0.5) * cell)
+
+
+def size(c, what):
+    return np.sqrt(c[what + "x"] ** 2 + c[what + "y"] ** 2 + c[what + "z"] ** 2)
+
+
+class Page:
+    """A figure measured in inches from its upper left corner."""
+
+    def __init__(self, width, height):
+        self.width, self.height = width, height
+        self.figure = plt.figure(figsize=(width, height), dpi=110, facecolor="white")
+
+    def axes(self, left, top, width, height):
+        return self.figure.add_axes([left / self.width, 1 - (top + height) / self.height, width / self.width,
+                                     height / self.height])
+
+    def text(self, x, top, words, **style):
+        return self.figure.text(x / self.width, 1 - top / self.height, words, va="top", **style)
+
+    def rule(self, left, right, top):
+        self.figure.add_artist(plt.Line2D([left / self.width, right / self.width], [1 - top / self.height] * 2,
+                                          color="#dadce0", lw=0.8))
+
+    def save(self, path):
+        """As a PNG of 256 colours, a third of the size."""
+        pixels = io.BytesIO()
+        self.figure.savefig(pixels, facecolor="white")
+        picture = Image.open(pixels).convert("RGB")
+        picture.quantize(colors=256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def draw_relief(axes, relief, cycles, reach):
+    heights, cell, extent = relief
+    shade = LightSource(azdeg=315, altdeg=40).shade(heights, cmap=LAND, blend_mode="soft", dx=cell, dy=cell)
+    axes.imshow(shade, extent=extent, interpolation="bilinear")
+    axes.set_xlim(max(extent[0], -reach), min(extent[1], reach))
+    axes.set_ylim(max(extent[2], -reach), min(extent[3], reach))
+    best = cycles["knurl"] if "knurl" in cycles else list(cycles.values())[-1]
+    x, y = best["x"] * 1e3, best["y"] * 1e3
+    axes.plot(x, y, color="white", lw=3.0, alpha=0.8, solid_capstyle="round")
+    axes.plot(x, y, color=INK, lw=1.2, solid_capstyle="round")
+    axes.plot(x[0], y[0], "o", ms=6, mfc="white", mec=INK)
+    axes.plot(x[-1], y[-1], "s", ms=5.5, mfc=INK, mec="white")
+    axes.tick_params(labelsize=7, colors=FAINT, length=2)
+    axes.set_xlabel("mm under the hand", fontsize=7.5, color=FAINT, labelpad=1)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+
+def draw_table(page, left, right, top, strokes):
+    heads = [(3.02, "largest\nforce jump", "\u2264 1 N"), (3.80, "force error\n(RMS)", ""),
+             (4.60, "speed off\nthe surface", "\u2264 0.3 m/s"), (5.38, "limit cycle\nat rest", "< 0.1 mm")]
+    for x, name, bound in heads:
+        page.text(left + x, top, name, fontsize=7.5, color=FAINT, ha="right", linespacing=1.2)
+        page.text(left + x, top + 0.29, bound, fontsize=7, color=TRUE, ha="right")
+    page.text(right, top + 0.29, "stable: all three kept", fontsize=7, color=TRUE, ha="right")
+    for i, s in enumerate(strokes):
+        y = top + 0.56 + i * 0.59
+        page.rule(left, right, y - 0.10)
+        title, detail = NAMES[s["way"]]
+        page.text(left, y, str(i + 1), fontsize=16, color=COLOURS[s["way"]], fontweight="bold")
+        page.text(left + 0.25, y, title, fontsize=9, fontweight="bold")
+        page.text(left + 0.25, y + 0.20, detail, fontsize=7.5, color=FAINT)
+        faulted = s["fault_at"] is not None
+        cells = [(f"{s['jump']:.2f} N", s["jump"] > 1), (f"{s['force_error']:.2f} N", None),
+                 (f"{s['kick']:.2f} m/s", s["kick"] > 0.3),
+                 ("\u2013" if faulted else f"{s['limit_cycle'] * 1e3:.2f} mm", None if faulted else s["limit_cycle"] >= 1e-4)]
+        for (x, _, _), (value, broken) in zip(heads, cells):
+            page.text(left + x, y + 0.07, value, fontsize=9, ha="right",
+                      color=INK if broken is None else BAD if broken else GOOD)
+        verdict = f"faulted at {s['fault_at']:.2f} s" if faulted else "stable" if s["stable"] else "not stable"
+        page.text(right, y + 0.07, verdict, fontsize=9, ha="right", fontweight="bold", color=GOOD if s["stable"] else BAD)
+
+
+def plain(axes, labelled):
+    axes.tick_params(labelsize=7, colors=FAINT, length=2)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    if not labelled:
+        axes.set_xticklabels([])
+
+
+def draw_way(page, top, number, s, c, end, window, force_top, heights, last):
+    colour = COLOURS[s["way"]]
+    whole, close, height = (page.axes(0.5, top, 4.35, 1.05), page.axes(5.1, top, 1.75, 1.05),
+                            page.axes(7.2, top, 3.5, 1.05))
+    title, detail = NAMES[s["way"]]
+    label = page.text(0.5, top - 0.22, f"{number}   {title}", fontsize=9, fontweight="bold", color=colour)
+    if s["fault_at"] is not None:
+        page.text(7.2, top - 0.22, s["verdict"], fontsize=8, color=BAD)
+        window = (max(0, s["fault_at"] - (window[1] - window[0])), s["fault_at"])
+        label.set_text(label.get_text())
+    for axes in (whole, close):
+        axes.plot(c["t"], size(c, "true_f"), color=TRUE, lw=1.5)
+        axes.plot(c["t"], size(c, "f"), color=colour, lw=0.8 if axes is whole else 1.1)
+        axes.set_ylim(0, force_top)
+    whole.axvspan(*window, color="#e8eaed", lw=0, zorder=0)
+    close.set_facecolor("#f1f3f4")
+    height.fill_between(c["t"], c["surface_z"] * 1e3, -100, color="#e4ddd0", lw=0)
+    height.plot(c["t"], c["surface_z"] * 1e3, color="#a89f8d", lw=0.8)
+    height.plot(c["t"], c["z"] * 1e3, color=colour, lw=0.9)
+    height.set_ylim(*heights)
+    whole.set_xlim(0, end)
+    height.set_xlim(0, end)
+    close.set_xlim(*window)
+    plain(whole, last)
+    plain(height, last)
+    plain(close, True)
+    close.set_yticklabels([])
+    close.locator_params(axis="x", nbins=3)
+    if s["fault_at"] is not None:
+        for axes in (whole, height):
+            axes.axvspan(s["fault_at"], end, facecolor="white", edgecolor="#e8eaed", hatch="////", lw=0, zorder=3)
+
+
+def draw(outcome, cycles, relief, path):
+    strokes = [s for s in outcome["strokes"] if s["way"] in cycles]
+    run, machine = outcome["run"], outcome["machine"]
+    plt.rcParams.update({"font.family": "DejaVu Sans", "axes.edgecolor": "#c4c7c5", "text.color": INK,
+                         "axes.linewidth": 0.8, "hatch.linewidth": 0.6})
+    page = Page(11, 5.05 + 1.42 * len(strokes))
+    page.text(0.35, 0.20, f"Hills felt through an application that manages {run['application_rate']:g} Hz", fontsize=16,
+              fontweight="bold")
+    page.text(0.35, 0.57, f"One hand strokes one relief {len(strokes)} times at {strokes[0]['stiffness']:.0f} N/m: servo "
+              f"{run['servo_rate']:g} Hz; the application answers {run['think'] * 1e3:g} ms after it has read the hand.",
+              fontsize=9, color=FAINT)
+    draw_relief(page.axes(0.55, 0.98, 3.5, 2.85), relief, cycles, 100)
+    draw_table(page, 4.35, 10.7, 0.98, strokes)
+
+    top = 4.30
+    page.text(0.5, top, "force on the hand, N   (grey: what the true surface would push)", fontsize=8, color=FAINT)
+    page.text(5.1, top, "a closer look", fontsize=8, color=FAINT)
+    page.text(7.2, top, "height of the hand over the relief, mm", fontsize=8, color=FAINT)
+    end = max(c["t"][-1] for c in cycles.values())
+    rough = next((s for s in strokes if s["way"] == "planes" and s["fault_at"] is None), strokes[-1])
+    window = (max(0, rough["jump_at"] - 0.3), max(0, rough["jump_at"] - 0.3) + 0.6)
+    unfaulted = [cycles[s["way"]] for s in strokes if s["fault_at"] is None] or list(cycles.values())
+    force_top = min(9.0, 1.05 * max(size(c, "f").max() for c in cycles.values()))
+    ground = np.concatenate([c["surface_z"] for c in unfaulted]) * 1e3
+    heights = (ground.min() - 2.5, ground.max() + 2.5)
+    for i, s in enumerate(strokes):
+        draw_way(page, top + 0.48 + i * 1.42, i + 1, s, cycles[s["way"]], end, window, force_top, heights,
+                 i + 1 == len(strokes))
+    foot = page.height - 0.52
+    for x in (0.5, 7.2):
+        page.text(x, foot - 0.13, "s since the hand began", fontsize=7, color=FAINT)
+    page.text(0.35, foot + 0.08, f"Relief: {run['model']}, {run['scale']}.", fontsize=7, color=FAINT)
+    page.text(0.35, foot + 0.24, f"Measured: {machine['date']}, device {run['device']}, {machine['processor']}, "
+              f"{machine['cpus']} CPUs, {machine['kernel']}, load {machine['load']:.1f}, {machine['build']}.", fontsize=7,
+              color=FAINT)
+    page.save(path)
+
+
+def main(arguments):
+    if len(arguments) != 4:
+        sys.exit(__doc__)
+    try:
+        with open(arguments[0]) as file:
+            outcome = json.load(file)
+        cycles = read_cycles(arguments[1])
+        relief = read_relief(arguments[2])
+    except FileNotFoundError as error:
+        fail(f"{error.filename}: not found; run knurl-surface with --json, --csv and --relief first")
+    except (ValueError, KeyError, StopIteration, OSError) as error:
+        fail(f"one of {', '.join(arguments[:3])} is not what knurl-surface writes ({error}); run it again")
+    if not any(s["way"] in cycles for s in outcome.get("strokes", [])):
+        fail(f"{arguments[1]}: holds no stroke of {arguments[0]}; run knurl-surface again")
+    try:
+        draw(outcome, cycles, relief, arguments[3])
+    except OSError as error:
+        fail(f"{arguments[3]}: cannot be written ({error.strerror}); check the folder and the space left")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
