@@ -1,0 +1,47 @@
+// A curved floor from an application that manages 20 updates a second: each time the plane where the hand
+// will be.
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <thread>
+
+#include <knurl/client/client.hpp>
+
+#include "seconds.hpp"
+
+using namespace std::chrono_literals;
+
+// The top of a ball of 0.2 m, 10 mm above the workspace's centre line at its highest.
+knurl::SurfaceModel ball_below(const knurl::Vec3& centre_of_workspace) {
+    const double radius = 0.2;  // m
+    const Eigen::Vector3d centre = knurl::to_eigen(centre_of_workspace) - Eigen::Vector3d(0, 0, radius);
+    return [=](const knurl::Vec3& near) -> knurl::SurfacePoint {
+        const Eigen::Vector3d outwards = (knurl::to_eigen(near) - centre).normalized();
+        return {.foot = knurl::to_plain(centre + radius * outwards), .normal = knurl::to_plain(outwards)};
+    };
+}
+
+int main(int argc, char** argv) try {
+    const auto end = examples::end_of(argc, argv);
+
+    auto client = knurl::Client::connect("knurl:default");
+    auto hand = client.claim("", {.update_interval = 50ms});
+    const auto ball = ball_below(hand.device().workspace_centre);
+    auto floor = hand.add(knurl::Plane{.offset = -1.0 /* m: out of reach */, .stiffness = 1000 /* N/m */});
+    hand.arm();
+
+    double strongest = 0;
+    while (std::chrono::steady_clock::now() < end) {
+        floor.follow(ball);
+        hand.commit();
+        std::this_thread::sleep_for(50ms);  // a slow computation
+        if (auto felt = floor.felt()) strongest = std::max(strongest, knurl::to_eigen(felt->force).norm());
+    }
+    const auto timing = hand.timing();
+    std::printf("strongest %.2f N; %llu updates, felt %.1f ms after their report was read\n", strongest,
+                static_cast<unsigned long long>(timing.batches),
+                static_cast<double>(timing.age_at_use.count()) * 1e-6);
+} catch (const std::exception& error) {
+    return std::fprintf(stderr, "03_moving_plane: %s\n", error.what()), 1;
+}
