@@ -168,9 +168,15 @@ TEST(Hand, TurnsATipThatHasOrientation) {
     const Eigen::Quaterniond goal = Eigen::AngleAxisd(0.4, Vector3d(1, 1, 0).normalized()) * rest;
     const Motion turn({{.t = 0, .orientation = rest}, {.t = 1, .orientation = goal}}, true);
     Bench turning("generic6", turn);
+    EXPECT_LT(turning.device.state().orientation.angularDistance(rest), 1e-9);
     turning.device.notify(Notice::claim_active);
     EXPECT_LT(turning.run(3).orientation.angularDistance(goal), 1e-3);
     EXPECT_LT(turning.device.state().position.norm(), 1e-3);
+
+    // A motion that starts turned: so does the device.
+    Bench turned("generic6", Motion({{.t = 0, .position = {0.02, 0.01, 0}, .orientation = goal}}, true));
+    EXPECT_LT(turned.device.state().orientation.angularDistance(goal), 1e-6);
+    EXPECT_LT(turned.run(0.5).orientation.angularDistance(goal), 1e-3);
 }
 
 }  // namespace

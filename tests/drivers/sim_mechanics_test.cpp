@@ -1,5 +1,6 @@
 // The simulated device's mechanics and actuators against closed forms.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -184,6 +185,42 @@ TEST(Mechanics, GravityPullsTheDevicesMassAlone) {
     SimDevice device = make("cartesian3,gravity=9.81,coulomb=0");
     run(device, 3, millisecond);
     EXPECT_NEAR(device.state().position.z(), -0.1 * 9.81 / 200, 1e-5) << "hangs in the hand's spring";
+}
+
+/// The largest swing (m) of a tip that a hand lets down on a wall of stiffness k at 1 kHz and presses there.
+double swing_on_a_wall(const std::string& address, double k) {
+    SimDevice device(sim_profile(address + ",push=1.5"),
+                     parse_motion("0,0,0,0.005\n0.1,0,0,-0.002\n", "down"));
+    JointSample sample;
+    TipPose pose;
+    Jacobian jacobian;
+    device.read(0, sample);
+    device.notify(Notice::claim_active);
+    double lowest = 1, highest = -1;
+    for (int i = 1; i < 4000; ++i) {
+        device.read(i * millisecond, sample);
+        device.mechanism().forward({sample.position.data(), 3}, pose, jacobian);
+        const Vector3d force(0, 0, std::clamp(-k * pose.position.z(), 0.0, 8.5));
+        const Vector3d efforts = jacobian.topLeftCorner<3, 3>().transpose() * force;
+        device.write(i * millisecond, {efforts[0], efforts[1], efforts[2]});
+        if (i > 2000) {
+            lowest = std::min(lowest, device.state().position.z());
+            highest = std::max(highest, device.state().position.z());
+        }
+    }
+    return highest - lowest;
+}
+
+TEST(Mechanics, AWallBecomesUnstableWhereTheoryAndEarlierMeasurementsSay) {
+    // Stable: a limit cycle below 0.1 mm. Without dry friction k < b/(T/2 + tau) (Colgate & Brown 1994, with
+    // the lag), b = 0.2 + 3 of the hand; 0.05 N of friction lifts it to about 4500 N/m.
+    const double bound = 3.2 / (0.5e-3 + 1 / (2 * std::numbers::pi * 300));
+    for (const std::string profile : {"cartesian3", "premium15"}) {
+        EXPECT_LT(swing_on_a_wall(profile + ",coulomb=0", 0.9 * bound), 1e-4) << profile;
+        EXPECT_GT(swing_on_a_wall(profile + ",coulomb=0", 1.1 * bound), 1e-4) << profile;
+        EXPECT_LT(swing_on_a_wall(profile, 0.9 * 4500), 1e-4) << profile;
+        EXPECT_GT(swing_on_a_wall(profile, 1.1 * 4500), 1e-4) << profile;
+    }
 }
 
 TEST(Actuator, LagsByFirstOrder) {

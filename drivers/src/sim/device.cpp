@@ -5,10 +5,11 @@
 #include <span>
 #include <stdexcept>
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 
 #include <knurl/drivers/sim_device.hpp>
 
+#include "rotation_vector.hpp"
 #include "sim/arm.hpp"
 #include "sim/hand.hpp"
 
@@ -29,37 +30,47 @@ bool during(std::int64_t at, std::int64_t reads, std::uint64_t read) {
     return at >= 0 && read >= static_cast<std::uint64_t>(at) && read < static_cast<std::uint64_t>(at + reads);
 }
 
-/// The joints that bring the tip to `target`, by damped Newton steps from the profile's centre. Only at
-/// start.
-JointArray reach(const SimProfile& profile, const Eigen::Vector3d& target) {
+/// The joints that bring the tip to where a motion starts (and turn it so, if both know orientation), by
+/// damped Newton steps from the profile's centre. Only at start.
+JointArray reach(const SimProfile& profile, const Motion& motion) {
+    constexpr int steps = 300;
+    constexpr double longest = 0.02;  // m and, times ten, rad in one step
+    const MotionRow& start = motion.rows().front();
+    const bool turned = motion.has_orientation() && profile.renders_torque;
     JointArray q = profile.centre;
     TipPose pose;
     Jacobian jacobian;
-    for (int step = 0; step < 200; ++step) {
+    for (int step = 0; step < steps; ++step) {
         if (!profile.mechanism->forward({q.data(), static_cast<std::size_t>(profile.joints)}, pose,
                                         jacobian)) {
             break;
         }
-        Eigen::Vector3d miss = target - pose.position;
+        Eigen::Matrix<double, 6, 1> miss = Eigen::Matrix<double, 6, 1>::Zero();
+        miss.head<3>() = start.position - pose.position;
+        if (turned) {
+            miss.tail<3>() = rotation_vector(pose.orientation, start.orientation) * 0.1;
+            jacobian.bottomRows<3>() *= 0.1;
+        } else {
+            jacobian.bottomRows<3>().setZero();
+        }
         if (miss.norm() < 1e-12) {
             return q;
         }
-        if (miss.norm() > 0.02) {
-            miss *= 0.02 / miss.norm();
-        }
-        const auto j = jacobian.topRows<3>();
-        const Eigen::Matrix3d square = j * j.transpose() + 1e-12 * Eigen::Matrix3d::Identity();
-        const Eigen::Matrix<double, 8, 1> change = j.transpose() * square.inverse() * miss;
-        for (int i = 0; i < profile.joints; ++i) {
-            q[static_cast<std::size_t>(i)] += change[i];
+        miss *= std::min(1.0, longest / miss.norm());
+        const Eigen::Matrix<double, 6, 6> square =
+            jacobian * jacobian.transpose() + 1e-12 * Eigen::Matrix<double, 6, 6>::Identity();
+        const Eigen::Matrix<double, 8, 1> change = jacobian.transpose() * square.ldlt().solve(miss);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(profile.joints); ++i) {
+            q[i] += change[static_cast<Eigen::Index>(i)];
         }
     }
-    if ((target - pose.position).norm() < 1e-9) {
+    if ((start.position - pose.position).norm() < 1e-9 &&
+        (!turned || pose.orientation.angularDistance(start.orientation) < 1e-6)) {
         return q;
     }
     throw std::runtime_error(profile.name + " cannot reach the start of the hand's motion, " +
-                             std::to_string(target.x()) + "," + std::to_string(target.y()) + "," +
-                             std::to_string(target.z()) + " m; keep it within " +
+                             std::to_string(start.position.x()) + "," + std::to_string(start.position.y()) +
+                             "," + std::to_string(start.position.z()) + " m; keep it within " +
                              std::to_string(profile.workspace_radius) + " m of the origin");
 }
 
@@ -120,7 +131,7 @@ struct SimDevice::Body {
     /// The tip where the hand's motion starts, else where it is.
     MotionSample placed(const std::optional<Motion>& motion) {
         if (motion) {
-            arm.place(reach(profile, motion->rows().front().position), {});
+            arm.place(reach(profile, *motion), {});
         }
         return tip();
     }
