@@ -1,5 +1,7 @@
-// A wall. Run `knurld` first, then this: push below z = 0.
+// A wall, 5 mm above the middle of the workspace: it lifts the hand that rests there.
+// Run `knurld --device sim:cartesian3` first.
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
@@ -13,19 +15,19 @@ int main(int argc, char** argv) try {
     const auto end = examples::end_of(argc, argv);
 
     auto client = knurl::Client::connect("knurl:default");
-    auto hand = client.claim();  // the only device; refused: who holds it
-    auto floor =
-        hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.0 /* m */, .stiffness = 800 /* N/m */});
+    auto hand = client.claim();                                      // the only device; refused: who holds it
+    const double height = hand.device().workspace_centre.z + 0.005;  // m
+    auto floor = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = height, .stiffness = 800 /* N/m */});
     hand.arm();
 
-    double deepest = 0, strongest = 0;
+    double strongest = 0, depth = 0;  // N, m
     while (auto report = hand.next_report(50ms)) {
         hand.commit();  // "I am alive": a silent application's force fades
-        deepest = std::min(deepest, report->position.z);
         if (auto felt = floor.felt()) strongest = std::max(strongest, felt->force.z);
+        depth = height - report->position.z;
         if (std::chrono::steady_clock::now() > end) break;
     }
-    std::printf("deepest %.1f mm, strongest %.2f N\n", deepest * 1e3, strongest);
+    std::printf("strongest %.2f N; at the end %.2f mm deep\n", strongest, depth * 1e3);
 } catch (const std::exception& error) {
     return std::fprintf(stderr, "01_wall: %s\n", error.what()), 1;
 }

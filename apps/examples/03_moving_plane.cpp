@@ -1,6 +1,7 @@
 // A curved floor from an application that manages 20 updates a second: each time the plane where the hand
 // will be.
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -12,10 +13,11 @@
 
 using namespace std::chrono_literals;
 
-// The top of a ball of 0.2 m, 10 mm above the workspace's centre line at its highest.
+// A ball of 0.2 m, its top 5 mm above the middle of the workspace.
 knurl::SurfaceModel ball_below(const knurl::Vec3& centre_of_workspace) {
     const double radius = 0.2;  // m
-    const Eigen::Vector3d centre = knurl::to_eigen(centre_of_workspace) - Eigen::Vector3d(0, 0, radius);
+    const Eigen::Vector3d centre =
+        knurl::to_eigen(centre_of_workspace) - Eigen::Vector3d(0, 0, radius - 0.005);
     return [=](const knurl::Vec3& near) -> knurl::SurfacePoint {
         const Eigen::Vector3d outwards = (knurl::to_eigen(near) - centre).normalized();
         return {.foot = knurl::to_plain(centre + radius * outwards), .normal = knurl::to_plain(outwards)};
