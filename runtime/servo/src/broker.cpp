@@ -148,11 +148,12 @@ struct Broker::Impl {
         ++half_open;
     }
 
-    static void refuse(const Connection& to, const Refusal& why) {
+    /// False: the peer does not read.
+    static bool refuse(const Connection& to, const Refusal& why) {
         protocol::Refused message;
         message.holder_pid = static_cast<std::uint32_t>(why.holder_pid);
         std::string(why.what()).copy(message.text, sizeof message.text - 1);
-        shm::send_message(to.socket, bytes_of(message));
+        return shm::send_message(to.socket, bytes_of(message));
     }
 
     void close(std::uint64_t id) {
@@ -264,8 +265,7 @@ struct Broker::Impl {
             const std::array fds{grant.segment_fd, grant.event_fd};
             return shm::send_message(connection.socket, bytes_of(grant.message), fds);
         } catch (const Refusal& refusal) {
-            refuse(connection, refusal);
-            return true;
+            return refuse(connection, refusal);
         }
     }
 

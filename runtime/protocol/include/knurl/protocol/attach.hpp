@@ -58,9 +58,9 @@ struct ClaimRequest {
     std::uint32_t observe = 0;         // 1: reports only
     std::uint32_t shared = 0;          // 1: others may claim the device too, if they say so as well
     std::uint32_t reserved = 0;
-    ClaimCapacity capacity;
+    ClaimCapacity capacity = {};
     double workspace_radius = 0;       // m, of the application's world; 0: the device's own (scale 1)
-    Vec3 workspace_centre;             // m, where the device's centre lies in the application's world
+    Vec3 workspace_centre = {};        // m, where the device's centre lies in the application's world
     double update_interval = 0;        // s, how often it means to commit; 0: measured
 };
 

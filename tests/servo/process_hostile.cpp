@@ -1,0 +1,138 @@
+// Whatever comes through the socket, the servo goes on, nothing leaks, and the next client is served.
+
+#include <random>
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <knurl/shm/socket.hpp>
+
+#include "process_knurld.hpp"
+
+namespace knurl::test {
+namespace {
+
+std::size_t descriptors_of(pid_t pid) {
+    return files_in("/proc/" + std::to_string(pid) + "/fd").size();
+}
+
+/// The servo still cycles and lets somebody in.
+void expect_alive(const Home& home) {
+    RawClient client(home);
+    const Answer welcome = client.greet();
+    ASSERT_TRUE(welcome.welcome);
+    const DeviceView view(welcome.fds.at(0).get());
+    const std::uint64_t cycles = view.count(protocol::Count::cycles);
+    EXPECT_TRUE(eventually([&] { return view.count(protocol::Count::cycles) > cycles; }));
+}
+
+/// Sends without ceremony; a peer that has hung up is not an error here.
+void throw_at(int fd, const std::vector<std::byte>& bytes) {
+    send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+TEST(Hostile, RandomMessagesOfRandomSizeWithDescriptorsAttached) {
+    constexpr unsigned seed = 20240229;
+    SCOPED_TRACE(seed);
+    const Home home;
+    const Knurld knurld(home);
+    { RawClient(home).greet(); }
+    const std::size_t before = descriptors_of(knurld.pid());
+    std::mt19937 random(seed);
+    const auto below = [&](unsigned n) { return std::uniform_int_distribution<unsigned>(0, n - 1)(random); };
+    for (int i = 0; i < 300; ++i) {
+        RawClient client(home);
+        if (below(2) == 0) {
+            ASSERT_TRUE(client.greet().welcome);
+        }
+        for (unsigned messages = 1 + below(4); messages > 0; --messages) {
+            std::vector<std::byte> bytes(1 + below(below(2) == 0 ? 200 : 20'000));
+            for (std::byte& byte : bytes) byte = static_cast<std::byte>(below(256));
+            if (below(2) == 0 && bytes.size() >= 8) {  // far enough to be looked at
+                const std::uint32_t header[2] = {protocol::attach_magic, below(9)};
+                std::memcpy(bytes.data(), header, sizeof header);
+            }
+            if (below(3) == 0) {
+                const std::vector<int> fds(1 + below(16), STDERR_FILENO);
+                client.send_bytes(bytes.data(), bytes.size(), fds);
+            } else {
+                throw_at(client.fd(), bytes);
+            }
+        }
+    }
+    expect_alive(home);
+    EXPECT_TRUE(eventually([&] { return descriptors_of(knurld.pid()) <= before; }))
+        << descriptors_of(knurld.pid()) << " descriptors, " << before << " before";
+}
+
+TEST(Hostile, ClaimsOfRandomNumbersNeitherKillNorLeak) {
+    constexpr unsigned seed = 7;
+    SCOPED_TRACE(seed);
+    const Home home;
+    const Knurld knurld(home);
+    { RawClient(home).greet(); }
+    const std::size_t before = descriptors_of(knurld.pid());
+    std::mt19937_64 random(seed);
+    for (int i = 0; i < 500; ++i) {
+        RawClient client(home);
+        ASSERT_TRUE(client.greet().welcome);
+        protocol::ClaimRequest request;
+        auto* words = reinterpret_cast<std::byte*>(&request) + sizeof(protocol::MessageHeader);
+        for (std::size_t at = 0; at + 8 <= sizeof request - sizeof(protocol::MessageHeader); at += 8) {
+            if (random() % 4 != 0) continue;  // mostly sane, so that the later checks are reached
+            const std::uint64_t word = random() >> (random() % 64);
+            std::memcpy(words + at, &word, 8);
+        }
+        const Answer answer = client.claim(request);
+        EXPECT_TRUE(answer.claimed || answer.refused);
+    }
+    expect_alive(home);
+    EXPECT_TRUE(eventually([&] { return descriptors_of(knurld.pid()) <= before; }));
+}
+
+TEST(Hostile, AThousandConnectsLeaveNoDescriptor) {
+    const Home home;
+    const Knurld knurld(home);
+    { RawClient(home).greet(); }
+    const std::size_t before = descriptors_of(knurld.pid());
+    for (int i = 0; i < 1000; ++i) {
+        RawClient client(home);
+        ASSERT_TRUE(client.greet().welcome);
+        if (i % 4 == 0) {
+            EXPECT_TRUE(client.claim({.observe = 1}).claimed);
+        }
+    }
+    EXPECT_TRUE(eventually([&] { return descriptors_of(knurld.pid()) <= before; }));
+}
+
+TEST(Hostile, CallersWhoSayNothingAreSentAwayAndKeepNobodyOutForLong) {
+    const Home home;
+    const Knurld knurld(home);
+    std::vector<std::unique_ptr<RawClient>> silent;
+    for (int i = 0; i < 20; ++i) silent.push_back(std::make_unique<RawClient>(home));
+    RawClient polite(home);  // behind them in the queue
+    EXPECT_TRUE(polite.greet().welcome);
+    const Answer sent_away = silent.front()->answer();
+    ASSERT_TRUE(sent_away.refused);
+    EXPECT_NE(std::string(sent_away.refused->text).find("no Hello within 2 s"), std::string::npos);
+}
+
+TEST(Hostile, AClientThatNeverReadsIsDroppedAndDelaysNobody) {
+    const Home home;
+    const Knurld knurld(home);
+    RawClient deaf(home);
+    ASSERT_TRUE(deaf.greet().welcome);
+    // Each refused claim is an answer of half a KiB that is not read: the socket's buffer fills, and we are
+    // dropped.
+    const protocol::ClaimRequest impossible{.device = 99};
+    const bool dropped = eventually([&] {
+        const ssize_t n = send(deaf.fd(), &impossible, sizeof impossible, MSG_NOSIGNAL | MSG_DONTWAIT);
+        return n < 0 && errno == EPIPE;
+    });
+    EXPECT_TRUE(dropped);
+    expect_alive(home);
+}
+
+}  // namespace
+}  // namespace knurl::test

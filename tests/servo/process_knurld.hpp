@@ -1,0 +1,140 @@
+#pragma once
+// knurld as a user starts it, and a client that speaks the raw protocol to it. Every wait is for an event,
+// with a deadline after which the test fails.
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include <knurl/protocol/attach.hpp>
+#include <knurl/protocol/device_segment.hpp>
+#include <knurl/shm/fd.hpp>
+#include <knurl/shm/segment.hpp>
+#include <knurl/shm/spsc_ring.hpp>
+
+namespace knurl::test {
+
+inline constexpr std::chrono::seconds patience{30};  // a loaded machine under a sanitizer
+
+/// Looks again and again until it is so. False after `patience`.
+bool eventually(const std::function<bool()>& so);
+
+/// A directory of its own for one test's sockets and state, gone afterwards.
+class Home {
+  public:
+    Home();
+    ~Home();
+    Home(const Home&) = delete;
+    Home& operator=(const Home&) = delete;
+    std::filesystem::path runtime() const { return path_ / "run"; }
+    std::filesystem::path state() const { return path_ / "state"; }
+    std::filesystem::path path() const { return path_; }
+    std::string socket(const std::string& servo = "default") const;
+
+  private:
+    std::filesystem::path path_;
+};
+
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& directory);
+
+/// A program with KNURL_RUNTIME_DIR and KNURL_STATE_DIR in `home`; killed and reaped at the end.
+class Program {
+  public:
+    Program(const Home& home, const std::string& program, const std::vector<std::string>& arguments);
+    ~Program();
+    Program(const Program&) = delete;
+    Program& operator=(const Program&) = delete;
+
+    pid_t pid() const { return pid_; }
+    void signal(int number) const;
+    /// Its exit code, or -signal. Throws if it does not end.
+    int wait();
+    /// All that it has printed on both streams; complete after wait().
+    const std::string& output();
+    /// Throws if that line does not come.
+    void wait_for_output(const std::string& text);
+
+  private:
+    bool read_some(int timeout_ms);
+
+    pid_t pid_ = -1;
+    shm::UniqueFd pidfd_, pipe_;
+    std::string output_;
+};
+
+/// A running servo: returns when it lets clients in.
+class Knurld : public Program {
+  public:
+    explicit Knurld(const Home& home,
+                    const std::vector<std::string>& arguments = {"--device", "sim:premium15"},
+                    const std::string& program = KNURLD);
+    ~Knurld();  // with its guardian
+    pid_t guardian() const { return guardian_; }
+
+  private:
+    pid_t guardian_ = -1;
+};
+
+/// What the broker answered: exactly one of the three, or nothing when it hung up.
+struct Answer {
+    std::optional<protocol::Welcome> welcome;
+    std::optional<protocol::Refused> refused;
+    std::optional<protocol::Claimed> claimed;
+    std::vector<shm::UniqueFd> fds;
+    bool hung_up = false;
+};
+
+class RawClient {
+  public:
+    explicit RawClient(const Home& home, const std::string& servo = "default");
+
+    template <class Message>
+    bool send(const Message& message, const std::vector<int>& fds = {}) {
+        return send_bytes(&message, sizeof message, fds);
+    }
+    bool send_bytes(const void* bytes, std::size_t size, const std::vector<int>& fds = {});
+    Answer answer();
+
+    /// Hello as it should be, and its answer.
+    Answer greet(const std::string& name = "a test");
+    Answer claim(const protocol::ClaimRequest& request);
+    void hang_up() { socket_.reset(); }
+    int fd() const { return socket_.get(); }
+
+  private:
+    shm::UniqueFd socket_;
+};
+
+/// The report memory of a device as a client maps it.
+class DeviceView {
+  public:
+    explicit DeviceView(int fd);
+    protocol::DeviceInfo info() const;
+    std::uint64_t count(protocol::Count which) const;
+    const protocol::ClientRow& row(std::uint32_t i) const;
+    std::optional<Report> newest() const;
+    std::uint32_t held_rows() const;
+
+  private:
+    shm::Segment segment_;
+};
+
+/// A claim with its command ring.
+struct HeldClaim {
+    HeldClaim(const Answer& answer);
+    void arm();
+
+    protocol::Claimed terms;
+    shm::Segment segment;
+    shm::SpscProducer commands;
+    std::uint64_t issued = 0;
+};
+
+}  // namespace knurl::test

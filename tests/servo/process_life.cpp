@@ -1,0 +1,232 @@
+// How a servo begins and ends: one of a name, cleanly on a signal, guarded when it is killed or stands still.
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "probe_device.hpp"
+#include "process_knurld.hpp"
+
+namespace knurl::test {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool sanitized = true;
+#else
+constexpr bool sanitized = false;
+#endif
+
+bool contains(const std::string& whole, const std::string& part) {
+    return whole.find(part) != std::string::npos;
+}
+
+/// A servo on a device that can say what was done to it, its one claim armed and active.
+struct ActiveServo {
+    Home home;
+    shm::UniqueFd file;
+    ProbeRecord* record;
+    std::unique_ptr<Knurld> knurld;
+    std::unique_ptr<RawClient> client;
+    std::unique_ptr<DeviceView> view;
+    std::unique_ptr<HeldClaim> claim;
+
+    ActiveServo() {
+        const std::string path = (home.path() / "device").string();
+        file = shm::UniqueFd(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+        if (ftruncate(file.get(), sizeof(ProbeRecord)) != 0) throw std::runtime_error("ftruncate");
+        record = static_cast<ProbeRecord*>(
+            mmap(nullptr, sizeof(ProbeRecord), PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0));
+        knurld = std::make_unique<Knurld>(home, std::vector<std::string>{"--device", "right=probe:" + path},
+                                          KNURLD_PROBE);
+        client = std::make_unique<RawClient>(home);
+        const Answer welcome = client->greet();
+        view = std::make_unique<DeviceView>(welcome.fds.at(0).get());
+        claim = std::make_unique<HeldClaim>(client->claim({}));
+        claim->arm();
+        if (!eventually([&] { return state() == DeviceState::active; }))
+            throw std::runtime_error("not active");
+    }
+    ~ActiveServo() {
+        knurld.reset();
+        munmap(record, sizeof(ProbeRecord));
+    }
+    DeviceState state() const {
+        const auto report = view->newest();
+        return report ? report->state : DeviceState::disconnected;
+    }
+};
+
+TEST(Life, ASecondServoOfTheSameNameIsRefused) {
+    const Home home;
+    const Knurld first(home);
+    Program second(home, KNURLD, {"--device", "sim:premium15"});
+    EXPECT_NE(second.wait(), 0);
+    EXPECT_TRUE(contains(second.output(), "another servo named default is running")) << second.output();
+    const Knurld other(home, {"--device", "sim:premium15", "--name", "other"});
+    EXPECT_TRUE(RawClient(home).greet().welcome);  // the first one's socket is still its own
+    EXPECT_TRUE(RawClient(home, "other").greet().welcome);
+}
+
+TEST(Life, AStaleSocketIsTakenOverSilently) {
+    const Home home;
+    {
+        Knurld killed(home);
+        killed.signal(SIGKILL);
+        EXPECT_EQ(killed.wait(), -SIGKILL);
+    }
+    ASSERT_TRUE(std::filesystem::exists(home.socket()));
+    Knurld next(home);
+    EXPECT_FALSE(contains(next.output(), "sock:")) << next.output();
+    EXPECT_TRUE(RawClient(home).greet().welcome);
+}
+
+TEST(Life, ASignalEndsItCleanlyAndLeavesNothing) {
+    for (int signal : {SIGTERM, SIGINT, SIGHUP}) {
+        const Home home;
+        Knurld knurld(home);
+        RawClient client(home);
+        ASSERT_TRUE(client.greet().welcome);
+        ASSERT_TRUE(client.claim({}).claimed);
+        knurld.signal(signal);
+        EXPECT_EQ(knurld.wait(), 0);
+        EXPECT_TRUE(contains(knurld.output(), "cycles")) << knurld.output();
+        EXPECT_TRUE(files_in(home.runtime()).empty());
+        EXPECT_TRUE(files_in(home.state()).empty());  // no flight recorder: it said goodbye
+        EXPECT_EQ(kill(knurld.guardian(), 0), -1);    // and its guardian went first
+        EXPECT_TRUE(client.answer().hung_up);
+    }
+}
+
+TEST(Life, AnActiveDeviceRampsDownBeforeTheServoLeaves) {
+    ActiveServo servo;
+    servo.knurld->signal(SIGTERM);
+    EXPECT_EQ(servo.knurld->wait(), 0);
+    EXPECT_EQ(servo.state(), DeviceState::idle);
+    EXPECT_EQ(servo.record->zeroing_pid.load(), static_cast<std::uint64_t>(servo.view->info().servo_pid));
+    EXPECT_TRUE(files_in(servo.home.state()).empty());
+}
+
+TEST(Guardian, ZeroesTheDeviceAndSavesTheFlightRecorderWhenTheServoIsKilled) {
+    ActiveServo servo;
+    const std::uint64_t before = servo.view->newest()->cycle;
+    servo.knurld->signal(SIGKILL);
+    EXPECT_EQ(servo.knurld->wait(), -SIGKILL);
+    EXPECT_TRUE(eventually([&] { return servo.record->zeroings.load() > 0; }));
+    EXPECT_EQ(servo.record->zeroing_pid.load(), static_cast<std::uint64_t>(servo.knurld->guardian()));
+    ASSERT_TRUE(eventually([&] {
+        const auto files = files_in(servo.home.state());
+        return files.size() == 1 && files[0].extension() == ".csv";
+    }));
+
+    const std::filesystem::path path = files_in(servo.home.state())[0];
+    EXPECT_EQ(path.filename().string().rfind("flight-default-right-", 0), 0u) << path;
+    std::ifstream file(path);
+    std::string line, comments;
+    while (std::getline(file, line) && line.rfind('#', 0) == 0) comments += line + "\n";
+    EXPECT_TRUE(contains(comments, "cause: killed")) << comments;
+    EXPECT_TRUE(contains(comments, "build: ")) << comments;
+    const auto columns = std::count(line.begin(), line.end(), ',');
+    EXPECT_EQ(line.rfind("cycle,deadline_ns,read_ns,write_ns,", 0), 0u) << line;
+
+    std::uint64_t rows = 0, last_cycle = 0;
+    std::vector<double> values;
+    while (std::getline(file, line)) {
+        ASSERT_EQ(std::count(line.begin(), line.end(), ','), columns) << line;
+        std::stringstream fields(line);
+        values.clear();
+        for (std::string field; std::getline(fields, field, ',');) {
+            std::size_t used = 0;
+            values.push_back(std::stod(field, &used));
+            ASSERT_EQ(used, field.size()) << field;
+        }
+        const auto cycle = static_cast<std::uint64_t>(values[0]);
+        if (rows > 0) {
+            ASSERT_EQ(cycle, last_cycle + 1);
+        }
+        last_cycle = cycle;
+        ++rows;
+    }
+    // All that a reader could read: up to the last report, 4095 of them or as many as there were.
+    EXPECT_GE(last_cycle, before);
+    EXPECT_GT(rows, 400u);
+    EXPECT_LE(rows, protocol::report_slots - 1);
+
+    // The last row is the last report, to the last bit.
+    const Report last = servo.view->newest().value();
+    EXPECT_EQ(last.cycle, last_cycle);
+    EXPECT_EQ(values[4], last.joints[0]);
+    EXPECT_EQ(values[12], last.position.x);
+    EXPECT_EQ(values[14], last.position.z);
+    EXPECT_EQ(values[15], last.orientation.w);
+}
+
+TEST(Guardian, ZeroesADeviceWhoseServoStandsStillAndTheServoRampsUpAgain) {
+    ActiveServo servo;
+    ASSERT_EQ(servo.record->zeroings.load(), 0u);
+    servo.knurld->signal(SIGSTOP);
+    EXPECT_TRUE(eventually([&] { return servo.record->zeroings.load() == 1; }));
+    EXPECT_EQ(servo.record->zeroing_pid.load(), static_cast<std::uint64_t>(servo.knurld->guardian()));
+    EXPECT_EQ(servo.record->writes_at_zeroing.load(), servo.record->writes.load());  // it stands still indeed
+    servo.knurld->signal(SIGCONT);
+    EXPECT_TRUE(eventually([&] { return servo.view->count(protocol::Count::guardian_zeroings) == 1; }));
+    EXPECT_GE(servo.view->count(protocol::Count::stalls), 1u);
+    EXPECT_TRUE(eventually([&] { return servo.state() == DeviceState::active; }));
+    EXPECT_EQ(servo.record->zeroings.load(), 1u);  // once per stall
+    EXPECT_TRUE(files_in(servo.home.state()).empty());
+}
+
+TEST(Guardian, SeesADeviceThatHoldsUpItsServo) {
+    ActiveServo servo;
+    servo.record->hang.store(1);
+    EXPECT_TRUE(eventually([&] { return servo.record->zeroings.load() == 1; }));
+    servo.record->hang.store(0);
+    EXPECT_TRUE(eventually([&] { return servo.view->count(protocol::Count::guardian_zeroings) == 1; }));
+    EXPECT_TRUE(eventually([&] { return servo.state() == DeviceState::active; }));
+}
+
+TEST(Guardian, TheServoDoesNotGoOnWithoutIt) {
+    ActiveServo servo;
+    kill(servo.knurld->guardian(), SIGKILL);
+    EXPECT_EQ(servo.knurld->wait(), 1);
+    EXPECT_EQ(servo.state(), DeviceState::idle);  // ramped down
+    EXPECT_TRUE(contains(servo.knurld->output(), "the guardian died")) << servo.knurld->output();
+    EXPECT_TRUE(files_in(servo.home.runtime()).empty());
+}
+
+TEST(Guardian, IgnoresTheSignalsThatEndAServo) {
+    const Home home;
+    Knurld knurld(home);
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) ASSERT_EQ(kill(knurld.guardian(), signal), 0);
+    EXPECT_TRUE(RawClient(home).greet().welcome);
+    EXPECT_NE(getpgid(knurld.guardian()), getpgid(knurld.pid()));  // a ^C does not reach it
+    knurld.signal(SIGTERM);
+    EXPECT_EQ(knurld.wait(), 0);
+}
+
+TEST(Memory, SixteenClientsFitInto32MiBLocked) {
+    if (sanitized) GTEST_SKIP() << "sanitizers multiply memory";
+    const Home home;
+    const Knurld knurld(home);
+    std::vector<std::unique_ptr<RawClient>> clients;
+    for (int i = 0; i < 16; ++i) {
+        clients.push_back(std::make_unique<RawClient>(home));
+        ASSERT_TRUE(clients.back()->greet().welcome);
+        ASSERT_TRUE(clients.back()->claim({.shared = 1}).claimed);
+    }
+    std::ifstream status("/proc/" + std::to_string(knurld.pid()) + "/status");
+    long resident_kib = 0;
+    for (std::string line; std::getline(status, line);) {
+        if (line.rfind("VmRSS:", 0) == 0) resident_kib = std::stol(line.substr(6));
+    }
+    RecordProperty("resident_kib", static_cast<int>(resident_kib));
+    EXPECT_GT(resident_kib, 0);
+    EXPECT_LE(resident_kib, 32 * 1024);
+}
+
+}  // namespace
+}  // namespace knurl::test
