@@ -1,13 +1,7 @@
-# What `cmake --install` leaves: programs, headers, static libraries, and two ways to find them from outside:
-# find_package(knurl COMPONENTS client) and pkg-config knurl.
+# `cmake --install` leaves programs (each app installs its own), headers, static libraries (each module its own), and
+# two ways to find them from outside, which are made here: find_package(knurl COMPONENTS client) and pkg-config knurl.
 
 include(CMakePackageConfigHelpers)
-
-foreach(program knurld knurl knurl-surface)
-    if(TARGET ${program})
-        install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-    endif()
-endforeach()
 
 set(knurl_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/knurl)
 install(EXPORT knurlTargets NAMESPACE knurl:: DESTINATION ${knurl_package_dir})

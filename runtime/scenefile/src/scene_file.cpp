@@ -147,7 +147,6 @@ class Resolver {
         Change change = newest.change;
         change.type = Change::Type::remove;
         change.at = entry.at;
-        reset_automatic(entry.kind, change.params);
         apply(scene_.path, entry, change.params);
         keep(entry, std::move(change), newest, false);
     }

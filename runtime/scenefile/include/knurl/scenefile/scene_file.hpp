@@ -43,7 +43,8 @@ struct Change {
     std::uint32_t item = 0;  // which representation: 0, 1, ... in the order in which they are added
     Kind kind = 0;
     Use use;
-    std::vector<std::byte> params;  // kinds()[kind].size bytes; of a removal, those it had, but for the time of the fade
+    std::vector<std::byte> params;  // kinds()[kind].size bytes; of a removal, those it
+                                    // had, but for a recovery that the removal states
     std::string id;                 // as in the file, or made up from kind and line
     std::uint32_t line = 0;
 };
@@ -57,6 +58,7 @@ struct SceneFile {
 
 /// Reads the whole file or throws SceneError at the first thing wrong: nothing is half-applied.
 ///
+/// A removal fades over the recovery that the representation had, or that the removal states.
 /// An update inherits what it does not state from the entry before it, but for `recovery` (every field whose
 /// value may be automatic): that one describes the change itself, and absent it is automatic. `probe`,
 /// `on_silence` and `silence_time` are fixed when a representation is added. A removed id may be used again.

@@ -1,0 +1,112 @@
+// knurl eval: what a scene does to a hand that moves along a motion, without a servo, in an instant.
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "evaluation.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+struct Arguments {
+    std::string scene, motion, out;
+    EvaluationOptions options;
+};
+
+void append(fmt::memory_buffer& text, double value, char end) {
+    // 17 digits: every double comes back to the bit. Adding zero turns -0 into 0.
+    fmt::format_to(std::back_inserter(text), "{:.17g}{}", value + 0.0, end);
+}
+
+void append(fmt::memory_buffer& text, const Vec3& v, char end) {
+    append(text, v.x, ',');
+    append(text, v.y, ',');
+    append(text, v.z, end);
+}
+
+std::string csv_of(const std::vector<EvaluatedCycle>& cycles) {
+    fmt::memory_buffer text;
+    fmt::format_to(std::back_inserter(text), "t,x,y,z,fx,fy,fz,tx,ty,tz,px,py,pz\n");
+    for (const auto& cycle : cycles) {
+        append(text, cycle.t, ',');
+        append(text, cycle.position, ',');
+        append(text, cycle.force, ',');
+        append(text, cycle.torque, ',');
+        append(text, cycle.contact_point, '\n');
+    }
+    return fmt::to_string(text);
+}
+
+void write_file(const std::string& path, const std::string& text) {
+    if (path == "-") {
+        std::fwrite(text.data(), 1, text.size(), stdout);
+        if (std::fflush(stdout) != 0)
+            throw std::runtime_error(std::string("standard output: ") + std::strerror(errno));
+        return;
+    }
+    errno = 0;
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    file.write(text.data(), static_cast<std::streamsize>(text.size()));
+    file.close();
+    if (!file) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
+}
+
+constexpr double lowest_rate = 500, highest_rate = 20'000;  // Hz, as of a servo
+
+int run_eval(const Arguments& arguments) {
+    if (!(arguments.options.rate >= lowest_rate && arguments.options.rate <= highest_rate)) {
+        throw UsageError(fmt::format("--rate is {:g} Hz; give {:g} to {:g} Hz", arguments.options.rate,
+                                     lowest_rate, highest_rate));
+    }
+    const auto scene = scenefile::read_scene(arguments.scene);
+    const auto motion = drivers::load_motion(arguments.motion);
+    const Evaluation evaluation = evaluate(scene, motion, arguments.options);
+    write_file(arguments.out, csv_of(evaluation.cycles));
+    for (const auto& remark : evaluation.remarks) fmt::print(stderr, "knurl eval: {}\n", remark);
+    return 0;
+}
+
+}  // namespace
+
+void add_eval(CLI::App& program, Run& run) {
+    auto* verb = program.add_subcommand(
+        "eval", "Forces of a scene along a motion, offline, through the servo's own cycle");
+    auto arguments = std::make_shared<Arguments>();
+    verb->add_option("--scene", arguments->scene, "scene: one [[table]] per representation")
+        ->required()
+        ->type_name("S.toml");
+    verb->add_option("--motion", arguments->motion, "motion: t,x,y,z[,qw,qx,qy,qz] in s and m")
+        ->required()
+        ->type_name("M.csv");
+    verb->add_option("--out", arguments->out,
+                     "result: t,x,y,z,fx,fy,fz,tx,ty,tz,px,py,pz; - is standard output")
+        ->required()
+        ->type_name("F.csv");
+    verb->add_option("--rate", arguments->options.rate, "cycles per second")
+        ->type_name("HZ")
+        ->capture_default_str();
+    verb->add_option("--device", arguments->options.device,
+                     "the motion is where the hand on this simulated device wants to go; its limits apply")
+        ->type_name("sim:PROFILE");
+    verb->footer(
+        "One row per cycle, t = i/rate, over the motion's span. Force and torque are the scene's, before "
+        "the\n"
+        "supervisor, torque about (x,y,z); p is the contact point of probe 0, else the probe. Without "
+        "--device the\n"
+        "probe is exactly on the motion (linear, slerp; the velocity is that of the segment that begins "
+        "there).");
+    verb->callback([&run, arguments] {
+        arguments->options.motion_file = arguments->motion;
+        run = [arguments] { return run_eval(*arguments); };
+    });
+}
+
+}  // namespace knurl::cli

@@ -1,0 +1,248 @@
+#include "evaluation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <knurl/drivers/motion_device.hpp>
+#include <knurl/drivers/registry.hpp>
+#include <knurl/reps/describe.hpp>
+#include <knurl/servo/offline.hpp>
+
+namespace knurl::cli {
+
+namespace {
+
+using scenefile::Change;
+using scenefile::SceneFile;
+
+/// The cycles i, at t = i/rate, that fall into the motion's span, both ends included.
+struct CycleRange {
+    std::int64_t first, last;
+};
+
+CycleRange cycles_within(const drivers::Motion& motion, double rate) {
+    constexpr double rounding =
+        1e-9;  // s: an end that a decimal file can only state so well is still the end
+    const auto first = static_cast<std::int64_t>(std::ceil((motion.begin() - rounding) * rate));
+    const auto last = static_cast<std::int64_t>(std::floor((motion.end() + rounding) * rate));
+    if (last < first) {
+        throw std::runtime_error(
+            fmt::format("no cycle at {:g} Hz falls into the motion's span, {:g} to {:g} s; give a "
+                        "longer motion or a higher --rate",
+                        rate, motion.begin(), motion.end()));
+    }
+    return {first, last};
+}
+
+/// Who is told about: "plane 'floor'", with the place in the file.
+std::string called(const SceneFile& scene, const Change& change) {
+    return fmt::format("{}:{}: {} '{}'", scene.path, change.line, kinds()[change.kind].name, change.id);
+}
+
+/// Plays a scene's changes into a claim, as an application would: adds and removals are commands of one
+/// group, updates one batch.
+class Player {
+  public:
+    Player(const SceneFile& scene, servo::OfflineClaim& claim)
+        : scene_(scene), claim_(claim), handles_(scene.items) {}
+
+    /// Sends what takes effect in the cycle at `t`; `next_t` is the time of the cycle after it.
+    void send(bool first, double t, double next_t) {
+        claim_.begin_group();
+        if (first) place_probes();
+        bool batch = false;
+        for (; next_ < scene_.changes.size() && due(scene_.changes[next_], first, t); ++next_) {
+            const Change& change = scene_.changes[next_];
+            sent_.push_back(&change);
+            switch (change.type) {
+                case Change::Type::add:
+                    add(change);
+                    break;
+                case Change::Type::update:
+                    batch = update(change.item, change) || batch;
+                    break;
+                case Change::Type::remove:
+                    remove(change);
+                    break;
+            }
+        }
+        // A removal fades over the recovery in force. One that states another brings it along a cycle before,
+        // when it changes nothing that is felt.
+        for (std::size_t i = next_; i < scene_.changes.size() && due(scene_.changes[i], false, next_t); ++i) {
+            const Change& change = scene_.changes[i];
+            const bool present = handles_[change.item].generation != 0;
+            if (change.type == Change::Type::remove && present && change.params != params_[change.item]) {
+                batch = update(change.item, change) || batch;
+            }
+        }
+        push_group(t);
+        if (batch) claim_.commit();
+    }
+
+    /// Throws if the servo refused anything that was sent for this cycle; notes what it applies instead.
+    void check(std::vector<std::string>& remarks) {
+        const auto replies = claim_.replies();
+        answered_ += replies.size();
+        if (answered_ < claim_.issued()) throw std::runtime_error(too_many_);
+        for (const protocol::Reply& reply : replies) {
+            const Verdict verdict{static_cast<Verdict::Code>(reply.code), reply.field, reply.value};
+            if (!verdict) throw std::runtime_error(describe(verdict, reply.kind, refused_by()));
+        }
+        if (sent_.empty()) return;
+        const auto& felt = claim_.feedback();
+        if (felt.header.batches_refused > 0) {
+            const Verdict verdict{static_cast<Verdict::Code>(felt.header.refused_code),
+                                  felt.header.refused_field, felt.header.refused_value};
+            throw std::runtime_error(describe(verdict, felt.header.refused_kind, refused_by()));
+        }
+        for (const Change* change : sent_) {
+            for (const auto& entry : felt.entries) {
+                if (change->type == Change::Type::remove || !(entry.handle == handles_[change->item]))
+                    continue;
+                if ((entry.flags & Feedback::stiffness_clamped) != 0 &&
+                    clamped_.insert(change->item).second) {
+                    remarks.push_back(
+                        fmt::format("{}: stiffness is clamped to {:.6g} N/m, all that the device allows",
+                                    called(scene_, *change), entry.stiffness));
+                }
+                if ((entry.flags & Feedback::infeasible) != 0 && infeasible_.insert(change->item).second) {
+                    remarks.push_back(
+                        fmt::format("{}: contradicts other planes; no point is free of all of them",
+                                    called(scene_, *change)));
+                }
+            }
+        }
+        sent_.clear();
+    }
+
+  private:
+    /// Entries at 0 s or before the motion are there from the start, wherever it starts.
+    static bool due(const Change& change, bool first, double t) {
+        return change.at <= t || (first && change.at <= 0);
+    }
+
+    std::string refused_by() const {
+        return fmt::format("{}:{}", scene_.path, sent_.empty() ? 1 : sent_.front()->line);
+    }
+
+    void push_group(double t) {
+        too_many_ =
+            fmt::format("{}: {} changes at {:g} s are more than one cycle can take; spread them over several",
+                        refused_by(), sent_.size(), t);
+        try {
+            claim_.end_group();
+        } catch (const std::runtime_error&) {  // the command ring is full
+            throw std::runtime_error(too_many_);
+        }
+    }
+
+    void place_probes() {
+        for (std::uint32_t i = 0; i < scene_.probes.size(); ++i) claim_.place_probe(i, scene_.probes[i]);
+    }
+
+    void add(const Change& change) {
+        Handle& handle = handles_[change.item];
+        if (!free_slots_.empty()) {
+            handle = free_slots_.back();
+            free_slots_.pop_back();
+            ++handle.generation;
+        } else if (slots_ < Scene::max_representations) {
+            handle = {slots_++, 1};
+        } else {
+            throw std::runtime_error(
+                fmt::format("{}: more than {} representations at once; remove some before",
+                            called(scene_, change), Scene::max_representations));
+        }
+        claim_.add(handle, change.kind, change.params.data(), change.params.size(), change.use);
+        params_[change.item] = change.params;
+    }
+
+    bool update(std::uint32_t item, const Change& change) {
+        claim_.update(handles_[item], change.kind, change.params.data(), change.params.size());
+        params_[item] = change.params;
+        return true;
+    }
+
+    void remove(const Change& change) {
+        claim_.remove(handles_[change.item]);
+        free_slots_.push_back(handles_[change.item]);
+        handles_[change.item] = {};
+    }
+
+    const SceneFile& scene_;
+    servo::OfflineClaim& claim_;
+    std::vector<Handle> handles_;     // per item; generation 0: not there
+    std::vector<Handle> free_slots_;  // as they were last used
+    std::vector<std::vector<std::byte>> params_ =
+        std::vector<std::vector<std::byte>>(scene_.items);  // in force
+    std::vector<const Change*> sent_;                       // for this cycle
+    std::set<std::uint32_t> clamped_, infeasible_;          // items that were remarked upon
+    std::size_t next_ = 0;                                  // change
+    std::uint32_t slots_ = 0;                               // ever used
+    std::uint64_t answered_ = 0;                            // commands
+    std::string too_many_;                                  // what to say if this cycle's changes do not fit
+};
+
+servo::ClaimTerms terms_for(const SceneFile& scene, const drivers::Device& device, bool limited,
+                            double rate) {
+    servo::ClaimTerms terms;  // the frame is the world's: scale 1, centre 0
+    terms.capacity.representations = std::clamp(scene.items, 1u, Scene::max_representations);
+    terms.capacity.batch_bytes = protocol::max_batch_bytes;
+    terms.limits.period = 1 / rate;
+    if (limited) terms.limits = servo::limits_for(device.link(), rate, terms.frame);
+    return terms;
+}
+
+EvaluatedCycle cycle_of(double t, const Report& report) {
+    return {.t = t,
+            .position = report.position,
+            .force = report.scene_force,
+            .torque = report.scene_torque,
+            .contact_point = report.contact_point};
+}
+
+std::unique_ptr<drivers::Device> simulated(const EvaluationOptions& options) {
+    if (!options.device.starts_with("sim:")) {
+        throw std::runtime_error("--device " + options.device +
+                                 ": only a simulated device can be evaluated offline; "
+                                 "give sim:PROFILE, for instance sim:premium15");
+    }
+    return drivers::open_device(options.device, {.hand_file = options.motion_file});
+}
+
+}  // namespace
+
+Evaluation evaluate(const SceneFile& scene, const drivers::Motion& motion, const EvaluationOptions& options) {
+    const CycleRange cycles = cycles_within(motion, options.rate);
+    const bool limited = !options.device.empty();
+    drivers::MotionDevice exact(motion);
+    const std::unique_ptr<drivers::Device> simulation = limited ? simulated(options) : nullptr;
+    drivers::Device& device = limited ? *simulation : exact;
+
+    auto servo_options = servo::offline_options(options.rate);
+    servo_options.supervisor.off = !limited;
+    servo::Offline servo(device, servo_options);
+    servo::OfflineClaim& claim = servo.claim(terms_for(scene, device, limited, options.rate));
+    Player player(scene, claim);
+
+    Evaluation result;
+    result.cycles.reserve(static_cast<std::size_t>(cycles.last - cycles.first + 1));
+    for (std::int64_t i = cycles.first; i <= cycles.last; ++i) {
+        const double t = static_cast<double>(i) / options.rate;
+        // The ends of the span by rounding are its ends: beyond them a motion rests.
+        exact.at(std::clamp(t, motion.begin(), motion.end()));
+        player.send(i == cycles.first, t, static_cast<double>(i + 1) / options.rate);
+        const Report& report = servo.step();
+        player.check(result.remarks);
+        result.cycles.push_back(cycle_of(t, report));
+    }
+    return result;
+}
+
+}  // namespace knurl::cli

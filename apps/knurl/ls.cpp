@@ -1,0 +1,184 @@
+// knurl ls: servos, devices, clients, representations, who holds what.
+
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <knurl/protocol/attach.hpp>
+
+#include "servo_view.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+using nlohmann::json;
+
+std::string_view state_name(DeviceState state) {
+    constexpr std::string_view names[] = {"disconnected", "idle",      "armed", "ramp up",
+                                          "active",       "ramp down", "fault"};
+    const auto index = static_cast<std::size_t>(state);
+    return index < std::size(names) ? names[index] : "unknown";
+}
+
+std::string fault_names(std::uint32_t mask) {
+    constexpr std::string_view names[] = {"not finite", "slew",        "speed",        "power",
+                                          "unplugged",  "bad samples", "encoder jump", "clock jump",
+                                          "kinematics", "guardian"};
+    std::string text;
+    for (std::size_t bit = 0; bit < std::size(names); ++bit) {
+        if ((mask >> bit & 1) != 0) text += (text.empty() ? "" : ", ") + std::string(names[bit]);
+    }
+    return text;
+}
+
+DeviceState state_of(const DeviceView& device) {
+    return device.report ? device.report->state : DeviceState::disconnected;
+}
+
+std::uint32_t faults_of(const DeviceView& device) {
+    return device.report ? device.report->faults : 0;
+}
+
+double force_of(const DeviceView& device) {
+    return device.report ? to_eigen(device.report->sent_force).norm() : 0;
+}
+
+std::string representations_text(const ClientView& client) {
+    std::string text;
+    for (std::size_t kind = 0; kind < client.present.size(); ++kind) {
+        if (client.present[kind] == 0) continue;
+        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", client.present[kind], kinds()[kind].name);
+    }
+    return text.empty() ? "nothing to feel" : text;
+}
+
+void print_client(const ClientView& client) {
+    const std::string who = client.name.empty() ? "" : " " + client.name;
+    if (client.observer) {
+        fmt::print("    pid {}{} observes\n", client.pid, who);
+        return;
+    }
+    fmt::print("    pid {}{} holds it{}: {}", client.pid, who, client.shared ? " (shared)" : "",
+               representations_text(client));
+    if (client.update_rate > 0) {
+        fmt::print(", {:.3g} updates/s, {:.3g} ms old when used", client.update_rate, client.age * 1e3);
+    }
+    fmt::print(", gain {:.2f}", client.gain);
+    if (client.refused > 0) fmt::print(", {} updates refused", client.refused);
+    if (client.silent) fmt::print(", silent");
+    fmt::print("\n");
+}
+
+void print_device(const DeviceView& device) {
+    const auto& info = device.info;
+    fmt::print("  {} ({}, {:g} Hz): {}", info.name, info.address, info.rate, state_name(state_of(device)));
+    if (faults_of(device) != 0) fmt::print(" ({})", fault_names(faults_of(device)));
+    fmt::print(", k_max {:.4g} N/m, force {:.2f} of {:.3g} N, {} of {} cycles late\n", info.max_stiffness,
+               force_of(device), info.peak_force, device.counters.at("late_cycles"),
+               device.counters.at("cycles"));
+    if (device.clients.empty()) fmt::print("    nobody holds it\n");
+    for (const auto& client : device.clients) print_client(client);
+}
+
+int print_text(const std::vector<ServoView>& servos) {
+    std::size_t alive = 0;
+    for (const auto& servo : servos) {
+        if (servo.dead) {
+            fmt::print(
+                "knurl:{}: dead, its socket was left behind ({}); the next servo of that name takes it "
+                "over\n",
+                servo.name, servo.socket);
+            continue;
+        }
+        if (!servo.problem.empty()) {
+            fmt::print("knurl:{}: {}\n", servo.name, servo.problem);
+            continue;
+        }
+        ++alive;
+        fmt::print("knurl:{}: pid {}\n", servo.name, servo.pid);
+        for (const auto& device : servo.devices) print_device(device);
+    }
+    if (alive == 0) {
+        fmt::print("no servo is running (looked in {}); start one with: knurld --device sim:premium15\n",
+                   protocol::runtime_directory());
+    }
+    return 0;
+}
+
+json json_of(const ClientView& client) {
+    json representations = json::object();
+    for (std::size_t kind = 0; kind < client.present.size(); ++kind) {
+        representations[std::string(kinds()[kind].name)] = client.present[kind];
+    }
+    return {{"pid", client.pid},
+            {"name", client.name},
+            {"role", client.observer ? "observer" : "claim"},
+            {"shared", client.shared},
+            {"silent", client.silent},
+            {"update_rate", client.update_rate},
+            {"age_at_use", client.age},
+            {"gain", client.gain},
+            {"updates", client.commits},
+            {"updates_refused", client.refused},
+            {"updates_merged", client.merged},
+            {"representations", representations}};
+}
+
+json json_of(const DeviceView& device) {
+    const auto& info = device.info;
+    json clients = json::array();
+    json holders = json::array();
+    for (const auto& client : device.clients) {
+        clients.push_back(json_of(client));
+        if (!client.observer) holders.push_back(client.pid);
+    }
+    return {{"name", info.name},
+            {"address", info.address},
+            {"profile", info.profile},
+            {"serial", info.serial},
+            {"rate", info.rate},
+            {"state", state_name(state_of(device))},
+            {"faults", faults_of(device)},
+            {"k_max", info.max_stiffness},
+            {"peak_force", info.peak_force},
+            {"force", force_of(device)},
+            {"renders_torque", info.renders_torque != 0},
+            {"held_by", holders},
+            {"counters", device.counters},
+            {"clients", clients}};
+}
+
+int print_json(const std::vector<ServoView>& servos) {
+    json list = json::array();
+    for (const auto& servo : servos) {
+        json devices = json::array();
+        for (const auto& device : servo.devices) devices.push_back(json_of(device));
+        list.push_back({{"name", servo.name},
+                        {"address", "knurl:" + servo.name},
+                        {"socket", servo.socket},
+                        {"pid", servo.pid},
+                        {"alive", servo.problem.empty()},
+                        {"problem", servo.problem},
+                        {"devices", devices}});
+    }
+    // Names come from other processes and need not be UTF-8.
+    fmt::print("{}\n", json{{"servos", list}}.dump(2, ' ', false, json::error_handler_t::replace));
+    return 0;
+}
+
+}  // namespace
+
+void add_ls(CLI::App& program, Run& run) {
+    auto* verb = program.add_subcommand("ls", "Servos, devices, clients, representations, who holds what");
+    auto as_json = std::make_shared<bool>(false);
+    verb->add_flag("--json", *as_json, "the same for programs (SI units)");
+    verb->footer("Without any servo it says so and succeeds: an empty list is an answer.");
+    verb->callback([&run, as_json] {
+        run = [as_json] { return *as_json ? print_json(look_at_all()) : print_text(look_at_all()); };
+    });
+}
+
+}  // namespace knurl::cli

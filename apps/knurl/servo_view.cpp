@@ -1,0 +1,179 @@
+#include "servo_view.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <system_error>
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <knurl/protocol/attach.hpp>
+#include <knurl/shm/broadcast_ring.hpp>
+#include <knurl/shm/counters.hpp>
+#include <knurl/shm/socket.hpp>
+
+namespace knurl::cli {
+
+namespace {
+
+constexpr int answer_within_ms = 2000;
+
+template <std::size_t N>
+std::string text_of(const char (&text)[N]) {
+    return {text, strnlen(text, N)};
+}
+
+std::string name_of(const std::string& socket) {
+    return std::filesystem::path(socket).stem().string();
+}
+
+/// The broker's answer to our Hello; throws what it refuses us for.
+protocol::Welcome greet(const shm::UniqueFd& connection, std::vector<shm::UniqueFd>& segments) {
+    protocol::Hello hello;
+    hello.layout = protocol::wire_hash();
+    std::strncpy(hello.client, "knurl", sizeof hello.client - 1);
+    if (!shm::send_message(connection, std::as_bytes(std::span(&hello, 1)))) {
+        throw std::runtime_error("the servo hung up");
+    }
+    pollfd wait{.fd = connection.get(), .events = POLLIN, .revents = 0};
+    if (::poll(&wait, 1, answer_within_ms) <= 0)
+        throw std::runtime_error("the servo does not answer; is it stopped?");
+
+    alignas(8) std::byte buffer[std::max(sizeof(protocol::Welcome), sizeof(protocol::Refused))];
+    auto received = shm::receive_message(connection, buffer);
+    protocol::MessageHeader header;
+    if (received.closed || received.bytes < sizeof header) throw std::runtime_error("the servo hung up");
+    std::memcpy(&header, buffer, sizeof header);
+    if (header.magic == protocol::attach_magic && header.type == protocol::MessageType::refused &&
+        received.bytes == sizeof(protocol::Refused)) {
+        protocol::Refused refused;
+        std::memcpy(&refused, buffer, sizeof refused);
+        throw std::runtime_error(text_of(refused.text));
+    }
+    protocol::Welcome welcome;
+    if (header.magic != protocol::attach_magic || header.type != protocol::MessageType::welcome ||
+        received.bytes != sizeof welcome) {
+        throw std::runtime_error("what listens there is no servo of this version of Knurl");
+    }
+    std::memcpy(&welcome, buffer, sizeof welcome);
+    if (welcome.devices != received.fds.size() || welcome.devices > protocol::max_devices) {
+        throw std::runtime_error("the servo sent no memory for its devices");
+    }
+    segments = std::move(received.fds);
+    return welcome;
+}
+
+/// One row, or none if it is free. The broker writes the identity between two odd-even steps of `sequence`;
+/// the servo's words are each whole by themselves.
+std::optional<ClientView> read_row(const protocol::ClientRow& row) {
+    constexpr int attempts = 100;  // an identity changes only when somebody comes or goes
+    ClientView view;
+    for (int i = 0; i < attempts; ++i) {
+        const std::uint64_t before =
+            row.sequence.load(std::memory_order_acquire);  // pairs with the broker's release
+        std::uint64_t name[protocol::name_bytes / 8];
+        // Each acquire keeps the second look at `sequence` behind it: had the broker begun to change them, it
+        // is seen.
+        const std::uint64_t pid = row.pid.load(std::memory_order_acquire);
+        const std::uint64_t role = row.role.load(std::memory_order_acquire);
+        const std::uint64_t shared = row.shared.load(std::memory_order_acquire);
+        for (std::size_t word = 0; word < std::size(name); ++word)
+            name[word] = row.name[word].load(std::memory_order_acquire);
+        if (before % 2 != 0 || row.sequence.load(std::memory_order_relaxed) != before) continue;
+        if (before == 0 || pid == 0) return std::nullopt;
+        char text[protocol::name_bytes];
+        std::memcpy(text, name, sizeof text);
+        view.name = text_of(text);
+        view.pid = static_cast<pid_t>(pid);
+        view.observer = role == 2;
+        view.shared = shared != 0;
+        break;
+    }
+    if (view.pid == 0) return std::nullopt;
+    const auto word = [](const std::atomic<std::uint64_t>& value) {
+        return value.load(std::memory_order_relaxed);
+    };
+    view.silent = word(row.silent) != 0;
+    const double interval = static_cast<double>(word(row.interval_ns)) * 1e-9;
+    view.update_rate = interval > 0 ? 1 / interval : 0;
+    view.age = static_cast<double>(word(row.age_ns)) * 1e-9;
+    view.gain = static_cast<double>(word(row.gain_ppm)) * 1e-6;
+    view.commits = word(row.commits);
+    view.refused = word(row.refused);
+    view.merged = word(row.merged);
+    for (const auto& count : row.present) view.present.push_back(word(count));
+    return view;
+}
+
+DeviceView look_at_device(const std::byte* memory) {
+    constexpr auto layout = protocol::device_layout();
+    DeviceView view;
+    std::memcpy(&view.info, memory + layout.info, sizeof view.info);
+    const shm::CountersReader counters(memory + layout.counters, protocol::count_names);
+    for (std::size_t i = 0; i < counters.size(); ++i)
+        view.counters[std::string(counters.name(i))] = counters.read(i);
+    shm::BroadcastReader reports(memory + layout.reports, protocol::report_slots, sizeof(Report));
+    Report report;
+    if (reports.latest(&report)) view.report = report;
+    const auto* rows = reinterpret_cast<const protocol::ClientRow*>(memory + layout.clients);
+    for (std::uint32_t i = 0; i < protocol::max_clients; ++i) {
+        if (auto client = read_row(rows[i])) view.clients.push_back(std::move(*client));
+    }
+    return view;
+}
+
+}  // namespace
+
+ServoWatch::ServoWatch(const std::string& socket) : socket_(socket) {
+    const auto connection = shm::connect_to(socket);
+    std::vector<shm::UniqueFd> descriptors;
+    const auto welcome = greet(connection, descriptors);
+    pid_ = static_cast<pid_t>(welcome.servo_pid);
+    for (const auto& descriptor : descriptors) {
+        segments_.push_back(shm::Segment::open(descriptor.get(), protocol::device_layout().total,
+                                               shm::Segment::Access::read_only));
+    }
+}
+
+ServoView ServoWatch::look() const {
+    ServoView view{.name = name_of(socket_),
+                   .socket = socket_,
+                   .problem = {},
+                   .dead = false,
+                   .pid = pid_,
+                   .devices = {}};
+    for (const auto& segment : segments_) view.devices.push_back(look_at_device(segment.data()));
+    return view;
+}
+
+std::vector<ServoView> look_at_all() {
+    std::vector<ServoView> views;
+    const std::string directory = protocol::runtime_directory();
+    std::error_code none;
+    for (const auto& file : std::filesystem::directory_iterator(directory, none)) {
+        if (file.path().extension() != ".sock") continue;
+        const std::string socket = file.path().string();
+        try {
+            views.push_back(ServoWatch(socket).look());
+        } catch (const std::runtime_error& error) {
+            ServoView view{.name = name_of(socket),
+                           .socket = socket,
+                           .problem = error.what(),
+                           .dead = false,
+                           .pid = 0,
+                           .devices = {}};
+            view.dead = view.problem.find("Connection refused") != std::string::npos;
+            views.push_back(std::move(view));
+        }
+    }
+    if (none && none != std::errc::no_such_file_or_directory) {
+        throw std::runtime_error(directory + ": cannot be read: " + none.message());
+    }
+    std::sort(views.begin(), views.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+    return views;
+}
+
+}  // namespace knurl::cli

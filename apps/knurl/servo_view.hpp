@@ -1,0 +1,64 @@
+#pragma once
+// A look at a running servo: what its report memory says, read through a mapping that cannot be written.
+// Looking claims nothing, and the servo does nothing for it.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include <knurl/protocol/device_segment.hpp>
+#include <knurl/shm/segment.hpp>
+
+namespace knurl::cli {
+
+struct ClientView {
+    pid_t pid = 0;
+    std::string name;
+    bool observer = false;                               // else it holds the device
+    bool shared = false;                                 // lets others hold it too
+    bool silent = false;                                 // its representations act on its silence
+    double update_rate = 0;                              // Hz, measured; 0: not yet
+    double age = 0;                                      // s, of its newest batch when it was used
+    double gain = 0;                                     // 0-1
+    std::uint64_t commits = 0, refused = 0, merged = 0;  // batches
+    std::vector<std::uint64_t> present;                  // representations of each kind
+};
+
+struct DeviceView {
+    protocol::DeviceInfo info;
+    std::map<std::string, std::uint64_t> counters;  // by protocol::count_names
+    std::optional<Report> report;                   // the newest
+    std::vector<ClientView> clients;
+};
+
+struct ServoView {
+    std::string name;     // "default"
+    std::string socket;   // path
+    std::string problem;  // why it cannot be looked at; empty: it can
+    bool dead = false;    // the socket is one that a killed servo left behind
+    pid_t pid = 0;
+    std::vector<DeviceView> devices;
+};
+
+/// The mapped memory of a servo's devices; may be looked at again and again.
+class ServoWatch {
+  public:
+    /// Throws std::runtime_error: nobody listens there, or the servo is of another build.
+    explicit ServoWatch(const std::string& socket);
+
+    ServoView look() const;
+
+  private:
+    std::string socket_;
+    pid_t pid_ = 0;
+    std::vector<shm::Segment> segments_;
+};
+
+/// All servos whose sockets lie in protocol::runtime_directory(), by name; dead ones and strangers say so.
+std::vector<ServoView> look_at_all();
+
+}  // namespace knurl::cli
