@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""All results of scripts/bench as one Markdown table: bench_table.py FOLDER.
+
+Google Benchmark's files (*.google.json) become the form that the other programs write, beside them: the
+repetitions' median is p50, and each function is related to the reference that ran shuffled with it."""
+
+import datetime
+import json
+import pathlib
+import platform
+import re
+import statistics
+import sys
+
+# What a function is measured against, by pattern; \1 is the size.
+REFERENCES = [
+    (r"(?:cold|warm)/(\d+)", r"naive_sum/\1"),
+    (r"(?:cartesian|three_axes|six_axes|seven_axes)", "three_sincos"),
+    (r"cycle_.*", "read_and_kinematics"),
+]
+
+
+def reference_of(name, known):
+    for pattern, reference in REFERENCES:
+        if re.fullmatch(pattern, name):
+            candidate = re.sub(f"^{pattern}$", reference, name)
+            return candidate if candidate in known and candidate != name else None
+    return None
+
+
+def from_google(path, machine):
+    data = json.loads(path.read_text())
+    samples = {}
+    for run in data["benchmarks"]:
+        if run["run_type"] == "iteration":
+            name = re.sub(r"/(iterations|repeats):\d+", "", run["name"])
+            samples.setdefault(name, []).append(run["cpu_time"])
+    results = []
+    for name, times in samples.items():
+        reference = reference_of(name, samples)
+        p50 = statistics.median(times)
+        ratio = p50 / statistics.median(samples[reference]) if reference else None
+        results.append({"name": name, "unit": "ns", "n": len(times), "p50": p50, "p99": None, "p999": None,
+                        "max": max(times), "reference": reference, "ratio": ratio})
+    context = data["context"]
+    run = {"machine": dict(machine, load=str(context.get("load_avg", "")), date=context["date"]),
+           "results": results}
+    path.with_name(path.name.replace(".google.json", ".json")).write_text(json.dumps(run, indent=1) + "\n")
+
+
+def this_machine(folder):
+    for path in folder.glob("*.json"):
+        data = json.loads(path.read_text())
+        if "machine" in data:
+            return data["machine"]
+    return {"processor": platform.processor(), "cpus": None, "kernel": platform.release(), "load": "", "idle": "",
+            "build": "", "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")}
+
+
+def number(value):
+    return "" if value is None else f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+
+
+def main():
+    if len(sys.argv) != 2 or not pathlib.Path(sys.argv[1]).is_dir():
+        sys.exit("bench_table.py: name the folder that scripts/bench wrote, e.g. out/bench")
+    folder = pathlib.Path(sys.argv[1])
+    machine = this_machine(folder)
+    for path in sorted(folder.glob("*.google.json")):
+        from_google(path, machine)
+    print("\n" + ", ".join(f"{key}: {value}" for key, value in machine.items()))
+    print("\n| program | what | unit | n | p50 | p99 | p99.9 | max | beside | ratio |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    for path in sorted(folder.glob("*.json")):
+        if path.name.endswith(".google.json"):
+            continue
+        for r in json.loads(path.read_text())["results"]:
+            print(f"| {path.stem} | {r['name']} | {r['unit']} | {r['n']} | {number(r['p50'])} | {number(r['p99'])} "
+                  f"| {number(r['p999'])} | {number(r['max'])} | {r['reference'] or ''} | {number(r['ratio'])} |")
+
+
+if __name__ == "__main__":
+    main()
