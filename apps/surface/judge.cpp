@@ -44,7 +44,8 @@ Judgement judge(const std::vector<Cycle>& cycles, const std::vector<Terrain::Foo
         }
         // A step of force counts wherever it comes, the first touch included.
         if (i > 0 && cycle.number == cycles[i - 1].number + 1) {
-            const double jump = (cycle.force - cycles[i - 1].force).norm();
+            const double periods = cycle.gap > 1.5 * span.period ? cycle.gap / span.period : 1;
+            const double jump = (cycle.force - cycles[i - 1].force).norm() / periods;
             result.jumps += jump > limits.jump;
             if (jump > result.jump) result.jump = jump, result.jump_at = cycle.t;
         }

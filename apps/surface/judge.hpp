@@ -24,6 +24,7 @@ struct Cycle {
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
     Eigen::Vector3d force = Eigen::Vector3d::Zero();     // N, the scene's, before the supervisor
     std::uint32_t faults = 0;      // the device's mask; not 0: this and later cycles are void
+    double gap = 0;                // s since the sample of the cycle before was read; 0: on time
     std::uint64_t late_count = 0;  // of the servo since its start
 };
 
@@ -41,6 +42,7 @@ struct Ideal {
 /// When, in seconds of Cycle::t: the stroke is judged from its first touch to `end`, the rest from `rest_at`.
 struct Span {
     double rest_at = 0, end = 0;
+    double period = 1e-3;  // s, the servo's
 };
 
 struct Judgement {

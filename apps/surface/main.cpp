@@ -103,7 +103,7 @@ int run(const Wishes& wishes) {
         {.name = "knurl-surface", .wait = std::chrono::milliseconds(static_cast<int>(wishes.wait * 1e3))});
     surface::RunText text{.model = model.name,
                           .scale = relief.statement,
-                          .machine = surface::this_machine(),
+                          .machine = knurl::measure::this_machine(),
                           .rate = wishes.run.rate,
                           .think = wishes.run.think};
     for (const auto& device : client.devices())
@@ -115,7 +115,8 @@ int run(const Wishes& wishes) {
 
     surface::StrokeRun stroke = wishes.run;
     stroke.device = wishes.device;
-    stroke.span = {.rest_at = path.rest_at, .end = path.end};
+    stroke.span = {
+        .rest_at = path.rest_at, .end = path.end, .period = text.servo_rate > 0 ? 1 / text.servo_rate : 1e-3};
     std::vector<surface::Outcome> outcomes;
     for (const auto way : ways) {
         if (stop) break;

@@ -29,6 +29,10 @@ double quantile(std::vector<double> values, double p) {
     return *at;
 }
 
+std::string machine_sentence(const knurl::measure::Machine& m) {
+    return fmt::format("{}, {} CPUs, Linux {}, load {}, {}", m.processor, m.cpus, m.kernel, m.load, m.build);
+}
+
 std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
     std::string out;
     const auto line = [&](const std::string& name, const std::function<std::string(const Outcome&)>& cell) {
@@ -85,7 +89,7 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
     out += fmt::format(
         "\nstable = jump <= 1 N a cycle, speed off the surface <= 0.3 m/s, limit cycle < 0.1 mm; forces are "
         "the scene's,\nbefore the supervisor. {}, {}\n",
-        text.machine.sentence(), text.machine.date);
+        machine_sentence(text.machine), text.machine.date);
     return out;
 }
 

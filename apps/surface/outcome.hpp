@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <measure.hpp>
+
 #include "judge.hpp"
-#include "machine.hpp"
 #include "recording.hpp"
 
 namespace surface {
@@ -26,11 +27,13 @@ struct RunText {
     std::string model = {};   // the file's name
     std::string scale = {};   // Relief::statement
     std::string device = {};  // "premium15 (sim:premium15)"
-    Machine machine = {};
+    knurl::measure::Machine machine = {};
     double servo_rate = 0;  // Hz
     double rate = 0;        // Hz, of the application
     double think = 0;       // s
 };
+
+std::string machine_sentence(const knurl::measure::Machine& machine);
 
 /// For a terminal at least 100 columns wide.
 std::string table(const std::vector<Outcome>& outcomes, const RunText& text);

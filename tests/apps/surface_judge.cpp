@@ -95,6 +95,15 @@ TEST(Judge, AStepAcrossMissedReportsIsNoJump) {
     EXPECT_LT(j.jump, 0.1);
 }
 
+TEST(Judge, OverALateCycleTheStepIsSharedAmongThePeriodsThatItTook) {
+    Made made;
+    for (std::size_t i = 1500; i < made.cycles.size(); ++i) made.cycles[i].force.x() += 3;
+    made.cycles[1500].gap = 6e-3;
+    EXPECT_NEAR(made.judged().jump, 0.5, 1e-6);
+    made.cycles[1500].gap = 1.2e-3;  // jitter is not late
+    EXPECT_NEAR(made.judged().jump, 3, 1e-6);
+}
+
 TEST(Judge, SpeedAwayFromTheSurfaceIsAKickSpeedAlongOrIntoItIsNot) {
     Made made;
     made.cycles[1000].velocity = {0, 0, 0.31};
