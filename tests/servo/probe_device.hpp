@@ -12,7 +12,8 @@ struct ProbeRecord {
     std::atomic<std::uint64_t> zeroings;     // make_safe, by whichever process
     std::atomic<std::uint64_t> zeroing_pid;  // the last one's
     std::atomic<std::uint64_t> writes_at_zeroing;
-    std::atomic<std::uint64_t> hang;  // not 0: read() does not return while this is so
+    std::atomic<std::uint64_t> zeroing_ns;  // CLOCK_MONOTONIC
+    std::atomic<std::uint64_t> hang;        // not 0: read() does not return while this is so
 };
 
 }  // namespace knurl::test

@@ -1,5 +1,6 @@
 // knurld with one more driver: "probe:FILE" is sim:premium15 that keeps a ProbeRecord in FILE.
 
+#include <ctime>
 #include <memory>
 #include <stdexcept>
 
@@ -35,6 +36,9 @@ class ProbeDevice final : public drivers::Device {
     void notify(drivers::Notice notice) noexcept override { inner_->notify(notice); }
     void make_safe() noexcept override {
         record_.writes_at_zeroing.store(record_.writes.load());
+        timespec now{};
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        record_.zeroing_ns.store(static_cast<std::uint64_t>(now.tv_sec * 1'000'000'000 + now.tv_nsec));
         record_.zeroing_pid.store(static_cast<std::uint64_t>(getpid()));
         record_.zeroings.fetch_add(1);
     }

@@ -183,7 +183,13 @@ void ClaimTable::identify(std::uint32_t index, const Peer& peer, std::uint64_t r
 
 void ClaimTable::clear(std::uint32_t index) noexcept {
     Row& row = rows_[index];
-    waker_.remove(flag_in(row.segment));  // before it is unmapped
+    waker_.remove(flag_in(row.segment));              // before it is unmapped
+    protocol::ClientRow& shared = shared_row(index);  // the servo's half too: it has let go of the row
+    for (auto* word : {&shared.commits, &shared.refused, &shared.merged, &shared.age_ns, &shared.interval_ns,
+                       &shared.gain_ppm, &shared.silent}) {
+        word->store(0, std::memory_order_relaxed);
+    }
+    for (auto& word : shared.present) word.store(0, std::memory_order_relaxed);
     identify(index, {}, 0, false);
     row = Row{};
 }

@@ -316,7 +316,7 @@ void check_limits(const SupervisorLimits& limits, const drivers::LinkConfig& lin
 std::string config_help() {
     std::string help = "Keys of the --config file (TOML, SI units):\n";
     const auto line = [&](std::string_view key, std::string_view rest) {
-        help += fmt::format("  {:<28} {}\n", key, rest);
+        help += fmt::format("  {:<36} {}\n", key, rest);
     };
     line("name", "of the servo, \"default\"");
     for (const Range& range :
@@ -329,8 +329,13 @@ std::string config_help() {
     line("[[device]] address", "\"sim:premium15\"");
     line("[[device]] hand", "motion of a simulated hand, CSV t,x,y,z[,qw,qx,qy,qz]");
     line("[[device]] seed", "of a simulated device's noise");
-    for (const LimitKey& key : limit_keys)
-        line(fmt::format("[device.limits] {}", key.range.key), allowed(key.range));
+    for (const LimitKey& key : limit_keys) {
+        const bool of_device = key.member == &SupervisorLimits::peak_force ||
+                               key.member == &SupervisorLimits::continuous_force ||
+                               key.member == &SupervisorLimits::peak_torque;
+        line(fmt::format("[device.limits] {}", key.range.key),
+             of_device ? fmt::format("up to the device's own, {}", key.range.unit) : allowed(key.range));
+    }
     return help;
 }
 

@@ -24,6 +24,7 @@
 #include <knurl/servo/loop.hpp>
 #include <knurl/servo/realtime.hpp>
 #include <knurl/servo/servo.hpp>
+#include <knurl/shm/counters.hpp>
 #include <knurl/shm/socket.hpp>
 
 namespace knurl::servo {
@@ -158,6 +159,10 @@ struct Station {
         segment.seal_against_new_writers();
     }
 
+    shm::Counters counters() {
+        return {segment.data() + protocol::device_layout().counters, protocol::count_names};
+    }
+
     double peak_force() const {
         return config.limits.peak_force > 0 ? config.limits.peak_force : device->link().peak_force;
     }
@@ -220,18 +225,18 @@ int servo_cpu(const DaemonConfig& config) {
     return config.cpu;
 }
 
-std::string lateness_line(const DaemonConfig& config, int cpu) {
+std::string lateness_line(const DaemonConfig& config, int cpu, bool polling) {
     const auto measured = [&] {
         const WakeLateness late = measure_wake_lateness(config.priority, cpu, lateness_samples);
         return fmt::format("p50 {:.0f} us, max {:.0f} us", static_cast<double>(late.p50) * 1e-3,
                            static_cast<double>(late.max) * 1e-3);
     };
     std::string line = fmt::format("wake-ups late by {} of {} with idle = \"{}\"", measured(),
-                                   lateness_samples, config.idle == Idle::poll ? "poll" : "sleep");
+                                   lateness_samples, polling ? "poll" : "sleep");
     if (config.idle == Idle::sleep) {
         Shortfalls unasked;
-        const shm::UniqueFd polling = hold_idle_polling(unasked);
-        if (polling) line += fmt::format(" (with \"poll\": {})", measured());
+        const shm::UniqueFd polling_now = hold_idle_polling(unasked);
+        if (polling_now) line += fmt::format(" (with \"poll\": {})", measured());
     }
     return fmt::format("{}, spin {:g} us", line, config.spin * 1e6);
 }
@@ -274,7 +279,7 @@ int run_daemon(const DaemonConfig& config) {
                                 .state_directory = protocol::state_directory(),
                                 .close = std::move(not_for_the_guardian)});
 
-    const std::string lateness = lateness_line(config, cpu);
+    const std::string lateness = lateness_line(config, cpu, static_cast<bool>(idle_polling));
     shm::Waker waker;
     std::vector<HostedDevice> hosted;
     for (std::size_t i = 0; i < stations.size(); ++i) {
@@ -282,7 +287,7 @@ int run_daemon(const DaemonConfig& config) {
         station.servo = std::make_unique<Servo>(*station.device, station.clock, station.segment.data(),
                                                 servo_options(config, station.config));
         station.loop = std::make_unique<Loop>(
-            *station.servo, waker, guardian.acts(i),
+            *station.servo, waker, station.counters(), guardian.acts(i),
             LoopOptions{.rate = config.rate, .spin = static_cast<Nanoseconds>(config.spin * 1e9)});
         hosted.push_back({.name = station.config.name,
                           .link = station.device->link(),
@@ -310,7 +315,7 @@ int run_daemon(const DaemonConfig& config) {
     Broker::End end = Broker::End::at_once;
     {
         const StopLoops stop_loops{stations};
-        become_real_time(below(config.priority, broker_below_servo), "broker", missing);
+        become_real_time(below(config.priority, broker_below_servo), "knurl-broker", missing);
         for (const auto& station : stations) {
             station->thread = std::make_unique<Thread>(
                 ThreadOptions{.name = "knurl-servo", .priority = config.priority, .cpu = cpu},
@@ -321,9 +326,7 @@ int run_daemon(const DaemonConfig& config) {
                         door.path(), getpid(), guardian.pid()));
         say(fmt::format("  {:g} Hz on CPU {}, {}", config.rate, cpu, lateness));
         for (const auto& station : stations) say(station->description(config.rate));
-        std::sort(missing.begin(), missing.end());
-        missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
-        for (const std::string& line : missing) complain(line);
+        for (const std::string& line : missing.report()) complain(line);
         say("knurld: ready");
 
         end = broker.run();
@@ -331,7 +334,7 @@ int run_daemon(const DaemonConfig& config) {
     guardian.goodbye();
 
     for (const auto& station : stations) {
-        const LoopCounts& counts = station->loop->counts();
+        const LoopCounts& counts = station->loop->seen();
         say(fmt::format("  {}: {} cycles, {} late, {} overruns, {} restarts; latest begin {:.0f} us",
                         station->config.name, counts.cycles, station->servo->last().late_count,
                         counts.overruns, counts.restarts, static_cast<double>(counts.worst_lateness) * 1e-3));

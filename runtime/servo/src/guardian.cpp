@@ -158,7 +158,7 @@ Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions
             Shortfalls reported_by_the_servo;
             if (options.servo_cpu >= 0) keep_off_cpu(options.servo_cpu);
             lock_memory(reported_by_the_servo);
-            become_real_time(options.priority, "guardian", reported_by_the_servo);
+            become_real_time(options.priority, "knurl-guardian", reported_by_the_servo);
             std::vector<Watched> watched;
             for (const GuardedDevice& device : devices) {
                 watched.push_back({device.device, device.segment,

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include <knurl/protocol/device_segment.hpp>
 #include <knurl/servo/loop.hpp>
 #include <knurl/servo/servo.hpp>
 #include <knurl/shm/waiter.hpp>
@@ -77,9 +78,9 @@ void Deadlines::advance(Nanoseconds now) noexcept {
     }
 }
 
-Loop::Loop(Servo& servo, shm::Waker& waker, const std::atomic<std::uint64_t>& guardian_acts,
-           const LoopOptions& options)
-    : servo_(servo), waker_(waker), guardian_acts_(guardian_acts), options_(options) {}
+Loop::Loop(Servo& servo, shm::Waker& waker, const shm::Counters& counters,
+           const std::atomic<std::uint64_t>& guardian_acts, const LoopOptions& options)
+    : servo_(servo), waker_(waker), counters_(counters), guardian_acts_(guardian_acts), options_(options) {}
 
 void Loop::run() noexcept {
     MonotonicClock clock;
@@ -108,14 +109,17 @@ void Loop::run() noexcept {
         }
         if (suspend.slept(now)) servo_.clock_jumped();
         servo_.step(deadline, now);
-        if (servo_.anyone_waiting()) waker_.poke();
+        if (servo_.anyone_waiting()) {
+            waker_.poke();
+            counters_.increment(static_cast<std::size_t>(protocol::Count::pokes));
+        }
 
-        ++counts_.cycles;
-        counts_.worst_lateness = std::max(counts_.worst_lateness, now - deadline);
+        ++seen_.cycles;
+        seen_.worst_lateness = std::max(seen_.worst_lateness, now - deadline);
         deadlines.advance(clock.now());
     }
-    counts_.overruns = deadlines.overruns();
-    counts_.restarts = deadlines.restarts();
+    seen_.overruns = deadlines.overruns();
+    seen_.restarts = deadlines.restarts();
 }
 
 }  // namespace knurl::servo

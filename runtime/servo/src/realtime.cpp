@@ -41,15 +41,9 @@ std::string grant_command() {
     return fmt::format("sudo setcap cap_sys_nice,cap_ipc_lock=ep {}", own_path());
 }
 
-std::string priority_shortfall(int priority, const char* who, int error) {
-    if (capable(cap_sys_nice)) {
-        return fmt::format(
-            "no real-time priority {} for the {} ({}): this cgroup has no real-time budget; run: sudo "
-            "sysctl kernel.sched_rt_runtime_us=950000, or start knurld outside of the cgroup",
-            priority, who, std::strerror(error));
-    }
-    return fmt::format("no real-time priority {} for the {} ({}): it will be late under load; run: {}",
-                       priority, who, std::strerror(error), grant_command());
+void note_priority(Shortfalls& missing, int priority, const char* who, int error) {
+    missing.ordinary.push_back(fmt::format("{} {}", who, priority));
+    missing.priority_error = error;
 }
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -85,6 +79,20 @@ struct Attributes {
 
 }  // namespace
 
+std::vector<std::string> Shortfalls::report() const {
+    std::vector<std::string> all = lines;
+    if (!ordinary.empty()) {
+        const std::string remedy =
+            capable(cap_sys_nice)
+                ? "this cgroup has no real-time budget; start knurld outside of it, or run: sudo "
+                  "sysctl kernel.sched_rt_runtime_us=950000"
+                : "they will be late under load; run: " + grant_command();
+        all.push_back(fmt::format("no real-time priority ({}) for {}: {}", std::strerror(priority_error),
+                                  fmt::join(ordinary, ", "), remedy));
+    }
+    return all;
+}
+
 void tame_malloc() noexcept {
     // With all memory locked each arena would be resident, and so would what freed claims leave behind: one
     // arena, large blocks (claims' tables) from mmap so that they go back to the system when a client leaves.
@@ -102,7 +110,7 @@ void lock_memory(Shortfalls& missing) {
     if (unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return;
     const int error = unlimited ? errno : ENOMEM;
     const bool some = mlockall(MCL_CURRENT) == 0;
-    missing.push_back(fmt::format(
+    missing.lines.push_back(fmt::format(
         "memory is {} locked ({}; the limit is {} KiB): page faults will cost cycles; run: {}",
         some ? "only partly" : "not", std::strerror(error), limit.rlim_cur / 1024, grant_command()));
 }
@@ -112,7 +120,7 @@ void become_real_time(int priority, const char* who, Shortfalls& missing) {
     sched_param parameters{};
     parameters.sched_priority = priority;
     const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-    if (error != 0) missing.push_back(priority_shortfall(priority, who, error));
+    if (error != 0) note_priority(missing, priority, who, error);
 }
 
 std::vector<int> allowed_cpus() {
@@ -139,8 +147,9 @@ shm::UniqueFd hold_idle_polling(Shortfalls& missing) {
     shm::UniqueFd fd(open(path, O_WRONLY | O_CLOEXEC));
     const std::int32_t no_latency = 0;  // us
     if (fd && write(fd.get(), &no_latency, sizeof no_latency) == sizeof no_latency) return fd;
-    missing.push_back(fmt::format("idle = \"poll\" is not in force: {}: {}; run: sudo setfacl -m u:{}:rw {}",
-                                  path, std::strerror(errno), geteuid(), path));
+    missing.lines.push_back(
+        fmt::format("idle = \"poll\" is not in force: {}: {}; run: sudo setfacl -m u:{}:rw {}", path,
+                    std::strerror(errno), geteuid(), path));
     return {};
 }
 
@@ -166,7 +175,7 @@ Thread::Thread(const ThreadOptions& options, std::function<void()> body, Shortfa
     int error = EPERM;
     if (options.priority > 0) {
         error = create(SCHED_FIFO, options.priority);
-        if (error == EPERM) missing.push_back(priority_shortfall(options.priority, options.name, error));
+        if (error == EPERM) note_priority(missing, options.priority, options.name, error);
     }
     if (error == EPERM) error = create(SCHED_OTHER, 0);
     if (error != 0) {

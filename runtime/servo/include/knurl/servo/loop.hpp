@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include <knurl/servo/clock.hpp>
+#include <knurl/shm/counters.hpp>
 
 namespace knurl::shm {
 class Waker;
@@ -54,23 +55,25 @@ struct LoopCounts {
 
 class Loop {
   public:
-    /// `guardian_acts`: how often the guardian has zeroed this device, in memory shared with it.
-    Loop(Servo& servo, shm::Waker& waker, const std::atomic<std::uint64_t>& guardian_acts,
-         const LoopOptions& options);
+    /// `counters`: the device's, of which the loop writes Count::pokes. `guardian_acts`: how often the
+    /// guardian has zeroed this device, in memory shared with it.
+    Loop(Servo& servo, shm::Waker& waker, const shm::Counters& counters,
+         const std::atomic<std::uint64_t>& guardian_acts, const LoopOptions& options);
 
     /// The thread's body, until stop().
     void run() noexcept;
     /// From any thread: no cycle begins any more.
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }  // orders nothing: join follows
 
-    const LoopCounts& counts() const noexcept { return counts_; }  // once run() has returned
+    const LoopCounts& seen() const noexcept { return seen_; }  // once run() has returned
 
   private:
     Servo& servo_;
     shm::Waker& waker_;
+    shm::Counters counters_;
     const std::atomic<std::uint64_t>& guardian_acts_;
     LoopOptions options_;
-    LoopCounts counts_;
+    LoopCounts seen_;
     std::atomic<bool> stop_ = false;
 };
 

@@ -23,8 +23,15 @@ inline constexpr int guardian_above_servo = 5;  // mostly asleep; it must run wh
 /// All memory is locked, so stacks are set explicitly. Sanitizers need more, and lock nothing.
 inline constexpr std::size_t thread_stack_bytes = 256 * 1024;
 
-/// What could not be had: one line each, with the command that grants it.
-using Shortfalls = std::vector<std::string>;
+/// What could not be had.
+struct Shortfalls {
+    std::vector<std::string> lines;     // each with the command that grants it
+    std::vector<std::string> ordinary;  // who runs without real-time priority: "knurl-servo 80"
+    int priority_error = 0;             // errno of the last of them
+
+    /// One line per right that is missing.
+    std::vector<std::string> report() const;
+};
 
 /// malloc with one arena that gives memory back: call first, before any thread.
 void tame_malloc() noexcept;
