@@ -19,8 +19,7 @@ void SceneCore::release_old(std::uint32_t i) noexcept {
     if (slot.old_surface_of >= 0) {
         Group& group = groups_[static_cast<std::uint32_t>(slot.old_surface_of)];
         if (group.fading) {
-            group.edited = group.fades = group.interrupted = true;
-            group.fade_time = std::max(group.fade_time, group.time);
+            group.edited = group.interrupted = true;
             sets_edited_ = true;
         }
         slot.old_surface_of = -1;

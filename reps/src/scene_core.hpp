@@ -124,7 +124,8 @@ struct Group {
     double bridge_stiffness = 0;
     Eigen::Vector3d force = Eigen::Vector3d::Zero();     // last cycle's blend
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // where the probe was then
-    // While changes are taken: its set changes; the change is cross-faded; what was felt becomes a bridge.
+    // While changes are taken: its set changes; the change is cross-faded; what was felt becomes a bridge
+    // (alone: over the time that the fade had).
     bool edited = false, fades = false, interrupted = false;
     bool replaced = false;  // the probe sits elsewhere on the hand now
     double fade_time = 0;

@@ -29,8 +29,8 @@ std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
         const Owner owner = arena.owner[i];
         if (owner != bridge_owner && (owner & 1)) slots_[owner >> 1].old_surface_of = -1;
     }
-    if (group.edited && group.fades) {
-        const double time = settle_ ? 0 : group.fade_time;
+    if (group.edited && (group.fades || group.interrupted)) {
+        const double time = settle_ ? 0 : group.fades ? group.fade_time : group.time;
         group.fading = group.fresh = time > 0;
         group.elapsed = 0;
         group.time = time;
