@@ -118,7 +118,8 @@ TEST(Stages, AHandAboveTheSpeedLimitFaultsWhileThereIsForce) {
 
 // ------------------------------------------------------------------------------- 1: power, 2: energy
 
-/// Moves with the force at the speed that makes this power (W) for `cycles`; returns the cycles before the fault.
+/// Moves with the force at the speed that makes this power (W) for `cycles`; returns the cycles before the
+/// fault.
 int cycles_at_power(double power, int cycles) {
     SupervisorLimits limits;
     limits.slew = 1e6;
@@ -141,7 +142,9 @@ TEST(Stages, MeanPowerIntoTheHandAboveFiveWattsFaults) {
     EXPECT_NEAR(cycles_at_power(10, 2000), 25, 3);
 }
 
-TEST(Stages, PowerOutOfTheHandIsFree) { EXPECT_EQ(cycles_at_power(-8, 1000), 1000); }
+TEST(Stages, PowerOutOfTheHandIsFree) {
+    EXPECT_EQ(cycles_at_power(-8, 1000), 1000);
+}
 
 TEST(Stages, TheObserverCountsTheWorkDoneOnTheHandSinceContactBegan) {
     Gate gate;
@@ -334,8 +337,10 @@ TEST(Stages, WhateverComesInWhatGoesOutIsFiniteAndBounded) {
         double last_force = 0;
         const auto number = [&] {
             const auto kind = random() % 16;
-            return kind == 0 ? nan : kind == 1 ? infinity : kind < 5 ? uniform(random) * std::pow(10, exponent(random))
-                                                                     : 10 * uniform(random);
+            return kind == 0   ? nan
+                   : kind == 1 ? infinity
+                   : kind < 5  ? uniform(random) * std::pow(10, exponent(random))
+                               : 10 * uniform(random);
         };
         for (int i = 0; i < 20'000; ++i) {
             if (gate.supervisor.state() == DeviceState::fault) {

@@ -108,8 +108,8 @@ TEST(States, ArmingAgainWhileActiveChangesNothing) {
 }
 
 TEST(States, AFaultIsZeroAtOnceFromEveryState) {
-    for (const DeviceState from : {DeviceState::idle, DeviceState::armed, DeviceState::ramp_up, DeviceState::active,
-                                   DeviceState::ramp_down}) {
+    for (const DeviceState from : {DeviceState::idle, DeviceState::armed, DeviceState::ramp_up,
+                                   DeviceState::active, DeviceState::ramp_down}) {
         SCOPED_TRACE("from state " + std::to_string(static_cast<int>(from)));
         Gate gate;
         if (from != DeviceState::idle) gate.supervisor.arm(true, 0);

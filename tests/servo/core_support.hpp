@@ -98,6 +98,8 @@ inline void run(Offline& servo, int cycles) {
     for (int i = 0; i < cycles; ++i) servo.step();
 }
 
-inline Eigen::Vector3d vec(const Vec3& v) { return to_eigen(v); }
+inline Eigen::Vector3d vec(const Vec3& v) {
+    return to_eigen(v);
+}
 
 }  // namespace knurl::servo::testing

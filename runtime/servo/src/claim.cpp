@@ -55,6 +55,8 @@ void Claim::Impl::watch_silence(Nanoseconds now) noexcept {
 }
 
 void Claim::Impl::evaluate(const Probe& device_hand, double dt) noexcept {
+    empty_for = scene.size() == 0 && wrench.force.isZero(0) && wrench.torque.isZero(0) ? empty_for + dt : 0;
+    if (quiet()) return;
     const protocol::Frame& f = terms.frame;
     Probe hand = device_hand;
     hand.position = f.scale * (device_hand.position - to_eigen(f.device_centre)) + to_eigen(f.world_centre);

@@ -50,6 +50,8 @@ struct Claim::Impl {
 
     // claim.cpp
     void watch_silence(Nanoseconds now) noexcept;
+    /// Nothing is there, and what was there has faded: it costs nothing.
+    bool quiet() const noexcept { return empty_for > 0.25; }
     /// World wrench of this cycle, before gain and sharing.
     void evaluate(const Probe& device_hand, double dt) noexcept;
     void advance_gain(double step) noexcept;
@@ -76,6 +78,7 @@ struct Claim::Impl {
     bool announced = false;       // the device knows that it is active
     bool from_the_start = false;  // offline: what the first cycle finds is in full force at once
     double gain = 0;
+    double empty_for = 0;  // s, without a representation or a force
     double stiffness_scale = 1;
     Wrench wrench;          // world, of this cycle
     bool touching = false;  // of this cycle, as far as feedback is asked for

@@ -1,5 +1,6 @@
 #include "intake.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -82,68 +83,85 @@ double applied_stiffness(TypeList<R...>, Kind kind, const void* params, const Li
 
 Intake::Intake()
     : cells_(std::size_t{protocol::command_cells} * shm::cell_bytes),
-      group_(protocol::command_cells),
-      replies_(protocol::command_cells),
+      group_(protocol::reply_cells),
+      replies_(protocol::reply_cells),
       entries_(protocol::max_batch_bytes) {
-    undo_.reserve(protocol::command_cells);
+    undo_.reserve(protocol::reply_cells);
 }
 
 // --------------------------------------------------------------------------------------------- commands
 
 void Intake::take_commands(Claim::Impl& claim, const Authority& authority, Nanoseconds now) noexcept {
-    const std::uint32_t available = claim.channels->commands.available();
-    if (claim.channels->commands.corrupt()) claim.fault();
-    if (available == 0) return;
-    static_assert(protocol::command_cells_per_cycle >=
-                  protocol::command_cells);  // so `available` is the bound
-    if (!claim.channels->commands.peek(0, cells_.data(), available)) return;
+    shm::SpscConsumer& commands = claim.channels->commands;
+    available_ = commands.available();
+    copied_ = 0;
+    if (commands.corrupt()) claim.fault();
+    if (available_ == 0) return;
     claim.silence.sign_of_life(now);
 
-    for (std::uint32_t at = 0; at < available;) {
-        const Parsed group = parse_group(at, available, claim.commands_done + 1);
+    const std::uint32_t budget =
+        claim.from_the_start ? protocol::command_cells : protocol::command_cells_per_cycle;
+    std::uint32_t done = 0;
+    while (done < available_ && done < budget) {
+        // Full means that the application does not read its replies: its commands wait, nothing is dropped.
+        const std::uint32_t room = claim.channels->replies.free_cells();
+        if (room == 0) break;
+        const Parsed group = parse_group(claim, done);
         if (group.malformed) {
             malformed(claim, claim.commands_done + group.commands + 1);
-            return;
+            break;
         }
-        // Full means that the application does not read its replies: its commands wait, nothing is dropped.
-        if (claim.channels->replies.free_cells() < group.commands) return;
+        if (room < group.commands) break;
 
         const bool accepted = check_group(claim, group.commands, authority);
         for (std::size_t i = 0; accepted && i < group.commands; ++i)
             do_command(claim, group_[i], authority, replies_[i]);
         (accepted ? counts_.commands_done : counts_.commands_refused) += group.commands;
         claim.commands_done += group.commands;
-        claim.channels->commands.pop(group.cells);
         claim.channels->replies.try_push(replies_.data(), group.commands);
-        at += group.cells;
+        done += group.cells;
     }
+    commands.pop(done);
 }
 
-Intake::Parsed Intake::parse_group(std::uint32_t from, std::uint32_t available,
-                                   std::uint64_t first_number) noexcept {
+/// The first `cells` cells of the ring are in private memory. Each is copied once: its owner may write at any
+/// time.
+bool Intake::copied_to(Claim::Impl& claim, std::size_t cells) noexcept {
+    if (cells <= copied_) return true;
+    if (cells > available_) return false;
+    constexpr std::uint32_t chunk = 64;
+    const std::uint32_t to =
+        std::min(available_, std::max(static_cast<std::uint32_t>(cells), copied_ + chunk));
+    claim.channels->commands.peek(copied_, cells_.data() + std::size_t{copied_} * shm::cell_bytes,
+                                  to - copied_);
+    copied_ = to;
+    return true;
+}
+
+Intake::Parsed Intake::parse_group(Claim::Impl& claim, std::uint32_t from) noexcept {
     Parsed parsed;
-    // A group was pushed at once, so all of it is here: one that goes on past the end is no group of ours.
-    for (std::uint32_t at = from; at < available; ++parsed.commands) {
-        const std::byte* message = cells_.data() + std::size_t{at} * shm::cell_bytes;
-        Command& command = group_[parsed.commands];
-        command.header = read<CommandHeader>(message);
-        command.body = message + sizeof(CommandHeader);
-        const CommandHeader& header = command.header;
-        const std::size_t body = body_bytes(header.type);
-        if (body == no_such_command || header.number != first_number + parsed.commands) break;
-        if (header.bytes > (header.type == CommandType::add ? protocol::max_parameter_bytes : 0)) break;
-        const std::size_t cells =
-            (sizeof(CommandHeader) + body + header.bytes + shm::cell_bytes - 1) / shm::cell_bytes;
-        if (header.cells != cells || header.cells > available - at || header.more > 1) break;
-        command.params = command.body + body;
-        at += header.cells;
-        if (header.more == 0) {
-            parsed.cells = at - from;
-            ++parsed.commands;
-            return parsed;
-        }
-    }
     parsed.malformed = true;
+    // A group was pushed at once, so all of it is here: one that goes on past the end is no group of ours.
+    // Nor is one with more commands than there can be replies.
+    for (std::uint32_t at = from;
+         parsed.commands < protocol::reply_cells && copied_to(claim, at + std::size_t{1});) {
+        const std::byte* message = cells_.data() + std::size_t{at} * shm::cell_bytes;
+        const auto header = read<CommandHeader>(message);
+        const std::size_t body = body_bytes(header.type);
+        if (body == no_such_command || header.number != claim.commands_done + 1 + parsed.commands) break;
+        if (header.bytes > (header.type == CommandType::add ? protocol::max_parameter_bytes : 0)) break;
+        const std::size_t bytes = sizeof(CommandHeader) + body + header.bytes;
+        if (header.cells != (bytes + shm::cell_bytes - 1) / shm::cell_bytes || header.more > 1) break;
+        if (!copied_to(claim, at + std::size_t{header.cells})) break;
+        group_[parsed.commands++] = {.header = header,
+                                     .body = message + sizeof(CommandHeader),
+                                     .params = message + sizeof(CommandHeader) + body};
+        at += header.cells;
+        if (header.more != 0) continue;
+        parsed.cells = at - from;
+        parsed.malformed = false;
+        break;
+    }
     return parsed;
 }
 

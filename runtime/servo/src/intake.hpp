@@ -29,8 +29,8 @@ class Intake {
   public:
     Intake();
 
-    /// All whole groups of commands that are there and whose replies fit: at most command_cells_per_cycle
-    /// cells. A group is done in this cycle or refused, whole.
+    /// The groups of commands that are there and whose replies fit, until command_cells_per_cycle cells are
+    /// done (offline, what is there from the start: all). A group is done in this cycle or refused, whole.
     void take_commands(Claim::Impl& claim, const Authority& authority, Nanoseconds now) noexcept;
     /// The newest batch, unless it was committed after commands that are not done yet.
     void take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept;
@@ -56,7 +56,8 @@ class Intake {
         bool malformed = false;
     };
 
-    Parsed parse_group(std::uint32_t from, std::uint32_t available, std::uint64_t first_number) noexcept;
+    bool copied_to(Claim::Impl& claim, std::size_t cells) noexcept;
+    Parsed parse_group(Claim::Impl& claim, std::uint32_t from) noexcept;
     Answer check(Claim::Impl& claim, const Command& command, const Authority& authority,
                  bool& reset) noexcept;
     Answer check_add(Claim::Impl& claim, const Command& command) noexcept;
@@ -71,6 +72,7 @@ class Intake {
     void apply_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept;
 
     std::vector<std::byte> cells_;
+    std::uint32_t available_ = 0, copied_ = 0;  // cells of the ring at hand; those of them in cells_
     std::vector<Command> group_;
     std::vector<protocol::Reply> replies_;
     std::vector<std::pair<std::uint32_t, Slot>> undo_;  // slots as they were before the group

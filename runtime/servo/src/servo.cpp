@@ -258,23 +258,22 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
         Claim::Impl& c = *claims[i]->impl;
         if (!c.channels) continue;
         c.stiffness_scale = stiffness_scale;
-        if (c.gain > 0) sum += c.device_wrench();
+        if (c.gain > 0 && !c.quiet()) sum += c.device_wrench();
     }
     return sum;
 }
 
 double Servo::Impl::sharing_target() const noexcept {
-    double stiffness = 0;
-    int sharers = 0;
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        const Claim::Impl& c = *claims[i]->impl;
-        if (!c.channels || !(c.gain > 0)) continue;
-        ++sharers;
-        stiffness += c.device_stiffness();
-    }
+    const auto shares = [](const Claim* claim) {
+        return claim->impl->channels && claim->impl->gain > 0 && !claim->impl->quiet();
+    };
     // One claim alone is clamped by its scene, representation by representation.
-    if (sharers < 2 || !options.clamp_stiffness || !(stiffness > device_max_stiffness)) return 1;
-    return device_max_stiffness / stiffness;
+    const auto end = claims.begin() + static_cast<std::ptrdiff_t>(claims_size);
+    if (!options.clamp_stiffness || std::count_if(claims.begin(), end, shares) < 2) return 1;
+    double stiffness = 0;
+    for (auto claim = claims.begin(); claim != end; ++claim)
+        if (shares(*claim)) stiffness += (*claim)->impl->device_stiffness();
+    return stiffness > device_max_stiffness ? device_max_stiffness / stiffness : 1;
 }
 
 Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {

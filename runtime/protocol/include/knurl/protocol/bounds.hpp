@@ -17,7 +17,8 @@ inline constexpr std::uint32_t report_slots = 4096;        // about 4 s at 1 kHz
 inline constexpr std::uint32_t command_cells = 4096;       // 64 B each, of one claim's command ring: all its
                                                            // representations can be added in one cycle
 inline constexpr std::uint32_t reply_cells = 2048;         // one for each of those, and for what comes with them
-inline constexpr std::uint32_t command_cells_per_cycle = 4096;  // taken from one claim in one cycle, group excepted
+inline constexpr std::uint32_t command_cells_per_cycle = 512;  // of one claim in one cycle; a group that has begun
+                                                               // is finished, and the rest waits for the next
 inline constexpr std::size_t name_bytes = 64;              // names of servos, devices, clients, with the zero
 
 inline constexpr std::uint32_t default_representations = 128;   // a claim that states nothing

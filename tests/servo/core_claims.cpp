@@ -1,0 +1,341 @@
+// Claims: their gains, their frames, several on one device, coming and going.
+
+#include <cmath>
+#include <random>
+
+#include "core_support.hpp"
+
+namespace knurl::servo {
+namespace {
+
+using namespace testing;
+using drivers::Notice;
+using protocol::Count;
+
+double scene_z(Offline& servo) {
+    return servo.servo().last().scene_force.z;
+}
+double sent_z(Offline& servo) {
+    return servo.servo().last().sent_force.z;
+}
+
+// ------------------------------------------------------------------------------------------------- gains
+
+TEST(Gains, ArmedAClaimsForceComesInLinearlyOverFiftyMilliseconds) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    OfflineClaim& claim = servo.claim();
+    claim.add(ConstantForce{.force = {0, 0, 2}, .recovery = 0});
+    run(servo, 100);
+    EXPECT_EQ(scene_z(servo), 0) << "not armed: nothing";
+    claim.arm();
+    for (int i = 1; i <= 60; ++i) {
+        servo.step();
+        ASSERT_NEAR(scene_z(servo), 2 * std::min(1.0, i / 50.0), 1e-9) << i;
+    }
+    claim.disarm();
+    for (int i = 1; i <= 60; ++i) {
+        servo.step();
+        ASSERT_NEAR(scene_z(servo), 2 * std::max(0.0, 1 - i / 50.0), 1e-9) << i;
+    }
+    EXPECT_EQ(scene_z(servo), 0);
+}
+
+TEST(Gains, OneClaimFadesAloneWhileTheOtherFeelsNothing) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    OfflineClaim& first = servo.claim();
+    OfflineClaim& second = servo.claim();
+    first.add(ConstantForce{.force = {1, 0, 0}, .recovery = 0});
+    second.add(ConstantForce{.force = {0, 0, 2}, .recovery = 0});
+    first.arm();
+    second.arm();
+    run(servo, 600);
+    ASSERT_EQ(servo.servo().last().state, DeviceState::active);
+    servo.servo().drop(&second.servo_side());
+    for (int i = 1; i <= 50; ++i) {
+        const Report& report = servo.step();
+        EXPECT_EQ(report.sent_force.x, 1) << "to the bit";
+        EXPECT_NEAR(report.sent_force.z, 2 * (1 - i / 50.0), 1e-9);
+        EXPECT_EQ(report.state, DeviceState::active);
+        EXPECT_EQ(servo.servo().released(), i < 50 ? nullptr : &second.servo_side());
+    }
+    EXPECT_EQ(sent_z(servo), 0) << "50 cycles after the drop";
+}
+
+TEST(Gains, TheLastClaimsDropRampsTheDeviceDown) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    OfflineClaim& claim = servo.claim();
+    claim.add(ConstantForce{.force = {0, 0, 2}, .recovery = 0});
+    claim.arm();
+    run(servo, 600);
+    servo.servo().drop(&claim.servo_side());
+    double last = 2;
+    for (int i = 0; i < 50; ++i) {
+        EXPECT_LE(servo.step().sent_force.z, last);
+        last = sent_z(servo);
+    }
+    EXPECT_EQ(last, 0);
+    EXPECT_EQ(servo.servo().last().state, DeviceState::idle);
+    EXPECT_EQ(servo.servo().released(), &claim.servo_side());
+    EXPECT_EQ(servo.count(Count::clients), 0u);
+}
+
+TEST(Gains, DropAllRampsDownEverythingAndRefusesWhatComesAfter) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    OfflineClaim& first = servo.claim();
+    OfflineClaim& second = servo.claim();
+    first.add(ConstantForce{.force = {0, 0, 1}, .recovery = 0});
+    second.add(ConstantForce{.force = {0, 0, 1}, .recovery = 0});
+    first.arm();
+    second.arm();
+    run(servo, 600);
+    servo.servo().drop_all();
+    run(servo, 50);
+    EXPECT_TRUE(device.force().isZero(0));
+    EXPECT_EQ(servo.servo().last().state, DeviceState::idle);
+    EXPECT_EQ(servo.servo().released(), &first.servo_side());
+    EXPECT_EQ(servo.servo().released(), &second.servo_side());
+    EXPECT_EQ(servo.servo().released(), nullptr);
+
+    OfflineClaim& late = servo.claim();
+    servo.step();
+    EXPECT_EQ(servo.servo().released(), &late.servo_side());
+}
+
+TEST(Gains, ADropOfAClaimThatIsGoneAlreadyIsHarmless) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    ClaimTerms terms;
+    auto claim = std::make_unique<OfflineClaim>(terms);
+    servo.servo().adopt(&claim->servo_side());
+    servo.servo().drop(&claim->servo_side());
+    servo.servo().drop(&claim->servo_side());
+    servo.step();
+    ASSERT_EQ(servo.servo().released(), &claim->servo_side());
+    servo.servo().drop(&claim->servo_side());
+    claim.reset();
+    servo.step();
+}
+
+TEST(Gains, AfterAFaultEveryClaimArmsAnew) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    OfflineClaim& first = servo.claim();
+    OfflineClaim& second = servo.claim();
+    for (OfflineClaim* claim : {&first, &second}) {
+        claim->add(ConstantForce{.force = {0, 0, 1}, .recovery = 0});
+        claim->arm();
+    }
+    run(servo, 600);
+    ASSERT_NEAR(sent_z(servo), 2, 1e-9);
+    servo.servo().clock_jumped();
+    servo.step();
+    EXPECT_TRUE(device.force().isZero(0));
+    run(servo, 100);
+    first.reset_fault();
+    run(servo, 1000);
+    EXPECT_EQ(servo.servo().last().state, DeviceState::idle);
+    first.arm();
+    run(servo, 1000);
+    EXPECT_NEAR(sent_z(servo), 1, 1e-9) << "the second has not armed";
+}
+
+// ----------------------------------------------------------------------------------------------- notices
+
+TEST(Notices, TheDeviceIsToldWhenEffortsMayFollowAndWhenAClaimIsInFullForce) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    OfflineClaim& claim = servo.claim();
+    run(servo, 10);
+    EXPECT_EQ(device.notice_count, 0u);
+    claim.arm();
+    run(servo, 3);
+    ASSERT_EQ(device.notice_count, 1u);
+    EXPECT_EQ(device.notices[0], Notice::enabled);
+    run(servo, 490);
+    EXPECT_EQ(device.notice_count, 1u) << "its gain is 1, but the device's is not";
+    run(servo, 20);
+    ASSERT_EQ(device.notice_count, 2u);
+    EXPECT_EQ(device.notices[1], Notice::claim_active);
+    run(servo, 500);
+    EXPECT_EQ(device.notice_count, 2u) << "once";
+    claim.disarm();
+    run(servo, 100);
+    ASSERT_EQ(device.notice_count, 3u);
+    EXPECT_EQ(device.notices[2], Notice::disabled);
+    claim.arm();
+    run(servo, 600);
+    ASSERT_EQ(device.notice_count, 5u);
+    EXPECT_EQ(device.notices[4], Notice::claim_active);
+}
+
+TEST(Notices, ASecondClaimBecomesActiveByItself) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    servo.claim().arm();
+    OfflineClaim& second = servo.claim();
+    run(servo, 600);
+    const std::size_t before = device.notice_count;
+    second.arm();
+    run(servo, 49);
+    EXPECT_EQ(device.notice_count, before);
+    run(servo, 1);
+    ASSERT_EQ(device.notice_count, before + 1);
+    EXPECT_EQ(device.notices[before], Notice::claim_active);
+}
+
+// ----------------------------------------------------------------------------------------------- sharing
+
+TEST(Sharing, WrenchesAddUp) {
+    PuppetDevice device;
+    Offline servo(device);
+    servo.claim().add(ConstantForce{.force = {1, 0, 0}});
+    servo.claim().add(ConstantForce{.force = {0, 2, 0}});
+    servo.step();
+    EXPECT_TRUE(device.force().isApprox(Eigen::Vector3d(1, 2, 0), 1e-15));
+}
+
+TEST(Sharing, StiffnessTogetherAboveTheDevicesIsScaledAndTold) {
+    PuppetDevice device;  // k_max = 3.2/(0.5 ms + 0.53 ms) = 3107 N/m
+    const double k_max = max_stiffness(device.link(), 1000);
+    device.tip = {0, 0, -1e-4};
+    ServoOptions options = live_options();
+    options.silence = false;
+    Offline servo(device, options);
+    OfflineClaim& first = servo.claim();
+    first.add(Plane{.stiffness = 2500, .recovery = 0});
+    first.arm();
+    run(servo, 600);
+    EXPECT_NEAR(sent_z(servo), 0.25, 1e-9) << "alone it has all of it";
+    EXPECT_EQ(first.feedback().header.stiffness_scale, 1);
+
+    OfflineClaim& second = servo.claim();
+    second.add(Plane{.stiffness = 2500, .recovery = 0});
+    second.arm();
+    double last = sent_z(servo);
+    for (int i = 0; i < 200; ++i) {
+        const double force = servo.step().sent_force.z;
+        EXPECT_LE(std::abs(force - last), 0.25 / 50 * 2 + 1e-9) << "no step, cycle " << i;
+        last = force;
+    }
+    EXPECT_NEAR(last, k_max * 1e-4, 1e-9);
+    EXPECT_NEAR(first.feedback().header.stiffness_scale, k_max / 5000, 1e-9);
+    EXPECT_NEAR(second.feedback().header.stiffness_scale, k_max / 5000, 1e-9);
+
+    servo.servo().drop(&second.servo_side());
+    run(servo, 200);
+    EXPECT_NEAR(sent_z(servo), 0.25, 1e-9);
+    EXPECT_EQ(first.feedback().header.stiffness_scale, 1);
+}
+
+// ------------------------------------------------------------------------------------------------ frames
+
+TEST(Frames, VirtualWorkAgreesForForceAndTorque) {
+    std::mt19937_64 random(11);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    for (int round = 0; round < 50; ++round) {
+        SCOPED_TRACE(round);
+        PuppetDevice device(6);
+        device.tip = 0.02 * Eigen::Vector3d(uniform(random), uniform(random), uniform(random));
+        Offline servo(device);
+        ClaimTerms terms;
+        terms.frame = {.device_centre = {uniform(random), uniform(random), uniform(random)},
+                       .world_centre = {uniform(random), uniform(random), uniform(random)},
+                       .scale = std::exp(uniform(random) * 3),
+                       .force_scale = std::exp(uniform(random))};
+        OfflineClaim& claim = servo.claim(terms);
+        // A spring on a lever makes force and torque.
+        claim.add(Spring{.anchor = {uniform(random), uniform(random), uniform(random)},
+                         .attach = {uniform(random), uniform(random), uniform(random)},
+                         .stiffness = 100});
+        servo.step();
+        const auto& entry = claim.feedback().entries.at(0);
+        const Report& report = servo.servo().last();
+        // World x = s (device x - centre) + centre': a device motion dx is s dx there, a turn is the same
+        // turn. Both must do f/s of the world's work.
+        const double ratio = terms.frame.force_scale / terms.frame.scale;
+        const Eigen::Vector3d dx(uniform(random), uniform(random), uniform(random));
+        const Eigen::Vector3d turn(uniform(random), uniform(random), uniform(random));
+        EXPECT_NEAR(vec(report.sent_force).dot(dx), ratio * vec(entry.force).dot(terms.frame.scale * dx),
+                    1e-12 * (1 + vec(report.sent_force).norm()));
+        EXPECT_NEAR(vec(report.sent_torque).dot(turn), ratio * vec(entry.torque).dot(turn),
+                    1e-12 * (1 + vec(report.sent_torque).norm()));
+    }
+}
+
+TEST(Frames, APlaneOfTheWorldLiesWhereTheFrameSays) {
+    PuppetDevice device;
+    device.link_.workspace_centre = {0.1, 0.2, 0.3};
+    device.link_.workspace_radius = 0.05;
+    const protocol::ClaimRequest request{.workspace_radius = 0.5, .workspace_centre = {0, 0, 1}};
+    const protocol::Frame frame = frame_for(device.link(), request);
+    EXPECT_NEAR(frame.scale, 10, 1e-12);
+    EXPECT_EQ(frame.force_scale, 1);
+
+    ServoOptions options = offline_options();
+    Offline servo(device, options);
+    ClaimTerms terms;
+    terms.frame = frame;
+    OfflineClaim& claim = servo.claim(terms);
+    claim.add(Plane{.offset = 1, .stiffness = 50});  // through the world's workspace centre
+    device.tip = {0.1, 0.2, 0.299};                  // 1 mm below it: 10 mm in the world
+    const Report& report = servo.step();
+    EXPECT_NEAR(report.sent_force.z, 0.5, 1e-12);
+    EXPECT_NEAR(report.contact_point.z, 0.3, 1e-12) << "reports are in the device's frame";
+    EXPECT_NEAR(claim.feedback().entries.at(0).contact_point.z, 1, 1e-12) << "feedback in the claim's";
+}
+
+TEST(Frames, LimitsAreTheDevicesInWorldUnits) {
+    PuppetDevice device(6);
+    protocol::Frame frame;
+    frame.scale = 5;
+    frame.force_scale = 2;
+    const Limits limits = limits_for(device.link(), 1000, frame);
+    // A world plane of k_world is felt as f s k_world.
+    EXPECT_NEAR(limits.max_stiffness * 10, max_stiffness(device.link(), 1000), 1e-9);
+    EXPECT_NEAR(limits.max_force * 2, device.link().peak_force, 1e-12);
+    EXPECT_NEAR(limits.max_torque * 2 / 5, device.link().peak_torque, 1e-12);
+    EXPECT_NEAR(limits.damping * 10, device.link().damping, 1e-12);
+    EXPECT_EQ(limits.lag, device.link().lag);
+    EXPECT_EQ(limits.period, 1e-3);
+}
+
+TEST(Frames, WithoutAWorkspaceTheScaleIsOne) {
+    PuppetDevice device;
+    EXPECT_EQ(frame_for(device.link(), {}).scale, 1);
+    EXPECT_EQ(frame_for(device.link(), {.workspace_radius = std::nan("")}).scale, 1);
+    EXPECT_EQ(frame_for(device.link(), {.workspace_radius = -2}).scale, 1);
+}
+
+TEST(Frames, TheStiffnessOfADeviceIsMeasuredElseEstimatedElseModest) {
+    drivers::LinkConfig link;
+    link.damping = 0.2;
+    link.lag = 0.53e-3;
+    EXPECT_NEAR(max_stiffness(link, 1000), 0.2 / 1.03e-3, 1e-9);
+    link.grip_damping = 3;
+    EXPECT_NEAR(max_stiffness(link, 1000), 3.2 / 1.03e-3, 1e-9);
+    EXPECT_NEAR(max_stiffness(link, 4000), 3.2 / 0.655e-3, 1e-9);
+    link.measured_max_stiffness = 1234;
+    EXPECT_EQ(max_stiffness(link, 1000), 1234);
+    EXPECT_EQ(max_stiffness({}, 1000), 1000);
+}
+
+TEST(Frames, AStiffnessAboveTheLimitIsClampedUnlessTheServoOnlyWarns) {
+    PuppetDevice device;
+    device.tip = {0, 0, -1e-4};
+    ServoOptions options = live_options();
+    options.start_active = true;
+    for (const bool clamp : {true, false}) {
+        options.clamp_stiffness = clamp;
+        Offline servo(device, options);
+        servo.claim().add(Plane{.stiffness = 10'000, .recovery = 0});
+        run(servo, 5);
+        EXPECT_NEAR(scene_z(servo), clamp ? max_stiffness(device.link(), 1000) * 1e-4 : 1.0, 1e-9);
+    }
+}
+
+}  // namespace
+}  // namespace knurl::servo
