@@ -1,0 +1,138 @@
+// One cycle of a scene, beside an empty one in the same run.
+
+#include <benchmark/benchmark.h>
+
+#include "scene_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+/// A hand that strokes 0.1 mm back and forth about 1 mm under the origin.
+struct Hand {
+    std::array<Probe, 64> probes;
+    std::size_t next = 0;
+    explicit Hand(const Vector& centre = {0, 0, -0.001}) {
+        for (std::size_t i = 0; i < probes.size(); ++i) {
+            const double phase = static_cast<double>(i) * M_PI / 32;
+            probes[i] = at(centre + 1e-4 * Vector(std::sin(phase), std::cos(phase), std::sin(2 * phase)),
+                           {0.01, 0, 0});
+        }
+    }
+    const Probe& operator()() { return probes[next++ & 63]; }
+};
+
+void run(benchmark::State& state, Scene& scene, Hand hand = Hand{}) {
+    scene.settle();
+    scene.evaluate(hand(), dt);
+    for (auto _ : state) benchmark::DoNotOptimize(scene.evaluate(hand(), dt));
+}
+
+void empty(benchmark::State& state) {
+    Scene scene = make_scene();
+    run(state, scene);
+}
+
+void one_plane(benchmark::State& state) {
+    Scene scene = make_scene();
+    (void)scene.add({0, 1}, Plane{.stiffness = 1000});
+    run(state, scene);
+}
+
+void add_corner(Scene& scene, double offset, double hardest) {
+    (void)scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .offset = offset, .stiffness = 1000});
+    (void)scene.add({1, 1}, Plane{.normal = {1, 0, 0.3}, .offset = offset, .stiffness = hardest});
+    (void)scene.add({2, 1}, Plane{.normal = {0, 1, 0.3}, .offset = offset, .stiffness = 1000});
+}
+
+void corner_of_three(benchmark::State& state) {
+    Scene scene = make_scene();
+    add_corner(scene, 0, 1000);
+    run(state, scene);
+}
+
+void corner_of_two_stiffnesses(benchmark::State& state) {
+    Scene scene = make_scene();
+    add_corner(scene, 0, 2000);
+    run(state, scene);
+}
+
+void plane_while_fading(benchmark::State& state) {
+    Scene scene = make_scene({}, {.automatic = 1000, .rise_speed = infinity});
+    (void)scene.add({0, 1}, Plane{.stiffness = 1000, .recovery = 0});
+    Hand hand;
+    scene.evaluate(hand(), dt);
+    (void)scene.update({0, 1}, Plane{.offset = 0.001, .stiffness = 1000});
+    for (auto _ : state) benchmark::DoNotOptimize(scene.evaluate(hand(), 1e-9));
+}
+
+void plane_updated_every_cycle(benchmark::State& state) {
+    Scene scene = make_scene();
+    (void)scene.add({0, 1}, Plane{.stiffness = 1000});
+    Hand hand;
+    double offset = 0;
+    for (auto _ : state) {
+        offset = offset > 0 ? 0 : 1e-4;
+        (void)scene.update({0, 1}, Plane{.offset = offset, .stiffness = 1000});
+        benchmark::DoNotOptimize(scene.evaluate(hand(), dt));
+    }
+}
+
+void planes_out_of_reach(benchmark::State& state) {
+    Scene scene({.representations = 1024, .probes = 1}, {});
+    for (std::uint32_t i = 0; i < state.range(0); ++i) {
+        (void)scene.add({i, 1}, Plane{.offset = -0.1, .stiffness = 1000});
+    }
+    run(state, scene);
+}
+
+void springs(benchmark::State& state) {
+    Scene scene({.representations = 1024, .probes = 1}, {});
+    for (std::uint32_t i = 0; i < state.range(0); ++i) {
+        (void)scene.add({i, 1}, Spring{.anchor = {0.01 * i, 0, 0}, .stiffness = 100});
+    }
+    run(state, scene);
+}
+
+void two_probes_three_planes_four_springs(benchmark::State& state) {
+    Scene scene = make_scene();
+    (void)scene.place_probe(1, {.offset = {0.01, 0, 0}});
+    add_corner(scene, 0, 1000);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        (void)scene.add({3 + i, 1},
+                        Spring{.anchor = {0.01 * i, 0, 0}, .attach = {0, 0.01, 0}, .stiffness = 100},
+                        {.probe = i % 2});
+    }
+    run(state, scene);
+}
+
+void batch_of_1000_updates(benchmark::State& state) {
+    Scene scene({.representations = 1024, .probes = 1}, {});
+    for (std::uint32_t i = 0; i < 1000; ++i)
+        (void)scene.add({i, 1}, Plane{.offset = -0.1, .stiffness = 1000});
+    Hand hand;
+    scene.evaluate(hand(), dt);
+    double offset = -0.1;
+    for (auto _ : state) {
+        offset = offset > -0.1 ? -0.1 : -0.09;
+        for (std::uint32_t i = 0; i < 1000; ++i)
+            (void)scene.update({i, 1}, Plane{.offset = offset, .stiffness = 1000});
+        benchmark::DoNotOptimize(scene.evaluate(hand(), dt));
+    }
+}
+
+BENCHMARK(empty);
+BENCHMARK(one_plane);
+BENCHMARK(corner_of_three);
+BENCHMARK(corner_of_two_stiffnesses);
+BENCHMARK(plane_while_fading);
+BENCHMARK(plane_updated_every_cycle);
+BENCHMARK(planes_out_of_reach)->Arg(16)->Arg(64)->Arg(256)->Arg(1000);
+BENCHMARK(springs)->Arg(1)->Arg(6)->Arg(64)->Arg(1000);
+BENCHMARK(two_probes_three_planes_four_springs);
+BENCHMARK(batch_of_1000_updates);
+
+}  // namespace
+
+BENCHMARK_MAIN();

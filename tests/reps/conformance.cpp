@@ -1,0 +1,241 @@
+// What every representation promises. A new one enrols by standing in the list of knurl::Representations.
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "scene_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+template <class List>
+struct Enrol;
+template <class... R>
+struct Enrol<TypeList<R...>> {
+    using Types = testing::Types<R...>;
+};
+
+template <class R>
+struct Conformance : testing::Test {
+    static constexpr std::uint64_t seed = 12345;
+    Rng rng{seed};
+    static constexpr Handle handle{3, 9};
+};
+TYPED_TEST_SUITE(Conformance, Enrol<Representations>::Types);
+
+// A probe that wanders about the origin.
+Probe wander(Rng& rng, double size = 0.02) {
+    Probe probe = at(size * direction(rng), 0.2 * direction(rng));
+    probe.angular_velocity = direction(rng);
+    probe.orientation =
+        Eigen::Quaterniond(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1), 1).normalized();
+    return probe;
+}
+
+}  // namespace
+
+TYPED_TEST(Conformance, IsPlainDataThatMayCrossAProcessBoundary) {
+    static_assert(std::is_trivially_copyable_v<TypeParam> && std::is_standard_layout_v<TypeParam>);
+    static_assert(sizeof(TypeParam) <= 512 && sizeof(typename TypeParam::State) <= 256);
+    static_assert(Surface<TypeParam> != Effect<TypeParam>);
+}
+
+TYPED_TEST(Conformance, IsListedUnderItsName) {
+    const KindInfo& kind = kinds()[kind_of<TypeParam>];
+    EXPECT_EQ(kind.name, Describe<TypeParam>::name);
+    EXPECT_EQ(kind.size, sizeof(TypeParam));
+    EXPECT_EQ(kind.surface, Surface<TypeParam>);
+}
+
+TYPED_TEST(Conformance, ItsFieldsHaveNamesMeaningsAndPlacesOfTheirOwn) {
+    std::set<std::string_view> names;
+    std::set<std::size_t> offsets;
+    for (const Field& field : Describe<TypeParam>::fields) {
+        EXPECT_TRUE(names.insert(field.name).second) << field.name;
+        EXPECT_TRUE(offsets.insert(field.offset).second) << field.name;
+        EXPECT_FALSE(field.meaning.empty()) << field.name;
+        EXPECT_LE(field.minimum, field.maximum) << field.name;
+        if (field.type == Field::Type::choice) {
+            EXPECT_FALSE(field.choices.empty()) << field.name;
+        } else {
+            EXPECT_FALSE(field.unit.empty()) << field.name;
+            EXPECT_TRUE(std::isfinite(field.minimum) && std::isfinite(field.maximum)) << field.name;
+        }
+    }
+}
+
+TYPED_TEST(Conformance, ItsDefaultsAreLegal) {
+    const TypeParam defaults{};
+    EXPECT_TRUE(validate_fields(Describe<TypeParam>::fields, &defaults));
+}
+
+TYPED_TEST(Conformance, EveryIllegalValueIsRefusedByFieldAndChangesNothing) {
+    Scene scene = make_scene();
+    const TypeParam good = random_params<TypeParam>(this->rng, false);
+    ASSERT_TRUE(scene.add(this->handle, good));
+    const Probe probe = at({0.001, 0.002, -0.003});
+    settled(scene, probe);
+    const Wrench before = scene.evaluate(probe, dt);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (std::uint32_t f = 0; f < std::size(Describe<TypeParam>::fields); ++f) {
+        const Field& field = Describe<TypeParam>::fields[f];
+        std::vector<double> bad = {nan, -infinity};
+        if (!field.infinity_allowed) bad.push_back(infinity);
+        bad.push_back(std::nextafter(field.maximum, infinity));
+        if (!(field.automatic_allowed && field.minimum == 0))
+            bad.push_back(std::nextafter(field.minimum, -infinity));
+        if (field.automatic_allowed) bad.push_back(-0.5);
+        if (field.type == Field::Type::choice) bad = {nan};
+        for (const double value : bad) {
+            TypeParam params = good;
+            if (field.type == Field::Type::choice) {
+                set_choice(&params, field, static_cast<std::uint32_t>(field.choices.size()));
+            } else {
+                set_real(&params, field, value, field.type == Field::Type::vector ? 1 : 0);
+            }
+            const Verdict verdict = scene.update(this->handle, params);
+            EXPECT_FALSE(verdict) << field.name << " = " << value;
+            EXPECT_EQ(verdict.field, f) << field.name << " = " << value;
+            EXPECT_FALSE(scene.add({7, 1}, params)) << field.name << " = " << value;
+        }
+        if (field.nonzero) {
+            TypeParam params = good;
+            for (int i = 0; i < 3; ++i) set_real(&params, field, 1e-7 / 2, i);
+            EXPECT_EQ(scene.update(this->handle, params).code, Verdict::Code::zero_vector);
+        }
+    }
+    EXPECT_TRUE(same_bits(before, scene.evaluate(probe, dt)));
+    EXPECT_EQ(scene.size(), 1u);
+}
+
+TYPED_TEST(Conformance, TheSameParametersSentAgainChangeNothingToTheBit) {
+    for (int round = 0; round < 200; ++round) {
+        Scene once = make_scene(), again = make_scene();
+        TypeParam params = random_params<TypeParam>(this->rng, false);
+        for (Scene* scene : {&once, &again}) ASSERT_TRUE(scene->add(this->handle, params));
+        for (int i = 0; i < 60; ++i) {
+            if (i == 20) {  // also while a real change is still arriving
+                params = random_params<TypeParam>(this->rng, false);
+                for (Scene* scene : {&once, &again}) ASSERT_TRUE(scene->update(this->handle, params));
+            }
+            ASSERT_TRUE(again.update(this->handle, params));
+            const Probe probe = wander(this->rng);
+            ASSERT_TRUE(same_bits(once.evaluate(probe, dt), again.evaluate(probe, dt)))
+                << "seed " << this->seed << " round " << round << " cycle " << i;
+        }
+    }
+}
+
+TYPED_TEST(Conformance, WithNoTimePassedTheWrenchIsTheSameAndNothingAdvances) {
+    for (int round = 0; round < 200; ++round) {
+        Scene plain = make_scene(), stopped = make_scene();
+        for (Scene* scene : {&plain, &stopped}) {
+            Rng same(this->seed + static_cast<std::uint64_t>(round));
+            ASSERT_TRUE(scene->add(this->handle, random_params<TypeParam>(same, false)));
+        }
+        for (int i = 0; i < 40; ++i) {
+            if (i == 15) {
+                const TypeParam params = random_params<TypeParam>(this->rng, false);
+                for (Scene* scene : {&plain, &stopped}) ASSERT_TRUE(scene->update(this->handle, params));
+            }
+            const Probe probe = wander(this->rng);
+            const Wrench w = stopped.evaluate(probe, dt);
+            ASSERT_TRUE(same_bits(w, plain.evaluate(probe, dt)))
+                << "seed " << this->seed << " round " << round << " cycle " << i;
+            for (int k = 0; k < 3; ++k) ASSERT_TRUE(same_bits(w, stopped.evaluate(probe, 0)));
+        }
+    }
+}
+
+TYPED_TEST(Conformance, NoFiniteParametersGiveAnythingButAFiniteBoundedWrench) {
+    const int rounds = long_form() ? 200'000 : 4'000;
+    for (int round = 0; round < rounds; ++round) {
+        Limits limits;
+        const bool limited = between(this->rng, 0, 1);
+        if (limited) limits = {.max_stiffness = 3000, .max_force = 8.5, .max_torque = 0.4};
+        Scene scene = make_scene(limits);
+        ASSERT_TRUE(scene.add(this->handle, random_params<TypeParam>(this->rng, true), {.probe = 1}));
+        ASSERT_TRUE(scene.place_probe(1, {.offset = {0.01, 0, 0}, .radius = round % 3 ? 0 : 0.005}));
+        for (int i = 0; i < 12; ++i) {
+            if (i % 4 == 3) {
+                ASSERT_TRUE(scene.update(this->handle, random_params<TypeParam>(this->rng, true)));
+            }
+            Probe probe = wander(this->rng, between(this->rng, 0, 3) ? 0.02 : scale(this->rng, 1e-12, 1e11));
+            const double step =
+                std::array{0.0, 1e-6, 1e-3, 0.05}[static_cast<std::size_t>(between(this->rng, 0, 3))];
+            const Wrench w = scene.evaluate(probe, step);
+            ASSERT_TRUE(finite(w)) << "seed " << this->seed << " round " << round << " cycle " << i;
+            if (limited) {
+                ASSERT_LE(w.force.norm(), limits.max_force * (1 + 1e-12)) << "round " << round;
+                // The arm of the probe adds its own torque to the clamped one.
+                ASSERT_LE(w.torque.norm(), (limits.max_torque + 0.01 * limits.max_force) * (1 + 1e-12));
+            }
+        }
+    }
+}
+
+TYPED_TEST(Conformance, AProbeThatIsNowhereFeelsNothingAndLeavesNoTrace) {
+    Scene scene = make_scene(), twin = make_scene();
+    const TypeParam params = random_params<TypeParam>(this->rng, false);
+    for (Scene* s : {&scene, &twin}) ASSERT_TRUE(s->add(this->handle, params));
+    const Probe probe = at({0.001, 0, -0.001});
+    for (int i = 0; i < 30; ++i) {
+        ASSERT_TRUE(same_bits(scene.evaluate(probe, dt), twin.evaluate(probe, dt)));
+        for (const double nonsense : {std::numeric_limits<double>::quiet_NaN(), infinity, 1e300}) {
+            EXPECT_EQ(scene.evaluate(at({nonsense, 0, 0}), dt).force.norm(), 0.0);
+            EXPECT_EQ(scene.evaluate(at({0, 0, 0}, {0, nonsense, 0}), dt).force.norm(), 0.0);
+        }
+    }
+}
+
+TYPED_TEST(Conformance, TheSameHistoryGivesTheSameBits) {
+    const auto run = [&](std::uint64_t start) {
+        Rng random(start);
+        Scene scene = make_scene();
+        std::vector<Wrench> out;
+        EXPECT_TRUE(scene.add(this->handle, random_params<TypeParam>(random, false)));
+        for (int i = 0; i < 300; ++i) {
+            if (i % 37 == 0) {
+                EXPECT_TRUE(scene.update(this->handle, random_params<TypeParam>(random, false)));
+            }
+            out.push_back(scene.evaluate(wander(random), dt));
+        }
+        return out;
+    };
+    const auto first = run(5), second = run(5);
+    for (std::size_t i = 0; i < first.size(); ++i) ASSERT_TRUE(same_bits(first[i], second[i])) << i;
+}
+
+TYPED_TEST(Conformance, ComesAndGoesWithoutAJolt) {
+    constexpr double time = 0.02;  // s
+    for (int round = 0; round < 300; ++round) {
+        TypeParam params = random_params<TypeParam>(this->rng, false);
+        set_times(params, time);
+        const Probe probe = wander(this->rng);  // held still
+        Scene reference = make_scene();
+        ASSERT_TRUE(reference.add(this->handle, params));
+        const double full = settled(reference, probe).force.norm();
+        const double allowed = full * dt / time * (1 + 1e-9) + 1e-12;
+        Scene scene = make_scene();
+        Vector last = Vector::Zero();
+        for (int i = 0; i < 60; ++i) {
+            if (i == 0) {
+                ASSERT_TRUE(scene.add(this->handle, params));
+            }
+            if (i == 30) {
+                ASSERT_TRUE(scene.remove(this->handle));
+            }
+            const Vector force = scene.evaluate(probe, dt).force;
+            ASSERT_LE((force - last).norm(), allowed)
+                << "seed " << this->seed << " round " << round << " cycle " << i;
+            last = force;
+            if (i == 25) {
+                ASSERT_NEAR(force.norm(), full, 1e-9 * full);
+            }
+        }
+        ASSERT_EQ(last.norm(), 0.0);
+    }
+}

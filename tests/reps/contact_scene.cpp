@@ -1,0 +1,275 @@
+// What a scene of planes feels like, against an enumeration of all corners in long double.
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "scene_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+using Real = long double;
+using RealVector = Eigen::Matrix<Real, 3, 1>;
+
+struct Wall {
+    Vector normal;
+    double offset, stiffness;
+};
+
+/// The nearest point to p with n.x >= c for all: tries every set of up to three touching planes and keeps the
+/// nearest point that satisfies all. Exponential and slow; no idea in common with an active set.
+RealVector nearest(const std::vector<Wall>& walls, const Vector& p, double radius) {
+    const RealVector probe = p.cast<Real>();
+    const auto normal = [&](std::size_t i) { return RealVector(walls[i].normal.cast<Real>()); };
+    const auto depth = [&](std::size_t i) {
+        return Real(walls[i].offset) + Real(radius) - normal(i).dot(probe);
+    };
+    Real size = 0;
+    for (std::size_t i = 0; i < walls.size(); ++i) size = std::max(size, std::abs(depth(i)));
+    RealVector best = RealVector::Zero();
+    Real least = INFINITY;
+    const auto consider = [&](const RealVector& dx) {
+        if (!(dx.norm() < least)) return;
+        for (std::size_t i = 0; i < walls.size(); ++i) {
+            if (normal(i).dot(dx) < depth(i) - 1e-15L * (size + dx.norm())) return;
+        }
+        least = dx.norm();
+        best = dx;
+    };
+    consider(RealVector::Zero());
+    for (std::size_t i = 0; i < walls.size(); ++i) {
+        consider(depth(i) * normal(i) / normal(i).squaredNorm());
+        for (std::size_t j = i + 1; j < walls.size(); ++j) {
+            const RealVector m = normal(i).cross(normal(j));
+            if (m.norm() < 1e-9L) continue;
+            Eigen::Matrix<Real, 3, 3> rows;
+            rows << normal(i).transpose(), normal(j).transpose(), m.transpose();
+            consider(rows.fullPivLu().solve(RealVector(depth(i), depth(j), 0)));
+            for (std::size_t k = j + 1; k < walls.size(); ++k) {
+                rows.row(2) = normal(k).transpose();
+                if (std::abs(rows.determinant()) < 1e-12L) continue;
+                consider(rows.fullPivLu().solve(RealVector(depth(i), depth(j), depth(k))));
+            }
+        }
+    }
+    return best;
+}
+
+/// Layered projections, straight from the definition.
+RealVector reference_force(std::vector<Wall> walls, const Vector& p, double radius) {
+    std::sort(walls.begin(), walls.end(),
+              [](const Wall& a, const Wall& b) { return a.stiffness < b.stiffness; });
+    RealVector force = RealVector::Zero();
+    Real below = 0;
+    while (!walls.empty()) {
+        const double k = walls.front().stiffness;
+        if (Real(k) > below) force += (Real(k) - below) * nearest(walls, p, radius);
+        below = k;
+        while (!walls.empty() && walls.front().stiffness == k) walls.erase(walls.begin());
+    }
+    return force;
+}
+
+void build(Scene& scene, const std::vector<Wall>& walls) {
+    for (std::uint32_t i = 0; i < walls.size(); ++i) {
+        ASSERT_TRUE(scene.add({i, 1}, Plane{.normal = to_plain(walls[i].normal),
+                                            .offset = walls[i].offset,
+                                            .stiffness = walls[i].stiffness}));
+    }
+    scene.settle();
+}
+
+std::vector<Wall> random_walls(Rng& rng, int count, bool equal) {
+    const PlaneSet set = corner(rng, count, 0.01);
+    std::vector<Wall> walls;
+    for (std::uint32_t i = 0; i < set.size(); ++i) {
+        walls.push_back({set.normal(i), set.c[i], equal ? 1000 : 200.0 * between(rng, 1, 8)});
+    }
+    return walls;
+}
+
+}  // namespace
+
+TEST(ContactScene, OnePlaneIsASpringAlongItsNormal) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 2}, .offset = 0.02, .stiffness = 800}));
+    const Wrench in =
+        settled(scene, at({0.1, 0.2, 0.009}));  // the normal's length divides the offset: z = 0.01
+    EXPECT_NEAR(in.force.z(), 0.8, 1e-12);
+    EXPECT_EQ(in.force.head<2>().norm(), 0.0);
+    EXPECT_NEAR(scene.contact_point().z(), 0.01, 1e-15);
+    const Wrench out = scene.evaluate(at({0.1, 0.2, 0.011}), dt);
+    EXPECT_EQ(out.force.norm(), 0.0);
+    EXPECT_EQ(scene.contact_point().z(), 0.011) << "out of contact it is the probe itself";
+}
+
+TEST(ContactScene, RandomCornersWithUnequalStiffnessAgreeWithTheEnumeration) {
+    const std::uint64_t seed = 31;
+    Rng rng(seed);
+    for (int round = 0; round < (long_form() ? 20'000 : 1'500); ++round) {
+        const std::vector<Wall> walls = random_walls(rng, between(rng, 1, 6), round % 3 == 0);
+        Scene scene = make_scene();
+        const double radius = round % 4 ? 0 : 0.002;
+        ASSERT_TRUE(scene.place_probe(0, {.offset = {}, .radius = radius}));
+        build(scene, walls);
+        for (int i = 0; i < 4; ++i) {
+            const Vector p = uniform(rng, 0, 0.01) * direction(rng);
+            const RealVector want = reference_force(walls, p, radius);
+            const Vector got = scene.evaluate(at(p), dt).force;
+            ASSERT_LE((got.cast<Real>() - want).norm(),
+                      1e-12L * std::max<Real>(1600 * 0.02, want.norm()) * 50)
+                << "seed " << seed << " round " << round << " probe " << i;
+        }
+    }
+}
+
+TEST(ContactScene, NoDirectionIsStifferThanTheStiffestPlane) {
+    const std::uint64_t seed = 32;
+    Rng rng(seed);
+    for (int round = 0; round < 300; ++round) {
+        std::vector<Wall> walls = random_walls(rng, between(rng, 1, 9), false);
+        if (round % 5 == 0) walls.insert(walls.end(), 5, walls[0]);  // copies
+        double largest = 0;
+        for (const Wall& wall : walls) largest = std::max(largest, wall.stiffness);
+        Scene scene = make_scene();
+        build(scene, walls);
+        for (int i = 0; i < 200; ++i) {
+            const Vector p = 0.01 * direction(rng), step = 1e-5 * direction(rng);
+            const Vector change = scene.evaluate(at(p + step), dt).force - scene.evaluate(at(p), dt).force;
+            ASSERT_LE(change.norm(), largest * (1 + 1e-6) * step.norm() + 1e-12)
+                << "seed " << seed << " round " << round;
+        }
+    }
+}
+
+TEST(ContactScene, TheMicrometreScaleAThousandKilometresAway) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .offset = 1e6, .stiffness = 1000}));
+    const double p = 1e6 - 1e-6;
+    EXPECT_EQ(settled(scene, at({3e5, -2e5, p})).force.z(), 1000 * (1e6 - p))
+        << "no more error than the coordinates'";
+}
+
+TEST(ContactScene, DampingActsAlongTheForceAndNeverPulls) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000, .damping = 5}));
+    EXPECT_NEAR(settled(scene, at({0, 0, -0.001}, {1, 1, -0.1})).force.z(), 1.5, 1e-12);
+    EXPECT_EQ(scene.evaluate(at({0, 0, -0.001}, {1, 1, -0.1}), dt).force.x(), 0.0);
+    EXPECT_NEAR(scene.evaluate(at({0, 0, -0.001}, {0, 0, 0.1}), dt).force.z(), 0.5, 1e-12);
+    EXPECT_EQ(scene.evaluate(at({0, 0, -0.001}, {0, 0, 1.0}), dt).force.norm(), 0.0)
+        << "leaving fast: no stickiness";
+    EXPECT_EQ(scene.evaluate(at({0, 0, 0.001}, {0, 0, -1.0}), dt).force.norm(), 0.0) << "not before contact";
+}
+
+TEST(ContactScene, InACornerTheActivePlanesShareTheirDamping) {
+    // A right angle, equally deep in both: the force is along the diagonal, the damping the mean.
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000, .damping = 2}));
+    ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {1, 0, 0}, .stiffness = 1000, .damping = 6}));
+    const Vector m = Vector(1, 0, 1).normalized();
+    const Wrench w = settled(scene, at({-0.001, 0, -0.001}, -0.1 * m + Vector(0, 3, 0)));
+    EXPECT_LE((w.force - (std::sqrt(2.0) + 0.4) * m).norm(), 1e-12);
+}
+
+TEST(ContactScene, TheForceIsClampedWithoutTurning) {
+    Scene scene = make_scene({.max_force = 5});
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 3, 4}, .stiffness = 1000}));
+    const Vector force = settled(scene, at({0, 0, -1})).force;
+    EXPECT_NEAR(force.norm(), 5, 1e-12);
+    EXPECT_LE((force.normalized() - Vector(0, 0.6, 0.8)).norm(), 1e-12);
+}
+
+TEST(ContactScene, StiffnessIsClampedToTheDeviceAndItsOwnerIsTold) {
+    Scene scene = make_scene({.max_stiffness = 600});
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = infinity}));
+    ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {1, 0, 0}, .stiffness = 500}));
+    EXPECT_NEAR(settled(scene, at({1, 0, -0.001})).force.z(), 0.6, 1e-12);
+    Feedback feedback[4];
+    ASSERT_EQ(scene.feedback(feedback), 2u);
+    EXPECT_EQ(feedback[0].stiffness, 600);
+    EXPECT_TRUE(feedback[0].flags & Feedback::stiffness_clamped);
+    EXPECT_FALSE(feedback[1].flags & Feedback::stiffness_clamped);
+    // The device turns out to allow less: a change like any other, faded.
+    scene.set_limits({.max_stiffness = 300});
+    Vector last = scene.evaluate(at({1, 0, -0.001}), 0).force;
+    for (int i = 0; i < 20; ++i) {
+        const Vector force = scene.evaluate(at({1, 0, -0.001}), dt).force;
+        EXPECT_LE((force - last).norm(), 0.3 * 0.1 + 1e-12);
+        last = force;
+    }
+    EXPECT_NEAR(last.z(), 0.3, 1e-12);
+}
+
+TEST(ContactScene, InfiniteStiffnessWithoutADeviceIsAThousand) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = infinity}));
+    EXPECT_NEAR(settled(scene, at({0, 0, -0.001})).force.z(), 1, 1e-12);
+}
+
+TEST(ContactScene, ZeroStiffnessIsLegalAndFeelsLikeNothing) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 0, .damping = 100}));
+    EXPECT_EQ(settled(scene, at({0, 0, -0.01}, {0, 0, -1})).force.norm(), 0.0);
+}
+
+TEST(ContactScene, ASoftCeilingDoesNotMoveAHardFloor) {
+    // They overlap by 2 mm. The floor alone is feasible: its layer must not give way for the ceiling's sake.
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .offset = 0.001, .stiffness = 2000}));
+    ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {0, 0, -1}, .offset = 0.001, .stiffness = 200}));
+    scene.settle();
+    Vector last;
+    for (int i = 0; i <= 400; ++i) {
+        const double z = -0.002 + 1e-5 * i;
+        const Vector force = scene.evaluate(at({0, 0, z}), dt).force;
+        // Soft layer: both give way by 1 mm and meet at z = 0. Hard layer: the floor alone, at 1 mm.
+        EXPECT_NEAR(force.z(), 200 * (0 - z) + 1800 * std::max(0.0, 0.001 - z), 1e-6) << z;
+        if (i > 0) {
+            EXPECT_LE((force - last).norm(), 2000 * 1e-5 * (1 + 1e-6)) << z;
+        }
+        last = force;
+    }
+    Feedback feedback[2];
+    ASSERT_EQ(scene.feedback(feedback), 2u);
+    EXPECT_TRUE(feedback[0].flags & Feedback::infeasible);
+}
+
+TEST(ContactScene, MoreThanEightStiffnessesAreRoundedDownAndTheOwnerIsTold) {
+    Scene scene = make_scene();
+    for (std::uint32_t i = 0; i < 12; ++i) {
+        const double angle = i * M_PI / 6;
+        ASSERT_TRUE(scene.add(
+            {i, 1}, Plane{.normal = {std::cos(angle), std::sin(angle), 1}, .stiffness = 100.0 * (1 + i)}));
+    }
+    settled(scene, at({0, 0, -0.001}));
+    Feedback feedback[16];
+    ASSERT_EQ(scene.feedback(feedback), 12u);
+    int rounded = 0;
+    for (std::uint32_t i = 0; i < 12; ++i) {
+        const double asked = 100.0 * (1 + feedback[i].handle.slot);
+        EXPECT_LE(feedback[i].stiffness, asked);
+        EXPECT_GT(feedback[i].stiffness, 0.6 * asked);
+        EXPECT_EQ((feedback[i].flags & Feedback::stiffness_clamped) != 0, feedback[i].stiffness < asked);
+        rounded += feedback[i].stiffness < asked;
+    }
+    EXPECT_EQ(rounded, 4) << "twelve stiffnesses, eight kept";
+}
+
+TEST(ContactScene, TheSharesReportedToTheOwnersAddUpToTheForce) {
+    Rng rng(33);
+    for (int round = 0; round < 200; ++round) {
+        Scene scene = make_scene({.max_force = 6});
+        build(scene, random_walls(rng, 6, false));
+        const Wrench w = scene.evaluate(at(0.008 * direction(rng)), dt);
+        Feedback feedback[8];
+        const std::size_t n = scene.feedback(feedback);
+        Vector sum = Vector::Zero();
+        for (std::size_t i = 0; i < n; ++i) {
+            sum += feedback[i].wrench.force;
+            EXPECT_EQ((feedback[i].flags & Feedback::touching) != 0, feedback[i].wrench.force.norm() > 0);
+        }
+        ASSERT_LE((sum - w.force).norm(), 1e-9 * (1 + w.force.norm()));
+    }
+}

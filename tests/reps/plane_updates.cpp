@@ -1,0 +1,234 @@
+// How a plane that changes under the hand reaches its new place: cross-faded by default; the paper's recovery
+// and "last depth" by name. All against closed forms.
+
+#include <gtest/gtest.h>
+
+#include "scene_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+constexpr Handle floor_handle{0, 1};
+
+Plane floor_at(double z, double recovery = automatic, PlaneUpdate update = PlaneUpdate::fade) {
+    return {.normal = {0, 0, 1}, .offset = z, .stiffness = 1000, .recovery = recovery, .update = update};
+}
+
+Scene scene_with(const Plane& plane, const Probe& probe,
+                 const FadePolicy& policy = {.automatic = 0.01, .rise_speed = infinity}) {
+    Scene scene = make_scene({}, policy);
+    EXPECT_TRUE(scene.add(floor_handle, plane));
+    settled(scene, probe);
+    return scene;
+}
+
+}  // namespace
+
+TEST(CrossFade, GoesLinearlyFromTheOldForceToTheNewStartingInTheFirstCycle) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0), probe);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01)));
+    for (int i = 1; i <= 15; ++i) {
+        const double s = std::min(1.0, i / 10.0);
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), (1 - s) * 1 + s * 3, 1e-12) << "cycle " << i;
+    }
+}
+
+TEST(CrossFade, AtAnyAngle) {
+    // To the opposite side of a plate: the force turns round through zero in a straight line.
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0), probe);
+    ASSERT_TRUE(scene.update(
+        floor_handle, Plane{.normal = {0, 0, -1}, .offset = 0.002, .stiffness = 1000, .recovery = 0.01}));
+    for (int i = 1; i <= 15; ++i) {
+        const double s = std::min(1.0, i / 10.0);
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), (1 - s) * 1 - s * 1, 1e-12) << "cycle " << i;
+    }
+}
+
+TEST(CrossFade, TheOldSetIsReallyFeltWhileItFades) {
+    Scene scene = scene_with(floor_at(0), at({0, 0, -0.001}));
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01)));
+    for (int i = 1; i <= 10; ++i) {  // the hand goes deeper meanwhile
+        const double z = -0.001 - 1e-4 * i, s = i / 10.0;
+        EXPECT_NEAR(scene.evaluate(at({0, 0, z}), dt).force.z(), 1000 * ((1 - s) * -z + s * (0.002 - z)),
+                    1e-11);
+    }
+}
+
+TEST(CrossFade, AddingAndRemovingAreTheSameCase) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add(floor_handle, floor_at(0, 0.005)));
+    for (int i = 1; i <= 8; ++i)
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), std::min(1.0, i / 5.0), 1e-12);
+    ASSERT_TRUE(scene.remove(floor_handle));
+    for (int i = 1; i <= 8; ++i)
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), std::max(0.0, 1 - i / 5.0), 1e-12);
+}
+
+TEST(CrossFade, ACornersThreePlanesChangeInOneFadeAsLongAsTheSlowest) {
+    Scene scene = make_scene();
+    const Vector n[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const Probe probe = at({-0.001, -0.002, -0.003});
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        ASSERT_TRUE(scene.add({i, 1}, Plane{.normal = to_plain(n[i]), .stiffness = 1000}));
+    }
+    const Vector before = settled(scene, probe).force;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        ASSERT_TRUE(scene.update(
+            {i, 1},
+            Plane{
+                .normal = to_plain(n[i]), .offset = 0.001, .stiffness = 1000, .recovery = 0.004 * (i + 1)}));
+    }
+    for (int i = 1; i <= 14; ++i) {
+        const Vector want = before + std::min(1.0, i / 12.0) * Vector(1, 1, 1);
+        EXPECT_LE((scene.evaluate(probe, dt).force - want).norm(), 1e-12) << "cycle " << i;
+    }
+}
+
+TEST(CrossFade, ZeroRecoveryIsAtOnceAlsoInTheMiddleOfAnother) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0), probe, {.automatic = 0.01, .rise_speed = 0.1});
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.05)));
+    scene.evaluate(probe, dt);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.005, 0)));
+    EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 6, 1e-12);
+}
+
+TEST(CrossFade, AutomaticRecoveryIsThePolicys) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0), probe, {.automatic = 0.02, .rise_speed = infinity});
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.001)));
+    EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1 + 1.0 / 20, 1e-12);
+}
+
+TEST(CrossFade, ASurfaceThatRisesUnderTheHandDoesItNoFasterThanTheRiseSpeed) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0), probe, {.automatic = 0.01, .rise_speed = 0.1});
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.005)));  // 5 mm up: 50 ms instead of 10
+    for (int i = 1; i <= 60; ++i) {
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1 + 5 * std::min(1.0, i / 50.0), 1e-11)
+            << "cycle " << i;
+    }
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0)));  // down: no such rule
+    for (int i = 1; i <= 12; ++i) {
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 6 - 5 * std::min(1.0, i / 10.0), 1e-11)
+            << "cycle " << i;
+    }
+}
+
+TEST(CrossFade, WhereNothingIsFeltBeforeNorAfterNothingIsFeltBetween) {
+    const Probe probe = at({0, 0, 0.01});
+    Scene scene = scene_with(floor_at(0), probe);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002)));
+    for (int i = 0; i < 12; ++i) EXPECT_EQ(scene.evaluate(probe, dt).force.norm(), 0.0);
+}
+
+TEST(CrossFade, AnOvertakenFadeGoesOnFromThePresentForce) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0), probe);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01)));
+    Vector present;
+    for (int i = 0; i < 5; ++i) present = scene.evaluate(probe, dt).force;
+    EXPECT_NEAR(present.z(), 2, 1e-12);
+    ASSERT_TRUE(scene.update(
+        floor_handle, Plane{.normal = {1, 0, 0}, .offset = 0.001, .stiffness = 1000, .recovery = 0.01}));
+    for (int i = 1; i <= 12; ++i) {
+        const double s = std::min(1.0, i / 10.0);
+        const Vector want = (1 - s) * Vector(0, 0, 2) + s * Vector(1, 0, 0);
+        EXPECT_LE((scene.evaluate(probe, dt).force - want).norm(), 1e-12) << "cycle " << i;
+    }
+}
+
+TEST(CrossFade, SettledChangesAreThereFromTheStart) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add(floor_handle, floor_at(0, 0.05)));
+    ASSERT_TRUE(scene.add({1, 1}, floor_at(0.001, 0.05, PlaneUpdate::paper)));
+    scene.settle();
+    EXPECT_NEAR(scene.evaluate(at({0, 0, -0.001}), dt).force.z(), 2, 1e-12);
+}
+
+TEST(PaperRecovery, LowersThePlaneToTheProbeAndRaisesItLinearly) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::paper), probe);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01, PlaneUpdate::paper)));
+    // Depth in the new plane 3 mm; it starts at the probe, without force, whatever was felt before (figure
+    // 7).
+    for (int i = 1; i <= 13; ++i) {
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 3 * std::min(1.0, i / 10.0), 1e-12) << "cycle " << i;
+    }
+}
+
+TEST(PaperRecovery, OfAnUnchangedPlaneIsNone) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::paper), probe);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0, 0.01, PlaneUpdate::paper)));
+    EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1, 1e-12);
+}
+
+TEST(PaperRecovery, DropsAtOnceWhenItLeavesTheProbeOutside) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::paper), probe);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(-0.002, 0.01, PlaneUpdate::paper)));
+    EXPECT_EQ(scene.evaluate(probe, dt).force.norm(), 0.0);
+    EXPECT_NEAR(scene.evaluate(at({0, 0, -0.003}), dt).force.z(), 1, 1e-12) << "and stands at its new place";
+}
+
+TEST(PaperRecovery, AutomaticIsThePapersFiftyMilliseconds) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add(floor_handle, floor_at(0, automatic, PlaneUpdate::paper)));
+    for (int i = 1; i <= 55; ++i) {
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), std::min(1.0, i / 50.0), 1e-12) << "cycle " << i;
+    }
+}
+
+TEST(PaperRecovery, TheDepthFollowsTheHandWhileItRecovers) {
+    Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::paper), at({0, 0, -0.001}));
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01, PlaneUpdate::paper)));
+    for (int i = 1; i <= 12;
+         ++i) {  // lowered to where the hand is when it takes effect, by nothing after 10 ms
+        const double z = -0.001 + 2e-4 * i, lowered = 0.0028 * std::max(0.0, 1 - i / 10.0);
+        EXPECT_NEAR(scene.evaluate(at({0, 0, z}), dt).force.z(), std::max(0.0, 1000 * (0.002 - z - lowered)),
+                    1e-11);
+    }
+}
+
+TEST(LastDepth, StartsWithTheDepthThatWasFelt) {
+    const Probe probe = at({0, 0, -0.001});
+    Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::last_depth), probe);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01, PlaneUpdate::last_depth)));
+    for (int i = 1; i <= 13; ++i) {
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1 + 2 * std::min(1.0, i / 10.0), 1e-12)
+            << "cycle " << i;
+    }
+    // Again in the middle of a recovery: what is felt counts, not where the plane was going.
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.004, 0.01, PlaneUpdate::last_depth)));
+    for (int i = 1; i <= 5; ++i) scene.evaluate(probe, dt);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.006, 0.01, PlaneUpdate::last_depth)));
+    EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 4 + 3.0 / 10, 1e-12);
+}
+
+TEST(LastDepth, FromOutsideStartsFromNothing) {
+    const Probe probe = at({0, 0, 0.001});
+    Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::last_depth), probe);
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.003, 0.01, PlaneUpdate::last_depth)));
+    for (int i = 1; i <= 12; ++i) {
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 2 * std::min(1.0, i / 10.0), 1e-12);
+    }
+}
+
+TEST(LastDepth, LeavesTheCrossFadeOfOtherPlanesAlone) {
+    // A wall fades in x while the floor recovers in z by itself.
+    const Probe probe = at({-0.001, 0, -0.001});
+    Scene scene = scene_with(floor_at(0, 0.005, PlaneUpdate::last_depth), probe);
+    ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {1, 0, 0}, .stiffness = 1000, .recovery = 0.01}));
+    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.005, PlaneUpdate::last_depth)));
+    for (int i = 1; i <= 14; ++i) {
+        const Vector want(std::min(1.0, i / 10.0), 0, 1 + 2 * std::min(1.0, i / 5.0));
+        EXPECT_LE((scene.evaluate(probe, dt).force - want).norm(), 1e-11) << "cycle " << i;
+    }
+}

@@ -1,0 +1,113 @@
+// What the hand feels of an application that has fallen silent.
+
+#include <gtest/gtest.h>
+
+#include "scene_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+const Probe probe = at({-0.001, 0, -0.001});
+
+Scene scene_with(OnSilence floor, OnSilence wall, double time = 0.1) {
+    Scene scene = make_scene();
+    EXPECT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000},
+                          {.on_silence = floor, .silence_time = time}));
+    EXPECT_TRUE(scene.add({1, 1}, Plane{.normal = {1, 0, 0}, .stiffness = 500},
+                          {.on_silence = wall, .silence_time = time}));
+    settled(scene, probe);
+    return scene;
+}
+
+}  // namespace
+
+TEST(Silence, FadesOverATenthOfASecondAndBackOverATwentieth) {
+    Scene scene = scene_with(OnSilence::fade, OnSilence::fade);
+    const Vector full(0.5, 0, 1);
+    for (int i = 1; i <= 120; ++i) {
+        scene.set_silence(i * dt);
+        EXPECT_LE((scene.evaluate(probe, dt).force - std::max(0.0, 1 - i / 100.0) * full).norm(), 1e-12) << i;
+    }
+    scene.set_silence(0);
+    for (int i = 1; i <= 60; ++i) {
+        EXPECT_LE((scene.evaluate(probe, dt).force - std::min(1.0, i / 50.0) * full).norm(), 1e-12) << i;
+    }
+}
+
+TEST(Silence, HoldChangesNothingToTheBit) {
+    Scene silent = scene_with(OnSilence::hold, OnSilence::hold),
+          twin = scene_with(OnSilence::hold, OnSilence::hold);
+    for (int i = 1; i <= 500; ++i) {
+        silent.set_silence(i * dt);
+        ASSERT_TRUE(same_bits(silent.evaluate(probe, dt), twin.evaluate(probe, dt)));
+    }
+}
+
+TEST(Silence, MoveGoesOnForItsTimeAndThenFades) {
+    Scene scene = scene_with(OnSilence::move, OnSilence::move, 0.2);
+    for (int i = 1; i <= 320; ++i) {
+        scene.set_silence(i * dt);
+        const double want = i <= 200 ? 1 : std::max(0.0, 1 - (i - 200) / 100.0);
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), want, 1e-11) << i;
+    }
+}
+
+TEST(Silence, WhatFadesInACornerLeavesWhatHoldsWithoutAJump) {
+    Scene scene = scene_with(OnSilence::hold, OnSilence::fade);
+    Vector last = scene.evaluate(probe, dt).force;
+    for (int i = 1; i <= 120; ++i) {
+        scene.set_silence(i * dt);
+        const Vector force = scene.evaluate(probe, dt).force;
+        EXPECT_NEAR(force.z(), 1, 1e-12);
+        EXPECT_NEAR(force.x(), 0.5 * std::max(0.0, 1 - i / 100.0), 1e-12);
+        EXPECT_LE((force - last).norm(), 0.5 / 100 + 1e-12);
+        last = force;
+    }
+}
+
+TEST(Silence, EffectsFadeToo) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add({0, 1}, ConstantForce{.force = {2, 0, 0}}));
+    ASSERT_TRUE(scene.add({1, 1}, ConstantForce{.force = {0, 1, 0}}, {.on_silence = OnSilence::hold}));
+    settled(scene, probe);
+    for (int i = 1; i <= 110; ++i) {
+        scene.set_silence(i * dt);
+        const Wrench w = scene.evaluate(probe, dt);
+        EXPECT_NEAR(w.force.x(), 2 * std::max(0.0, 1 - i / 100.0), 1e-12);
+        EXPECT_NEAR(w.force.y(), 1, 1e-12);
+    }
+}
+
+TEST(Silence, WhateverItIsToldTheWeightOnlyMovesAtItsRates) {
+    Rng rng(91);
+    Scene scene = scene_with(OnSilence::fade, OnSilence::move, 0.05);
+    Vector last = scene.evaluate(probe, dt).force;
+    for (int i = 0; i < 3000; ++i) {
+        if (between(rng, 0, 9) == 0) scene.set_silence(between(rng, 0, 1) ? uniform(rng, 0, 10) : 0);
+        const Vector force = scene.evaluate(probe, dt).force;
+        ASSERT_LE((force - last).norm(), 1.5 * dt / 0.05 + 1e-12) << "cycle " << i;
+        last = force;
+    }
+}
+
+TEST(Silence, ChangesThatWereFadingWhenItFellFadeWithIt) {
+    Scene scene = scene_with(OnSilence::fade, OnSilence::fade);
+    ASSERT_TRUE(scene.update(
+        {0, 1}, Plane{.normal = {0, 0, 1}, .offset = 0.002, .stiffness = 1000, .recovery = 0.05}));
+    for (int i = 1; i <= 60; ++i) {
+        scene.set_silence(i * dt);
+        const double s = std::min(1.0, i / 50.0), w = 1 - i / 100.0;
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), w * (1 + 2 * s), 1e-11) << i;
+    }
+}
+
+TEST(Silence, IsReportedToTheOwner) {
+    Scene scene = scene_with(OnSilence::fade, OnSilence::hold);
+    scene.set_silence(0.01);
+    scene.evaluate(probe, dt);
+    Feedback feedback[2];
+    ASSERT_EQ(scene.feedback(feedback), 2u);
+    EXPECT_TRUE(feedback[0].flags & Feedback::silent);
+}
