@@ -72,8 +72,12 @@ void ClaimState::follow(Handle handle, const SurfaceModel& model) {
     const Lateness late = lateness();
     const double stiffness = std::min(plane.stiffness, limits_.max_stiffness);
     lock.unlock();  // the model is the application's: it may call us
-    const SurfacePoint there =
-        follow_surface(model, report->position, report->slow_velocity, late, stiffness, memory).plane;
+    const SurfacePoint there = follow_surface(model,
+                                              {.time = static_cast<double>(report->read_ns) * 1e-9,
+                                               .position = report->position,
+                                               .velocity = report->slow_velocity},
+                                              late, stiffness, memory)
+                                   .plane;
     lock = enter();
 
     plane.normal = there.normal;

@@ -17,6 +17,8 @@ using Eigen::Vector3d;
 constexpr double largest_tolerance = 0.5e-3;  // m
 constexpr double force_tolerance = 1.0;       // N: the kick that a wrong plane may add
 constexpr double shortest_normal = 1e-6;
+constexpr double forgetting = 0.9;      // per update: about the last ten count
+constexpr double longest_memory = 1.0;  // s: what is older says nothing about the next movement
 
 struct TangentPlane {
     Vector3d foot, normal;
@@ -65,10 +67,32 @@ Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& late
     return to_plain(to_eigen(position) + v * look_ahead_time(v, lateness));
 }
 
-Followed follow_surface(const SurfaceModel& model, const Vec3& position, const Vec3& velocity,
-                        const Lateness& lateness, double stiffness, FollowMemory& memory) {
+void Trust::observe(double time, const Vec3& position, const Vec3& velocity, double horizon) noexcept {
+    // Of the remembered moments the one whose distance in time is nearest to the horizon.
+    const std::size_t known = std::min<std::size_t>(count_, samples_.size());
+    const Sample* past = nullptr;
+    for (std::size_t i = 0; i < known; ++i) {
+        const auto distance = [&](const Sample& s) { return std::abs(time - s.time - horizon); };
+        if (past == nullptr || distance(samples_[i]) < distance(*past)) past = &samples_[i];
+    }
+    if (past != nullptr && time > past->time && time - past->time < longest_memory) {
+        const Vector3d expected = to_eigen(past->velocity) * (time - past->time);
+        explained_ = forgetting * explained_ + expected.dot(to_eigen(position) - to_eigen(past->position));
+        expected_ = forgetting * expected_ + expected.squaredNorm();
+    }
+    samples_[count_++ % samples_.size()] = {.time = time, .position = position, .velocity = velocity};
+}
+
+double Trust::factor() const noexcept {
+    return expected_ > 0 ? std::clamp(explained_ / expected_, 0.0, 1.0) : 1.0;
+}
+
+Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const Lateness& lateness,
+                        double stiffness, FollowMemory& memory) {
     Followed result;
-    const Vector3d p = to_eigen(position), v = to_eigen(velocity);
+    const Vector3d p = to_eigen(hand.position), v = to_eigen(hand.velocity);
+    memory.trust.observe(hand.time, hand.position, hand.velocity, lateness.latency + lateness.interval / 2);
+    result.trust = memory.trust.factor();
     const TangentPlane here = ask(model, p, result.asked);
     const double height = here.height(p);
 
@@ -83,14 +107,15 @@ Followed follow_surface(const SurfaceModel& model, const Vec3& position, const V
     const auto accept = [&](const TangentPlane& plane, double share) {
         result.plane = plain(plane);
         result.look_ahead = share;
-        memory = {.plane = result.plane, .known = true};
+        memory.plane = result.plane;
+        memory.known = true;
         return result;
     };
 
-    const double time = look_ahead_time(v, lateness);
+    const double time = result.trust * look_ahead_time(v, lateness);
     if (time <= 0 || v.isZero()) return accept(here, 0);
 
-    const Vector3d landing = p + v * std::min(lateness.latency, time);
+    const Vector3d landing = p + v * std::min(result.trust * lateness.latency, time);
     const TangentPlane there = ask(model, landing, result.asked);
     const double landing_height = there.height(landing);
     // Past the middle of something thin the model is no measure; the face on this side is.

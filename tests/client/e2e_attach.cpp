@@ -1,0 +1,136 @@
+// Getting in: what a user sees when something is wrong, in one line each.
+
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "servo_process.hpp"
+
+namespace {
+
+using namespace knurl;
+using namespace client_test;
+
+template <class Call>
+Error refusal(Call call) {
+    try {
+        call();
+    } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
+        return error;
+    }
+    ADD_FAILURE() << "it was not refused";
+    return Error(Error::Kind::refused, "");
+}
+
+bool says(const Error& error, const std::string& words) {
+    const bool found = std::string(error.what()).find(words) != std::string::npos;
+    EXPECT_TRUE(found) << "\"" << error.what() << "\" does not say \"" << words << "\"";
+    return found;
+}
+
+TEST(Attach, waits_for_a_servo_that_is_still_starting) {
+    ServoProcess servo;  // just forked: it listens later
+    Client client = connect();
+    ASSERT_EQ(client.devices().size(), 1u);
+    EXPECT_EQ(client.devices()[0].name, "cartesian3");
+    EXPECT_EQ(client.devices()[0].rate, 1000);
+    EXPECT_EQ(client.servo_pid(), servo.pid());
+}
+
+TEST(Attach, without_a_servo_names_the_socket_and_the_command_that_starts_one) {
+    ServoProcess servo;
+    const Error error = refusal([] { Client::connect("knurl:other", {.wait = 30ms}); });
+    EXPECT_EQ(error.kind, Error::Kind::no_servo);
+    says(error, "other.sock");
+    says(error, "knurld --name other");
+}
+
+TEST(Attach, without_the_right_says_whose_socket_it_is_and_what_to_do) {
+    ServoProcess servo;
+    connect();
+    const pid_t child = ::fork();
+    if (child == 0) {
+        // Root may open everything, so somebody else has to try; any other user is stopped by a socket of
+        // mode 0.
+        if (::geteuid() == 0 ? ::setuid(65534) != 0 : ::chmod(servo.socket().c_str(), 0) != 0) ::_exit(2);
+        try {
+            Client::connect("knurl:default", {.wait = 0ms});
+        } catch (const Error& error) {
+            const std::string text = error.what();
+            ::_exit(error.kind == Error::Kind::permission && text.find("usermod -aG") != std::string::npos
+                        ? 0
+                        : 3);
+        }
+        ::_exit(4);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    EXPECT_EQ(WEXITSTATUS(status), 0) << "2: could not become somebody else, 3: wrong error, 4: let in";
+}
+
+TEST(Attach, a_device_that_does_not_exist_is_answered_with_those_that_do) {
+    ServoProcess servo({"--device", "left=sim:cartesian3", "--device", "right=sim:premium15"});
+    Client client = connect();
+    const Error unknown = refusal([&] { client.claim("middle"); });
+    EXPECT_EQ(unknown.kind, Error::Kind::no_such_device);
+    says(unknown, "left, right");
+    const Error which = refusal([&] { client.claim(); });
+    EXPECT_EQ(which.kind, Error::Kind::no_such_device);
+    says(which, "say which one: left, right");
+    EXPECT_EQ(client.claim("right").device().profile, "premium15");
+}
+
+TEST(Attach, the_second_claim_is_told_who_holds_the_device) {
+    ServoProcess servo;
+    Client client = connect();
+    Claim first = client.claim();
+    const Error error = refusal([&] { connect().claim(); });
+    EXPECT_EQ(error.kind, Error::Kind::device_held);
+    EXPECT_EQ(error.holder, ::getpid());
+    says(error, std::to_string(::getpid()));
+    EXPECT_TRUE(first.next_report(10s));
+}
+
+TEST(Attach, a_released_device_can_be_claimed_again) {
+    ServoProcess servo;
+    Client client = connect();
+    {
+        Claim first = client.claim();
+        auto handle = first.add(ConstantForce{.force = {1, 0, 0}});
+        first.release();
+        EXPECT_EQ(refusal([&] { first.commit(); }).kind, Error::Kind::stale_handle);
+        EXPECT_EQ(refusal([&] { handle.set({}); }).kind, Error::Kind::stale_handle);
+    }
+    // Its force fades first: the slot is free within a second.
+    for (int i = 0;; ++i) {
+        try {
+            client.claim();
+            break;
+        } catch (const Error& error) {
+            ASSERT_EQ(error.kind, Error::Kind::device_held) << error.what();
+            ASSERT_LT(i, 500);
+            std::this_thread::sleep_for(10ms);
+        }
+    }
+}
+
+TEST(Attach, observers_need_no_claim_and_disturb_none) {
+    ServoProcess servo;
+    Client client = connect();
+    Claim hand = client.claim("", {.workspace_radius = 1.0, .workspace_centre = {5, 6, 7}});
+    Observer observer = client.observe();
+    const auto seen = observer.next_report(10s);
+    ASSERT_TRUE(seen);
+    // The same cycle, in the world of the one and in the device's frame of the other.
+    auto mine = hand.next_report(10s);
+    while (mine && mine->cycle < seen->cycle) mine = hand.next_report(10s);
+    ASSERT_TRUE(mine);
+    const DeviceDescription device = hand.device();
+    const double scale = 1.0 / device.workspace_radius;
+    EXPECT_NEAR(mine->position.x, scale * (seen->position.x - device.workspace_centre.x) + 5, 0.1);
+    EXPECT_NEAR(hand.limits().max_stiffness * scale, device.max_stiffness, 1e-6 * device.max_stiffness);
+}
+
+}  // namespace

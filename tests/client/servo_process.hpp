@@ -1,0 +1,102 @@
+#pragma once
+// A real knurld with a simulated device, in a folder of its own that goes with it.
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <knurl/client/client.hpp>
+
+namespace client_test {
+
+using namespace std::chrono_literals;
+
+class ServoProcess {
+  public:
+    explicit ServoProcess(std::vector<std::string> arguments = {"--device", "sim:cartesian3"})
+        : arguments_(std::move(arguments)) {
+        std::string name = (std::filesystem::temp_directory_path() / "knurl-client-XXXXXX").string();
+        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test: " + name);
+        folder_ = name;
+        std::filesystem::permissions(folder_, std::filesystem::perms::owner_all |
+                                                  std::filesystem::perms::others_exec |
+                                                  std::filesystem::perms::group_exec);
+        ::setenv("KNURL_RUNTIME_DIR", folder_.c_str(), 1);
+        ::setenv("KNURL_STATE_DIR", (folder_ / "state").c_str(), 1);
+        start();
+    }
+    ~ServoProcess() {
+        if (pid_ > 0) end(SIGKILL);
+        std::error_code ignored;
+        std::filesystem::remove_all(folder_, ignored);
+    }
+    ServoProcess(const ServoProcess&) = delete;
+    ServoProcess& operator=(const ServoProcess&) = delete;
+
+    void start() {
+        pid_ = ::fork();
+        if (pid_ != 0) return;
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // no servo outlives its test
+        const int log = ::open((folder_ / "log").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+        ::dup2(log, STDOUT_FILENO);
+        ::dup2(log, STDERR_FILENO);
+        std::vector<char*> words{const_cast<char*>(KNURLD)};
+        for (std::string& word : arguments_) words.push_back(word.data());
+        words.push_back(nullptr);
+        ::execv(KNURLD, words.data());
+        ::_exit(127);
+    }
+    /// Ends it with this signal; on return it is gone.
+    void end(int signal) {
+        ::kill(pid_, signal);
+        ::kill(pid_, SIGCONT);
+        ::waitpid(pid_, nullptr, 0);
+        pid_ = -1;
+    }
+    void stop() {
+        ::kill(pid_, SIGSTOP);
+        ::waitpid(pid_, nullptr, WUNTRACED);
+    }
+    void go_on() { ::kill(pid_, SIGCONT); }
+
+    pid_t pid() const { return pid_; }
+    std::filesystem::path socket() const { return folder_ / "default.sock"; }
+
+  private:
+    std::vector<std::string> arguments_;
+    std::filesystem::path folder_;
+    pid_t pid_ = -1;
+};
+
+/// Patient: a sanitizer's build on a busy machine takes its time to start.
+inline knurl::Client connect(bool reattach = true) {
+    return knurl::Client::connect("knurl:default", {.name = "test", .wait = 20s, .reattach = reattach});
+}
+
+/// Reads on until a report satisfies `wanted`, committing all the while. Fails the test's way out after a
+/// minute.
+template <class Wanted>
+knurl::HandReport read_until(knurl::Claim& hand, Wanted wanted) {
+    const auto deadline = std::chrono::steady_clock::now() + 60s;
+    while (std::chrono::steady_clock::now() < deadline) {
+        const auto report = hand.next_report(100ms);
+        hand.commit();
+        if (report && wanted(*report)) return *report;
+    }
+    throw std::runtime_error("what the test waited for did not happen within a minute");
+}
+
+inline bool is_active(const knurl::HandReport& report) {
+    return report.state == knurl::DeviceState::active;
+}
+
+}  // namespace client_test

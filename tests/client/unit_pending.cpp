@@ -1,0 +1,251 @@
+// Pending changes against a servo that takes when it likes. Whatever the interleaving, what the servo has
+// after a take is to the last byte what the application had committed with that batch: nothing lost, nothing
+// torn, nothing stale. The channel is the real one; the servo's side of it is played here.
+
+#include <cstring>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <knurl/client/error.hpp>
+#include <knurl/protocol/claim_segment.hpp>
+#include <knurl/shm/segment.hpp>
+#include <knurl/shm/triple_buffer.hpp>
+
+#include "local_link.hpp"
+#include "table.hpp"
+
+namespace {
+
+using namespace knurl;
+using detail::Table;
+using protocol::ClaimCapacity;
+
+constexpr ClaimCapacity capacity{.representations = 8, .batch_bytes = 2048};
+
+std::span<const std::byte> bytes_of(const Plane& plane) {
+    return std::as_bytes(std::span(&plane, 1));
+}
+Plane plane_at(double offset) {
+    return {.offset = offset, .stiffness = 100};
+}
+
+/// What a world holds: generation and offset of the plane in each slot.
+using World = std::map<std::uint32_t, std::pair<std::uint32_t, double>>;
+
+/// The servo's intake, in its simplest form: adds and removals arrive in order and at once.
+class ServoSide {
+  public:
+    explicit ServoSide(std::byte* memory)
+        : batches_(memory + layout_.batches, layout_.batch_slot_bytes), slot_(layout_.batch_slot_bytes) {}
+
+    void add(Handle handle, double offset) {
+        world[handle.slot] = {handle.generation, offset};
+        versions_[handle.slot] = 0;
+    }
+    void remove(Handle handle) { world.erase(handle.slot); }
+
+    /// The sequence of the batch that it took.
+    std::optional<std::uint64_t> take() {
+        if (!batches_.take()) return std::nullopt;
+        batches_.copy(slot_.data(), 0, slot_.size());
+        protocol::BatchHeader header;
+        std::memcpy(&header, slot_.data(), sizeof header);
+        std::size_t at = sizeof header;
+        for (std::uint32_t i = 0; i < header.entries; ++i) {
+            protocol::EntryHeader entry;
+            std::memcpy(&entry, slot_.data() + at, sizeof entry);
+            Plane plane;
+            std::memcpy(&plane, slot_.data() + at + sizeof entry, sizeof plane);
+            at += sizeof entry + sizeof plane;
+            const auto found = world.find(entry.handle.slot);
+            if (found == world.end() || found->second.first != entry.handle.generation) continue;
+            if (entry.version <= versions_[entry.handle.slot]) continue;
+            versions_[entry.handle.slot] = entry.version;
+            found->second.second = plane.offset;
+        }
+        EXPECT_EQ(at, sizeof header + header.bytes);
+        return header.sequence;
+    }
+
+    World world;
+
+  private:
+    protocol::ClaimLayout layout_ = protocol::claim_layout(capacity);
+    shm::TripleReader batches_;
+    std::vector<std::byte> slot_;
+    std::map<std::uint32_t, std::uint64_t> versions_;
+};
+
+struct Pair {
+    std::shared_ptr<shm::Segment> segment = [] {
+        const auto layout = protocol::claim_layout(capacity);
+        auto made = std::make_shared<shm::Segment>(shm::Segment::create("test", layout.total));
+        shm::spsc_init(made->data() + layout.commands);
+        shm::spsc_init(made->data() + layout.replies);
+        shm::triple_init(made->data() + layout.batches);
+        shm::triple_init(made->data() + layout.feedback);
+        return made;
+    }();
+    std::unique_ptr<detail::ClaimChannel> channel = detail::local_channel(segment, capacity);
+    ServoSide servo{segment->data()};
+    Table table{capacity};
+    World world;  // the application's
+    std::map<std::uint64_t, World> committed;
+    std::uint64_t sequence = 0;
+
+    /// `forgetful`: the deliberately wrong library, which believes that every batch was taken.
+    void commit(bool forgetful = false) {
+        const auto entries = table.batch();
+        const protocol::BatchHeader header{.sequence = ++sequence,
+                                           .commands_before = 0,
+                                           .report_cycle = 0,
+                                           .commit_ns = 0,
+                                           .entries = table.batch_entries(),
+                                           .bytes = static_cast<std::uint32_t>(entries.size())};
+        const bool taken = channel->publish(header, entries);
+        table.published(taken || forgetful);
+        committed[sequence] = world;
+    }
+};
+
+/// One random run; how many of its takes left the servo with something else than the application had
+/// committed.
+int wrong_takes(std::uint32_t seed, bool forgetful) {
+    std::mt19937 random(seed);
+    Pair pair;
+    std::vector<Handle> handles;
+    double value = 0;
+    int wrong = 0;
+    for (int step = 0; step < 400; ++step) {
+        switch (random() % 8) {
+            case 0:
+                if (handles.size() < capacity.representations) {
+                    const Handle handle = pair.table.add(kind_of<Plane>, bytes_of(plane_at(++value)), {});
+                    handles.push_back(handle);
+                    pair.world[handle.slot] = {handle.generation, value};
+                    pair.servo.add(handle, value);
+                    for (auto& [sequence, world] : pair.committed)
+                        world[handle.slot] = pair.world[handle.slot];
+                }
+                break;
+            case 1:
+                if (!handles.empty() && random() % 2 == 0) {
+                    const std::size_t which = random() % handles.size();
+                    const Handle handle = handles[which];
+                    handles.erase(handles.begin() + static_cast<std::ptrdiff_t>(which));
+                    pair.table.remove(handle);
+                    pair.servo.remove(handle);
+                    pair.world.erase(handle.slot);
+                    for (auto& [sequence, world] : pair.committed) world.erase(handle.slot);
+                }
+                break;
+            case 2:
+            case 3:
+            case 4:
+                if (!handles.empty()) {
+                    const Handle handle = handles[random() % handles.size()];
+                    pair.table.set(handle, bytes_of(plane_at(++value)));
+                    pair.world[handle.slot].second = value;
+                }
+                break;
+            case 5:
+            case 6:
+                pair.commit(forgetful);
+                break;
+            default:
+                if (const auto sequence = pair.servo.take())
+                    wrong += pair.servo.world == pair.committed[*sequence] ? 0 : 1;
+        }
+    }
+    return wrong;
+}
+
+TEST(Pending, whatever_the_servo_takes_is_what_was_committed_with_that_batch) {
+    for (std::uint32_t seed = 1; seed <= 3000; ++seed)
+        ASSERT_EQ(wrong_takes(seed, false), 0) << "seed " << seed;
+}
+
+TEST(Pending, this_test_would_see_a_library_that_forgets_what_was_not_taken) {
+    int wrong = 0;
+    for (std::uint32_t seed = 1; seed <= 30; ++seed) wrong += wrong_takes(seed, true);
+    EXPECT_GT(wrong, 100);
+}
+
+TEST(Pending, shrinks_to_the_last_change_once_the_batch_before_was_taken) {
+    Pair pair;
+    const Handle a = pair.table.add(kind_of<Plane>, bytes_of(plane_at(1)), {});
+    const Handle b = pair.table.add(kind_of<Plane>, bytes_of(plane_at(2)), {});
+    pair.table.set(a, bytes_of(plane_at(3)));
+    pair.commit();
+    pair.table.set(b, bytes_of(plane_at(4)));
+    pair.commit();
+    pair.table.batch();
+    EXPECT_EQ(pair.table.batch_entries(), 2u) << "the first batch was not taken: both are still pending";
+    pair.servo.take();
+    pair.commit();  // learns of the take: one publish late, so it carries both once more
+    pair.servo.take();
+    pair.commit();
+    EXPECT_EQ(pair.table.batch_entries(), 0u);
+}
+
+TEST(Pending, a_batch_that_changes_everything_always_fits) {
+    // Capacity is checked when something is added, so that commit can never fail for want of room.
+    const ClaimCapacity small{.representations = 8, .batch_bytes = 300};
+    Table table(small);
+    std::vector<Handle> handles;
+    try {
+        for (;;) handles.push_back(table.add(kind_of<Plane>, bytes_of(plane_at(0)), {}));
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind, Error::Kind::bad_parameters);
+        EXPECT_NE(std::string(error.what()).find("batch_bytes"), std::string::npos) << error.what();
+    }
+    ASSERT_FALSE(handles.empty());
+    for (const Handle handle : handles) table.set(handle, bytes_of(plane_at(1)));
+    EXPECT_LE(table.batch().size(), small.batch_bytes);
+}
+
+TEST(Pending, slots_run_out_with_a_line_that_says_what_to_ask_for) {
+    Table table({.representations = 2, .batch_bytes = 4096});
+    table.add(kind_of<Plane>, bytes_of(plane_at(0)), {});
+    table.add(kind_of<Plane>, bytes_of(plane_at(0)), {});
+    try {
+        table.add(kind_of<Plane>, bytes_of(plane_at(0)), {});
+        FAIL() << "a third one fitted two places";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("ClaimOptions::representations"), std::string::npos)
+            << error.what();
+    }
+}
+
+TEST(Pending, a_handle_of_an_earlier_generation_names_nothing) {
+    Table table(capacity);
+    const Handle old = table.add(kind_of<Plane>, bytes_of(plane_at(1)), {});
+    table.remove(old);
+    const Handle young = table.add(kind_of<Plane>, bytes_of(plane_at(2)), {});
+    EXPECT_EQ(young.slot, old.slot) << "the case that matters";
+    EXPECT_EQ(table.find(old), nullptr);
+    EXPECT_NE(table.find(young), nullptr);
+}
+
+TEST(Pending, a_new_servo_gets_what_was_committed_and_keeps_what_was_not) {
+    Table table(capacity);
+    const Handle handle = table.add(kind_of<Plane>, bytes_of(plane_at(1)), {});
+    table.find(handle)->issued = true;
+    table.set(handle, bytes_of(plane_at(2)));
+    table.committed_for_replay();
+    table.set(handle, bytes_of(plane_at(3)));
+    table.restarted();
+    ASSERT_EQ(table.issued(), std::vector{handle});
+    Plane replayed;
+    std::memcpy(&replayed, table.find(handle)->committed.data(), sizeof replayed);
+    EXPECT_EQ(replayed.offset, 2);
+    table.batch();
+    EXPECT_EQ(table.batch_entries(), 1u) << "the change that no commit has covered yet is still to come";
+}
+
+}  // namespace
