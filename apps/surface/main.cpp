@@ -5,6 +5,8 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <fstream>
+#include <stdexcept>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -81,6 +83,12 @@ void describe(CLI::App& app, Wishes& w) {
         "  scripts/plot_surface.py out.json out.csv relief.asc out.png\n");
 }
 
+/// Before a minute of measuring, not after it.
+void check_writable(const std::string& file) {
+    if (!file.empty() && !std::ofstream(file, std::ios::app))
+        throw std::runtime_error(file + ": cannot be written; check the folder");
+}
+
 int run(const Wishes& wishes) {
     std::vector<surface::Way> ways;
     for (const auto& key : wishes.ways) ways.push_back(surface::way_of(key));
@@ -89,15 +97,17 @@ int run(const Wishes& wishes) {
     const auto relief = surface::make_relief(model, wishes.relief);
     const surface::Terrain terrain(relief.grid);
     const auto path = surface::make_stroke(terrain, wishes.stroke);
-    fmt::print("{}: {}\n", model.name, relief.statement);
     if (!wishes.relief_file.empty()) surface::write_relief(wishes.relief_file, terrain);
     if (!wishes.write_stroke.empty()) {
         surface::write_stroke(path, wishes.write_stroke);
+        fmt::print("{}: {}\n", model.name, relief.statement);
         fmt::print("{}: a stroke of {:.1f} s at {:g} m/s\n", wishes.write_stroke, path.end,
                    wishes.stroke.speed);
         return 0;
     }
 
+    check_writable(wishes.csv);
+    check_writable(wishes.json);
     auto client = knurl::Client::connect(
         wishes.connect,
         {.name = "knurl-surface", .wait = std::chrono::milliseconds(static_cast<int>(wishes.wait * 1e3))});

@@ -84,8 +84,8 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
     });
     out += '\n';
     for (const Outcome& o : outcomes)
-        out += fmt::format("{:<58}{}{}\n", title_of(o.recording.way, text.rate), o.judgement.verdict(),
-                           o.recording.interrupted ? " (interrupted)" : "");
+        out += fmt::format("{:<58}{}{}\n", title_of(o.recording.way, text.rate),
+                           o.recording.interrupted ? "interrupted; until then " : "", o.judgement.verdict());
     out += fmt::format(
         "\nstable = jump <= 1 N a cycle, speed off the surface <= 0.3 m/s, limit cycle < 0.1 mm; forces are "
         "the scene's,\nbefore the supervisor. {}, {}\n",
