@@ -1,0 +1,143 @@
+// knurl-surface as a person runs it: beside a servo of its own, with a small model so that it takes seconds.
+
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+#include <thread>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "program.hpp"
+
+namespace {
+
+using knurl::test::Folder;
+using knurl::test::run;
+using testing::HasSubstr;
+
+/// A program in the background, its output in a file; ended by SIGTERM at the latest by the destructor.
+class Background {
+  public:
+    Background(std::vector<std::string> words, std::string log) : log_(std::move(log)) {
+        std::vector<char*> argv;
+        for (auto& word : words) argv.push_back(word.data());
+        argv.push_back(nullptr);
+        child_ = ::fork();
+        if (child_ == 0) {
+            const int out = ::open(log_.c_str(), O_CREAT | O_WRONLY | O_APPEND, 0600);
+            ::dup2(out, 1);
+            ::dup2(out, 2);
+            ::execv(argv[0], argv.data());
+            ::_exit(127);
+        }
+    }
+    ~Background() { end(SIGTERM); }
+    Background(const Background&) = delete;
+    Background& operator=(const Background&) = delete;
+
+    /// Waits until the program has said this; false: it has not for half a minute.
+    bool says(const std::string& text) const {
+        const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+        while (knurl::test::text_of_file(log_).find(text) == std::string::npos) {
+            if (std::chrono::steady_clock::now() > deadline) return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        return true;
+    }
+    /// The exit code.
+    int end(int signal) {
+        if (child_ <= 0) return -1;
+        ::kill(child_, signal);
+        int status = 0;
+        ::waitpid(child_, &status, 0);
+        child_ = -1;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    }
+
+  private:
+    std::string log_;
+    pid_t child_ = -1;
+};
+
+class SurfaceProgram : public testing::Test {
+  protected:
+    void SetUp() override {
+        ::setenv("KNURL_RUNTIME_DIR", folder_.path("").c_str(), 1);
+        ::setenv("KNURL_STATE_DIR", folder_.path("").c_str(), 1);
+        std::ostringstream pgm;  // one broad hill: 40 x 20 mm, 10 mm high
+        pgm << "P2 80 40 10000\n";
+        for (int r = 0; r < 40; ++r)
+            for (int c = 0; c < 80; ++c)
+                pgm << std::lround(10000 * std::pow(std::sin(M_PI * c / 79) * std::sin(M_PI * r / 39), 2))
+                    << '\n';
+        model_ = folder_.file("hill.pgm", pgm.str());
+        stroke_ = folder_.path("stroke.csv");
+        ASSERT_EQ(run({KNURL_SURFACE_PROGRAM, model_, "--write-stroke", stroke_}).code, 0);
+    }
+
+    std::vector<std::string> servo() const {
+        return {KNURLD_PROGRAM, "--device", "sim:premium15", "--hand", stroke_};
+    }
+
+    const Folder folder_;
+    std::string model_, stroke_;
+};
+
+TEST_F(SurfaceProgram, StrokesOncePerWayAndSaysHowItWent) {
+    Background knurld(servo(), folder_.path("knurld.log"));  // in whichever order the two start
+    const auto outcome = run({KNURL_SURFACE_PROGRAM, model_, "--wait", "30", "--ways", "force,knurl",
+                              "--json", folder_.path("out.json"), "--csv", folder_.path("out.csv")});
+    ASSERT_EQ(outcome.code, 0) << outcome.err << knurl::test::text_of_file(folder_.path("knurld.log"));
+    EXPECT_THAT(outcome.out, HasSubstr("hill.pgm: 0.5 mm per cell"));
+    const auto json = nlohmann::json::parse(knurl::test::text_of_file(folder_.path("out.json")));
+    ASSERT_EQ(json.at("strokes").size(), 2u);
+    for (const auto& stroke : json.at("strokes")) {
+        EXPECT_EQ(stroke.at("missed"), 0) << stroke;
+        EXPECT_GT(stroke.at("updates"), 5) << stroke;
+    }
+    // Forces sent by a slow application cannot be a stiff surface, and what the servo does about it is a
+    // result.
+    EXPECT_FALSE(json.at("strokes").at(0).at("stable"));
+    // The second stroke was made even if the first one faulted the device.
+    EXPECT_GT(json.at("strokes").at(1).at("cycles"), 1500);
+    EXPECT_GT(json.at("strokes").at(1).at("mean_force"), 0.5);
+    EXPECT_EQ(knurld.end(SIGTERM), 0);
+}
+
+TEST_F(SurfaceProgram, AnInterruptReleasesTheDeviceAndSaysWhatWasSeen) {
+    Background knurld(servo(), folder_.path("knurld.log"));
+    ASSERT_TRUE(knurld.says("ready"));
+    {
+        Background surface({KNURL_SURFACE_PROGRAM, model_, "--ways", "knurl"}, folder_.path("surface.log"));
+        ASSERT_TRUE(surface.says("planes at 20 Hz"));
+        EXPECT_EQ(surface.end(SIGINT), 130);
+    }
+    EXPECT_THAT(knurl::test::text_of_file(folder_.path("surface.log")), HasSubstr("interrupted"));
+    // The device is free: another program may claim it.
+    EXPECT_EQ(run({KNURL_SURFACE_PROGRAM, model_, "--ways", "knurl"}).code, 0);
+}
+
+TEST_F(SurfaceProgram, WhatIsWrongIsOneLineAndAnExitCode) {
+    const std::vector<std::vector<std::string>> wrong = {
+        {folder_.file("letter.txt", "Dear reader")},
+        {model_, "--connect", "knurl:absent", "--wait", "0"},
+        {model_, "--ways", "best"},
+        {model_, "--rate", "fast"},
+        {model_, "--write-stroke", folder_.path("absent/stroke.csv")},
+    };
+    for (auto words : wrong) {
+        words.insert(words.begin(), KNURL_SURFACE_PROGRAM);
+        const auto outcome = run(words);
+        EXPECT_NE(outcome.code, 0) << words.back();
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        EXPECT_THAT(outcome.err, testing::StartsWith("knurl-surface: "));
+    }
+}
+
+}  // namespace
