@@ -17,19 +17,27 @@ void prefetch_for_writing(const void* line) {
 }  // namespace
 
 void TripleReader::prefetch() const noexcept {
-    constexpr std::size_t payload_lines = 4;  // the usual batch; a longer one has the stream's own prefetch
-    constexpr std::size_t cache_line = 64;
+    // The usual batch; the processor's own prefetch sees to a longer one.
+    constexpr std::size_t payload_lines = 4;
+    constexpr std::size_t line_words = 64 / sizeof(std::uint64_t);
 
+    // First, so that the load below joins this transfer: a load alone would fetch the line to share it, and
+    // the take would have to ask for it again.
+    prefetch_for_writing(places_.mid);
     const std::uint64_t mid = HardwareMemory::load(*places_.mid, std::memory_order::relaxed);
     if (!TripleMid::fresh(mid)) return;
-    prefetch_for_writing(places_.mid);
     // Only a hint, but it comes from the other side: bound it before it makes an address.
     const std::uint32_t index = TripleMid::index(mid);
     if (index > 2) return;
-    const auto* payload = reinterpret_cast<const char*>(slot(index));
-    const std::size_t bytes =
-        std::min(payload_lines * cache_line, places_.slot_words * sizeof(std::uint64_t));
-    for (std::size_t at = 0; at < bytes; at += cache_line) __builtin_prefetch(payload + at);
+    const std::uint64_t* payload = slot(index);
+    const std::size_t words = std::min(payload_lines * line_words, places_.slot_words);
+    // Plain loads whose values nobody waits for: as many are under way as the processor can track, and unlike
+    // prefetch instructions they are never dropped when it tracks no more (measured: 0.63 of a one-pass ring
+    // against 0.76).
+    for (std::size_t at = 0; at < words; at += line_words) {
+        const std::uint64_t value = HardwareMemory::load(payload[at], std::memory_order::relaxed);
+        asm volatile("" : : "r"(value));
+    }
 }
 
 }  // namespace knurl::shm

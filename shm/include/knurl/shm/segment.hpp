@@ -8,6 +8,15 @@
 
 namespace knurl::shm {
 
+/// Segments begin on a page, so the same place of every segment falls into the same set of the first-level
+/// cache: a servo that looks at one word of each of 128 segments misses each time (measured: 380 ns instead
+/// of 90). So what is looked at in segment number n of many lies this much further on; the segment is
+/// segment_colour_bytes larger.
+inline constexpr std::size_t segment_colour_bytes = 4096;
+constexpr std::size_t segment_colour(std::size_t n) {
+    return n * 128 % segment_colour_bytes;
+}
+
 /// A mapped piece of memory that two processes share: an anonymous file (memfd), so nothing stays behind in
 /// the file system after a crash. Its size is sealed: nobody can shrink it under a reader (which would be a
 /// SIGBUS).
