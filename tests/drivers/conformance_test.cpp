@@ -123,7 +123,7 @@ TEST_P(EveryDevice, IsReadBeforeAnythingIsWrittenAndIsInItsWorkspace) {
 TEST_P(EveryDevice, StaysFiniteWhateverIsWritten) {
     const double bad[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300, -1e300, 5e-324};
     Nanoseconds now = 0;
-    for (int cycle = 0; cycle < 200; ++cycle) {
+    for (std::size_t cycle = 0; cycle < 200; ++cycle) {
         device_->read(now += millisecond, sample_);
         EXPECT_TRUE(std::ranges::all_of(joints(), [](double joint) { return std::isfinite(joint); }));
         JointEfforts efforts{};
