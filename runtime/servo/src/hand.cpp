@@ -31,6 +31,10 @@ Trouble Hand::read(Nanoseconds now) noexcept {
     const bool first = !connected;
     connected = true;
     const double gap = first ? 0 : static_cast<double>(now - last_good_) * 1e-9;
+    // How far a hand can have come since the sample before, believed or not: else a jump would become
+    // possible by being rejected for long enough. A repeated sample is none.
+    const double since_sample = first ? 0 : static_cast<double>(now - last_sample_) * 1e-9;
+    if (status != ReadStatus::stale) last_sample_ = now;
 
     bool finite = true;
     for (std::size_t i = 0; i < joints_; ++i)
@@ -43,7 +47,7 @@ Trouble Hand::read(Nanoseconds now) noexcept {
         has_pose = known_;
         return gap > stale_limit ? bad(fault::bad_samples) : Trouble{};
     }
-    if (!trusting_ && impossible(next, gap)) {
+    if (!trusting_ && impossible(next, since_sample)) {
         const Trouble trouble = bad(fault::encoder_jump);
         // It stays there: from now on that is where the joints are, once the fault has been reset.
         if (trouble.faults != 0) {

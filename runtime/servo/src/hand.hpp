@@ -58,7 +58,7 @@ class Hand {
     std::size_t joints_;
     Eigen::Matrix<double, drivers::max_joints, 1> count_;  // rad per count of each joint
     std::uint32_t bad_in_row_ = 0, poseless_in_row_ = 0;
-    Nanoseconds last_good_ = 0;
+    Nanoseconds last_good_ = 0, last_sample_ = 0;
     bool known_ = false;  // there is a sample and a pose to compare with
     FirstOrderVelocity damping_{100}, slow_{20}, turning_{100};
     AdaptiveVelocity smooth_;
