@@ -133,8 +133,10 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
 }
 
 void ClaimTable::let_go(std::uint32_t index) noexcept {
-    if (index >= rows_.size() || rows_[index].stage != Stage::held) return;
+    if (index >= rows_.size()) return;
     Row& row = rows_[index];
+    if (row.stage == Stage::returned) clear(index);
+    if (row.stage != Stage::held) return;
     row.stage = device_.servo.drop(row.claim.get()) ? Stage::leaving : Stage::dropping;
     ++on_their_way_;
 }
@@ -148,9 +150,12 @@ bool ClaimTable::collect() noexcept {
         const auto found = std::find_if(rows_.begin(), rows_.end(),
                                         [back](const Row& row) { return row.claim.get() == back; });
         if (found == rows_.end()) continue;
-        // Held: the servo is ending and has let go of all by itself (drop_all).
-        if (found->stage != Stage::held) --on_their_way_;
-        clear(static_cast<std::uint32_t>(found - rows_.begin()));
+        if (found->stage == Stage::held) {
+            found->stage = Stage::returned;
+        } else {
+            --on_their_way_;
+            clear(static_cast<std::uint32_t>(found - rows_.begin()));
+        }
     }
     return on_their_way_ > 0;
 }

@@ -97,19 +97,19 @@ void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo
         // The devices are safe; a file may take its time, and must not hold up anybody who is real-time.
         const sched_param ordinary{};
         sched_setscheduler(0, SCHED_OTHER, &ordinary);
+        std::string saved;
         for (const Watched& watched : devices) {
             try {
-                const std::string path = write_flight_record(
-                    state_directory, watched.segment, "killed, crashed or ended without saying goodbye");
-                std::fprintf(
-                    stderr,
-                    "knurl-guardian: the servo died; devices are zeroed, its last reports are in %s\n",
-                    path.c_str());
+                saved += fmt::format(" {}",
+                                     write_flight_record(state_directory, watched.segment,
+                                                         "killed, crashed or ended without saying goodbye"));
             } catch (const std::exception& error) {
-                std::fprintf(stderr, "knurl-guardian: the servo died; devices are zeroed; %s\n",
-                             error.what());
+                saved += fmt::format(" ({})", error.what());
             }
         }
+        std::fprintf(stderr,
+                     "knurl-guardian: the servo died; its devices are zeroed, its last reports are in%s\n",
+                     saved.c_str());
         return;
     }
 }

@@ -69,7 +69,14 @@ class ClaimTable {
     const HostedDevice& device() const { return device_; }
 
   private:
-    enum class Stage { free, held, dropping, leaving };  // dropping: the mailbox was full
+    enum class Stage {
+        free,
+        held,
+        returned,  // the servo let go of it by itself (it is ending); its client still thinks that it holds
+                   // it
+        dropping,  // the servo's mailbox was full
+        leaving,
+    };
     struct Row {
         Stage stage = Stage::free;
         bool observer = false;
