@@ -107,6 +107,14 @@ TEST(SegmentOpen, LeavesTheCallersDescriptorAlone) {
     EXPECT_EQ(::close(fd), 0);
 }
 
+TEST(SegmentColour, SpreadsWhatIsLookedAtOverThePage) {
+    for (std::size_t n = 0; n < 128; ++n) {
+        EXPECT_EQ(segment_colour(n) % 128, 0u);
+        EXPECT_LT(segment_colour(n), segment_colour_bytes);
+        EXPECT_NE(segment_colour(n), segment_colour(n + 1));
+    }
+}
+
 TEST(Segment, RefusesToBeEmpty) {
     EXPECT_NE(error_of([] { Segment::create("knurl-test", 0); }), "");
 }

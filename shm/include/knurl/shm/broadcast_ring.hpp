@@ -23,10 +23,9 @@ namespace knurl::shm {
 struct BroadcastOrders {
     static constexpr auto publish_end = std::memory_order::release;  // pairs with see_end: report n is whole
     static constexpr auto see_end = std::memory_order::acquire;      // pairs with publish_end
-    static constexpr auto put_word =
-        std::memory_order::release;  // pairs with get_word: the slot is overwritten
-    static constexpr auto get_word = std::memory_order::acquire;   // pairs with put_word
-    static constexpr auto check_end = std::memory_order::relaxed;  // ordered by get_word
+    static constexpr auto put_word = std::memory_order::release;     // pairs with get_word
+    static constexpr auto get_word = std::memory_order::acquire;     // pairs with put_word
+    static constexpr auto check_end = std::memory_order::relaxed;    // ordered by get_word
 
     /// Report n can be read while `end` reports are published: it is one of the last slots-1. The slot of
     /// report end-slots is the one that the writer is filling now. Unsigned: also false for n >= end.

@@ -2,9 +2,10 @@
 // The command channel: a ring of 64-byte cells with one producer and one consumer. A message is a group of
 // cells, and a group is pushed whole or not at all. Full is an answer, nothing is ever dropped.
 //
-//   producer: words of cell t ──sb──> tail = t+1 (rel) ══sw══> tail read (acq) ──sb──> read words      (data
-//   is whole) consumer: read words of h ──sb──> head = h+1 (rel) ══sw══> head read (acq) ──sb──> overwrite
-//   cell  (not too early)
+//   producer: words of cell t ─sb─> tail = t+1 (rel) ══sw══> tail read (acq) ─sb─> read words
+//   consumer: read words of h ─sb─> head = h+1 (rel) ══sw══> head read (acq) ─sb─> overwrite cell h
+//
+// The first line makes the data whole, the second keeps it from being overwritten too early.
 //
 // Each side keeps its own index in private memory and only publishes it: the other side can write any value
 // into the shared words and harm nobody but itself. Counters are 64-bit and never wrap. A producer killed in

@@ -132,8 +132,9 @@ class Waker {
     struct Table;
     std::unique_ptr<Table> table_;
 
-    // poke: ++pokes_ ─> fence ─> sleeping_?        run: sleeping_ = 1 ─> fence ─> pokes_ still as seen? ─>
-    // futex wait The same Dekker pair; besides, the kernel compares pokes_ again before it sleeps.
+    // poke: ++pokes_      ─sb─> fence ─sb─> sleeping_ not set: no futex call
+    // run:  sleeping_ = 1 ─sb─> fence ─sb─> pokes_ as seen:    futex wait
+    // The same Dekker pair; besides, the kernel compares pokes_ once more before it sleeps.
     alignas(line_bytes) std::atomic<std::uint32_t> pokes_ = 0;
     std::atomic<std::uint32_t> sleeping_ = 0;
     std::atomic<bool> stop_ = false;

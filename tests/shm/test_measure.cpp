@@ -1,0 +1,85 @@
+// apps/measure: a figure never says more than its samples.
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+#include <random>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <measure.hpp>
+#include <nlohmann/json.hpp>
+
+namespace knurl::measure {
+namespace {
+
+std::vector<double> one_to(int n) {
+    std::vector<double> samples(static_cast<std::size_t>(n));
+    std::iota(samples.begin(), samples.end(), 1.0);
+    std::shuffle(samples.begin(), samples.end(), std::mt19937(7));
+    return samples;
+}
+
+TEST(Summary, GivesNearestRankPercentilesOfSamplesInAnyOrder) {
+    const Result result = summarise("x", "ns", one_to(10000));
+    EXPECT_EQ(result.n, 10000u);
+    EXPECT_EQ(result.p50, 5000);
+    EXPECT_EQ(result.p99, 9900);
+    EXPECT_EQ(result.p999, 9990);
+    EXPECT_EQ(result.max, 10000);
+}
+
+TEST(Summary, LeavesOutAPercentileWithFewerThanTenSamplesAboveIt) {
+    EXPECT_TRUE(summarise("x", "ns", one_to(1000)).p99);
+    EXPECT_FALSE(summarise("x", "ns", one_to(999)).p99);
+    EXPECT_FALSE(summarise("x", "ns", one_to(9999)).p999);
+    EXPECT_TRUE(summarise("x", "ns", one_to(20)).p50);
+    EXPECT_FALSE(summarise("x", "ns", one_to(19)).p50);
+    EXPECT_EQ(summarise("x", "ns", {}).n, 0u);
+}
+
+TEST(Ratio, IsThatOfTheMediansAndMissingWhereOneIs) {
+    const Result reference = summarise("reference", "ns", one_to(100));
+    std::vector<double> doubled = one_to(100);
+    for (double& sample : doubled) sample *= 2;
+    Result result = summarise("x", "ns", doubled);
+    relate(result, reference);
+    EXPECT_EQ(result.reference, "reference");
+    EXPECT_DOUBLE_EQ(result.ratio.value(), 2.0);
+    Result few = summarise("few", "ns", one_to(5));
+    relate(few, reference);
+    EXPECT_FALSE(few.ratio);
+}
+
+TEST(Json, HasTheMachineAndNullsForWhatIsMissing) {
+    Run run{.machine = this_machine(), .results = {summarise("a \"name\"", "us", one_to(30))}};
+    const auto json = nlohmann::json::parse(to_json(run));
+    for (const char* key : {"processor", "cpus", "kernel", "load", "idle", "build", "date"})
+        EXPECT_TRUE(json.at("machine").contains(key)) << key;
+    const auto& result = json.at("results").at(0);
+    EXPECT_EQ(result.at("name"), "a \"name\"");
+    EXPECT_EQ(result.at("n"), 30);
+    EXPECT_EQ(result.at("p50"), 15.0);
+    for (const char* key : {"p99", "p999", "reference", "ratio"})
+        EXPECT_TRUE(result.at(key).is_null()) << key;
+}
+
+TEST(Table, NamesTheMachineAndEachResult) {
+    std::ostringstream out;
+    print(out, {.machine = this_machine(), .results = {summarise("publish", "ns", one_to(30))}});
+    EXPECT_NE(out.str().find(this_machine().kernel), std::string::npos);
+    EXPECT_NE(out.str().find("publish"), std::string::npos);
+}
+
+TEST(Stopwatch, AgreesWithTheSystemsClockWithinAFewPercent) {
+    const Stopwatch watch;
+    const auto start = std::chrono::steady_clock::now();
+    const std::uint64_t begin = Stopwatch::begin();
+    while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(5)) {
+    }
+    EXPECT_GT(watch.nanoseconds(begin, Stopwatch::end()), 4.5e6);
+    EXPECT_GT(watch.empty_interval(), 0);
+}
+
+}  // namespace
+}  // namespace knurl::measure
