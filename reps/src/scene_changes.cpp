@@ -1,8 +1,5 @@
 // All changes since the last evaluate become felt together.
 
-#include <cmath>
-#include <cstring>
-
 #include "scene_core.hpp"
 
 namespace knurl::detail {
@@ -32,8 +29,21 @@ void SceneCore::release_old(std::uint32_t i) noexcept {
     }
 }
 
-void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same, Record& next) noexcept {
-    Slot& slot = slots_[i];
+// Makes the new record of a slot in place of the present one, which the caller has saved where it is needed.
+void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
+    const Slot& slot = slots_[i];
+    Record& now = now_[i];
+    const KindOps& ops = kind_ops()[slot.kind];
+    now.stiffness = 0;
+    now.stands = now.recovers = false;
+    ops.prepare(&raw_[i * max_params], limits_, now);
+    now.use = slot.use;
+    if (!previous) now.weight = 1;
+    ops.adopt(now, previous, groups_[now.use.probe].probe);
+    if (settle_) ops.settle(now);
+}
+
+void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) noexcept {
     const auto note = [&](std::uint32_t probe, const Record& judged) {
         Group& group = groups_[probe];
         group.edited = true;
@@ -44,55 +54,39 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same, Re
     if (was) {
         release_old(i);
         old_[i] = now_[i];
-        note(old_[i].use.probe, is && next.use.probe == old_[i].use.probe ? next : old_[i]);
     }
     if (is) {
-        const Group& group = groups_[next.use.probe];
-        if (same) {
-            std::memcpy(next.state, old_[i].state, sizeof next.state);
-            next.weight = old_[i].weight;
-        }
-        kind_ops()[next.kind].adopt(next, same ? &old_[i] : nullptr, group.probe);
-        if (settle_) kind_ops()[next.kind].settle(next);
-        note(next.use.probe, next);
-        now_[i] = next;
+        renew(i, same ? &old_[i] : nullptr);
+        note(now_[i].use.probe, now_[i]);
     }
+    if (was) note(old_[i].use.probe, is && now_[i].use.probe == old_[i].use.probe ? now_[i] : old_[i]);
     if (is && !was) join(surfaces_, surfaces_size_, i);
     if (was && !is) leave(surfaces_, surfaces_size_, i);
-    slot.renewed = true;
+    slots_[i].renewed = true;
     sets_edited_ = true;
 }
 
-void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same, Record& next) noexcept {
+void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same) noexcept {
     Slot& slot = slots_[i];
-    Record previous;
-    if (was) previous = now_[i];
-    if (is) {
-        if (same) {
-            std::memcpy(next.state, previous.state, sizeof next.state);
-            next.weight = previous.weight;
-        }
-        const Group& group = groups_[next.use.probe];
-        kind_ops()[next.kind].adopt(next, same ? &previous : nullptr, group.probe);
-        if (settle_) kind_ops()[next.kind].settle(next);
-        now_[i] = next;
-    }
+    const Record previous = now_[i];
+    if (is) renew(i, same ? &previous : nullptr);
     if (is && !was) join(effects_, effects_size_, i);
     if (was && !is) leave(effects_, effects_size_, i);
-    if (is != was || previous.kind != next.kind) effects_edited_ = true;
+    if (is != was || previous.kind != now_[i].kind) effects_edited_ = true;
 
-    if (same && kind_ops()[next.kind].carry(previous, next)) {
+    Record fading = previous;
+    if (same && kind_ops()[slot.kind].carry(fading, now_[i])) {
         // All that changed moves by itself. A fade in progress goes on, its old end moving along.
-        if (slot.from == Slot::From::record && slot.carries) kind_ops()[next.kind].carry(old_[i], next);
+        if (slot.from == Slot::From::record && slot.carries) kind_ops()[slot.kind].carry(old_[i], now_[i]);
         return;
     }
-    const double time = settle_ ? 0 : fade_time(is ? next : previous);
+    const double time = settle_ ? 0 : fade_time(is ? now_[i] : previous);
     if (slot.from != Slot::From::none) {  // overtaken: on from the wrench of this moment
         slot.frozen = slot.last;
         start_effect_fade(i, Slot::From::frozen, time);
     } else if (was) {
         release_old(i);
-        old_[i] = previous;
+        old_[i] = fading;
         slot.carries = same;
         start_effect_fade(i, Slot::From::record, time);
     } else {
@@ -104,28 +98,22 @@ void SceneCore::take_slot(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
     slot.changed = false;
     const bool was = slot.felt, is = slot.present;
-    const bool same = was && is && slot.felt_generation == slot.generation;
     if (!was && !is) return;
+    const bool same = was && is && slot.felt_generation == slot.generation;
+    if (same && kind_ops()[slot.kind].unchanged(&raw_[i * max_params], limits_, now_[i])) return;
 
-    Record next;
-    if (is) {
-        kind_ops()[slot.kind].prepare(&raw_[i * max_params], limits_, next);
-        next.use = slot.use;
-        if (same && std::memcmp(next.params, now_[i].params, kind_ops()[slot.kind].params_size) == 0) return;
-    }
     const bool was_surface = was && kind_ops()[now_[i].kind].surface;
-    const bool is_surface = is && kind_ops()[next.kind].surface;
-    if ((was && !was_surface) && (is && is_surface)) {
-        change_effect(i, true, false, false, next);
-        change_surface(i, false, true, false, next);
-    } else if (was_surface && is && !is_surface) {
-        Record none;
-        change_surface(i, true, false, false, none);
-        change_effect(i, false, true, false, next);
+    const bool is_surface = is && kind_ops()[slot.kind].surface;
+    if (was_surface && is && !is_surface) {
+        change_surface(i, true, false, false);
+        change_effect(i, false, true, false);
+    } else if (was && !was_surface && is_surface) {
+        change_effect(i, true, false, false);
+        change_surface(i, false, true, false);
     } else if (was_surface || is_surface) {
-        change_surface(i, was, is, same, next);
+        change_surface(i, was, is, same);
     } else {
-        change_effect(i, was, is, same, next);
+        change_effect(i, was, is, same);
     }
     slot.felt = is;
     slot.felt_generation = slot.generation;

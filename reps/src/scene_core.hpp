@@ -137,7 +137,10 @@ class SceneCore;
 struct KindOps {
     bool surface = false;
     std::size_t params_size = 0;
-    void (*prepare)(const std::byte* raw, const Limits&, Record& out) noexcept = nullptr;  // all but state
+    // All but state and use; what the kind does not have is left alone.
+    void (*prepare)(const std::byte* raw, const Limits&, Record& out) noexcept = nullptr;
+    // Prepared, they would be the bytes that are felt.
+    bool (*unchanged)(const std::byte* raw, const Limits&, const Record& now) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&) noexcept = nullptr;
     void (*settle)(Record&) noexcept = nullptr;
     double (*fade_time)(const std::byte* params) noexcept = nullptr;     // s, or automatic
@@ -166,8 +169,9 @@ class SceneCore {
     // scene_changes.cpp
     void take_changes() noexcept;
     void take_slot(std::uint32_t slot) noexcept;
-    void change_surface(std::uint32_t slot, bool was, bool is, bool same, Record& next) noexcept;
-    void change_effect(std::uint32_t slot, bool was, bool is, bool same, Record& next) noexcept;
+    void renew(std::uint32_t slot, const Record* previous) noexcept;
+    void change_surface(std::uint32_t slot, bool was, bool is, bool same) noexcept;
+    void change_effect(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void release_old(std::uint32_t slot) noexcept;
     void take_placements() noexcept;
     double fade_time(const Record& record) const noexcept;

@@ -38,6 +38,12 @@ struct Ops {
             if (plane) out.plane = *plane;
         }
     }
+    static bool unchanged(const std::byte* raw, const Limits& limits, const Record& now) noexcept {
+        R sent;
+        std::memcpy(&sent, raw, sizeof sent);
+        const R params = prepared(sent, limits);
+        return std::memcmp(&params, now.params, sizeof params) == 0;
+    }
     static void adopt_new(Record& now, const Record* previous, const Probe& probe) noexcept {
         if (!previous) new (now.state) typename R::State{};
         adopt(params_of<R>(now), previous ? &params_of<R>(*previous) : nullptr, state_of<R>(now), probe);
@@ -111,6 +117,7 @@ constexpr auto table(TypeList<R...>) {
     return std::array<KindOps, sizeof...(R)>{KindOps{.surface = Surface<R>,
                                                      .params_size = sizeof(R),
                                                      .prepare = &Ops<R>::prepare,
+                                                     .unchanged = &Ops<R>::unchanged,
                                                      .adopt = &Ops<R>::adopt_new,
                                                      .settle = &Ops<R>::settle_now,
                                                      .fade_time = &Ops<R>::fade_time,

@@ -236,6 +236,28 @@ TEST(ContactScene, ASoftCeilingDoesNotMoveAHardFloor) {
     EXPECT_TRUE(feedback[0].flags & Feedback::infeasible);
 }
 
+TEST(ContactScene, PlanesThatContradictEachOtherOnlyWhileTheyMoveMeetHalfwayMeanwhile) {
+    // A floor sinks from 3 mm to 0 under a ceiling at 1 mm: for the first two thirds they overlap.
+    Scene scene = make_scene();
+    const Plane floor{
+        .offset = 0.003, .stiffness = 1000, .recovery = 0.03, .update = PlaneUpdate::last_depth};
+    ASSERT_TRUE(scene.add({0, 1}, floor));
+    ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {0, 0, -1}, .offset = -0.001, .stiffness = 1000}));
+    const Probe probe = at({0, 0, -0.002});
+    settled(scene, probe);
+    Plane lower = floor;
+    lower.offset = 0;
+    ASSERT_TRUE(scene.update({0, 1}, lower));
+    for (int i = 1; i <= 40; ++i) {
+        const double height = 0.003 * std::max(0.0, 1 - i / 30.0);
+        const double proxy = height > 0.001 ? (height + 0.001) / 2 : height;
+        EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1000 * (proxy + 0.002), 1e-6) << "cycle " << i;
+        Feedback feedback[2];
+        scene.feedback(feedback);
+        EXPECT_EQ((feedback[0].flags & Feedback::infeasible) != 0, height > 0.001 + 1e-9) << "cycle " << i;
+    }
+}
+
 TEST(ContactScene, MoreThanEightStiffnessesAreRoundedDownAndTheOwnerIsTold) {
     Scene scene = make_scene();
     for (std::uint32_t i = 0; i < 12; ++i) {
