@@ -1,14 +1,33 @@
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include <knurl/reps/all.hpp>
+
+#include "field_check.hpp"
 
 namespace knurl {
 namespace {
 
+// The table is known here, so each row becomes the few comparisons that it stands for.
+template <class R, std::size_t Row>
+bool check_row(const void* params, Verdict& verdict) noexcept {
+    static constexpr Field field = Describe<R>::fields[Row];
+    verdict = check_field(field, Row, static_cast<const unsigned char*>(params));
+    return static_cast<bool>(verdict);
+}
+
+template <class R, std::size_t... Row>
+Verdict check_rows(const void* params, std::index_sequence<Row...>) noexcept {
+    Verdict verdict;
+    (void)(... && check_row<R, Row>(params, verdict));
+    return verdict;
+}
+
 template <Representation R>
 Verdict validate(const void* params) noexcept {
-    if (const Verdict verdict = validate_fields(Describe<R>::fields, params); !verdict) return verdict;
+    const Verdict verdict = check_rows<R>(params, std::make_index_sequence<std::size(Describe<R>::fields)>{});
+    if (!verdict) return verdict;
     if constexpr (requires(const R& r) { Describe<R>::check(r); }) {
         R copy;  // the bytes may lie anywhere
         std::memcpy(&copy, params, sizeof copy);
