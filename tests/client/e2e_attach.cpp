@@ -2,6 +2,7 @@
 
 #include <thread>
 
+#include <grp.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -54,7 +55,10 @@ TEST(Attach, without_the_right_says_whose_socket_it_is_and_what_to_do) {
     if (child == 0) {
         // Root may open everything, so somebody else has to try; any other user is stopped by a socket of
         // mode 0.
-        if (::geteuid() == 0 ? ::setuid(65534) != 0 : ::chmod(servo.socket().c_str(), 0) != 0) ::_exit(2);
+        const auto leave_root = [] {
+            return ::setgroups(0, nullptr) == 0 && ::setgid(65534) == 0 && ::setuid(65534) == 0;
+        };
+        if (::geteuid() == 0 ? !leave_root() : ::chmod(servo.socket().c_str(), 0) != 0) ::_exit(2);
         try {
             Client::connect("knurl:default", {.wait = 0ms});
         } catch (const Error& error) {

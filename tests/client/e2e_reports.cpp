@@ -123,7 +123,9 @@ TEST(Reports, an_epoll_loop_sees_every_report_of_two_readers) {
         epoll_event event;
         ASSERT_EQ(::epoll_wait(loop, &event, 1, 10'000), 1);
         while (const auto report = readers[event.data.fd]->next_report(0ns)) {
-            if (count[event.data.fd]++ > 0) ASSERT_EQ(report->cycle, last[event.data.fd] + 1);
+            if (count[event.data.fd]++ > 0) {
+                ASSERT_EQ(report->cycle, last[event.data.fd] + 1);
+            }
             last[event.data.fd] = report->cycle;
         }
     }

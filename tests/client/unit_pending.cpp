@@ -166,7 +166,7 @@ int wrong_takes(std::uint32_t seed, bool forgetful) {
 }
 
 TEST(Pending, whatever_the_servo_takes_is_what_was_committed_with_that_batch) {
-    for (std::uint32_t seed = 1; seed <= 3000; ++seed)
+    for (std::uint32_t seed = 1; seed <= 600; ++seed)
         ASSERT_EQ(wrong_takes(seed, false), 0) << "seed " << seed;
 }
 

@@ -235,15 +235,13 @@ TEST(Prediction, asks_below_the_surface_only_where_the_hand_is_already) {
 TEST(Prediction, keeps_the_face_by_which_the_hand_came_in) {
     FollowMemory memory;
     const SurfaceModel model = plate(0.010);
-    const Followed outside =
-        follow_surface(model, {.position = {0, 0, 0.001}, .velocity = {}}, lateness, 1000, memory);
+    const Followed outside = follow_surface(model, {.position = {0, 0, 0.001}}, lateness, 1000, memory);
     EXPECT_EQ(outside.plane.normal, (Vec3{0, 0, 1}));
     const Followed past_the_middle =
-        follow_surface(model, {.position = {0, 0, -0.006}, .velocity = {}}, lateness, 1000, memory);
+        follow_surface(model, {.position = {0, 0, -0.006}}, lateness, 1000, memory);
     EXPECT_TRUE(past_the_middle.kept_side);
     EXPECT_EQ(past_the_middle.plane.normal, (Vec3{0, 0, 1}));
-    const Followed went_round =
-        follow_surface(model, {.position = {0, 0, -0.011}, .velocity = {}}, lateness, 1000, memory);
+    const Followed went_round = follow_surface(model, {.position = {0, 0, -0.011}}, lateness, 1000, memory);
     EXPECT_EQ(went_round.plane.normal, (Vec3{0, 0, -1})) << "outside again, by whichever way";
 }
 
@@ -251,8 +249,7 @@ TEST(Prediction, refuses_a_model_that_answers_nonsense_and_says_what_it_answered
     FollowMemory memory;
     const auto answer = [&](SurfacePoint point) {
         try {
-            follow_surface([=](const Vec3&) { return point; }, {.position = {1, 2, 3}, .velocity = {}}, {},
-                           1000, memory);
+            follow_surface([=](const Vec3&) { return point; }, {.position = {1, 2, 3}}, {}, 1000, memory);
         } catch (const Error& error) {
             EXPECT_EQ(error.kind, Error::Kind::bad_parameters);
             return std::string(error.what());

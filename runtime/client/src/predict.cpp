@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr double largest_tolerance = 0.5e-3;  // m
 constexpr double force_tolerance = 1.0;       // N: the kick that a wrong plane may add
 constexpr double shortest_normal = 1e-6;
-constexpr double forgetting = 0.9;      // per update: about the last ten count
+constexpr double forgetting = 0.8;      // per update: about the last five count
 constexpr double longest_memory = 1.0;  // s: what is older says nothing about the next movement
 
 struct TangentPlane {
@@ -91,10 +91,12 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
                         double stiffness, FollowMemory& memory) {
     Followed result;
     const Vector3d p = to_eigen(hand.position), v = to_eigen(hand.velocity);
-    memory.trust.observe(hand.time, hand.position, hand.velocity, lateness.latency + lateness.interval / 2);
-    result.trust = memory.trust.factor();
     const TangentPlane here = ask(model, p, result.asked);
     const double height = here.height(p);
+    // Along the surface: what a contact stops says nothing about where a hand wants to go.
+    const Vector3d along = v - v.dot(here.normal) * here.normal;
+    memory.trust.observe(hand.time, hand.position, to_plain(along), lateness.latency + lateness.interval / 2);
+    result.trust = memory.trust.factor();
 
     // A hand inside, nearest to a face that looks the other way than the one it came in by, has passed the
     // middle of something thin. Nearest points forget where it came from; the last plane does not.

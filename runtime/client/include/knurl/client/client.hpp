@@ -38,7 +38,7 @@
 namespace knurl {
 
 struct ConnectOptions {
-    std::string name;                      // what `knurl ls` shows; empty: the program's
+    std::string name{};                    // what `knurl ls` shows; empty: the program's
     std::chrono::milliseconds wait{2000};  // for a servo that is still starting
     bool reattach = true;                  // after a restart of the servo, and add everything again
 };

@@ -39,7 +39,7 @@ struct Lateness {
 };
 
 /// How far velocity tells where this hand goes: the factor a that minimises |p(t + h) - p(t) - a h v(t)|^2
-/// over the past, weighted by 0.9 per update, for the horizon h nearest to the one asked for.
+/// over the past, weighted by 0.8 per update, for the horizon h nearest to the one asked for.
 class Trust {
   public:
     /// Time in s, of any epoch; the horizon in s that will be asked for.
@@ -66,14 +66,14 @@ struct FollowMemory {
 /// The hand as a report has it.
 struct HandNow {
     double time = 0;  // s, of any epoch: when it was read
-    Vec3 position;    // m
-    Vec3 velocity;    // m/s, slow (Report::slow_velocity)
+    Vec3 position{};  // m
+    Vec3 velocity{};  // m/s, slow (Report::slow_velocity)
 };
 
 struct Followed {
     SurfacePoint plane;     // to send; unit normal
-    double look_ahead = 0;    // share of t* that passed the check: 1, 1/2, 1/4 or 0
-    double trust = 1;         // by which t* was shortened before
+    double look_ahead = 0;  // share of t* that passed the check: 1, 1/2, 1/4 or 0
+    double trust = 1;       // by which t* was shortened before
     bool kept_side =
         false;  // the nearest face was not the one by which the hand came in: the last plane stays
     std::uint32_t asked = 0;  // calls of the model
