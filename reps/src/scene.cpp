@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <knurl/reps/scene.hpp>
@@ -7,6 +8,14 @@
 
 namespace knurl {
 namespace detail {
+
+// A limit that is no number or negative allows nothing: the safe reading.
+Limits sane_limits(Limits limits) noexcept {
+    for (double* limit : {&limits.max_stiffness, &limits.max_force, &limits.max_torque}) {
+        if (!(*limit > 0)) *limit = 0;
+    }
+    return limits;
+}
 
 void SceneCore::place_probes(const Probe& hand) noexcept {
     for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
@@ -70,7 +79,9 @@ Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 
 void Scene::set_limits(const Limits& limits) noexcept {
-    impl_->limits_ = limits;
+    const Limits sane = detail::sane_limits(limits);
+    if (std::memcmp(&sane, &impl_->limits_, sizeof sane) == 0) return;
+    impl_->limits_ = sane;
     for (std::uint32_t i = 0; i < impl_->slots_.size(); ++i) {
         if (impl_->slots_[i].present)
             impl_->mark(i);  // a changed clamp is a change of the set like any other

@@ -126,7 +126,9 @@ void SceneCore::take_placements() noexcept {
         if (!group.moved) continue;
         group.moved = false;
         group.placement = group.next_placement;
-        group.edited = group.fades = group.interrupted = group.replaced = true;
+        group.replaced = true;
+        if (group.now.count == 0 && !group.fading) continue;  // nothing was felt there
+        group.edited = group.fades = group.interrupted = true;
         group.fade_time = policy_.automatic;
         sets_edited_ = true;
     }
@@ -136,6 +138,7 @@ void SceneCore::take_placements() noexcept {
         slot.frozen = slot.last;
         start_effect_fade(effects_[e], Slot::From::frozen, policy_.automatic);
     }
+    for (Group& group : groups_) group.replaced = group.replaced && group.edited;
     moved_ = false;
 }
 

@@ -153,6 +153,8 @@ struct KindOps {
 };
 std::span<const KindOps> kind_ops() noexcept;
 
+Limits sane_limits(Limits limits) noexcept;
+
 class SceneCore {
   public:
     SceneCore(Scene::Capacity capacity, const Limits& limits);

@@ -9,7 +9,8 @@ namespace knurl::detail {
 
 using Code = Verdict::Code;
 
-SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits) : capacity_(capacity), limits_(limits) {
+SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
+    : capacity_(capacity), limits_(sane_limits(limits)) {
     capacity_.representations = std::max(1u, capacity.representations);
     capacity_.probes = std::clamp(capacity.probes, 1u, Scene::max_probes);
     const std::size_t n = capacity_.representations;

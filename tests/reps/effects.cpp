@@ -76,6 +76,16 @@ TEST(Effects, AddUpAndEachIsClampedByItself) {
     EXPECT_NEAR(w.torque.z(), 0.2, 1e-15);
 }
 
+TEST(Effects, ALimitThatIsNoSensibleNumberAllowsNothing) {
+    for (const double nonsense : {-5.0, std::nan(""), 0.0}) {
+        Scene scene = make_scene({.max_force = nonsense, .max_torque = nonsense});
+        ASSERT_TRUE(scene.add({0, 1}, ConstantForce{.force = {1, 0, 0}, .torque = {1, 0, 0}}));
+        const Wrench w = settled(scene, {});
+        EXPECT_EQ(w.force.norm(), 0.0);
+        EXPECT_EQ(w.torque.norm(), 0.0);
+    }
+}
+
 TEST(Effects, AddToTheContacts) {
     Scene scene = make_scene();
     ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000}));

@@ -1,5 +1,8 @@
 // Field tables: what a refusal says, and that two builds that differ know it.
 
+#include <fstream>
+#include <iterator>
+
 #include <gtest/gtest.h>
 
 #include <knurl/reps/describe.hpp>
@@ -53,6 +56,22 @@ TEST(Fields, EveryVerdictOfEveryKindIsOneLine) {
                 EXPECT_FALSE(text.empty());
                 EXPECT_EQ(text.find('\n'), std::string::npos) << text;
             }
+        }
+    }
+}
+
+TEST(Fields, TheManualListsEveryRepresentationAndEachOfItsKeysWithItsUnit) {
+    std::ifstream file(KNURL_REPS_README);
+    const std::string manual((std::istreambuf_iterator<char>(file)), {});
+    ASSERT_FALSE(manual.empty()) << KNURL_REPS_README;
+    for (const KindInfo& kind : kinds()) {
+        const std::size_t begin = manual.find("### `" + std::string(kind.name) + "`");
+        ASSERT_NE(begin, std::string::npos) << kind.name;
+        const std::string chapter = manual.substr(begin, manual.find("\n##", begin + 1) - begin);
+        for (const Field& field : kind.fields) {
+            const std::string row = "| `" + std::string(field.name) + "` | " + std::string(field.unit);
+            EXPECT_NE(chapter.find(row), std::string::npos)
+                << kind.name << ": no row that starts with " << row;
         }
     }
 }

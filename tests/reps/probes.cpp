@@ -79,6 +79,14 @@ TEST(Probes, ARadiusMeetsTheSurfaceEarlierAndTheContactPointLiesOnTheSurface) {
     EXPECT_LE((scene.contact_point() - Vector(0.01, 0, 0)).norm(), 1e-15);
 }
 
+TEST(Probes, PlacingOneBeforeAnythingIsFeltDelaysNothing) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.place_probe(0, {.offset = {0, 0, -0.001}}));
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000, .recovery = 0}));
+    ASSERT_TRUE(scene.add({1, 1}, ConstantForce{.force = {0, 0, 1}, .recovery = 0}));
+    EXPECT_NEAR(scene.evaluate({}, dt).force.z(), 2, 1e-12);
+}
+
 TEST(Probes, OnesThatDoNotExistAreRefused) {
     Scene scene({.representations = 4, .probes = 2}, {});
     EXPECT_EQ(scene.place_probe(2, {}).code, Verdict::Code::no_such_probe);
