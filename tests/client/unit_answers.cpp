@@ -1,0 +1,252 @@
+// What the servo answers, and what the application hears of it. The servo is played here, in memory of its
+// own: it can be made to answer what a real one answers only when the two disagree.
+
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <knurl/client/client.hpp>
+#include <knurl/protocol/attach.hpp>
+#include <knurl/protocol/device_segment.hpp>
+#include <knurl/shm/segment.hpp>
+#include <knurl/shm/socket.hpp>
+
+namespace {
+
+using namespace knurl;
+using namespace std::chrono_literals;
+using protocol::CommandType;
+
+template <class Message>
+std::span<const std::byte> bytes_of(const Message& message) {
+    return std::as_bytes(std::span(&message, 1));
+}
+
+/// Welcomes one client and grants it one claim. Its cycles are the test's calls.
+class PlayedServo {
+  public:
+    PlayedServo() {
+        std::string name = (std::filesystem::temp_directory_path() / "knurl-played-XXXXXX").string();
+        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test");
+        folder_ = name;
+        ::setenv("KNURL_RUNTIME_DIR", folder_.c_str(), 1);
+        protocol::DeviceInfo info;
+        info.magic = protocol::segment_magic;
+        info.layout_hash = protocol::wire_hash();
+        std::string("right").copy(info.name, sizeof info.name - 1);
+        std::memcpy(device_.data(), &info, sizeof info);
+        shm::broadcast_init(device_.data() + protocol::device_layout().reports);
+        device_.seal_against_new_writers();
+        shm::spsc_init(claim_.data() + layout_.commands);
+        shm::spsc_init(claim_.data() + layout_.replies);
+        shm::triple_init(claim_.data() + layout_.batches);
+        shm::triple_init(claim_.data() + layout_.feedback);
+        listener_ = shm::listen_at(protocol::socket_path("default"), 0600, 4);
+        broker_ = std::jthread([this] { serve(); });
+    }
+    ~PlayedServo() {
+        broker_ = {};
+        std::filesystem::remove_all(folder_);
+    }
+
+    /// The next command's header; its ring is real.
+    protocol::CommandHeader next_command() {
+        while (commands_.available() == 0) std::this_thread::yield();
+        std::array<std::byte, shm::cell_bytes> cell;
+        commands_.peek(0, cell.data(), 1);
+        protocol::CommandHeader header;
+        std::memcpy(&header, cell.data(), sizeof header);
+        commands_.pop(header.cells);
+        return header;
+    }
+    void answer(const protocol::Reply& reply) { replies_.try_push(&reply, 1); }
+    void feed_back(const protocol::FeedbackHeader& header) { feedback_.publish(&header, sizeof header); }
+    void cycle() {
+        report_.cycle++;
+        reports_.publish(&report_);
+    }
+    std::optional<protocol::BatchHeader> take() {
+        if (!batches_.take()) return std::nullopt;
+        protocol::BatchHeader header;
+        batches_.copy(&header, 0, sizeof header);
+        return header;
+    }
+
+  private:
+    void serve() {
+        shm::UniqueFd peer;
+        while (!peer) peer = shm::accept_from(listener_);
+        std::array<std::byte, 4096> buffer;
+        shm::receive_message(peer, buffer);
+        protocol::Welcome welcome;
+        welcome.devices = 1;
+        shm::send_message(peer, bytes_of(welcome), std::array{device_.fd()});
+        shm::receive_message(peer, buffer);
+        const protocol::Claimed claimed{.capacity = capacity_, .frame = {}, .limits = {}};
+        const shm::UniqueFd event = shm::make_event();
+        shm::send_message(peer, bytes_of(claimed), std::array{claim_.fd(), event.get()});
+        while (!shm::receive_message(peer, buffer).closed) {
+        }
+    }
+
+    protocol::ClaimCapacity capacity_;
+    protocol::ClaimLayout layout_ = protocol::claim_layout(capacity_);
+    std::filesystem::path folder_;
+    shm::Segment device_ = shm::Segment::create("played", protocol::device_layout().total);
+    shm::Segment claim_ = shm::Segment::create("played", layout_.total);
+    shm::SpscConsumer commands_{claim_.data() + layout_.commands, protocol::command_cells};
+    shm::SpscProducer replies_{claim_.data() + layout_.replies, protocol::reply_cells};
+    shm::TripleReader batches_{claim_.data() + layout_.batches, layout_.batch_slot_bytes};
+    shm::TripleWriter feedback_{claim_.data() + layout_.feedback, layout_.feedback_slot_bytes};
+    shm::BroadcastWriter reports_{device_.data() + protocol::device_layout().reports, protocol::report_slots,
+                                  sizeof(Report)};
+    Report report_;
+    shm::UniqueFd listener_;
+    std::jthread broker_;
+};
+
+/// The text of the error that the call throws.
+template <class Call>
+std::string error_of(Call call) {
+    try {
+        call();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+class Answers : public ::testing::Test {
+  protected:
+    PlayedServo servo;
+    Client client = Client::connect("knurl:default", {.reattach = false});
+    Claim hand = client.claim();
+
+    /// What `call`, which waits, throws when the servo refuses its command so.
+    template <class Call>
+    std::string refused(Call call, protocol::Refusal reason, double value) {
+        std::jthread played([&] {
+            const auto header = servo.next_command();
+            servo.answer({.command = header.number,
+                          .code = static_cast<std::uint32_t>(Verdict::Code::refused),
+                          .value = value,
+                          .reason = static_cast<std::uint32_t>(reason)});
+            servo.cycle();
+        });
+        return error_of(call);
+    }
+};
+
+TEST_F(Answers, arm_waits_for_its_own_and_says_why_not) {
+    EXPECT_EQ(refused([&] { hand.arm(); }, protocol::Refusal::in_fault, fault::speed | fault::unplugged),
+              "cannot arm device 'right': the device is in fault (the hand was too fast, the device was "
+              "unplugged); "
+              "mend the cause, then call reset_fault()");
+    EXPECT_EQ(refused([&] { hand.arm(); }, protocol::Refusal::hand_too_fast, 0.5),
+              "cannot arm device 'right': the hand moves at 0.5 m/s; hold it still and try again");
+    EXPECT_EQ(refused([&] { hand.reset_fault(); }, protocol::Refusal::not_in_fault, 0),
+              "cannot reset device 'right': the device is not in fault; call arm() instead");
+    EXPECT_EQ(refused([&] { hand.together([&] { hand.arm(); }); }, protocol::Refusal::not_calibrated, 0),
+              "cannot arm device 'right': the device is not calibrated; bring it to its home position first");
+}
+
+TEST_F(Answers, a_servo_that_does_not_is_given_a_second) {
+    EXPECT_NE(error_of([&] { hand.arm(); }).find("has not answered for 1000 ms"), std::string::npos);
+}
+
+TEST_F(Answers, an_added_one_that_is_refused_is_heard_at_the_next_commit_and_its_handle_is_stale) {
+    auto force = hand.add(ConstantForce{.force = {1, 0, 0}});
+    const auto header = servo.next_command();
+    EXPECT_EQ(header.type, CommandType::add);
+    servo.answer({.command = header.number,
+                  .code = static_cast<std::uint32_t>(Verdict::Code::too_many),
+                  .field = Verdict::no_field,
+                  .value = 7,
+                  .kind = kind_of<ConstantForce>});
+    EXPECT_NE(error_of([&] { hand.commit(); }).find("constant_force"), std::string::npos);
+    EXPECT_TRUE(servo.take()) << "the batch was sent all the same";
+    EXPECT_EQ(error_of([&] { hand.commit(); }), "no error") << "once";
+    EXPECT_NE(error_of([&] { force.set({}); }).find("was removed, or refused"), std::string::npos);
+}
+
+TEST_F(Answers, of_a_group_the_member_at_fault_is_named_not_the_others) {
+    hand.together([&] {
+        hand.add(ConstantForce{});
+        hand.add(Spring{.stiffness = 1});
+        hand.add(ConstantForce{});
+    });
+    const auto group = [](std::uint64_t number) {
+        return protocol::Reply{.command = number,
+                               .code = static_cast<std::uint32_t>(Verdict::Code::refused),
+                               .reason = static_cast<std::uint32_t>(protocol::Refusal::group_refused)};
+    };
+    const auto first = servo.next_command(), second = servo.next_command(), third = servo.next_command();
+    EXPECT_EQ(first.more, 1u);
+    EXPECT_EQ(second.more, 1u);
+    EXPECT_EQ(third.more, 0u);
+    servo.answer(group(first.number));
+    servo.answer({.command = second.number,
+                  .code = static_cast<std::uint32_t>(Verdict::Code::slot_in_use),
+                  .field = Verdict::no_field,
+                  .value = 1,
+                  .kind = kind_of<Spring>});
+    servo.answer(group(third.number));
+    const std::string text = error_of([&] { hand.commit(); });
+    EXPECT_NE(text.find("adding a spring"), std::string::npos) << text;
+}
+
+TEST_F(Answers, a_refused_batch_names_its_field_and_is_counted) {
+    hand.add(Plane{.stiffness = 1});
+    const std::uint64_t number = hand.commit();
+    ASSERT_TRUE(servo.take());
+    protocol::FeedbackHeader header;
+    header.batches_refused = 1;
+    header.refused_batch = number;
+    header.refused_code = static_cast<std::uint32_t>(Verdict::Code::not_finite);
+    header.refused_kind = kind_of<Plane>;
+    header.refused_field = 1;
+    header.refused_value = std::numeric_limits<double>::infinity();
+    servo.feed_back(header);
+    const std::string text = error_of([&] { hand.wait_applied(number, 10s); });
+    EXPECT_NE(text.find("batch 1, slot 0"), std::string::npos) << text;
+    EXPECT_NE(text.find("plane.offset"), std::string::npos) << text;
+    EXPECT_EQ(hand.timing().refused, 1u);
+    EXPECT_EQ(error_of([&] { hand.commit(); }), "no error") << "told once";
+}
+
+TEST_F(Answers, a_batch_says_how_many_commands_came_before_it_and_which_report_it_stems_from) {
+    servo.cycle();
+    servo.cycle();
+    auto force = hand.add(ConstantForce{});
+    hand.add(ConstantForce{});
+    hand.next_report(1s);
+    const auto basis = hand.next_report(1s);
+    force.set({.force = {1, 0, 0}});
+    servo.cycle();
+    hand.next_report(1s);  // newer than what the change was computed from
+    hand.commit();
+    const auto header = servo.take();
+    ASSERT_TRUE(header);
+    EXPECT_EQ(header->commands_before, 2u);
+    ASSERT_TRUE(basis);
+    EXPECT_EQ(header->report_cycle, basis->cycle);
+    EXPECT_EQ(header->entries, 1u);
+    EXPECT_EQ(header->sequence, 1u);
+}
+
+TEST_F(Answers, the_age_of_updates_is_what_the_servo_measured) {
+    protocol::FeedbackHeader header;
+    for (const std::int64_t age : {9, 7, 8, 100, 8}) {  // ms; one late wake-up says nothing
+        header.batch = hand.commit();
+        header.batch_report_cycle = 1;
+        header.batch_age_ns = age * 1'000'000;
+        servo.feed_back(header);
+        hand.timing();
+    }
+    EXPECT_EQ(hand.timing().age_at_use, 8ms);
+}
+
+}  // namespace
