@@ -52,7 +52,7 @@ TEST(Ratio, IsThatOfTheMediansAndMissingWhereOneIs) {
 }
 
 TEST(Json, HasTheMachineAndNullsForWhatIsMissing) {
-    Run run{.machine = this_machine(), .results = {summarise("a \"name\"", "us", one_to(30))}};
+    const measure::Run run{.machine = this_machine(), .results = {summarise("a \"name\"", "us", one_to(30))}};
     const auto json = nlohmann::json::parse(to_json(run));
     for (const char* key : {"processor", "cpus", "kernel", "load", "idle", "build", "date"})
         EXPECT_TRUE(json.at("machine").contains(key)) << key;
@@ -66,7 +66,7 @@ TEST(Json, HasTheMachineAndNullsForWhatIsMissing) {
 
 TEST(Table, NamesTheMachineAndEachResult) {
     std::ostringstream out;
-    print(out, {.machine = this_machine(), .results = {summarise("publish", "ns", one_to(30))}});
+    print(out, measure::Run{.machine = this_machine(), .results = {summarise("publish", "ns", one_to(30))}});
     EXPECT_NE(out.str().find(this_machine().kernel), std::string::npos);
     EXPECT_NE(out.str().find("publish"), std::string::npos);
 }
