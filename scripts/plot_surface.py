@@ -122,7 +122,8 @@ def draw_table(page, left, right, top, strokes):
         faulted = s["fault_at"] is not None
         cells = [(f"{s['jump']:.2f} N", s["jump"] > 1), (f"{s['force_error']:.2f} N", None),
                  (f"{s['kick']:.2f} m/s", s["kick"] > 0.3),
-                 ("\u2013" if faulted else f"{s['limit_cycle'] * 1e3:.2f} mm", None if faulted else s["limit_cycle"] >= 1e-4)]
+                 ("\u2013", None) if s["limit_cycle"] is None else
+                 (f"{s['limit_cycle'] * 1e3:.2f} mm", s["limit_cycle"] >= 1e-4)]
         for (x, _, _), (value, broken) in zip(heads, cells):
             page.text(left + x, y + 0.07, value, fontsize=9, ha="right",
                       color=INK if broken is None else BAD if broken else GOOD)

@@ -77,7 +77,8 @@ Judgement judge(const std::vector<Cycle>& cycles, const std::vector<Terrain::Foo
 }
 
 bool Judgement::stable(const Thresholds& limits) const {
-    return !fault_at && jump <= limits.jump && kick <= limits.kick && limit_cycle < limits.limit_cycle;
+    return !fault_at && jump <= limits.jump && kick <= limits.kick &&
+           limit_cycle.value_or(0) < limits.limit_cycle;
 }
 
 std::string Judgement::verdict(const Thresholds& limits) const {
@@ -89,7 +90,7 @@ std::string Judgement::verdict(const Thresholds& limits) const {
     };
     add(jump > limits.jump, "jump");
     add(kick > limits.kick, "kick");
-    add(limit_cycle >= limits.limit_cycle, "limit cycle");
+    add(limit_cycle.value_or(0) >= limits.limit_cycle, "limit cycle");
     return "not stable: " + why;
 }
 

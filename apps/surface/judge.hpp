@@ -55,7 +55,8 @@ struct Judgement {
     double force_error = 0;        // N, root mean square of |felt - true| over the judged cycles
     double mean_force = 0;         // N, of the true force
     double contact_share = 0;      // of the judged cycles with the probe below the surface
-    double limit_cycle = 0;  // m, half of peak to peak of the height at rest; 0 if it never came to that
+    std::optional<double>
+        limit_cycle;                 // m, half of peak to peak of the height at rest; none: it never rested
     std::optional<double> fault_at;  // s
     std::uint32_t faults = 0;
 

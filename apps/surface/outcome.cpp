@@ -79,8 +79,8 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
     line("largest speed off the surface",
          [](const Outcome& o) { return fmt::format("{:.2f} m/s", o.judgement.kick); });
     line("limit cycle at rest", [](const Outcome& o) {
-        return o.judgement.fault_at ? std::string("-")
-                                    : fmt::format("{:.3f} mm", o.judgement.limit_cycle * 1e3);
+        return o.judgement.limit_cycle ? fmt::format("{:.3f} mm", *o.judgement.limit_cycle * 1e3)
+                                       : std::string("-");
     });
     out += '\n';
     for (const Outcome& o : outcomes)

@@ -53,7 +53,7 @@ void write_json(const std::filesystem::path& file, const std::vector<Outcome>& o
                            {"mean_force", j.mean_force},
                            {"kick", j.kick},
                            {"kick_at", j.kick_at},
-                           {"limit_cycle", j.limit_cycle},
+                           {"limit_cycle", j.limit_cycle ? Json(*j.limit_cycle) : Json(nullptr)},
                            {"contact_share", j.contact_share}});
     }
     Json json = Json::parse(knurl::measure::to_json(measured));

@@ -123,13 +123,20 @@ TEST(Judge, ASwingAtRestIsALimitCycleOneDuringTheStrokeIsNot) {
     Made made;
     for (std::size_t i = 2400; i < made.cycles.size(); ++i)
         made.place(i, -1e-3 + 0.12e-3 * std::sin(2 * M_PI * 40 * made.cycles[i].t));
-    EXPECT_NEAR(made.judged().limit_cycle, 0.12e-3, 1e-6);
+    EXPECT_NEAR(made.judged().limit_cycle.value(), 0.12e-3, 1e-6);
     EXPECT_EQ(made.judged().verdict(), "not stable: limit cycle");
 
     Made moving;
     for (std::size_t i = 600; i < 2000; ++i)
         moving.place(i, -1e-3 + 0.5e-3 * std::sin(2 * M_PI * 5 * moving.cycles[i].t));
     EXPECT_EQ(moving.judged().limit_cycle, 0);
+}
+
+TEST(Judge, AStrokeThatEndsEarlySaysNothingOfTheRest) {
+    Made made;
+    made.cycles.resize(1800);
+    made.feet.resize(1800);
+    EXPECT_FALSE(made.judged().limit_cycle);
 }
 
 TEST(Judge, ForceErrorIsTheRootMeanSquareAgainstTheTrueSurface) {
