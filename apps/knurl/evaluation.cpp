@@ -49,8 +49,8 @@ std::string called(const SceneFile& scene, const Change& change) {
 /// group, updates one batch.
 class Player {
   public:
-    Player(const SceneFile& scene, servo::OfflineClaim& claim)
-        : scene_(scene), claim_(claim), handles_(scene.items) {}
+    Player(const SceneFile& scene, servo::OfflineClaim& claim, bool limited)
+        : scene_(scene), claim_(claim), limited_(limited), handles_(scene.items) {}
 
     /// Sends what takes effect in the cycle at `t`; `next_t` is the time of the cycle after it.
     void send(bool first, double t, double next_t) {
@@ -107,9 +107,10 @@ class Player {
                     continue;
                 if ((entry.flags & Feedback::stiffness_clamped) != 0 &&
                     clamped_.insert(change->item).second) {
-                    remarks.push_back(
-                        fmt::format("{}: stiffness is clamped to {:.6g} N/m, all that the device allows",
-                                    called(scene_, *change), entry.stiffness));
+                    remarks.push_back(fmt::format("{}: {:.6g} N/m is applied; {}", called(scene_, *change),
+                                                  entry.stiffness,
+                                                  limited_ ? "stiffer is not stable on this device"
+                                                           : "only a --device says how stiff infinity is"));
                 }
                 if ((entry.flags & Feedback::infeasible) != 0 && infeasible_.insert(change->item).second) {
                     remarks.push_back(
@@ -177,6 +178,7 @@ class Player {
 
     const SceneFile& scene_;
     servo::OfflineClaim& claim_;
+    const bool limited_;              // by a device
     std::vector<Handle> handles_;     // per item; generation 0: not there
     std::vector<Handle> free_slots_;  // as they were last used
     std::vector<std::vector<std::byte>> params_ =
@@ -229,7 +231,7 @@ Evaluation evaluate(const SceneFile& scene, const drivers::Motion& motion, const
     servo_options.supervisor.off = !limited;
     servo::Offline servo(device, servo_options);
     servo::OfflineClaim& claim = servo.claim(terms_for(scene, device, limited, options.rate));
-    Player player(scene, claim);
+    Player player(scene, claim, limited);
 
     Evaluation result;
     result.cycles.reserve(static_cast<std::size_t>(cycles.last - cycles.first + 1));

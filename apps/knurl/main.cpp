@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
     knurl::cli::Run run;
     knurl::cli::add_ls(program, run);
     knurl::cli::add_eval(program, run);
+    knurl::cli::add_latency(program, run);
 
     std::string verb;
     if (argc > 1 && argv[1][0] != '-' && !has_verb(program, argv[1])) {

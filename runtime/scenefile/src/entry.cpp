@@ -93,7 +93,7 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
     Entry entry;
     entry.kind = kind;
     entry.where = table.source().begin;
-    entry.id = fmt::format("{} of line {}", info.name, entry.where.line);
+    entry.id = fmt::format("(line {})", entry.where.line);
     entry.called = fmt::format("the {} of line {}", info.name, entry.where.line);
 
     std::vector<std::string_view> known;

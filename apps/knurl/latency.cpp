@@ -1,0 +1,221 @@
+// knurl latency: how late a touch is, both ways, beside the floors of this machine, in one interleaved run.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "latency_floors.hpp"
+#include "latency_paths.hpp"
+#include "measure.hpp"
+#include "private_servo.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+constexpr Nanoseconds long_block = 50'000'000, short_block = 25'000'000, ping_pong_length = 5'000'000;  // ns
+constexpr int waker_priority = 60;  // of the thread in knurld that wakes sleepers; the servo's is 80
+
+struct Arguments {
+    std::string connect;  // empty: a private servo
+    std::string device;   // empty: the only one
+    std::uint64_t updates = 10'000;
+    double rate = 1000;  // Hz, of the private servo
+    int servo_cpu = -1;  // -1: the last one that we may use
+    std::uint64_t seed = 1;
+    double wait = 2;  // s
+    bool json = false;
+    std::string json_file;  // empty: standard output
+};
+
+struct FloorSamples {
+    std::vector<double> ping_pong, eventfd, bare_loop;  // ns
+};
+
+Placement placement_for(const Arguments& arguments) {
+    const auto cpus = measure::allowed_cpus();
+    if (cpus.empty()) throw std::runtime_error("the CPUs that this process may use cannot be read");
+    Placement placement{.client_cpu = cpus.front(), .servo_cpu = cpus.back(), .priority = waker_priority};
+    if (arguments.servo_cpu >= 0) {
+        placement.servo_cpu = static_cast<unsigned>(arguments.servo_cpu);
+        if (placement.servo_cpu == placement.client_cpu && cpus.size() > 1) placement.client_cpu = cpus[1];
+    }
+    return placement;
+}
+
+std::unique_ptr<PrivateServo> start_private(const Arguments& arguments, const Placement& placement) {
+    return std::make_unique<PrivateServo>(std::vector<std::string>{
+        "--device", "sim:cartesian3", "--rate", fmt::format("{:.17g}", arguments.rate), "--cpu",
+        std::to_string(placement.servo_cpu)});
+}
+
+Client connect(const Arguments& arguments, PrivateServo* servo) {
+    ConnectOptions options;
+    options.name = "knurl latency";
+    options.wait = std::chrono::milliseconds(std::llround((servo != nullptr ? 10 : arguments.wait) * 1e3));
+    options.reattach = false;
+    try {
+        return Client::connect(servo != nullptr ? servo->address() : arguments.connect, options);
+    } catch (const Error&) {
+        if (servo != nullptr) servo->require_running();  // says why it is not
+        throw;
+    }
+}
+
+FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, std::uint64_t updates) {
+    FloorSamples floors;
+    const bool terminal = ::isatty(2) != 0;
+    while (paths.samples().commit_to_write.size() < updates) {
+        const std::size_t before = paths.samples().commit_to_write.size();
+        paths.updates_and_spinning_block(long_block);
+        paths.blocking_block(short_block);
+        ping_pong_block(placement, ping_pong_length, floors.ping_pong);
+        paths.descriptor_block(short_block);
+        eventfd_block(placement, short_block, floors.eventfd);
+        bare_loop_block(placement, paths.period(), paths.deadline(), short_block, floors.bare_loop);
+        const std::size_t done = paths.samples().commit_to_write.size();
+        if (terminal)
+            fmt::print(stderr, "\r{} of {} updates ", std::min<std::size_t>(done, updates), updates);
+        if (done == before && paths.samples().lost > 100) {
+            throw std::runtime_error(
+                "the forces of the updates do not arrive; does another claim share the device?");
+        }
+    }
+    if (terminal) fmt::print(stderr, "\r{:40}\r", "");
+    return floors;
+}
+
+std::vector<double> in_microseconds(std::vector<double> samples) {
+    for (double& sample : samples) sample *= 1e-3;
+    return samples;
+}
+
+measure::Run summary(const PathSamples& paths, const FloorSamples& floors, Nanoseconds period) {
+    const auto result = [](const char* name, const std::vector<double>& samples) {
+        return measure::summarise(name, "us", in_microseconds(samples));
+    };
+    const auto related = [&](const char* name, const std::vector<double>& samples,
+                             const measure::Result& floor) {
+        auto r = result(name, samples);
+        measure::relate(r, floor);
+        return r;
+    };
+    const auto ping_pong = result("floor.cache_line", floors.ping_pong);
+    const auto eventfd = result("floor.eventfd_wake", floors.eventfd);
+    const auto bare_loop = result("floor.bare_loop_lateness", floors.bare_loop);
+    std::vector<double> cycles = paths.wait_for_use;
+    for (double& wait : cycles) wait /= static_cast<double>(period);
+    return {.machine = measure::this_machine(),
+            .results = {result("update.commit_to_write", paths.commit_to_write),
+                        result("update.age_at_use", paths.wait_for_use),
+                        measure::summarise("update.age_at_use_cycles", "cyc", std::move(cycles)),
+                        result("update.report_age_at_use", paths.report_age),
+                        related("report.spinning", paths.spinning, ping_pong),
+                        related("report.blocking", paths.blocking, eventfd),
+                        related("report.descriptor", paths.descriptor, eventfd),
+                        result("report.spinning_from_deadline", paths.spinning_deadline),
+                        result("report.blocking_from_deadline", paths.blocking_deadline),
+                        result("report.descriptor_from_deadline", paths.descriptor_deadline),
+                        related("servo.lateness", paths.servo_lateness, bare_loop), ping_pong, eventfd,
+                        bare_loop}};
+}
+
+void show(const Arguments& arguments, const measure::Run& run, const std::string& setting) {
+    if (!arguments.json) {
+        measure::print(std::cout, run);
+        std::cout << setting << "\n";
+        return;
+    }
+    const std::string text = measure::to_json(run) + "\n";
+    if (arguments.json_file.empty()) {
+        std::cout << text;
+        return;
+    }
+    std::ofstream file(arguments.json_file, std::ios::trunc);
+    file << text;
+    file.close();
+    if (!file) throw std::runtime_error(arguments.json_file + ": cannot be written");
+}
+
+int run_latency(const Arguments& arguments) {
+    if (arguments.updates < 1)
+        throw UsageError("--updates is 0; give 1 or more (10000 for a 99.9th percentile)");
+    if (!(arguments.rate >= 500 && arguments.rate <= 20'000)) {
+        throw UsageError(fmt::format("--rate is {:g} Hz; give 500 to 20000 Hz", arguments.rate));
+    }
+    if (!(arguments.wait >= 0 && arguments.wait <= 3600)) {
+        throw UsageError(fmt::format("--wait is {:g} s; give 0 to 3600 s", arguments.wait));
+    }
+    const Placement placement = placement_for(arguments);
+    const auto own = arguments.connect.empty() ? start_private(arguments, placement) : nullptr;
+    Client client = connect(arguments, own.get());
+    Claim hand = client.claim(arguments.device);
+    // The client's threads were made before: only this one, which measures, is bound to a CPU.
+    if (!measure::pin_this_thread(placement.client_cpu)) {
+        fmt::print(stderr, "knurl latency: cannot run on CPU {} alone; figures will be worse\n",
+                   placement.client_cpu);
+    }
+    LatencyPaths paths(hand, arguments.seed);
+    const FloorSamples floors = run_blocks(paths, placement, arguments.updates);
+    const double rate = hand.device().rate;
+    hand.release();
+
+    const PathSamples& samples = paths.samples();
+    show(
+        arguments, summary(samples, floors, paths.period()),
+        fmt::format(
+            "\n{} at {:g} Hz on CPU {}, client on CPU {} (ordinary priority), seed {}; {} updates merged, {} "
+            "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "
+            "the device's read;\nfloor.cache_line is one way, floor.bare_loop shares the servo's CPU.",
+            own ? "private servo on sim:cartesian3" : arguments.connect, rate, placement.servo_cpu,
+            placement.client_cpu, arguments.seed, samples.merged, samples.lost));
+    return 0;
+}
+
+}  // namespace
+
+void add_latency(CLI::App& program, Run& run) {
+    auto* verb =
+        program.add_subcommand("latency", "How late updates and reports are, beside this machine's floors");
+    auto arguments = std::make_shared<Arguments>();
+    verb->add_option("--connect", arguments->connect,
+                     "measure this servo, whose device is armed and feels forces of 4 mN at most; "
+                     "default: a private one on sim:cartesian3")
+        ->type_name("knurl:NAME");
+    verb->add_option("--device", arguments->device, "which of its devices; default: the only one")
+        ->type_name("NAME");
+    verb->add_option("--updates", arguments->updates, "at random phase")
+        ->capture_default_str()
+        ->type_name("N");
+    verb->add_option("--rate", arguments->rate, "of the private servo")
+        ->capture_default_str()
+        ->type_name("HZ");
+    verb->add_option("--servo-cpu", arguments->servo_cpu, "where the servo runs; default: the last CPU")
+        ->check(CLI::Range(0, 1023))
+        ->type_name("CPU");
+    verb->add_option("--seed", arguments->seed, "of the random phases")
+        ->capture_default_str()
+        ->type_name("N");
+    verb->add_option("--wait", arguments->wait, "for a servo that is still starting")
+        ->capture_default_str()
+        ->type_name("SECONDS");
+    auto* json =
+        verb->add_option("--json", arguments->json_file, "for programs, into FILE or standard output")
+            ->expected(0, 1)
+            ->type_name("FILE");
+    verb->footer("A percentile with fewer than ten samples above it is left out (null).");
+    verb->callback([&run, arguments, json] {
+        arguments->json = json->count() > 0;
+        run = [arguments] { return run_latency(*arguments); };
+    });
+}
+
+}  // namespace knurl::cli

@@ -1,0 +1,134 @@
+#include "latency_floors.hpp"
+
+#include <atomic>
+#include <cerrno>
+#include <ctime>
+#include <thread>
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <knurl/shm/fd.hpp>
+
+#include "measure.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+constexpr std::size_t cold_samples = 2;
+
+timespec timespec_of(Nanoseconds t) {
+    return {.tv_sec = t / 1'000'000'000, .tv_nsec = t % 1'000'000'000};
+}
+
+void sleep_until(Nanoseconds t) noexcept {
+    const timespec deadline = timespec_of(t);
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) == EINTR) {
+    }
+}
+
+/// Takes samples, less the cold ones.
+struct Collector {
+    std::vector<double>& samples;
+    std::size_t seen = 0;
+    void take(Nanoseconds value) {
+        if (seen++ >= cold_samples) samples.push_back(static_cast<double>(value));
+    }
+};
+
+void settle_on(unsigned cpu, int priority) {
+    measure::pin_this_thread(cpu);
+    if (priority > 0) measure::run_real_time(priority);
+}
+
+}  // namespace
+
+Nanoseconds now_ns() noexcept {
+    timespec t{};
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * Nanoseconds{1'000'000'000} + t.tv_nsec;
+}
+
+void ping_pong_block(const Placement& placement, Nanoseconds length, std::vector<double>& samples) {
+    if (placement.client_cpu == placement.servo_cpu) return;
+    constexpr std::uint64_t rounds = 500, stop = ~std::uint64_t{0};
+    // ping: release, pairs with the partner's acquire; pong likewise the other way. Each line has one writer.
+    struct alignas(128) Line {
+        std::atomic<std::uint64_t> word = 0;
+    };
+    Line ping, pong;
+    // An ordinary thread: a real-time one that spins would keep the servo from its CPU.
+    std::thread partner([&] {
+        settle_on(placement.servo_cpu, 0);
+        std::uint64_t seen = 0;
+        while (seen != stop) {
+            const std::uint64_t now = ping.word.load(std::memory_order_acquire);
+            if (now == seen) continue;
+            seen = now;
+            pong.word.store(seen, std::memory_order_release);
+        }
+    });
+    Collector collector{samples};
+    const Nanoseconds end = now_ns() + length;
+    for (std::uint64_t i = 1; i <= rounds && now_ns() < end; ++i) {
+        const Nanoseconds begin = now_ns();
+        ping.word.store(i, std::memory_order_release);
+        while (pong.word.load(std::memory_order_acquire) != i) {
+        }
+        collector.take((now_ns() - begin) / 2);
+    }
+    ping.word.store(stop, std::memory_order_release);
+    partner.join();
+}
+
+void eventfd_block(const Placement& placement, Nanoseconds length, std::vector<double>& samples) {
+    constexpr Nanoseconds pace = 1'000'000;  // of the writer, as a servo's
+    const shm::UniqueFd event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+    std::atomic<Nanoseconds> written = 0;  // release before the write, acquire after the wake: its stamp
+    std::atomic<bool> asleep =
+        false;  // the sleeper is about to be: a write that finds it awake measures nothing
+    std::atomic<bool> done = false;
+    std::thread writer([&] {
+        settle_on(placement.servo_cpu, placement.priority);
+        const Nanoseconds begin = now_ns(), end = begin + length;
+        for (Nanoseconds at = begin + pace; at < end; at += pace) {
+            sleep_until(at);
+            if (!asleep.exchange(false, std::memory_order_acq_rel)) continue;
+            written.store(now_ns(), std::memory_order_release);
+            const std::uint64_t one = 1;
+            [[maybe_unused]] const auto bytes = ::write(event.get(), &one, sizeof one);
+        }
+        done.store(true, std::memory_order_release);
+    });
+    Collector collector{samples};
+    constexpr int look_again_ms = 20;
+    while (!done.load(std::memory_order_acquire)) {
+        asleep.store(true, std::memory_order_release);
+        pollfd wait{.fd = event.get(), .events = POLLIN, .revents = 0};
+        if (::poll(&wait, 1, look_again_ms) <= 0) continue;
+        const Nanoseconds awake = now_ns();
+        std::uint64_t count = 0;
+        [[maybe_unused]] const auto bytes = ::read(event.get(), &count, sizeof count);
+        collector.take(awake - written.load(std::memory_order_acquire));
+    }
+    writer.join();
+}
+
+void bare_loop_block(const Placement& placement, Nanoseconds period, Nanoseconds phase, Nanoseconds length,
+                     std::vector<double>& samples) {
+    std::thread loop([&] {
+        settle_on(placement.servo_cpu, placement.priority);
+        Collector collector{samples};
+        const Nanoseconds begin = now_ns(), end = begin + length;
+        const Nanoseconds first = phase + ((begin - phase) / period + 2) * period + period / 2;
+        for (Nanoseconds deadline = first; deadline < end; deadline += period) {
+            sleep_until(deadline);
+            collector.take(now_ns() - deadline);
+        }
+    });
+    loop.join();
+}
+
+}  // namespace knurl::cli

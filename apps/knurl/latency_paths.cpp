@@ -1,0 +1,146 @@
+#include "latency_paths.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <poll.h>
+
+namespace knurl::cli {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::size_t cold_reports = 2;
+constexpr std::uint64_t distinct_forces = 4096;
+constexpr double force_step = 1.0 / (1 << 20);  // N; a power of two, so that every sum of steps is exact
+constexpr Nanoseconds felt_within = 5'000'000'000;
+constexpr Nanoseconds last_use_within = 50'000'000;  // after a block: updates that are still on their way
+
+double force_of(std::uint64_t update) {
+    return static_cast<double>(update % distinct_forces + 1) * force_step;
+}
+
+bool same_force(double a, double b) {
+    return std::abs(a - b) < force_step / 4;
+}
+
+}  // namespace
+
+LatencyPaths::LatencyPaths(Claim& hand, std::uint64_t seed)
+    : hand_(hand), generator_(seed), period_(std::llround(1e9 / hand.device().rate)) {
+    force_ = hand_.add(ConstantForce{.force = {force_of(0), 0, 0}, .recovery = 0});
+    hand_.arm();
+    wait_until_felt();
+}
+
+void LatencyPaths::wait_until_felt() {
+    const Nanoseconds end = now_ns() + felt_within;
+    DeviceState state = DeviceState::disconnected;
+    while (now_ns() < end) {
+        hand_.commit();
+        const auto report = hand_.next_report(20ms);
+        if (!report) continue;
+        newest_ = report;
+        state = report->state;
+        if (same_force(report->scene_force.x, force_of(0))) return;
+    }
+    throw std::runtime_error(
+        fmt::format("no force arrived within {} s (device state {}); is somebody else holding the "
+                    "device, or is it in fault? See knurl ls",
+                    felt_within / 1'000'000'000, static_cast<std::uint32_t>(state)));
+}
+
+void LatencyPaths::commit_update(Nanoseconds intended) {
+    const double force = force_of(++updates_);
+    force_->set({.force = {force, 0, 0}, .recovery = 0});
+    hand_.commit();
+    pending_.push_back({.force = force,
+                        .intended = intended,
+                        .committed = now_ns(),
+                        .basis_read = newest_ ? newest_->read_ns : 0});
+}
+
+void LatencyPaths::see(const HandReport& report) {
+    newest_ = report;
+    if (cold_ > 0) return;
+    samples_.servo_lateness.push_back(static_cast<double>(report.read_ns - report.deadline_ns));
+}
+
+void LatencyPaths::note(const HandReport& report, Nanoseconds had, std::vector<double>& from_read,
+                        std::vector<double>& from_deadline) {
+    see(report);
+    if (cold_ > 0) {
+        --cold_;
+        return;
+    }
+    from_read.push_back(static_cast<double>(had - report.read_ns));
+    from_deadline.push_back(static_cast<double>(had - report.deadline_ns));
+}
+
+void LatencyPaths::catch_up() {
+    while (const auto report = hand_.next_report(0ns)) newest_ = report;
+    if (!hand_.connected())
+        throw std::runtime_error("the servo ended during the measurement; see its messages");
+    cold_ = cold_reports;
+}
+
+void LatencyPaths::updates_and_spinning_block(Nanoseconds length) {
+    catch_up();
+    const Nanoseconds end = now_ns() + length;
+    const auto step = [this] {
+        return period_ + static_cast<Nanoseconds>(static_cast<double>(period_) * random());
+    };
+    Nanoseconds due = now_ns() + step();
+    for (Nanoseconds now = now_ns(); now < end || !pending_.empty(); now = now_ns()) {
+        if (now > end + last_use_within) break;
+        if (now >= due && due < end) {
+            commit_update(due);
+            due += step();  // the intended times stay where they were drawn, however late this loop is
+        }
+        const auto report = hand_.next_report(0ns);
+        if (!report) continue;
+        note(*report, now_ns(), samples_.spinning, samples_.spinning_deadline);
+        const auto used = std::find_if(pending_.begin(), pending_.end(), [&](const Update& update) {
+            return same_force(update.force, report->scene_force.x);
+        });
+        if (used == pending_.end()) continue;
+        samples_.commit_to_write.push_back(static_cast<double>(report->write_ns - used->intended));
+        // An update may slip in between the read and the taking: then it did not wait at all.
+        samples_.wait_for_use.push_back(
+            std::max(0.0, static_cast<double>(report->read_ns - used->committed)));
+        if (used->basis_read > 0) {
+            samples_.report_age.push_back(static_cast<double>(report->write_ns - used->basis_read));
+        }
+        samples_.merged += static_cast<std::uint64_t>(used - pending_.begin());
+        pending_.erase(pending_.begin(), used + 1);
+    }
+    samples_.lost += pending_.size();
+    pending_.clear();
+}
+
+void LatencyPaths::blocking_block(Nanoseconds length) {
+    catch_up();
+    const Nanoseconds end = now_ns() + length;
+    while (now_ns() < end) {
+        const auto report = hand_.next_report(10ms);
+        if (report) note(*report, now_ns(), samples_.blocking, samples_.blocking_deadline);
+    }
+    hand_.commit();  // still alive
+}
+
+void LatencyPaths::descriptor_block(Nanoseconds length) {
+    catch_up();
+    const Nanoseconds end = now_ns() + length;
+    pollfd wait{.fd = hand_.fd(), .events = POLLIN, .revents = 0};
+    while (now_ns() < end) {
+        if (::poll(&wait, 1, 10) <= 0) continue;
+        const auto report = hand_.next_report(0ns);
+        if (report) note(*report, now_ns(), samples_.descriptor, samples_.descriptor_deadline);
+    }
+    hand_.commit();
+}
+
+}  // namespace knurl::cli

@@ -1,0 +1,75 @@
+#pragma once
+// The two ways of a haptics server, as an application sees them: its update to the motors, the hand's report
+// to it.
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include <knurl/client/client.hpp>
+
+#include "latency_floors.hpp"
+
+namespace knurl::cli {
+
+/// Samples in ns.
+struct PathSamples {
+    std::vector<double>
+        commit_to_write;  // intended time of an update -> write of the first force computed from it
+    std::vector<double> wait_for_use;  // commit has returned -> read of the cycle that used it
+    std::vector<double> report_age;    // read of the report an update was computed from -> that write
+    std::vector<double> spinning, blocking, descriptor;  // read of the device -> the client has the report
+    std::vector<double> spinning_deadline, blocking_deadline,
+        descriptor_deadline;             // from the cycle's deadline
+    std::vector<double> servo_lateness;  // deadline -> the device has been read
+    std::uint64_t merged = 0;            // updates that a later one overtook before the servo looked
+    std::uint64_t lost = 0;              // updates whose force was never seen
+};
+
+/// An application whose updates can be told apart by the force that they make: a constant force of a few
+/// millinewtons, another one for each update.
+class LatencyPaths {
+  public:
+    /// Arms the claim and waits until its force arrives in full. Throws knurl::Error or std::runtime_error.
+    LatencyPaths(Claim& hand, std::uint64_t seed);
+
+    // Blocks of about that length.
+    /// Spins for reports and commits updates at random phase: uniform over a cycle, drawn beforehand.
+    void updates_and_spinning_block(Nanoseconds length);
+    void blocking_block(Nanoseconds length);
+    void descriptor_block(Nanoseconds length);
+
+    const PathSamples& samples() const { return samples_; }
+    Nanoseconds period() const { return period_; }
+    /// A deadline of the servo's, the newest known.
+    Nanoseconds deadline() const { return newest_ ? newest_->deadline_ns : 0; }
+
+  private:
+    struct Update {
+        double force;  // N
+        Nanoseconds intended, committed;
+        Nanoseconds basis_read;  // of the report it was computed from
+    };
+
+    void wait_until_felt();
+    void commit_update(Nanoseconds intended);
+    void catch_up();
+    void see(const HandReport& report);
+    void note(const HandReport& report, Nanoseconds had, std::vector<double>& from_read,
+              std::vector<double>& from_deadline);
+    double random() { return std::uniform_real_distribution<double>(0, 1)(generator_); }
+
+    Claim& hand_;
+    std::optional<Representing<ConstantForce>> force_;
+    std::mt19937_64 generator_;
+    Nanoseconds period_;
+    std::uint64_t updates_ = 0;
+    std::deque<Update> pending_;
+    std::optional<HandReport> newest_;
+    std::size_t cold_ = 0;  // reports of this block that are still left out
+    PathSamples samples_;
+};
+
+}  // namespace knurl::cli
