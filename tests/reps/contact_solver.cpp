@@ -136,6 +136,29 @@ TEST(ContactSolver, MicrometresStayExactAThousandKilometresAway) {
     }
 }
 
+TEST(ContactSolver, TheScanGivesTheSameBitsAtEveryWidth) {
+    // One plane at a time takes the scalar code, a few the narrow, many the wide where the processor has it.
+    Rng rng(17);
+    for (int round = 0; round < 500; ++round) {
+        const PlaneSet set = cavity(rng, between(rng, 1, 70), 0.05);
+        const PlaneSet::Shifted all = set.shifted();
+        double worst = -INFINITY;
+        for (std::uint32_t i = 0; i < set.size(); ++i) {
+            double s = 0;
+            worst = std::max(worst,
+                             shift_to_probe(&set.nx[i], &set.ny[i], &set.nz[i], &set.c[i], 1, set.probe, &s));
+            ASSERT_EQ(s, all.s[i]);
+        }
+        ASSERT_EQ(worst, all.worst);
+        const Eigen::Vector3d dx = 0.01 * direction(rng);
+        double left = -INFINITY;
+        for (std::uint32_t i = 0; i < set.size(); ++i) {
+            left = std::max(left, worst_violation({&set.nx[i], &set.ny[i], &set.nz[i], &all.s[i], 1}, dx));
+        }
+        ASSERT_EQ(left, worst_violation(all.planes, dx));
+    }
+}
+
 TEST(ContactSolver, FacingPlanesThatOverlapMeetHalfway) {
     PlaneSet set;
     set.add({0, 0, 1}, 0.001);   // floor, 1 mm up
