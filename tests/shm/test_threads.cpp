@@ -19,12 +19,13 @@ using test::Memory;
 using test::Record;
 
 struct PlainPayloadMemory : HardwareMemory {
+    // Not memcpy: GCC expands a short one in line after the sanitizer's pass, which then never sees it.
     static void store_payload(Payload* shared, const void* from, std::size_t words,
                               std::memory_order) noexcept {
-        std::memcpy(shared, from, words * sizeof *shared);
+        for (std::size_t i = 0; i < words; ++i) shared[i] = static_cast<const std::uint64_t*>(from)[i];
     }
     static void load_payload(void* to, const Payload* shared, std::size_t words, std::memory_order) noexcept {
-        std::memcpy(to, shared, words * sizeof *shared);
+        for (std::size_t i = 0; i < words; ++i) static_cast<std::uint64_t*>(to)[i] = shared[i];
     }
 };
 
