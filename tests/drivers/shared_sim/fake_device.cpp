@@ -134,6 +134,8 @@ class Loop {
             unplugged_ = unplug;
             efforts_ = {};
             device_.write(now, {});
+            // What was on the wire when the plug was pulled never arrives.
+            word_ = shared_.effort.load(std::memory_order_acquire);
             record(now, unplug ? Event::unplugged : Event::plugged, 0);
             shared_.state.store(unplug ? state_unplugged : state_running, std::memory_order_release);
         }

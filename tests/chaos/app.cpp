@@ -1,0 +1,250 @@
+// knurl_chaos_app MODE [SEED]: the applications that the chaos runner torments, and those that torment.
+//
+//   wall      holds the hand off a wall at 50 updates a second; SIGUSR1: arms (after a reset, if need be);
+//             SIGUSR2: forks a child that ends in order. Says what it does, a numbered line each.
+//   exclusive wants the device for itself, and says how that was answered
+//   observer  reads every report until SIGTERM, then says how many it read and missed, and how many there
+//   were hostile   claims, then writes random bytes over its own segment until SIGTERM
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <knurl/client/client.hpp>
+#include <knurl/protocol/attach.hpp>
+#include <knurl/shm/socket.hpp>
+
+namespace {
+
+using namespace std::chrono_literals;
+namespace protocol = knurl::protocol;
+
+volatile std::sig_atomic_t arm_wanted = 1, fork_wanted = 0, leaving = 0;
+
+void say(const char* what, long long number) {
+    static int line = 0;
+    std::printf("%s #%d %lld\n", what, ++line, number);
+    std::fflush(stdout);
+}
+
+void arm(knurl::Claim& hand) {
+    const auto report = hand.latest();
+    if (report && report->state == knurl::DeviceState::fault) hand.reset_fault();
+    hand.arm();
+    say("armed", getpid());
+}
+
+int wall() {
+    auto client = knurl::Client::connect();
+    auto hand = client.claim("", {.shared = true, .update_interval = 20ms});
+    auto plane = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.010, .stiffness = 800});
+    knurl::Plane moved = plane.params();
+    std::uint64_t reattachments = 0;
+    for (long long i = 0; leaving == 0; ++i) {
+        try {
+            if (arm_wanted != 0) {
+                arm_wanted = 0;
+                arm(hand);
+            }
+            if (fork_wanted != 0) {
+                fork_wanted = 0;
+                const pid_t child = fork();
+                if (child == 0) return 0;  // runs the destructors of a claim that is not its own
+                waitpid(child, nullptr, 0);
+                say("forked", child);
+            }
+            moved.offset = i % 2 == 0 ? 0.010 : 0.0101;
+            plane.set(moved);
+            hand.commit();
+            if (hand.reattachments() != reattachments) {
+                reattachments = hand.reattachments();
+                std::printf("reattached-to %d\n", client.servo_pid());
+                std::fflush(stdout);
+            }
+        } catch (const knurl::Error& error) {
+            if (error.kind != knurl::Error::Kind::disconnected) throw;
+        }
+        // Twenty cycles of the servo are its clock; without a servo, a time-out.
+        for (int cycle = 0; cycle < 20 && leaving == 0 && hand.next_report(20ms); ++cycle) {
+        }
+    }
+    return 0;
+}
+
+int exclusive() {
+    auto client = knurl::Client::connect();
+    try {
+        auto hand = client.claim();
+        say("granted", getpid());
+    } catch (const knurl::Error& error) {
+        std::printf("refused: %s\n", error.what());
+        say("refused-by", error.holder);
+    }
+    return 0;
+}
+
+int observer() {
+    auto client = knurl::Client::connect();
+    auto reports = client.observe();
+    const auto first = reports.next_report(5s);
+    if (!first) return 1;
+    say("reading", static_cast<long long>(first->cycle));
+    std::uint64_t read = 1, last = first->cycle;
+    while (leaving == 0) {
+        if (const auto report = reports.next_report(100ms)) {
+            ++read;
+            last = report->cycle;
+        }
+    }
+    say("read", static_cast<long long>(read));
+    say("missed", static_cast<long long>(reports.missed()));
+    say("published", static_cast<long long>(last - first->cycle + 1));
+    return read + reports.missed() == last - first->cycle + 1 ? 0 : 1;
+}
+
+/// A claim without the library, which would not let any of this through.
+struct RawClaim {
+    explicit RawClaim(const std::string& socket_path) : socket(knurl::shm::connect_to(socket_path)) {
+        std::array<std::byte, 4096> buffer;
+        protocol::Hello hello;
+        hello.layout = protocol::wire_hash();
+        std::strcpy(hello.client, "hostile");
+        ask(hello);
+        knurl::shm::receive_message(socket, buffer);
+        protocol::ClaimRequest request;
+        request.shared = 1;
+        ask(request);
+        auto answer = knurl::shm::receive_message(socket, buffer);
+        if (answer.bytes != sizeof(protocol::Claimed) || answer.fds.empty())
+            throw std::runtime_error("the claim is refused");
+        layout = protocol::claim_layout(request.capacity);
+        void* mapped =
+            mmap(nullptr, layout.total, PROT_READ | PROT_WRITE, MAP_SHARED, answer.fds.front().get(), 0);
+        if (mapped == MAP_FAILED) throw std::runtime_error("the claim's segment cannot be mapped");
+        memory = static_cast<std::byte*>(mapped);
+    }
+    template <class Message>
+    void ask(const Message& message) {
+        if (!knurl::shm::send_message(socket, std::as_bytes(std::span(&message, 1))))
+            throw std::runtime_error("the servo hung up");
+    }
+
+    knurl::shm::UniqueFd socket;
+    protocol::ClaimLayout layout;
+    std::byte* memory = nullptr;
+};
+
+int hostile(unsigned seed, const std::string& socket_path) {
+    const RawClaim claim(socket_path);
+    auto* words = reinterpret_cast<std::uint64_t*>(claim.memory);
+    const protocol::ClaimLayout& layout = claim.layout;
+    std::mt19937_64 random(seed);
+    say("scribbling", getpid());
+    while (leaving == 0) {
+        // Mostly the words that steer (the first lines of each ring), else anywhere.
+        const std::size_t parts[] = {layout.waiter, layout.commands, layout.batches, layout.replies,
+                                     layout.feedback};
+        const std::size_t at =
+            random() % 4 != 0 ? (parts[random() % 5] + random() % 512) / 8 : random() % (layout.total / 8);
+        const std::uint64_t value = random() % 2 == 0 ? random() : random() % 64;
+        std::atomic_ref<std::uint64_t>(words[at]).store(value, std::memory_order_relaxed);
+    }
+    return 0;
+}
+
+/// Adds two planes, arms, and changes both in one batch: one change is good, the other is no number.
+int absurd(unsigned seed, const std::string& socket_path) {
+    using knurl::Plane;
+    const RawClaim claim(socket_path);
+    const protocol::ClaimLayout& layout = claim.layout;
+    knurl::shm::SpscProducer commands(claim.memory + layout.commands, protocol::command_cells);
+    knurl::shm::TripleWriter batches(claim.memory + layout.batches, layout.batch_slot_bytes);
+    knurl::shm::TripleReader feedback(claim.memory + layout.feedback, layout.feedback_slot_bytes);
+
+    Plane far{.offset = -1, .stiffness = 100};  // nobody feels it
+    for (std::uint32_t slot = 0; slot < 2; ++slot) {
+        struct {
+            protocol::CommandHeader header;
+            protocol::AddBody body;
+            Plane plane;
+            std::byte rest[64] = {};
+        } add;
+        add.header = {
+            .cells = 0, .type = protocol::CommandType::add, .number = slot + 1, .bytes = sizeof far};
+        add.header.cells = static_cast<std::uint32_t>(
+            (sizeof add.header + sizeof add.body + sizeof far + knurl::shm::cell_bytes - 1) /
+            knurl::shm::cell_bytes);
+        add.body = {.handle = {slot, 1}, .kind = knurl::kind_of<Plane>, .use = {}};
+        add.plane = far;
+        if (!commands.try_push(&add, add.header.cells)) return 1;
+    }
+    std::array<std::byte, knurl::shm::cell_bytes> arm = {};
+    const protocol::CommandHeader header{.cells = 1, .type = protocol::CommandType::arm, .number = 3};
+    std::memcpy(arm.data(), &header, sizeof header);
+    if (!commands.try_push(arm.data(), 1)) return 1;
+    const double numbers[] = {std::numeric_limits<double>::quiet_NaN(),
+                              std::numeric_limits<double>::infinity(),
+                              -std::numeric_limits<double>::infinity(), -1e308};
+    std::mt19937_64 random(seed);
+    std::uint64_t sent = 0;
+    while (leaving == 0) {
+        struct {
+            protocol::BatchHeader header;
+            struct {
+                protocol::EntryHeader header;
+                Plane plane;
+            } entry[2];
+        } batch;
+        batch.header = {.sequence = ++sent, .commands_before = 3, .entries = 2, .bytes = sizeof batch.entry};
+        for (std::uint32_t slot = 0; slot < 2; ++slot) {
+            batch.entry[slot].header = {
+                .handle = {slot, 1}, .kind = knurl::kind_of<Plane>, .bytes = sizeof far, .version = sent};
+            batch.entry[slot].plane = far;
+        }
+        // The first would be felt, were the batch taken by halves.
+        batch.entry[0].plane.offset = 0.05;
+        batch.entry[1].plane.damping = numbers[random() % 4];
+        batches.publish(&batch, sizeof batch, 3);
+        if (feedback.take()) {
+            protocol::FeedbackHeader told;
+            feedback.copy(&told, 0, sizeof told);
+            if (told.batches_refused > 0 && told.refused_slot == 1) {
+                say("told-of-field", told.refused_field);
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const std::string mode = argc > 1 ? argv[1] : "";
+    std::signal(SIGUSR1, [](int) { arm_wanted = 1; });
+    std::signal(SIGUSR2, [](int) { fork_wanted = 1; });
+    std::signal(SIGTERM, [](int) { leaving = 1; });
+    try {
+        if (mode == "wall") return wall();
+        if (mode == "exclusive") return exclusive();
+        if (mode == "observer") return observer();
+        if (mode == "hostile" && argc > 3)
+            return hostile(static_cast<unsigned>(std::stoul(argv[2])), argv[3]);
+        if (mode == "absurd" && argc > 3) return absurd(static_cast<unsigned>(std::stoul(argv[2])), argv[3]);
+        std::fprintf(stderr, "knurl_chaos_app: wall, exclusive, observer, hostile or absurd SEED SOCKET\n");
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "knurl_chaos_app: %s\n", error.what());
+    }
+    return 1;
+}

@@ -1,0 +1,70 @@
+#pragma once
+// The kinds of fault, and what Knurl promises of each (SAFETY rows that concern local clients). Each begins
+// and ends with a hand that feels the wall.
+
+#include <memory>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <knurl/client/client.hpp>
+
+#include "../drivers/shared_sim/shared_sim.hpp"
+#include "oracle.hpp"
+#include "process_knurld.hpp"
+
+namespace knurl::chaos {
+
+/// Thrown when a promise is broken; the runner adds the seed that shows it again.
+struct Broken : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+void demand(bool so, const std::string& promise);
+
+/// A servo on a device that outlives it, an application that holds a wall, and somebody who watches.
+class Stage {
+  public:
+    explicit Stage(unsigned seed);
+    ~Stage();
+
+    void start_servo();
+    void start_wall();
+    /// Waits, on the device's clock, until the hand feels the wall steadily.
+    void wait_until_felt();
+    /// Waits until the force has been zero for 0.2 s of the device's time; returns since when (device's ns).
+    std::int64_t wait_until_zero(std::int64_t from);
+    /// Lets the device's clock run.
+    void let_pass(double seconds);
+    /// The device's time now (CLOCK_MONOTONIC is one for all processes), ns.
+    static std::int64_t now();
+    DeviceState state() const;
+    std::vector<std::filesystem::path> flight_records() const;
+    /// Milliseconds between a fault and what was promised of it, for the table at the end.
+    void measured(const std::string& promise, double milliseconds);
+    void print_measured() const;
+
+    test::Home home;
+    std::mt19937 random;
+    std::unique_ptr<drivers::shared_sim::FakeDevice> device;
+    std::unique_ptr<test::Knurld> knurld;
+    std::unique_ptr<test::Program> wall;
+
+  private:
+    struct Measured {
+        std::string promise;
+        std::vector<double> milliseconds;
+    };
+    std::vector<Measured> measured_;
+    mutable std::unique_ptr<Client> watcher_;
+    mutable std::unique_ptr<Observer> watch_;
+    mutable pid_t watched_ = 0;
+};
+
+struct Fault {
+    const char* name;
+    void (*happen)(Stage&);
+};
+std::span<const Fault> faults();
+
+}  // namespace knurl::chaos

@@ -1,0 +1,158 @@
+// knurl_chaos --seed N [--faults M]: M faults in an order and with details that the seed makes (0: each kind
+// once). Ends at the first broken promise, with the seed that shows it again; else prints how long the
+// promised things took on this machine (measured, never judged: promises are judged by cycles and order of
+// events).
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <numeric>
+
+#include "faults.hpp"
+
+namespace knurl::chaos {
+
+void demand(bool so, const std::string& promise) {
+    if (!so) throw Broken(promise);
+}
+
+Stage::Stage(unsigned seed) : random(seed) {
+    // The watcher below finds the servo as the programs do.
+    setenv("KNURL_RUNTIME_DIR", home.runtime().c_str(), 1);
+    setenv("KNURL_STATE_DIR", home.state().c_str(), 1);
+    device = std::make_unique<drivers::shared_sim::FakeDevice>(
+        KNURL_FAKE_DEVICE,
+        drivers::shared_sim::FakeDevice::Settings{
+            .path = (home.path() / "device").string(), .profile = "cartesian3", .capacity = 1 << 20});
+    start_servo();
+    start_wall();
+}
+
+Stage::~Stage() {
+    watch_.reset();
+    watcher_.reset();
+    wall.reset();
+    knurld.reset();
+}
+
+void Stage::start_servo() {
+    knurld.reset();
+    knurld = std::make_unique<test::Knurld>(
+        home, std::vector<std::string>{"--device", "right=" + device->address()}, KNURLD);
+}
+
+void Stage::start_wall() {
+    wall.reset();
+    wall = std::make_unique<test::Program>(home, KNURL_CHAOS_APP, std::vector<std::string>{"wall"});
+    wait_until_felt();
+}
+
+void Stage::wait_until_felt() {
+    const bool so = test::eventually([&] {
+        const std::int64_t from = now();
+        let_pass(0.1);
+        const Span span = force_span(device->log(), from);
+        return span.smallest > 1.35 && span.largest < 1.85;
+    });
+    if (!so) throw Broken("the hand never felt the wall steadily; the application said: " + wall->output());
+}
+
+std::int64_t Stage::wait_until_zero(std::int64_t from) {
+    std::int64_t zero = -1;
+    const bool so = test::eventually([&] {
+        let_pass(0.2);
+        zero = zero_since(device->log(), from);
+        return zero >= 0 && now() - zero > 200'000'000;
+    });
+    if (!so) throw Broken("the force did not go to zero and stay there");
+    return zero;
+}
+
+void Stage::let_pass(double seconds) {
+    if (!device->wait_steps(static_cast<std::uint64_t>(seconds / 200e-6)))
+        throw Broken("the device's process stands still");
+}
+
+std::int64_t Stage::now() {
+    return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+}
+
+DeviceState Stage::state() const {
+    if (watched_ != knurld->pid()) {
+        watch_.reset();
+        watcher_ = std::make_unique<Client>(Client::connect("knurl:default"));
+        watch_ = std::make_unique<Observer>(watcher_->observe());
+        watched_ = knurld->pid();
+    }
+    const auto report = watch_->latest();
+    return report ? report->state : DeviceState::disconnected;
+}
+
+std::vector<std::filesystem::path> Stage::flight_records() const {
+    return test::files_in(home.state());
+}
+
+void Stage::measured(const std::string& promise, double milliseconds) {
+    const auto known = std::ranges::find(measured_, promise, &Measured::promise);
+    (known == measured_.end() ? measured_.emplace_back(Measured{promise, {}}) : *known)
+        .milliseconds.push_back(milliseconds);
+}
+
+void Stage::print_measured() const {
+    for (const Measured& m : measured_) {
+        std::vector<double> sorted = m.milliseconds;
+        std::ranges::sort(sorted);
+        std::printf("  %-75s n %4zu  median %7.2f ms  max %7.2f ms\n", m.promise.c_str(), sorted.size(),
+                    sorted[sorted.size() / 2], sorted.back());
+    }
+}
+
+namespace {
+
+int run(unsigned seed, std::size_t count) {
+    Stage stage(seed);
+    std::vector<std::size_t> order(faults().size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::shuffle(order, stage.random);
+    for (std::size_t i = order.size(); i < count; ++i) order.push_back(stage.random() % faults().size());
+    if (count > 0) order.resize(count);
+
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const Fault& fault = faults()[order[i]];
+        std::printf("%4zu %s\n", i + 1, fault.name);
+        std::fflush(stdout);
+        try {
+            fault.happen(stage);
+            stage.wait_until_felt();
+            const auto wrong = check_always(stage.device->log(), 8.5, 2000, 1e-3);
+            demand(wrong.empty(), wrong.empty() ? "" : wrong.front());
+        } catch (const std::exception& broken) {
+            std::printf("BROKEN in fault %zu (%s): %s\nagain with: knurl_chaos --seed %u --faults %zu\n",
+                        i + 1, fault.name, broken.what(), seed, count);
+            return 1;
+        }
+    }
+    std::printf("%zu faults, seed %u: all promises kept; what they took here:\n", order.size(), seed);
+    stage.print_measured();
+    return 0;
+}
+
+}  // namespace
+}  // namespace knurl::chaos
+
+int main(int argc, char** argv) {
+    unsigned seed = 1;
+    std::size_t count = 0;
+    for (int i = 1; i + 1 < argc; i += 2) {
+        if (std::strcmp(argv[i], "--seed") == 0)
+            seed = static_cast<unsigned>(std::strtoul(argv[i + 1], nullptr, 10));
+        if (std::strcmp(argv[i], "--faults") == 0) count = std::strtoul(argv[i + 1], nullptr, 10);
+    }
+    try {
+        return knurl::chaos::run(seed, count);
+    } catch (const std::exception& error) {
+        std::printf("knurl_chaos: %s (seed %u)\n", error.what(), seed);
+        return 1;
+    }
+}
