@@ -202,11 +202,15 @@ Answer RawClient::answer() {
     return answer;
 }
 
-Answer RawClient::greet(const std::string& name) {
+void RawClient::say_hello(const std::string& name) {
     protocol::Hello hello;
     hello.layout = protocol::wire_hash();
     name.copy(hello.client, sizeof hello.client - 1);
     send(hello);
+}
+
+Answer RawClient::greet(const std::string& name) {
+    say_hello(name);
     return answer();
 }
 

@@ -102,6 +102,7 @@ class RawClient {
     bool send_bytes(const void* bytes, std::size_t size, const std::vector<int>& fds = {});
     Answer answer();
 
+    void say_hello(const std::string& name = "a test");
     /// Hello as it should be, and its answer.
     Answer greet(const std::string& name = "a test");
     Answer claim(const protocol::ClaimRequest& request);

@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::uint64_t role_claim = 1;
 constexpr std::uint64_t role_observer = 2;
-constexpr double longest_interval = 3600;  // s between commits
+constexpr std::uint32_t smallest_batch = 64;  // bytes: one small entry
+constexpr double longest_interval = 3600;     // s between commits
 
 shm::WaiterFlag* flag_in(shm::Segment& claim_segment) {
     constexpr protocol::ClaimLayout layout =
@@ -45,10 +46,10 @@ void ClaimTable::require_sane(const protocol::ClaimRequest& request) const {
                            protocol::max_representations));
     }
     if (request.observe == 0 &&
-        (capacity.batch_bytes < protocol::max_parameter_bytes ||
-         capacity.batch_bytes > protocol::max_batch_bytes || capacity.batch_bytes % 8 != 0)) {
+        (capacity.batch_bytes < smallest_batch || capacity.batch_bytes > protocol::max_batch_bytes ||
+         capacity.batch_bytes % 8 != 0)) {
         refuse(fmt::format("batches of {} bytes; allowed: multiples of 8 from {} to {}", capacity.batch_bytes,
-                           protocol::max_parameter_bytes, protocol::max_batch_bytes));
+                           smallest_batch, protocol::max_batch_bytes));
     }
     const double radius = request.workspace_radius;
     if (radius != 0 && !(radius >= 1e-9 && radius <= 1e9)) {
