@@ -143,6 +143,26 @@ TEST(Gains, AfterAFaultEveryClaimArmsAnew) {
     EXPECT_NEAR(sent_z(servo), 1, 1e-9) << "the second has not armed";
 }
 
+TEST(Gains, WhoArmsDuringARampDownArmsItselfAlone) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    OfflineClaim& first = servo.claim();
+    OfflineClaim& second = servo.claim();
+    for (OfflineClaim* claim : {&first, &second}) {
+        claim->add(ConstantForce{.force = {0, 0, 1}, .recovery = 0});
+        claim->arm();
+    }
+    run(servo, 600);
+    device.status = drivers::ReadStatus::bad;
+    run(servo, 3);
+    device.status = drivers::ReadStatus::ok;
+    ASSERT_EQ(servo.servo().last().state, DeviceState::ramp_down);
+    second.arm();
+    run(servo, 700);
+    EXPECT_EQ(servo.servo().last().state, DeviceState::active);
+    EXPECT_NEAR(sent_z(servo), 1, 1e-9) << "the first has not armed again";
+}
+
 // ----------------------------------------------------------------------------------------------- notices
 
 TEST(Notices, TheDeviceIsToldWhenEffortsMayFollowAndWhenAClaimIsInFullForce) {

@@ -1,3 +1,5 @@
+// Commands: copied once, checked as a group, then done whole or not at all.
+
 #include "intake.hpp"
 
 #include <algorithm>
@@ -13,14 +15,6 @@ using protocol::Reply;
 using Code = Verdict::Code;
 
 namespace {
-
-/// Structs out of bytes that lie anywhere.
-template <class T>
-T read(const std::byte* from) noexcept {
-    T value;
-    std::memcpy(&value, from, sizeof value);
-    return value;
-}
 
 constexpr std::size_t no_such_command = ~std::size_t{0};
 
@@ -146,7 +140,7 @@ Intake::Parsed Intake::parse_group(Claim::Impl& claim, std::uint32_t from) noexc
     for (std::uint32_t at = from;
          parsed.commands < protocol::reply_cells && copied_to(claim, at + std::size_t{1});) {
         const std::byte* message = cells_.data() + std::size_t{at} * shm::cell_bytes;
-        const auto header = read<CommandHeader>(message);
+        const auto header = read_as<CommandHeader>(message);
         const std::size_t body = body_bytes(header.type);
         if (body == no_such_command || header.number != claim.commands_done + 1 + parsed.commands) break;
         if (header.bytes > (header.type == CommandType::add ? protocol::max_parameter_bytes : 0)) break;
@@ -188,7 +182,7 @@ bool Intake::check_group(Claim::Impl& claim, std::size_t commands, const Authori
     for (std::size_t i = 0; i < commands; ++i) {
         replies_[i] = Reply{.command = group_[i].header.number, .field = Verdict::no_field};
         if (group_[i].header.type == CommandType::add)
-            replies_[i].kind = read<protocol::AddBody>(group_[i].body).kind;
+            replies_[i].kind = read_as<protocol::AddBody>(group_[i].body).kind;
         if (bad == commands) continue;
         const Answer whole{{Code::refused}, Refusal::group_refused};
         const Answer& mine = i == bad ? answer : whole;
@@ -221,7 +215,7 @@ Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const A
         case CommandType::remove:
             return check_remove(claim, command);
         case CommandType::place_probe:
-            return {check_placement(read<protocol::PlaceProbeBody>(command.body))};
+            return {check_placement(read_as<protocol::PlaceProbeBody>(command.body))};
         case CommandType::arm:
             if (authority.ending) return state(Refusal::disconnected);
             return state(authority.supervisor.may_arm(authority.calibrated, authority.speed, reset));
@@ -236,7 +230,7 @@ Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const A
 }
 
 Intake::Answer Intake::check_add(Claim::Impl& claim, const Command& command) noexcept {
-    const auto body = read<protocol::AddBody>(command.body);
+    const auto body = read_as<protocol::AddBody>(command.body);
     const std::uint32_t slot = body.handle.slot;
     if (slot >= claim.slots.size())
         return {{Code::too_many, Verdict::no_field, static_cast<double>(claim.slots.size())}};
@@ -260,7 +254,7 @@ Intake::Answer Intake::check_add(Claim::Impl& claim, const Command& command) noe
 }
 
 Intake::Answer Intake::check_remove(Claim::Impl& claim, const Command& command) noexcept {
-    const Handle handle = read<protocol::RemoveBody>(command.body).handle;
+    const Handle handle = read_as<protocol::RemoveBody>(command.body).handle;
     if (handle.slot >= claim.slots.size() || !claim.slots[handle.slot].present ||
         claim.slots[handle.slot].generation != handle.generation)
         return {{Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)}};
@@ -274,7 +268,7 @@ void Intake::do_command(Claim::Impl& claim, const Command& command, const Author
     Answer answer;
     switch (command.header.type) {
         case CommandType::add: {
-            const auto body = read<protocol::AddBody>(command.body);
+            const auto body = read_as<protocol::AddBody>(command.body);
             answer.verdict =
                 claim.scene.add(body.handle, body.kind, command.params, command.header.bytes, body.use);
             reply.applied_stiffness =
@@ -283,11 +277,11 @@ void Intake::do_command(Claim::Impl& claim, const Command& command, const Author
             break;
         }
         case CommandType::remove:
-            answer.verdict = claim.scene.remove(read<protocol::RemoveBody>(command.body).handle);
+            answer.verdict = claim.scene.remove(read_as<protocol::RemoveBody>(command.body).handle);
             claim.counts_changed = true;
             break;
         case CommandType::place_probe: {
-            const auto body = read<protocol::PlaceProbeBody>(command.body);
+            const auto body = read_as<protocol::PlaceProbeBody>(command.body);
             answer.verdict = claim.scene.place_probe(body.probe, body.placement);
             break;
         }
@@ -306,112 +300,6 @@ void Intake::do_command(Claim::Impl& claim, const Command& command, const Author
     if (answer.reason != Refusal::none) answer.verdict.code = Code::refused;
     reply.code = static_cast<std::uint32_t>(answer.verdict.code);
     reply.reason = static_cast<std::uint32_t>(answer.reason);
-}
-
-// ---------------------------------------------------------------------------------------------- batches
-
-void Intake::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept {
-    shm::TripleReader& batches = claim.channels->batches;
-    if (!batches.take(claim.commands_done)) {
-        if (batches.corrupt()) claim.fault();
-        return;
-    }
-    protocol::BatchHeader header;
-    batches.copy(&header, 0, sizeof header);
-    const bool fits = header.bytes % 8 == 0 && header.bytes <= claim.terms.capacity.batch_bytes &&
-                      header.bytes <= entries_.size();
-    if (fits) batches.copy(entries_.data(), sizeof header, header.bytes);
-
-    ++counts_.batches_taken;
-    ++claim.batches_taken;
-    claim.silence.renew(now);
-    // Sequences count commits; those that were never seen alone were merged into this one.
-    if (header.sequence > claim.last_sequence + 1 && claim.last_sequence != 0) {
-        const std::uint64_t merged = header.sequence - claim.last_sequence - 1;
-        claim.batches_merged += merged;
-        counts_.batches_merged += merged;
-    }
-    claim.last_sequence = header.sequence;
-
-    bad_kind_ = bad_slot_ = 0;
-    const Verdict verdict =
-        fits ? check_entries(claim, header)
-             : Verdict{Code::wrong_size, Verdict::no_field, static_cast<double>(header.bytes)};
-    if (!verdict) {
-        ++counts_.batches_refused;
-        claim.refused = {.count = claim.refused.count + 1,
-                         .sequence = header.sequence,
-                         .verdict = verdict,
-                         .kind = bad_kind_,
-                         .slot = bad_slot_};
-        return;
-    }
-    apply_entries(claim, header);
-    claim.in_force = {.sequence = header.sequence,
-                      .cycle = cycle,
-                      .report_cycle = header.report_cycle,
-                      .commit_ns = header.commit_ns};
-    claim.batch_is_new = true;
-}
-
-namespace {
-
-/// Walks the entries of a batch. Their headers were checked by the first walk, which stops at the first that
-/// does not fit; `use` returns false to stop.
-template <class Use>
-bool each_entry(const std::byte* at, const protocol::BatchHeader& header, Use use) noexcept {
-    const std::byte* const end = at + header.bytes;
-    for (std::uint32_t i = 0; i < header.entries; ++i) {
-        if (end - at < static_cast<std::ptrdiff_t>(sizeof(protocol::EntryHeader))) return false;
-        const auto entry = read<protocol::EntryHeader>(at);
-        at += sizeof entry;
-        if (entry.bytes > protocol::max_parameter_bytes) return false;
-        const std::ptrdiff_t padded = (static_cast<std::ptrdiff_t>(entry.bytes) + 7) / 8 * 8;
-        if (end - at < padded) return false;
-        if (!use(entry, at)) return false;
-        at += padded;
-    }
-    return at == end;
-}
-
-/// Parameters that are older than those in force, or of a representation that is gone: an entry may arrive
-/// twice, or cross its own removal.
-bool no_op(const Claim::Impl& claim, const protocol::EntryHeader& entry) noexcept {
-    if (entry.handle.slot >= claim.slots.size()) return true;
-    const Slot& slot = claim.slots[entry.handle.slot];
-    return !slot.present || slot.generation != entry.handle.generation || entry.version <= slot.version;
-}
-
-}  // namespace
-
-Verdict Intake::check_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept {
-    if (header.entries > claim.slots.size())
-        return {Code::too_many, Verdict::no_field, static_cast<double>(header.entries)};
-    Verdict verdict;
-    const bool whole =
-        each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
-            if (no_op(claim, entry)) return true;
-            verdict = claim.scene.check_update(entry.handle, entry.kind, params, entry.bytes);
-            if (verdict) return true;
-            bad_kind_ = entry.kind;
-            bad_slot_ = entry.handle.slot;
-            return false;
-        });
-    if (!verdict) return verdict;
-    return whole ? Verdict{}
-                 : Verdict{Code::wrong_size, Verdict::no_field, static_cast<double>(header.bytes)};
-}
-
-void Intake::apply_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept {
-    each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
-        if (no_op(claim, entry)) {
-            ++claim.stale_entries;
-            return true;
-        }
-        claim.slots[entry.handle.slot].version = entry.version;
-        claim.scene.update(entry.handle, entry.kind, params, entry.bytes);
-        return true;
-    });
 }
 
 }  // namespace knurl::servo

@@ -4,12 +4,21 @@
 // another claim.
 
 #include <cstdint>
+#include <cstring>
 #include <utility>
 #include <vector>
 
 #include "claim_impl.hpp"
 
 namespace knurl::servo {
+
+/// A struct out of bytes that lie anywhere.
+template <class T>
+T read_as(const std::byte* from) noexcept {
+    T value;
+    std::memcpy(&value, from, sizeof value);
+    return value;
+}
 
 /// What a command about the device's state is answered from.
 struct Authority {

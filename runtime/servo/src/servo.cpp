@@ -1,27 +1,12 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
-#include <knurl/servo/servo.hpp>
-#include <knurl/shm/counters.hpp>
-#include <knurl/shm/waiter.hpp>
-
-#include "claim_impl.hpp"
-#include "hand.hpp"
-#include "intake.hpp"
-#include "mailbox.hpp"
+#include "servo_impl.hpp"
 
 namespace knurl::servo {
 
-using protocol::Count;
-
 namespace {
-
-struct Message {
-    enum class What : std::uint32_t { adopt, drop, drop_all } what = What::adopt;
-    Claim* claim = nullptr;
-};
 
 std::byte* with_empty_ring(std::byte* segment) {
     shm::broadcast_init(segment + protocol::device_layout().reports);
@@ -29,60 +14,6 @@ std::byte* with_empty_ring(std::byte* segment) {
 }
 
 }  // namespace
-
-/// The parts of the cycle, in the order in which `step` calls them, and what they remember.
-struct Servo::Impl {
-    Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segment, const ServoOptions& stated);
-
-    double begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept;
-    void read_device(Nanoseconds now) noexcept;
-    void take_mail(Nanoseconds now) noexcept;
-    void take_changes(Nanoseconds now) noexcept;
-    Wrench evaluate_claims(Nanoseconds now, double dt) noexcept;
-    Supervised supervise(const Wrench& sum, double dt) noexcept;
-    void notify_device() noexcept;
-    void write_device(Nanoseconds now, const Supervised& out) noexcept;
-    void publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept;
-    void publish_counters(Nanoseconds now) noexcept;
-    void let_go() noexcept;
-
-    void adopt(Claim* claim, Nanoseconds now) noexcept;
-    FadePolicy fade_for(const Claim::Impl& claim) const noexcept;
-    double sharing_target() const noexcept;
-    double nominal(Nanoseconds gap) const noexcept;
-
-    drivers::Device& device;
-    Clock& clock;
-    ServoOptions options;
-    Nanoseconds period;
-    double device_max_stiffness;  // N/m
-
-    Hand hand;
-    Supervisor supervisor;
-    Intake intake;
-    shm::BroadcastWriter reports;
-    shm::Counters counters;
-
-    std::array<Claim*, protocol::max_clients> claims = {};  // observers too
-    std::array<const shm::WaiterFlag*, protocol::max_clients> waiters = {};
-    std::size_t claims_size = 0;
-    Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
-    Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
-    bool ending = false;                    // drop_all
-
-    bool first = true;
-    Nanoseconds last_now = 0, read_ns = 0, write_ns = 0;
-    double stiffness_scale = 1;  // of claims that share the device
-    bool enabled = false;        // as the device was last told
-    bool guardian = false;       // it zeroed the device before this cycle
-    bool unplugged = false;      // this cycle's read, or the last write, found no device
-    const Claim::Impl* in_contact = nullptr;
-    Report report;
-    std::array<Nanoseconds, protocol::report_slots> read_times =
-        {};  // of the last reports, for the age of a batch
-    std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, pokes = 0, evaluated = 0,
-                  present = 0;
-};
 
 Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segment,
                   const ServoOptions& stated)
@@ -156,7 +87,10 @@ void Servo::Impl::read_device(Nanoseconds now) noexcept {
     }
     if (supervisor.state() == DeviceState::disconnected || (supervisor.faults() & fault::unplugged) != 0)
         supervisor.reconnected();
-    if (trouble.ramp_down) supervisor.disarm();
+    if (trouble.ramp_down) {
+        supervisor.disarm();
+        disarm_claims();  // whoever arms during the ramp down arms itself alone
+    }
     if (trouble.faults != 0) supervisor.raise(trouble.faults);
 }
 
@@ -234,7 +168,6 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
                       .velocity = hand.velocity,
                       .smooth_velocity = hand.smooth_velocity,
                       .angular_velocity = hand.angular_velocity};
-    // Ramps are of real time: a stall is over before they go on, dt or not.
     const double gain_step = dt / options.supervisor.claim_ramp;
     evaluated = present = 0;
     in_contact = nullptr;
@@ -287,8 +220,12 @@ Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
     // anew.
     const DeviceState state = supervisor.state();
     if (state == DeviceState::idle || state == DeviceState::fault || state == DeviceState::disconnected)
-        for (std::size_t i = 0; i < claims_size; ++i) claims[i]->impl->armed = false;
+        disarm_claims();
     return out;
+}
+
+void Servo::Impl::disarm_claims() noexcept {
+    for (std::size_t i = 0; i < claims_size; ++i) claims[i]->impl->armed = false;
 }
 
 void Servo::Impl::notify_device() noexcept {
@@ -310,46 +247,6 @@ void Servo::Impl::write_device(Nanoseconds now, const Supervised& out) noexcept 
     write_ns = clock.now();
 }
 
-void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept {
-    if (write_ns > deadline + period) ++late;
-    report.deadline_ns = deadline;
-    report.read_ns = read_ns;
-    report.write_ns = write_ns;
-    report.joints = hand.sample.position;
-    report.position = to_plain(hand.pose.position);
-    report.orientation = to_plain(hand.pose.orientation);
-    report.velocity = to_plain(hand.smooth_velocity);
-    report.slow_velocity = to_plain(hand.slow_velocity);
-    report.angular_velocity = to_plain(hand.angular_velocity);
-    report.scene_force = to_plain(sum.force);
-    report.scene_torque = to_plain(sum.torque);
-    report.sent_force = to_plain(out.sent.force);
-    report.sent_torque = to_plain(out.sent.torque);
-    report.contact_point =
-        to_plain(in_contact != nullptr ? in_contact->device_contact_point() : hand.pose.position);
-    report.state = supervisor.state();
-    report.faults = supervisor.faults();
-    report.buttons = hand.sample.buttons;
-    report.flags = out.flags | (hand.stale ? report_flags::stale : 0) |
-                   (guardian ? report_flags::guardian : 0) |
-                   (in_contact != nullptr ? report_flags::touching : 0);
-    report.late_count = late;
-    guardian = false;
-    reports.publish(&report);
-    read_times[report.cycle % read_times.size()] = read_ns;
-
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        Claim::Impl& c = *claims[i]->impl;
-        if (c.batch_is_new) {
-            c.in_force.write_ns = write_ns;
-            const std::uint64_t from = c.in_force.report_cycle;
-            const bool known = from > 0 && from <= report.cycle && report.cycle - from < read_times.size();
-            c.in_force.age_ns = known ? write_ns - read_times[from % read_times.size()] : 0;
-        }
-        c.publish(report.cycle);
-    }
-}
-
 void Servo::Impl::let_go() noexcept {
     for (std::size_t i = 0; i < claims_size;) {
         const Claim::Impl& c = *claims[i]->impl;
@@ -366,39 +263,6 @@ void Servo::Impl::let_go() noexcept {
             ++i;
         }
     }
-}
-
-void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
-    const auto set = [this](Count which, std::uint64_t value) {
-        counters.set(static_cast<std::size_t>(which), value);
-    };
-    const IntakeCounts& taken = intake.counts();
-    const Supervisor::Counts& gate = supervisor.counts();
-    set(Count::cycles, report.cycle);
-    set(Count::late_cycles, late);
-    set(Count::overruns, overruns);
-    set(Count::stalls, stalls);
-    set(Count::batches_taken, taken.batches_taken);
-    set(Count::batches_refused, taken.batches_refused);
-    set(Count::batches_merged, taken.batches_merged);
-    set(Count::commands_done, taken.commands_done);
-    set(Count::commands_refused, taken.commands_refused);
-    set(Count::bad_samples, hand.bad_samples);
-    set(Count::stale_samples, hand.stale_samples);
-    set(Count::kinematics_failures, hand.kinematics_failures);
-    set(Count::slew_clips, gate.slew_clips);
-    set(Count::force_clamps, gate.force_clamps);
-    set(Count::thermal_clamps, gate.thermal_clamps);
-    set(Count::joint_clamps, gate.joint_clamps);
-    set(Count::faults, gate.faults);
-    set(Count::guardian_zeroings, guardian_zeroings);
-    set(Count::reps_present, present);
-    set(Count::reps_evaluated, evaluated);
-    set(Count::clients, claims_size);
-    set(Count::last_step_ns, static_cast<std::uint64_t>(std::max<Nanoseconds>(0, write_ns - now)));
-    set(Count::device_state, static_cast<std::uint64_t>(supervisor.state()));
-    set(Count::fault_mask, supervisor.faults());
-    set(Count::generated_energy_uj, static_cast<std::uint64_t>(std::min(gate.generated_energy * 1e6, 1e18)));
 }
 
 // ------------------------------------------------------------------------------------------ around it

@@ -92,6 +92,7 @@ Refusal Supervisor::reset_fault(double speed) noexcept {
     if (refusal != Refusal::none) return refusal;
     faults_ = 0;
     state_ = DeviceState::idle;
+    power_.reset();  // what led to the fault is not held against what comes after
     return Refusal::none;
 }
 

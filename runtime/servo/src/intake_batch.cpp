@@ -1,0 +1,113 @@
+// Batches of parameters: copied once, checked, then applied whole or not at all.
+
+#include "intake.hpp"
+
+namespace knurl::servo {
+
+using Code = Verdict::Code;
+
+void Intake::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept {
+    shm::TripleReader& batches = claim.channels->batches;
+    if (!batches.take(claim.commands_done)) {
+        if (batches.corrupt()) claim.fault();
+        return;
+    }
+    protocol::BatchHeader header;
+    batches.copy(&header, 0, sizeof header);
+    const bool fits = header.bytes % 8 == 0 && header.bytes <= claim.terms.capacity.batch_bytes &&
+                      header.bytes <= entries_.size();
+    if (fits) batches.copy(entries_.data(), sizeof header, header.bytes);
+
+    ++counts_.batches_taken;
+    ++claim.batches_taken;
+    claim.silence.renew(now);
+    // Sequences count commits; those that were never seen alone were merged into this one.
+    if (header.sequence > claim.last_sequence + 1 && claim.last_sequence != 0) {
+        const std::uint64_t merged = header.sequence - claim.last_sequence - 1;
+        claim.batches_merged += merged;
+        counts_.batches_merged += merged;
+    }
+    claim.last_sequence = header.sequence;
+
+    bad_kind_ = bad_slot_ = 0;
+    const Verdict verdict =
+        fits ? check_entries(claim, header)
+             : Verdict{Code::wrong_size, Verdict::no_field, static_cast<double>(header.bytes)};
+    if (!verdict) {
+        ++counts_.batches_refused;
+        claim.refused = {.count = claim.refused.count + 1,
+                         .sequence = header.sequence,
+                         .verdict = verdict,
+                         .kind = bad_kind_,
+                         .slot = bad_slot_};
+        return;
+    }
+    apply_entries(claim, header);
+    claim.in_force = {.sequence = header.sequence,
+                      .cycle = cycle,
+                      .report_cycle = header.report_cycle,
+                      .commit_ns = header.commit_ns};
+    claim.batch_is_new = true;
+}
+
+namespace {
+
+/// Walks the entries of a batch. Their headers were checked by the first walk, which stops at the first that
+/// does not fit; `use` returns false to stop.
+template <class Use>
+bool each_entry(const std::byte* at, const protocol::BatchHeader& header, Use use) noexcept {
+    const std::byte* const end = at + header.bytes;
+    for (std::uint32_t i = 0; i < header.entries; ++i) {
+        if (end - at < static_cast<std::ptrdiff_t>(sizeof(protocol::EntryHeader))) return false;
+        const auto entry = read_as<protocol::EntryHeader>(at);
+        at += sizeof entry;
+        if (entry.bytes > protocol::max_parameter_bytes) return false;
+        const std::ptrdiff_t padded = (static_cast<std::ptrdiff_t>(entry.bytes) + 7) / 8 * 8;
+        if (end - at < padded) return false;
+        if (!use(entry, at)) return false;
+        at += padded;
+    }
+    return at == end;
+}
+
+/// Parameters that are older than those in force, or of a representation that is gone: an entry may arrive
+/// twice, or cross its own removal.
+bool no_op(const Claim::Impl& claim, const protocol::EntryHeader& entry) noexcept {
+    if (entry.handle.slot >= claim.slots.size()) return true;
+    const Slot& slot = claim.slots[entry.handle.slot];
+    return !slot.present || slot.generation != entry.handle.generation || entry.version <= slot.version;
+}
+
+}  // namespace
+
+Verdict Intake::check_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept {
+    if (header.entries > claim.slots.size())
+        return {Code::too_many, Verdict::no_field, static_cast<double>(header.entries)};
+    Verdict verdict;
+    const bool whole =
+        each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
+            if (no_op(claim, entry)) return true;
+            verdict = claim.scene.check_update(entry.handle, entry.kind, params, entry.bytes);
+            if (verdict) return true;
+            bad_kind_ = entry.kind;
+            bad_slot_ = entry.handle.slot;
+            return false;
+        });
+    if (!verdict) return verdict;
+    return whole ? Verdict{}
+                 : Verdict{Code::wrong_size, Verdict::no_field, static_cast<double>(header.bytes)};
+}
+
+void Intake::apply_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept {
+    each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
+        if (no_op(claim, entry)) {
+            ++claim.stale_entries;
+            return true;
+        }
+        claim.slots[entry.handle.slot].version = entry.version;
+        claim.scene.update(entry.handle, entry.kind, params, entry.bytes);
+        return true;
+    });
+}
+
+}  // namespace knurl::servo

@@ -1,0 +1,79 @@
+#pragma once
+// What a servo consists of, and the parts of its cycle.
+
+#include <array>
+#include <cstdint>
+
+#include <knurl/servo/servo.hpp>
+#include <knurl/shm/counters.hpp>
+#include <knurl/shm/waiter.hpp>
+
+#include "claim_impl.hpp"
+#include "hand.hpp"
+#include "intake.hpp"
+#include "mailbox.hpp"
+
+namespace knurl::servo {
+
+/// From the broker.
+struct Message {
+    enum class What : std::uint32_t { adopt, drop, drop_all } what = What::adopt;
+    Claim* claim = nullptr;
+};
+
+/// The parts of the cycle, in the order in which `step` calls them, and what they remember.
+struct Servo::Impl {
+    Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segment, const ServoOptions& stated);
+
+    double begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept;
+    void read_device(Nanoseconds now) noexcept;
+    void take_mail(Nanoseconds now) noexcept;
+    void take_changes(Nanoseconds now) noexcept;
+    Wrench evaluate_claims(Nanoseconds now, double dt) noexcept;
+    Supervised supervise(const Wrench& sum, double dt) noexcept;
+    void notify_device() noexcept;
+    void write_device(Nanoseconds now, const Supervised& out) noexcept;
+    void publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept;
+    void publish_counters(Nanoseconds now) noexcept;
+    void let_go() noexcept;
+    void disarm_claims() noexcept;
+
+    void adopt(Claim* claim, Nanoseconds now) noexcept;
+    FadePolicy fade_for(const Claim::Impl& claim) const noexcept;
+    double sharing_target() const noexcept;
+    double nominal(Nanoseconds gap) const noexcept;
+
+    drivers::Device& device;
+    Clock& clock;
+    ServoOptions options;
+    Nanoseconds period;
+    double device_max_stiffness;  // N/m
+
+    Hand hand;
+    Supervisor supervisor;
+    Intake intake;
+    shm::BroadcastWriter reports;
+    shm::Counters counters;
+
+    std::array<Claim*, protocol::max_clients> claims = {};  // observers too
+    std::array<const shm::WaiterFlag*, protocol::max_clients> waiters = {};
+    std::size_t claims_size = 0;
+    Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
+    Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
+    bool ending = false;                    // drop_all
+
+    bool first = true;
+    Nanoseconds last_now = 0, read_ns = 0, write_ns = 0;
+    double stiffness_scale = 1;  // of claims that share the device
+    bool enabled = false;        // as the device was last told
+    bool guardian = false;       // it zeroed the device before this cycle
+    bool unplugged = false;      // this cycle's read, or the last write, found no device
+    const Claim::Impl* in_contact = nullptr;
+    Report report;
+    std::array<Nanoseconds, protocol::report_slots> read_times =
+        {};  // of the last reports, for the age of a batch
+    std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, pokes = 0, evaluated = 0,
+                  present = 0;
+};
+
+}  // namespace knurl::servo

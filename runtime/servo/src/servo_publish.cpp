@@ -1,0 +1,83 @@
+// What a cycle tells the world: the report, each claim's feedback, the counters.
+
+#include <algorithm>
+
+#include "servo_impl.hpp"
+
+namespace knurl::servo {
+
+void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept {
+    if (write_ns > deadline + period) ++late;
+    report.deadline_ns = deadline;
+    report.read_ns = read_ns;
+    report.write_ns = write_ns;
+    report.joints = hand.sample.position;
+    report.position = to_plain(hand.pose.position);
+    report.orientation = to_plain(hand.pose.orientation);
+    report.velocity = to_plain(hand.smooth_velocity);
+    report.slow_velocity = to_plain(hand.slow_velocity);
+    report.angular_velocity = to_plain(hand.angular_velocity);
+    report.scene_force = to_plain(sum.force);
+    report.scene_torque = to_plain(sum.torque);
+    report.sent_force = to_plain(out.sent.force);
+    report.sent_torque = to_plain(out.sent.torque);
+    report.contact_point =
+        to_plain(in_contact != nullptr ? in_contact->device_contact_point() : hand.pose.position);
+    report.state = supervisor.state();
+    report.faults = supervisor.faults();
+    report.buttons = hand.sample.buttons;
+    report.flags = out.flags | (hand.stale ? report_flags::stale : 0) |
+                   (guardian ? report_flags::guardian : 0) |
+                   (in_contact != nullptr ? report_flags::touching : 0);
+    report.late_count = late;
+    guardian = false;
+    reports.publish(&report);
+    read_times[report.cycle % read_times.size()] = read_ns;
+
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        Claim::Impl& c = *claims[i]->impl;
+        if (c.batch_is_new) {
+            c.in_force.write_ns = write_ns;
+            const std::uint64_t from = c.in_force.report_cycle;
+            const bool known = from > 0 && from <= report.cycle && report.cycle - from < read_times.size();
+            c.in_force.age_ns = known ? write_ns - read_times[from % read_times.size()] : 0;
+        }
+        c.publish(report.cycle);
+    }
+}
+
+void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
+    const auto set = [this](protocol::Count which, std::uint64_t value) {
+        counters.set(static_cast<std::size_t>(which), value);
+    };
+    const IntakeCounts& taken = intake.counts();
+    const Supervisor::Counts& gate = supervisor.counts();
+    set(protocol::Count::cycles, report.cycle);
+    set(protocol::Count::late_cycles, late);
+    set(protocol::Count::overruns, overruns);
+    set(protocol::Count::stalls, stalls);
+    set(protocol::Count::batches_taken, taken.batches_taken);
+    set(protocol::Count::batches_refused, taken.batches_refused);
+    set(protocol::Count::batches_merged, taken.batches_merged);
+    set(protocol::Count::commands_done, taken.commands_done);
+    set(protocol::Count::commands_refused, taken.commands_refused);
+    set(protocol::Count::bad_samples, hand.bad_samples);
+    set(protocol::Count::stale_samples, hand.stale_samples);
+    set(protocol::Count::kinematics_failures, hand.kinematics_failures);
+    set(protocol::Count::slew_clips, gate.slew_clips);
+    set(protocol::Count::force_clamps, gate.force_clamps);
+    set(protocol::Count::thermal_clamps, gate.thermal_clamps);
+    set(protocol::Count::joint_clamps, gate.joint_clamps);
+    set(protocol::Count::faults, gate.faults);
+    set(protocol::Count::guardian_zeroings, guardian_zeroings);
+    set(protocol::Count::reps_present, present);
+    set(protocol::Count::reps_evaluated, evaluated);
+    set(protocol::Count::clients, claims_size);
+    set(protocol::Count::last_step_ns, static_cast<std::uint64_t>(std::max<Nanoseconds>(0, write_ns - now)));
+    set(protocol::Count::device_state, static_cast<std::uint64_t>(supervisor.state()));
+    set(protocol::Count::fault_mask, supervisor.faults());
+    set(protocol::Count::generated_energy_uj,
+        static_cast<std::uint64_t>(std::min(gate.generated_energy * 1e6, 1e18)));
+}
+
+}  // namespace knurl::servo
