@@ -102,6 +102,34 @@ workspace_margin = 1.1
     check(config);
 }
 
+TEST(Configuration, TheExampleFileIsTheDefaults) {
+    const DaemonConfig example = load_config(KNURLD_EXAMPLE);
+    check(example);
+    const DaemonConfig defaults;
+    EXPECT_EQ(example.name, defaults.name);
+    EXPECT_EQ(example.rate, defaults.rate);
+    EXPECT_EQ(example.priority, defaults.priority);
+    EXPECT_EQ(example.idle, defaults.idle);
+    EXPECT_EQ(example.spin, defaults.spin);
+    EXPECT_EQ(example.guardian_stall, defaults.guardian_stall);
+    ASSERT_EQ(example.devices.size(), 2u);
+    EXPECT_EQ(example.devices[0].seed, DeviceConfig{}.seed);
+    const SupervisorLimits limits = example.devices[1].limits, widest;
+    EXPECT_EQ(limits.thermal_time, widest.thermal_time);
+    EXPECT_EQ(limits.slew, widest.slew);
+    EXPECT_EQ(limits.slew_fault_time, widest.slew_fault_time);
+    EXPECT_EQ(limits.speed_damping_from, widest.speed_damping_from);
+    EXPECT_EQ(limits.speed_fault, widest.speed_fault);
+    EXPECT_EQ(limits.power, widest.power);
+    EXPECT_EQ(limits.ramp_up, widest.ramp_up);
+    EXPECT_EQ(limits.ramp_down, widest.ramp_down);
+    EXPECT_EQ(limits.arm_speed, widest.arm_speed);
+    EXPECT_EQ(limits.workspace_margin, widest.workspace_margin);
+    const test::Home home;
+    const test::Knurld knurld(home, {"--config", KNURLD_EXAMPLE});
+    EXPECT_EQ(test::RawClient(home).greet().welcome.value().devices, 2u);
+}
+
 struct Mistake {
     const char* text;
     std::vector<const char*> says;  // where, what was wrong, what is allowed
