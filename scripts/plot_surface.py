@@ -26,6 +26,7 @@ NAMES = {  # a title, and what is special about it
     "paper": ("Planes, the paper's recovery", "lowered to the hand, raised over 50 ms"),
     "knurl": ("Planes, Knurl's default", "for where the hand will be, cross-faded"),
 }
+TIMES = {1: "one", 2: "two", 3: "three", 4: "four"}
 TRUE, INK, FAINT = "#9aa0a6", "#202124", "#5f6368"
 GOOD, BAD = "#00796b", "#b3261e"
 LAND = LinearSegmentedColormap.from_list(
@@ -122,7 +123,7 @@ def draw_table(page, left, right, top, strokes):
         faulted = s["fault_at"] is not None
         cells = [(f"{s['jump']:.2f} N", s["jump"] > 1), (f"{s['force_error']:.2f} N", None),
                  (f"{s['kick']:.2f} m/s", s["kick"] > 0.3),
-                 ("\u2013", None) if s["limit_cycle"] is None else
+                 ("", None) if s["limit_cycle"] is None else
                  (f"{s['limit_cycle'] * 1e3:.2f} mm", s["limit_cycle"] >= 1e-4)]
         for (x, _, _), (value, broken) in zip(heads, cells):
             page.text(left + x, y + 0.07, value, fontsize=9, ha="right",
@@ -143,12 +144,10 @@ def draw_way(page, top, number, s, c, end, window, force_top, heights, last):
     colour = COLOURS[s["way"]]
     whole, close, height = (page.axes(0.5, top, 4.35, 1.05), page.axes(5.1, top, 1.75, 1.05),
                             page.axes(7.2, top, 3.5, 1.05))
-    title, detail = NAMES[s["way"]]
-    label = page.text(0.5, top - 0.22, f"{number}   {title}", fontsize=9, fontweight="bold", color=colour)
+    title, _ = NAMES[s["way"]]
+    page.text(0.5, top - 0.22, f"{number}   {title}", fontsize=9, fontweight="bold", color=colour)
     if s["fault_at"] is not None:
-        page.text(7.2, top - 0.22, s["verdict"], fontsize=8, color=BAD)
         window = (max(0, s["fault_at"] - (window[1] - window[0])), s["fault_at"])
-        label.set_text(label.get_text())
     for axes in (whole, close):
         axes.plot(c["t"], size(c, "true_f"), color=TRUE, lw=1.5)
         axes.plot(c["t"], size(c, "f"), color=colour, lw=0.8 if axes is whole else 1.1)
@@ -159,6 +158,7 @@ def draw_way(page, top, number, s, c, end, window, force_top, heights, last):
     height.plot(c["t"], c["surface_z"] * 1e3, color="#a89f8d", lw=0.8)
     height.plot(c["t"], c["z"] * 1e3, color=colour, lw=0.9)
     height.set_ylim(*heights)
+    height.locator_params(axis="y", nbins=4, integer=True)
     whole.set_xlim(0, end)
     height.set_xlim(0, end)
     close.set_xlim(*window)
@@ -170,6 +170,9 @@ def draw_way(page, top, number, s, c, end, window, force_top, heights, last):
     if s["fault_at"] is not None:
         for axes in (whole, height):
             axes.axvspan(s["fault_at"], end, facecolor="white", edgecolor="#e8eaed", hatch="////", lw=0, zorder=3)
+        whole.text((s["fault_at"] + end) / 2, force_top / 2, s["verdict"].replace(" (", "\n(") + "\nthe servo let go",
+                   fontsize=8, color=BAD, ha="center", va="center", zorder=4, linespacing=1.4,
+                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 4})
 
 
 def draw(outcome, cycles, relief, path):
@@ -177,10 +180,10 @@ def draw(outcome, cycles, relief, path):
     run, machine = outcome["run"], outcome["machine"]
     plt.rcParams.update({"font.family": "DejaVu Sans", "axes.edgecolor": "#c4c7c5", "text.color": INK,
                          "axes.linewidth": 0.8, "hatch.linewidth": 0.6})
-    page = Page(11, 5.18 + 1.42 * len(strokes))
+    page = Page(11, 5.30 + 1.42 * len(strokes))
     page.text(0.35, 0.20, f"Hills felt through an application that manages {run['application_rate']:g} Hz", fontsize=16,
               fontweight="bold")
-    page.text(0.35, 0.57, f"One hand strokes one relief {len(strokes)} times at {strokes[0]['stiffness']:.0f} N/m: servo "
+    page.text(0.35, 0.57, f"One hand strokes one relief {TIMES.get(len(strokes), len(strokes))} times at {strokes[0]['stiffness']:.0f} N/m: servo "
               f"{run['servo_rate']:g} Hz; the application answers {run['think'] * 1e3:g} ms after it has read the hand.",
               fontsize=9, color=FAINT)
     draw_relief(page.axes(0.55, 0.98, 3.5, 2.85), relief, cycles, 100)
@@ -202,11 +205,11 @@ def draw(outcome, cycles, relief, path):
     for i, s in enumerate(strokes):
         draw_way(page, top + 0.48 + i * 1.42, i + 1, s, cycles[s["way"]], end, window, force_top, heights,
                  i + 1 == len(strokes))
-    foot = page.height - 0.52
+    foot = page.height - 0.40
     for x in (0.5, 7.2):
-        page.text(x, foot - 0.13, "s since the hand began", fontsize=7, color=FAINT)
-    page.text(0.35, foot + 0.08, f"Relief: {run['model']}, {run['scale']}.", fontsize=7, color=FAINT)
-    page.text(0.35, foot + 0.24, f"Measured: {machine['date']}, device {run['device']}, {run['machine']}.", fontsize=7,
+        page.text(x, foot - 0.24, "s since the hand began", fontsize=7, color=FAINT)
+    page.text(0.35, foot + 0.02, f"Relief: {run['model']}, {run['scale']}.", fontsize=7, color=FAINT)
+    page.text(0.35, foot + 0.18, f"Measured: {machine['date']}, device {run['device']}, {run['machine']}.", fontsize=7,
               color=FAINT)
     page.save(path)
 

@@ -40,6 +40,7 @@ Judgement judge(const std::vector<Cycle>& cycles, const std::vector<Terrain::Foo
         ++result.cycles;
         if (i > 0) {
             result.missed += cycle.number - cycles[i - 1].number - 1;
+            result.stalls += cycles[i - 1].active && !cycle.active;
             result.late += cycle.late_count - cycles[i - 1].late_count;
         }
         // A step of force counts wherever it comes, the first touch included.

@@ -23,8 +23,9 @@ struct Cycle {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
     Eigen::Vector3d force = Eigen::Vector3d::Zero();     // N, the scene's, before the supervisor
-    std::uint32_t faults = 0;      // the device's mask; not 0: this and later cycles are void
-    double gap = 0;                // s since the sample of the cycle before was read; 0: on time
+    std::uint32_t faults = 0;  // the device's mask; not 0: this and later cycles are void
+    bool active = true;  // the device had its full force; false: it ramps up again after a stall of the servo
+    double gap = 0;      // s since the sample of the cycle before was read; 0: on time
     std::uint64_t late_count = 0;  // of the servo since its start
 };
 
@@ -49,6 +50,7 @@ struct Judgement {
     std::uint64_t cycles = 0;  // recorded until the end or the fault
     std::uint64_t missed = 0;  // numbers that are not among them
     std::uint64_t late = 0;
+    std::uint64_t stalls = 0;      // times that the servo stood still so long that it took the force away
     double jump = 0, jump_at = 0;  // N, s
     std::uint64_t jumps = 0;       // above the threshold
     double kick = 0, kick_at = 0;  // m/s, s

@@ -64,7 +64,8 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
     line("", [](const Outcome& o) { return head(o.recording.way).first; });
     line("", [](const Outcome& o) { return head(o.recording.way).second; });
     line("cycles run", [](const Outcome& o) { return fmt::format("{}", o.judgement.cycles); });
-    line("late cycles", [](const Outcome& o) { return fmt::format("{}", o.judgement.late); });
+    line("late cycles / servo stalls",
+         [](const Outcome& o) { return fmt::format("{} / {}", o.judgement.late, o.judgement.stalls); });
     line("reports missed", [](const Outcome& o) { return fmt::format("{}", o.judgement.missed); });
     line("updates", [](const Outcome& o) { return fmt::format("{}", o.recording.updates.size()); });
     line("age of update at use, p50 / max", [](const Outcome& o) {

@@ -42,6 +42,7 @@ void write_json(const std::filesystem::path& file, const std::vector<Outcome>& o
                            {"max_stiffness", o.recording.max_stiffness},
                            {"cycles", j.cycles},
                            {"late", j.late},
+                           {"stalls", j.stalls},
                            {"missed", j.missed},
                            {"updates", o.recording.updates.size()},
                            {"age_p50", quantile(o.ages, 0.5)},

@@ -129,6 +129,7 @@ class Session {
                 .velocity = knurl::to_eigen(report->velocity),
                 .force = knurl::to_eigen(report->scene_force),
                 .faults = report->faults,
+                .active = lives,
                 .gap = recording_.read_ns.empty()
                            ? 0
                            : static_cast<double>(report->read_ns - recording_.read_ns.back()) * 1e-9,

@@ -104,6 +104,12 @@ TEST(Judge, OverALateCycleTheStepIsSharedAmongThePeriodsThatItTook) {
     EXPECT_NEAR(made.judged().jump, 3, 1e-6);
 }
 
+TEST(Judge, AStallOfTheServoIsCounted) {
+    Made made;
+    for (std::size_t i = 1200; i < 1700; ++i) made.cycles[i].active = false;
+    EXPECT_EQ(made.judged().stalls, 1u);
+}
+
 TEST(Judge, SpeedAwayFromTheSurfaceIsAKickSpeedAlongOrIntoItIsNot) {
     Made made;
     made.cycles[1000].velocity = {0, 0, 0.31};
