@@ -30,6 +30,7 @@ struct Arguments {
     std::uint64_t updates = 10'000;
     double rate = 1000;  // Hz, of the private servo
     int servo_cpu = -1;  // -1: the last one that we may use
+    int priority = 0;    // SCHED_FIFO of the client's thread; 0: ordinary
     std::uint64_t seed = 1;
     double wait = 2;  // s
     bool json = false;
@@ -117,6 +118,7 @@ measure::Run summary(const PathSamples& paths, const FloorSamples& floors, Nanos
             .results = {result("update.commit_to_write", paths.commit_to_write),
                         result("update.age_at_use", paths.wait_for_use),
                         measure::summarise("update.age_at_use_cycles", "cyc", std::move(cycles)),
+                        measure::summarise("update.cycles_overlooked", "cyc", paths.overlooked),
                         result("update.report_age_at_use", paths.report_age),
                         related("report.spinning", paths.spinning, ping_pong),
                         related("report.blocking", paths.blocking, eventfd),
@@ -163,20 +165,27 @@ int run_latency(const Arguments& arguments) {
         fmt::print(stderr, "knurl latency: cannot run on CPU {} alone; figures will be worse\n",
                    placement.client_cpu);
     }
+    if (arguments.priority > 0 && !measure::run_real_time(arguments.priority)) {
+        throw std::runtime_error(
+            fmt::format("--priority {} is not allowed; raise the limit with ulimit -r {}, or leave "
+                        "it out",
+                        arguments.priority, arguments.priority));
+    }
     LatencyPaths paths(hand, arguments.seed);
     const FloorSamples floors = run_blocks(paths, placement, arguments.updates);
     const double rate = hand.device().rate;
     hand.release();
 
     const PathSamples& samples = paths.samples();
-    show(
-        arguments, summary(samples, floors, paths.period()),
-        fmt::format(
-            "\n{} at {:g} Hz on CPU {}, client on CPU {} (ordinary priority), seed {}; {} updates merged, {} "
-            "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "
-            "the device's read;\nfloor.cache_line is one way, floor.bare_loop shares the servo's CPU.",
-            own ? "private servo on sim:cartesian3" : arguments.connect, rate, placement.servo_cpu,
-            placement.client_cpu, arguments.seed, samples.merged, samples.lost));
+    show(arguments, summary(samples, floors, paths.period()),
+         fmt::format(
+             "\n{} at {:g} Hz on CPU {}, client on CPU {} ({}), seed {}; {} updates merged, {} "
+             "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "
+             "the device's read;\nfloor.cache_line is one way, floor.bare_loop shares the servo's CPU.",
+             own ? "private servo on sim:cartesian3" : arguments.connect, rate, placement.servo_cpu,
+             placement.client_cpu,
+             arguments.priority > 0 ? fmt::format("SCHED_FIFO {}", arguments.priority) : "ordinary priority",
+             arguments.seed, samples.merged, samples.lost));
     return 0;
 }
 
@@ -201,6 +210,11 @@ void add_latency(CLI::App& program, Run& run) {
     verb->add_option("--servo-cpu", arguments->servo_cpu, "where the servo runs; default: the last CPU")
         ->check(CLI::Range(0, 1023))
         ->type_name("CPU");
+    verb->add_option(
+            "--priority", arguments->priority,
+            "SCHED_FIFO, of the client's thread: what it would see on a CPU of its own; default: ordinary")
+        ->check(CLI::Range(1, 79))
+        ->type_name("N");
     verb->add_option("--seed", arguments->seed, "of the random phases")
         ->capture_default_str()
         ->type_name("N");

@@ -14,8 +14,12 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::size_t cold_reports = 2;
+constexpr std::size_t remembered_cycles = 16;
 constexpr std::uint64_t distinct_forces = 4096;
 constexpr double force_step = 1.0 / (1 << 20);  // N; a power of two, so that every sum of steps is exact
+// While the claim's gain still ramps up, forces are not what they are known by: the largest shows the ramp
+// best.
+constexpr double largest_force = distinct_forces * force_step;
 constexpr Nanoseconds felt_within = 5'000'000'000;
 constexpr Nanoseconds last_use_within = 50'000'000;  // after a block: updates that are still on their way
 
@@ -31,7 +35,7 @@ bool same_force(double a, double b) {
 
 LatencyPaths::LatencyPaths(Claim& hand, std::uint64_t seed)
     : hand_(hand), generator_(seed), period_(std::llround(1e9 / hand.device().rate)) {
-    force_ = hand_.add(ConstantForce{.force = {force_of(0), 0, 0}, .recovery = 0});
+    force_ = hand_.add(ConstantForce{.force = {largest_force, 0, 0}, .recovery = 0});
     hand_.arm();
     wait_until_felt();
 }
@@ -45,7 +49,7 @@ void LatencyPaths::wait_until_felt() {
         if (!report) continue;
         newest_ = report;
         state = report->state;
-        if (same_force(report->scene_force.x, force_of(0))) return;
+        if (same_force(report->scene_force.x, largest_force)) return;
     }
     throw std::runtime_error(
         fmt::format("no force arrived within {} s (device state {}); is somebody else holding the "
@@ -65,6 +69,8 @@ void LatencyPaths::commit_update(Nanoseconds intended) {
 
 void LatencyPaths::see(const HandReport& report) {
     newest_ = report;
+    reads_.push_back(report.read_ns);
+    if (reads_.size() > remembered_cycles) reads_.pop_front();
     if (cold_ > 0) return;
     samples_.servo_lateness.push_back(static_cast<double>(report.read_ns - report.deadline_ns));
 }
@@ -78,6 +84,19 @@ void LatencyPaths::note(const HandReport& report, Nanoseconds had, std::vector<d
     }
     from_read.push_back(static_cast<double>(had - report.read_ns));
     from_deadline.push_back(static_cast<double>(had - report.deadline_ns));
+}
+
+void LatencyPaths::used(const Update& update, const HandReport& report) {
+    samples_.commit_to_write.push_back(static_cast<double>(report.write_ns - update.intended));
+    // An update may slip in between the read and the taking: then it did not wait at all.
+    samples_.wait_for_use.push_back(std::max(0.0, static_cast<double>(report.read_ns - update.committed)));
+    if (update.basis_read > 0) {
+        samples_.report_age.push_back(static_cast<double>(report.write_ns - update.basis_read));
+    }
+    // reads_ ends with the cycle that used it.
+    const auto overlooked = std::count_if(reads_.begin(), reads_.end() - 1,
+                                          [&](Nanoseconds read) { return read > update.committed; });
+    samples_.overlooked.push_back(static_cast<double>(overlooked));
 }
 
 void LatencyPaths::catch_up() {
@@ -103,19 +122,13 @@ void LatencyPaths::updates_and_spinning_block(Nanoseconds length) {
         const auto report = hand_.next_report(0ns);
         if (!report) continue;
         note(*report, now_ns(), samples_.spinning, samples_.spinning_deadline);
-        const auto used = std::find_if(pending_.begin(), pending_.end(), [&](const Update& update) {
+        const auto felt = std::find_if(pending_.begin(), pending_.end(), [&](const Update& update) {
             return same_force(update.force, report->scene_force.x);
         });
-        if (used == pending_.end()) continue;
-        samples_.commit_to_write.push_back(static_cast<double>(report->write_ns - used->intended));
-        // An update may slip in between the read and the taking: then it did not wait at all.
-        samples_.wait_for_use.push_back(
-            std::max(0.0, static_cast<double>(report->read_ns - used->committed)));
-        if (used->basis_read > 0) {
-            samples_.report_age.push_back(static_cast<double>(report->write_ns - used->basis_read));
-        }
-        samples_.merged += static_cast<std::uint64_t>(used - pending_.begin());
-        pending_.erase(pending_.begin(), used + 1);
+        if (felt == pending_.end()) continue;
+        used(*felt, *report);
+        samples_.merged += static_cast<std::uint64_t>(felt - pending_.begin());
+        pending_.erase(pending_.begin(), felt + 1);
     }
     samples_.lost += pending_.size();
     pending_.clear();

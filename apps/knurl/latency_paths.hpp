@@ -24,8 +24,10 @@ struct PathSamples {
     std::vector<double> spinning_deadline, blocking_deadline,
         descriptor_deadline;             // from the cycle's deadline
     std::vector<double> servo_lateness;  // deadline -> the device has been read
-    std::uint64_t merged = 0;            // updates that a later one overtook before the servo looked
-    std::uint64_t lost = 0;              // updates whose force was never seen
+    std::vector<double>
+        overlooked;            // per update, the cycles that began after its commit and did not use it: 0
+    std::uint64_t merged = 0;  // updates that a later one overtook before the servo looked
+    std::uint64_t lost = 0;    // updates whose force was never seen
 };
 
 /// An application whose updates can be told apart by the force that they make: a constant force of a few
@@ -55,6 +57,7 @@ class LatencyPaths {
 
     void wait_until_felt();
     void commit_update(Nanoseconds intended);
+    void used(const Update& update, const HandReport& report);
     void catch_up();
     void see(const HandReport& report);
     void note(const HandReport& report, Nanoseconds had, std::vector<double>& from_read,
@@ -68,7 +71,8 @@ class LatencyPaths {
     std::uint64_t updates_ = 0;
     std::deque<Update> pending_;
     std::optional<HandReport> newest_;
-    std::size_t cold_ = 0;  // reports of this block that are still left out
+    std::deque<Nanoseconds> reads_;  // of the device, by the newest cycles
+    std::size_t cold_ = 0;           // reports of this block that are still left out
     PathSamples samples_;
 };
 

@@ -1,0 +1,110 @@
+// `knurl latency`: the form of what it says. How fast the machine is, is no test's business.
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace knurl::test {
+namespace {
+
+using nlohmann::json;
+
+json measured(std::vector<std::string> words) {
+    const Folder folder;
+    words.insert(words.begin(), {"latency", "--json", folder.path("L.json")});
+    const Outcome outcome = knurl(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return json::parse(text_of_file(folder.path("L.json")));
+}
+
+const json& named(const json& all, const std::string& name) {
+    for (const json& result : all["results"]) {
+        if (result["name"] == name) return result;
+    }
+    ADD_FAILURE() << "no " << name;
+    return all;
+}
+
+class Latency : public testing::Test {
+  protected:
+    static void SetUpTestSuite() { all = measured({"--updates", "150", "--seed", "7"}); }
+    static json all;
+};
+json Latency::all;
+
+TEST_F(Latency, NamesTheMachine) {
+    std::set<std::string> keys;
+    for (const auto& [key, value] : all["machine"].items()) keys.insert(key);
+    EXPECT_EQ(keys, (std::set<std::string>{"processor", "cpus", "kernel", "load", "idle", "build", "date"}));
+}
+
+TEST_F(Latency, MeasuresBothWaysAndTheFloors) {
+    for (const char* name : {"update.commit_to_write", "update.age_at_use", "update.report_age_at_use",
+                             "report.spinning", "report.blocking", "report.descriptor", "servo.lateness",
+                             "floor.eventfd_wake", "floor.bare_loop_lateness"}) {
+        EXPECT_GT(named(all, name)["n"], 0) << name;
+        EXPECT_EQ(named(all, name)["unit"], "us") << name;
+    }
+    EXPECT_GE(named(all, "update.commit_to_write")["n"], 150);
+}
+
+TEST_F(Latency, NoCycleThatBeginsAfterACommitOverlooksIt) {
+    const json& overlooked = named(all, "update.cycles_overlooked");
+    EXPECT_GE(overlooked["n"], 150);
+    EXPECT_EQ(overlooked["max"], 0);
+}
+
+TEST_F(Latency, APercentileWithFewerThanTenSamplesAboveItIsNull) {
+    for (const json& result : all["results"]) {
+        const double n = result["n"];
+        EXPECT_EQ(result["p999"].is_null(), n - std::ceil(0.999 * n) < 10) << result;
+        EXPECT_EQ(result["p99"].is_null(), n - std::ceil(0.99 * n) < 10) << result;
+        EXPECT_EQ(result["p50"].is_null(), n - std::ceil(0.5 * n) < 10) << result;
+    }
+}
+
+TEST_F(Latency, StatesEachWayAsAMultipleOfItsFloor) {
+    for (const auto& [name, floor] : {std::pair("report.blocking", "floor.eventfd_wake"),
+                                      {"report.descriptor", "floor.eventfd_wake"},
+                                      {"servo.lateness", "floor.bare_loop_lateness"}}) {
+        const json& result = named(all, name);
+        EXPECT_EQ(result["reference"], floor);
+        if (!result["ratio"].is_number()) continue;  // on a slow machine a floor may have too few samples
+        const double expected = result["p50"].get<double>() / named(all, floor)["p50"].get<double>();
+        EXPECT_NEAR(result["ratio"], expected, 1e-9 * std::abs(expected));
+    }
+}
+
+TEST(LatencyOf, ARunningServoIsMeasuredByName) {
+    const Home home;
+    const Servo servo({"--name", "mine", "--device", "sim:cartesian3", "--rate", "2000"});
+    const json all = measured({"--connect", "knurl:mine", "--updates", "20"});
+    EXPECT_GE(named(all, "update.commit_to_write")["n"], 20);
+}
+
+TEST(LatencyRefuses, WhatItCannotMeasureInOneLine) {
+    const Home home;
+    struct Case {
+        std::vector<std::string> words;
+        const char* says;
+    };
+    for (const Case& c :
+         {Case{{"--updates", "0"}, "--updates is 0"}, Case{{"--rate", "100"}, "500 to 20000 Hz"},
+          Case{{"--connect", "knurl:nobody", "--wait", "0"}, "nobody"},
+          Case{{"--wait", "-1"}, "0 to 3600 s"}}) {
+        auto words = c.words;
+        words.insert(words.begin(), "latency");
+        const Outcome outcome = knurl(words);
+        EXPECT_NE(outcome.code, 0);
+        EXPECT_NE(outcome.err.find(c.says), std::string::npos) << outcome.err;
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    }
+}
+
+}  // namespace
+}  // namespace knurl::test
