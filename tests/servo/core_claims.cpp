@@ -251,6 +251,32 @@ TEST(Sharing, StiffnessTogetherAboveTheDevicesIsScaledAndTold) {
     EXPECT_EQ(first.feedback().header.stiffness_scale, 1);
 }
 
+TEST(Sharing, AStiffPlaneOfOneClaimIsNoStepForTheOther) {
+    PuppetDevice device;
+    device.tip = {0, 0, -1e-4};
+    ServoOptions options = live_options();
+    options.silence = false;
+    Offline servo(device, options);
+    OfflineClaim& first = servo.claim();
+    OfflineClaim& second = servo.claim();
+    first.add(Plane{.stiffness = 2500, .recovery = 0});
+    second.add(ConstantForce{});
+    first.arm();
+    second.arm();
+    run(servo, 600);
+    ASSERT_EQ(first.feedback().header.stiffness_scale, 1);
+    second.add(Plane{.normal = {1, 0, 0}, .offset = 1e-4, .stiffness = 2500, .recovery = 0});
+    double last = 1;
+    for (int i = 0; i < 60; ++i) {
+        servo.step();
+        const double scale = first.feedback().header.stiffness_scale;
+        EXPECT_LE(scale, last);
+        EXPECT_LE(last - scale, 1.0 / 50 + 1e-12) << "cycle " << i;
+        last = scale;
+    }
+    EXPECT_LT(last, 0.63);
+}
+
 // ------------------------------------------------------------------------------------------------ frames
 
 TEST(Frames, VirtualWorkAgreesForForceAndTorque) {
