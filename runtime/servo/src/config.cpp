@@ -119,8 +119,9 @@ SupervisorLimits read_limits(const toml::table& table, const std::string& path) 
     const Reader read(path, "device.limits.");
     SupervisorLimits limits;
     for (auto&& [key, node] : table) {
+        const std::string_view name = key.str();  // clang 14 captures no structured binding
         const auto found = std::find_if(limit_keys.begin(), limit_keys.end(),
-                                        [&](const LimitKey& k) { return k.range.key == key.str(); });
+                                        [name](const LimitKey& k) { return k.range.key == name; });
         if (found == limit_keys.end()) {
             std::string known;
             for (const LimitKey& k : limit_keys)
