@@ -235,6 +235,8 @@ TEST_F(Answers, a_batch_says_how_many_commands_came_before_it_and_which_report_i
     EXPECT_EQ(header->report_cycle, basis->cycle);
     EXPECT_EQ(header->entries, 1u);
     EXPECT_EQ(header->sequence, 1u);
+    hand.commit();
+    EXPECT_EQ(servo.take()->report_cycle, 0u) << "an empty commit was computed from nothing";
 }
 
 TEST_F(Answers, the_age_of_updates_is_what_the_servo_measured) {

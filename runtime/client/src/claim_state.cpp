@@ -69,7 +69,15 @@ void ClaimState::follow(Handle handle, const SurfaceModel& model) {
     // The newest, though the application may have read an older one before a long computation.
     const std::optional<Report> report = peek(lock);
     if (!report) return;
-    const Lateness late = lateness();
+    // It may commit more often than it follows: how long this plane will live is what counts.
+    Entry& followed = entry(handle);
+    const std::int64_t now = monotonic_ns();
+    if (followed.last_follow_ns != 0)
+        followed.follow_intervals.add(static_cast<double>(now - followed.last_follow_ns) * 1e-9);
+    followed.last_follow_ns = now;
+    Lateness late = lateness();
+    if (!ages_.empty() && !followed.follow_intervals.empty())
+        late.interval = followed.follow_intervals.median();
     const double stiffness = std::min(plane.stiffness, limits_.max_stiffness);
     lock.unlock();  // the model is the application's: it may call us
     const SurfacePoint there = follow_surface(model,
@@ -103,7 +111,12 @@ std::uint64_t ClaimState::commit() {
         return sequence_;
     }
     refresh();
-    if (basis_cycle_ == 0 && last_) basis_cycle_ = last_->cycle;
+    // An empty commit was computed from nothing: its age would say that the application is quicker than it
+    // is.
+    if (!table_.changed())
+        basis_cycle_ = 0;
+    else if (basis_cycle_ == 0 && last_)
+        basis_cycle_ = last_->cycle;
     const std::span<const std::byte> entries = table_.batch();
     const protocol::BatchHeader header{.sequence = sequence_,
                                        .commands_before = issued_,

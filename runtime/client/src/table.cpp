@@ -111,6 +111,11 @@ std::span<const std::byte> Table::batch() {
     return batch_;
 }
 
+bool Table::changed() const {
+    return std::any_of(pending_.begin(), pending_.end(),
+                       [this](std::uint32_t slot) { return entries_[slot].changed; });
+}
+
 void Table::commit_changes() {
     for (const std::uint32_t slot : pending_) {
         Entry& entry = entries_[slot];

@@ -20,6 +20,8 @@
 #include <knurl/protocol/claim_segment.hpp>
 #include <knurl/reps/scene.hpp>
 
+#include "recent.hpp"
+
 namespace knurl::detail {
 
 struct Entry {
@@ -37,6 +39,8 @@ struct Entry {
     std::vector<std::byte> params{};     // newest
     std::vector<std::byte> committed{};  // as of the last batch: what a new servo gets
     FollowMemory followed{};
+    Recent follow_intervals{};  // s, between calls of follow
+    std::int64_t last_follow_ns = 0;
 };
 
 class Table {
@@ -62,6 +66,7 @@ class Table {
 
     /// All that is pending, as the entries of a batch; valid until the next call.
     std::span<const std::byte> batch();
+    bool changed() const;  // anything since the last batch
     std::uint32_t batch_entries() const { return static_cast<std::uint32_t>(pending_.size()); }
     /// batch() has been published; the one before it was taken, or not.
     void published(bool previous_taken);
