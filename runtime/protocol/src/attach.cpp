@@ -27,14 +27,16 @@ const char* environment(const char* name) {
 
 std::uint64_t wire_hash() noexcept {
     std::uint64_t hash = 0xcbf29ce484222325;
-    for (std::uint64_t value :
-         {std::uint64_t{protocol_version}, std::uint64_t{sizeof(Hello)}, std::uint64_t{sizeof(Welcome)},
-          std::uint64_t{sizeof(Refused)}, std::uint64_t{sizeof(ClaimRequest)}, std::uint64_t{sizeof(Claimed)},
-          std::uint64_t{sizeof(CommandHeader)}, std::uint64_t{sizeof(AddBody)}, std::uint64_t{sizeof(PlaceProbeBody)},
-          std::uint64_t{sizeof(Reply)}, std::uint64_t{sizeof(BatchHeader)}, std::uint64_t{sizeof(EntryHeader)},
-          std::uint64_t{sizeof(FeedbackHeader)}, std::uint64_t{sizeof(FeedbackEntry)}, std::uint64_t{sizeof(Report)},
-          std::uint64_t{sizeof(DeviceInfo)}, std::uint64_t{sizeof(ClientRow)},
-          std::uint64_t{device_layout().total}, std::uint64_t{claim_layout({}).total}, layout_hash()}) {
+    for (std::uint64_t value : {std::uint64_t{protocol_version},       std::uint64_t{sizeof(Hello)},
+                                std::uint64_t{sizeof(Welcome)},        std::uint64_t{sizeof(Refused)},
+                                std::uint64_t{sizeof(ClaimRequest)},   std::uint64_t{sizeof(Claimed)},
+                                std::uint64_t{sizeof(CommandHeader)},  std::uint64_t{sizeof(AddBody)},
+                                std::uint64_t{sizeof(PlaceProbeBody)}, std::uint64_t{sizeof(Reply)},
+                                std::uint64_t{sizeof(BatchHeader)},    std::uint64_t{sizeof(EntryHeader)},
+                                std::uint64_t{sizeof(FeedbackHeader)}, std::uint64_t{sizeof(FeedbackEntry)},
+                                std::uint64_t{sizeof(Report)},         std::uint64_t{sizeof(DeviceInfo)},
+                                std::uint64_t{sizeof(ClientRow)},      std::uint64_t{device_layout().total},
+                                std::uint64_t{claim_layout({}).total}, layout_hash()}) {
         hash = mix(hash, value);
     }
     return hash;
@@ -51,10 +53,13 @@ std::string runtime_directory() {
         return std::string(session) + "/knurl";
     }
     throw std::runtime_error(
-        "no directory for the servo's socket: XDG_RUNTIME_DIR is not set; set KNURL_RUNTIME_DIR to a directory of yours");
+        "no directory for the servo's socket: XDG_RUNTIME_DIR is not set; set KNURL_RUNTIME_DIR to a "
+        "directory of yours");
 }
 
-std::string socket_path(const std::string& servo_name) { return runtime_directory() + "/" + servo_name + ".sock"; }
+std::string socket_path(const std::string& servo_name) {
+    return runtime_directory() + "/" + servo_name + ".sock";
+}
 
 std::string state_directory() {
     if (const char* stated = environment("KNURL_STATE_DIR")) {

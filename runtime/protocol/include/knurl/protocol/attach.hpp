@@ -1,7 +1,7 @@
 #pragma once
-// The handshake over the servo's Unix socket (SOCK_SEQPACKET): one fixed-size struct a message, file descriptors
-// beside it. After a claim everything goes through the claim's own segment; the socket stays open, and its
-// hang-up is how each side learns of the other's death.
+// The handshake over the servo's Unix socket (SOCK_SEQPACKET): one fixed-size struct a message, file
+// descriptors beside it. After a claim everything goes through the claim's own segment; the socket stays
+// open, and its hang-up is how each side learns of the other's death.
 //
 //   client                     broker
 //   Hello              ->
@@ -40,7 +40,7 @@ struct Hello {
 
 struct Welcome {
     MessageHeader header{.type = MessageType::welcome};
-    std::uint32_t devices = 0;     // as many report segments come with this message, in this order
+    std::uint32_t devices = 0;  // as many report segments come with this message, in this order
     std::uint32_t servo_pid = 0;
     char names[max_devices][name_bytes] = {};
 };
@@ -49,19 +49,19 @@ struct Refused {
     MessageHeader header{.type = MessageType::refused};
     std::uint32_t holder_pid = 0;  // who holds the device, if that is the reason
     std::uint32_t reserved = 0;
-    char text[512] = {};           // one line: what, where, what to do
+    char text[512] = {};  // one line: what, where, what to do
 };
 
 struct ClaimRequest {
     MessageHeader header{.type = MessageType::claim};
-    std::uint32_t device = 0;          // index in Welcome
-    std::uint32_t observe = 0;         // 1: reports only
-    std::uint32_t shared = 0;          // 1: others may claim the device too, if they say so as well
+    std::uint32_t device = 0;   // index in Welcome
+    std::uint32_t observe = 0;  // 1: reports only
+    std::uint32_t shared = 0;   // 1: others may claim the device too, if they say so as well
     std::uint32_t reserved = 0;
     ClaimCapacity capacity = {};
-    double workspace_radius = 0;       // m, of the application's world; 0: the device's own (scale 1)
-    Vec3 workspace_centre = {};        // m, where the device's centre lies in the application's world
-    double update_interval = 0;        // s, how often it means to commit; 0: measured
+    double workspace_radius = 0;  // m, of the application's world; 0: the device's own (scale 1)
+    Vec3 workspace_centre = {};   // m, where the device's centre lies in the application's world
+    double update_interval = 0;   // s, how often it means to commit; 0: measured
 };
 
 /// World = scale (device - device_centre) + world_centre; device force = force_scale x world force.
@@ -74,11 +74,11 @@ struct Frame {
 
 struct Claimed {
     MessageHeader header{.type = MessageType::claimed};
-    std::uint32_t slot = 0;       // row in the device's table of clients
+    std::uint32_t slot = 0;  // row in the device's table of clients
     std::uint32_t reserved = 0;
-    ClaimCapacity capacity;       // as granted
+    ClaimCapacity capacity;  // as granted
     Frame frame;
-    Limits limits;                // world units
+    Limits limits;  // world units
 };
 
 struct Release {
@@ -90,7 +90,8 @@ struct Release {
 /// Hash over every wire type's size and offsets and the representations' tables.
 std::uint64_t wire_hash() noexcept;
 
-/// Where a servo of that name listens: $KNURL_RUNTIME_DIR, else /run/knurl as root, else $XDG_RUNTIME_DIR/knurl.
+/// Where a servo of that name listens: $KNURL_RUNTIME_DIR, else /run/knurl as root, else
+/// $XDG_RUNTIME_DIR/knurl.
 std::string runtime_directory();
 std::string socket_path(const std::string& servo_name);
 /// $KNURL_STATE_DIR, else /var/lib/knurl as root, else $XDG_STATE_HOME/knurl or ~/.local/state/knurl.

@@ -1,6 +1,6 @@
 #pragma once
-// The segment of one claim (or observer): where its rings lie. Written by both sides; it can hurt only its owner,
-// since the servo copies once, then validates the copy, and keeps its own indexes in private memory.
+// The segment of one claim (or observer): where its rings lie. Written by both sides; it can hurt only its
+// owner, since the servo copies once, then validates the copy, and keeps its own indexes in private memory.
 //
 //   header | waiter flag | command ring -> servo | batches -> servo | replies -> client | feedback -> client
 

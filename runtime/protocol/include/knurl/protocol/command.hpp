@@ -1,7 +1,7 @@
 #pragma once
-// Messages of the command channel: a header and a body, in 64-byte cells of an SPSC ring. Commands that belong
-// together are pushed at once and all but the last carry `more`: the servo does all of them in one cycle, and if
-// one of them is refused, none is done.
+// Messages of the command channel: a header and a body, in 64-byte cells of an SPSC ring. Commands that
+// belong together are pushed at once and all but the last carry `more`: the servo does all of them in one
+// cycle, and if one of them is refused, none is done.
 
 #include <cstdint>
 
@@ -20,7 +20,7 @@ enum class CommandType : std::uint32_t {
 };
 
 struct CommandHeader {
-    std::uint32_t cells = 0;   // of the whole message, this header included
+    std::uint32_t cells = 0;  // of the whole message, this header included
     CommandType type{};
     std::uint64_t number = 0;  // 1, 2, ... in order, without gaps
     std::uint32_t more = 0;    // 1: the next message belongs to the same group
@@ -50,8 +50,8 @@ struct Reply {
     std::uint32_t code = 0;     // Verdict::Code
     std::uint32_t field = 0;
     double value = 0;
-    std::uint32_t reason = 0;   // Refusal, when code is Verdict::Code::refused
-    std::uint32_t kind = 0;     // of the representation, for the sentence
+    std::uint32_t reason = 0;      // Refusal, when code is Verdict::Code::refused
+    std::uint32_t kind = 0;        // of the representation, for the sentence
     double applied_stiffness = 0;  // N/m: of an `add`, after clamping
     std::uint64_t reserved[3] = {};
 };
@@ -60,62 +60,62 @@ static_assert(sizeof(Reply) == 64);
 /// Why the device's state forbids a command.
 enum class Refusal : std::uint32_t {
     none = 0,
-    not_calibrated,     // home the device first
-    in_fault,           // reset it first; value: the fault mask
-    hand_too_fast,      // wait until the hand is slow; value: m/s
+    not_calibrated,  // home the device first
+    in_fault,        // reset it first; value: the fault mask
+    hand_too_fast,   // wait until the hand is slow; value: m/s
     not_in_fault,
-    group_refused,      // another command of the same group was refused
+    group_refused,  // another command of the same group was refused
     disconnected,
-    malformed,          // the message does not parse
+    malformed,  // the message does not parse
 };
 
 /// A batch of parameter updates in the triple buffer: this header, then per entry an EntryHeader and its
 /// parameters padded to 8 bytes. The number of commands issued before it is the buffer's tag.
 struct BatchHeader {
-    std::uint64_t sequence = 0;      // 1, 2, ... one per commit
+    std::uint64_t sequence = 0;  // 1, 2, ... one per commit
     std::uint64_t commands_before = 0;
     std::uint64_t report_cycle = 0;  // the report that it was computed from; 0: none
     std::int64_t commit_ns = 0;      // CLOCK_MONOTONIC, when commit was called
     std::uint32_t entries = 0;
-    std::uint32_t bytes = 0;         // of all entries
+    std::uint32_t bytes = 0;  // of all entries
 };
 
 struct EntryHeader {
     Handle handle;
     Kind kind = 0;
-    std::uint32_t bytes = 0;   // of parameters, before padding
-    std::uint64_t version = 0; // of these parameters: an entry may arrive twice
+    std::uint32_t bytes = 0;    // of parameters, before padding
+    std::uint64_t version = 0;  // of these parameters: an entry may arrive twice
 };
 
 /// Feedback in a triple buffer back: this header, then `entries` FeedbackEntry. World frame of the claim.
 struct FeedbackHeader {
     std::uint64_t cycle = 0;
-    std::uint64_t batch = 0;             // sequence of the newest batch that has taken effect
-    std::uint64_t batch_cycle = 0;       // the cycle in which it did
-    std::uint64_t batch_report_cycle = 0;// the report that it was computed from
-    std::int64_t batch_commit_ns = 0;    // when it was committed
-    std::int64_t batch_write_ns = 0;     // when the first force computed from it had been written
-    std::int64_t batch_age_ns = 0;       // from the read of the report it was computed from to that write
+    std::uint64_t batch = 0;               // sequence of the newest batch that has taken effect
+    std::uint64_t batch_cycle = 0;         // the cycle in which it did
+    std::uint64_t batch_report_cycle = 0;  // the report that it was computed from
+    std::int64_t batch_commit_ns = 0;      // when it was committed
+    std::int64_t batch_write_ns = 0;       // when the first force computed from it had been written
+    std::int64_t batch_age_ns = 0;         // from the read of the report it was computed from to that write
     std::uint64_t batches_refused = 0;
-    std::uint64_t refused_batch = 0;     // sequence of the last refused one; verdict:
+    std::uint64_t refused_batch = 0;  // sequence of the last refused one; verdict:
     std::uint32_t refused_code = 0;
     std::uint32_t refused_field = 0;
     double refused_value = 0;
     std::uint32_t refused_kind = 0;
     std::uint32_t refused_slot = 0;
-    double gain = 0;                     // this claim's, 0-1
-    double silence = 0;                  // s since the last commit counted as silence; 0: not silent
-    double stiffness_scale = 1;          // < 1: claims that share the device were scaled to k_max together
+    double gain = 0;             // this claim's, 0-1
+    double silence = 0;          // s since the last commit counted as silence; 0: not silent
+    double stiffness_scale = 1;  // < 1: claims that share the device were scaled to k_max together
     std::uint32_t entries = 0;
     std::uint32_t reserved = 0;
 };
 
 struct FeedbackEntry {
     Handle handle;
-    Vec3 force;          // N on the hand
-    Vec3 torque;         // N m
-    Vec3 contact_point;  // m
-    double stiffness = 0;// N/m applied
+    Vec3 force;               // N on the hand
+    Vec3 torque;              // N m
+    Vec3 contact_point;       // m
+    double stiffness = 0;     // N/m applied
     std::uint32_t flags = 0;  // Feedback::touching, ...
     std::uint32_t reserved = 0;
 };
