@@ -1,7 +1,9 @@
 // Claims: their gains, their frames, several on one device, coming and going.
 
+#include <atomic>
 #include <cmath>
 #include <random>
+#include <thread>
 
 #include "core_support.hpp"
 
@@ -118,6 +120,30 @@ TEST(Gains, ADropOfAClaimThatIsGoneAlreadyIsHarmless) {
     servo.servo().drop(&claim->servo_side());
     claim.reset();
     servo.step();
+}
+
+TEST(Gains, ClaimsComeAndGoFromAnotherThreadWhileTheServoRuns) {
+    // As the broker does: it builds a claim, gives it away, and frees it only once it has come back.
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    std::atomic<int> freed{0};
+    constexpr int rounds = 50;
+    std::thread broker([&] {
+        for (int i = 0; i < rounds; ++i) {
+            auto claim = std::make_unique<OfflineClaim>(ClaimTerms{});
+            claim->add(ConstantForce{.force = {0, 0, 1}});
+            claim->arm();
+            while (!servo.servo().adopt(&claim->servo_side())) std::this_thread::yield();
+            while (!servo.servo().drop(&claim->servo_side())) std::this_thread::yield();
+            while (servo.servo().released() != &claim->servo_side()) std::this_thread::yield();
+            claim.reset();
+            freed.fetch_add(1, std::memory_order_relaxed);
+        }
+    });
+    while (freed.load(std::memory_order_relaxed) < rounds) servo.step();
+    broker.join();
+    servo.step();
+    EXPECT_EQ(servo.count(Count::clients), 0u);
 }
 
 TEST(Gains, AfterAFaultEveryClaimArmsAnew) {

@@ -74,9 +74,9 @@ bool same(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 TEST(Hostile, RandomBytesOverTheWholeSegment) {
-    const int cycles = 300;
+    const int cycles = 120;
     const std::vector<double> reference = alone(cycles);
-    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         std::mt19937_64 random(seed);
         const auto spoil = [&](OfflineClaim& claim, int) {
@@ -115,9 +115,8 @@ TEST(Hostile, RandomWordsHereAndThere) {
             if (word * 8 >= claim.layout().batches && word * 8 < claim.layout().replies) value &= 0xff;
             std::memcpy(claim.memory() + 8 * word, &value, 8);
         };
-        felt(cycles, true, spoil);
+        EXPECT_TRUE(same(felt(cycles, true, spoil), reference));
     }
-    EXPECT_TRUE(same(alone(cycles), reference));
 }
 
 /// Commands and batches of the right shape with wrong contents: past the shape checks, into every validator.
