@@ -1,31 +1,12 @@
 // What a scene does not need costs nothing: counted in work, not in time. And nothing allocates in the cycle.
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
 
+#include "count_allocations.hpp"
 #include "scene_tools.hpp"
 
 using namespace knurl;
 using namespace knurl::test;
-
-namespace {
-std::atomic<std::size_t> allocations{0};  // counts only; orders nothing
-}
-
-void* operator new(std::size_t size) {
-    allocations.fetch_add(1, std::memory_order_relaxed);
-    if (void* memory = std::malloc(size)) return memory;
-    throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
 
 TEST(Skipping, AnEmptySceneEvaluatesNothing) {
     Scene scene = make_scene();
@@ -74,7 +55,7 @@ TEST(Skipping, TheOldSetIsEvaluatedOnlyWhileItFades) {
 TEST(Skipping, NothingIsAllocatedAfterConstruction) {
     Rng rng(101);
     Scene scene({.representations = 64, .probes = 4}, {.max_stiffness = 3000, .max_force = 8.5});
-    const std::size_t before = allocations.load(std::memory_order_relaxed);
+    const std::size_t before = allocations();
     std::array<std::uint32_t, 64> generation{};
     std::array<Feedback, 64> feedback;
     for (int i = 0; i < 20'000; ++i) {
@@ -118,5 +99,5 @@ TEST(Skipping, NothingIsAllocatedAfterConstruction) {
         }
         ASSERT_TRUE(finite(scene.evaluate(at(0.005 * direction(rng)), dt)));
     }
-    EXPECT_EQ(allocations.load(std::memory_order_relaxed), before);
+    EXPECT_EQ(allocations(), before);
 }
