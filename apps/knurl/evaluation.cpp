@@ -201,12 +201,18 @@ servo::ClaimTerms terms_for(const SceneFile& scene, const drivers::Device& devic
     return terms;
 }
 
-EvaluatedCycle cycle_of(double t, const Report& report) {
-    return {.t = t,
-            .position = report.position,
-            .force = report.scene_force,
-            .torque = report.scene_torque,
-            .contact_point = report.contact_point};
+EvaluatedCycle cycle_of(double t, const Report& report, const ProbePlacement& probe0) {
+    EvaluatedCycle cycle{.t = t,
+                         .position = report.position,
+                         .force = report.scene_force,
+                         .torque = report.scene_torque,
+                         .contact_point = report.contact_point};
+    // Where nothing is touched a report has the hand, which a probe may sit beside.
+    if ((report.flags & report_flags::touching) == 0 && !(probe0.offset == Vec3{})) {
+        cycle.contact_point =
+            to_plain(to_eigen(report.position) + to_eigen(report.orientation) * to_eigen(probe0.offset));
+    }
+    return cycle;
 }
 
 std::unique_ptr<drivers::Device> simulated(const EvaluationOptions& options) {
@@ -233,6 +239,8 @@ Evaluation evaluate(const SceneFile& scene, const drivers::Motion& motion, const
     servo::OfflineClaim& claim = servo.claim(terms_for(scene, device, limited, options.rate));
     Player player(scene, claim, limited);
 
+    const ProbePlacement probe0 = scene.probes.empty() ? ProbePlacement{} : scene.probes.front();
+
     Evaluation result;
     result.cycles.reserve(static_cast<std::size_t>(cycles.last - cycles.first + 1));
     for (std::int64_t i = cycles.first; i <= cycles.last; ++i) {
@@ -242,7 +250,7 @@ Evaluation evaluate(const SceneFile& scene, const drivers::Motion& motion, const
         player.send(i == cycles.first, t, static_cast<double>(i + 1) / options.rate);
         const Report& report = servo.step();
         player.check(result.remarks);
-        result.cycles.push_back(cycle_of(t, report));
+        result.cycles.push_back(cycle_of(t, report, probe0));
     }
     return result;
 }

@@ -3,9 +3,12 @@
 #include <atomic>
 #include <cerrno>
 #include <ctime>
+#include <semaphore>
 #include <thread>
 
 #include <poll.h>
+#include <pthread.h>
+#include <sched.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -40,7 +43,12 @@ struct Collector {
 
 void settle_on(unsigned cpu, int priority) {
     measure::pin_this_thread(cpu);
-    if (priority > 0) measure::run_real_time(priority);
+    if (priority > 0) {
+        measure::run_real_time(priority);
+    } else {  // a new thread has its maker's policy
+        const sched_param ordinary{};
+        ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &ordinary);
+    }
 }
 
 }  // namespace
@@ -54,14 +62,18 @@ Nanoseconds now_ns() noexcept {
 void ping_pong_block(const Placement& placement, Nanoseconds length, std::vector<double>& samples) {
     if (placement.client_cpu == placement.servo_cpu) return;
     constexpr std::uint64_t rounds = 500, stop = ~std::uint64_t{0};
+    constexpr Nanoseconds patience = 100'000'000;
     // ping: release, pairs with the partner's acquire; pong likewise the other way. Each line has one writer.
     struct alignas(128) Line {
         std::atomic<std::uint64_t> word = 0;
     };
     Line ping, pong;
+    // The partner begins on its maker's CPU: a maker that spins in real time would never let it leave.
+    std::binary_semaphore ready(0);
     // An ordinary thread: a real-time one that spins would keep the servo from its CPU.
     std::thread partner([&] {
         settle_on(placement.servo_cpu, 0);
+        ready.release();
         std::uint64_t seen = 0;
         while (seen != stop) {
             const std::uint64_t now = ping.word.load(std::memory_order_acquire);
@@ -70,14 +82,20 @@ void ping_pong_block(const Placement& placement, Nanoseconds length, std::vector
             pong.word.store(seen, std::memory_order_release);
         }
     });
+    ready.acquire();
     Collector collector{samples};
     const Nanoseconds end = now_ns() + length;
-    for (std::uint64_t i = 1; i <= rounds && now_ns() < end; ++i) {
+    bool answered = true;
+    for (std::uint64_t i = 1; i <= rounds && answered && now_ns() < end; ++i) {
         const Nanoseconds begin = now_ns();
         ping.word.store(i, std::memory_order_release);
-        while (pong.word.load(std::memory_order_acquire) != i) {
+        // A partner that gets no time on its CPU is waited for no longer than that.
+        for (std::uint32_t looks = 1; pong.word.load(std::memory_order_acquire) != i; ++looks) {
+            if (looks % 1024 != 0 || now_ns() < end + patience) continue;
+            answered = false;
+            break;
         }
-        collector.take((now_ns() - begin) / 2);
+        if (answered) collector.take((now_ns() - begin) / 2);
     }
     ping.word.store(stop, std::memory_order_release);
     partner.join();

@@ -78,6 +78,13 @@ TEST(EvalPlane, AProbeWithARadiusTouchesSooner) {
     for (const Row& row : result.rows) EXPECT_NEAR(row.f[2], 0.1, tolerance);
 }
 
+TEST(EvalPlane, TheContactPointLiesOnTheSurfaceAndWithoutContactOnTheProbe) {
+    const auto result = eval("[[probe]]\nradius = 0.003\noffset = [0, 0, 0.01]\n[[plane]]\nstiffness = 100\n",
+                             "0,0,0,-0.008\n0.01,0,0,-0.008\n0.011,0,0,0.002\n");
+    EXPECT_NEAR(result.rows.front().p[2], 0, 1e-15);
+    EXPECT_NEAR(result.rows.back().p[2], 0.012, 1e-15);
+}
+
 TEST(EvalPlane, AProbeBesideTheHandTurnsIt) {
     // Probe 1 sits 20 mm along the hand's x; the hand is turned by 90 degrees about z, so 20 mm along the
     // world's y.

@@ -87,6 +87,16 @@ TEST(LatencyOf, ARunningServoIsMeasuredByName) {
     EXPECT_GE(named(all, "update.commit_to_write")["n"], 20);
 }
 
+TEST(LatencyOf, ARealTimeClientThatSpinsLeavesTheFloorsTheirShare) {
+    // Once, the partner of floor.cache_line began on the CPU where its maker span above it, and both waited
+    // for ever.
+    const Folder folder;
+    const Outcome outcome =
+        knurl({"latency", "--priority", "10", "--updates", "20", "--json", folder.path("L.json")});
+    if (outcome.err.find("is not allowed") != std::string::npos) GTEST_SKIP() << outcome.err;
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+}
+
 TEST(LatencyRefuses, WhatItCannotMeasureInOneLine) {
     const Home home;
     struct Case {
