@@ -65,7 +65,7 @@ class Player {
                     add(change);
                     break;
                 case Change::Type::update:
-                    batch = update(change.item, change) || batch;
+                    batch = update(change.item, change.kind, change.params) || batch;
                     break;
                 case Change::Type::remove:
                     remove(change);
@@ -76,10 +76,9 @@ class Player {
         // when it changes nothing that is felt.
         for (std::size_t i = next_; i < scene_.changes.size() && due(scene_.changes[i], false, next_t); ++i) {
             const Change& change = scene_.changes[i];
-            const bool present = handles_[change.item].generation != 0;
-            if (change.type == Change::Type::remove && present && change.params != params_[change.item]) {
-                batch = update(change.item, change) || batch;
-            }
+            if (change.type != Change::Type::remove || handles_[change.item].generation == 0) continue;
+            const auto params = with_recovery_of(change, params_[change.item]);
+            if (params != params_[change.item]) batch = update(change.item, change.kind, params) || batch;
         }
         push_group(t);
         if (batch) claim_.commit();
@@ -164,10 +163,20 @@ class Player {
         params_[change.item] = change.params;
     }
 
-    bool update(std::uint32_t item, const Change& change) {
-        claim_.update(handles_[item], change.kind, change.params.data(), change.params.size());
-        params_[item] = change.params;
+    bool update(std::uint32_t item, Kind kind, const std::vector<std::byte>& params) {
+        claim_.update(handles_[item], kind, params.data(), params.size());
+        params_[item] = params;
         return true;
+    }
+
+    /// `params` with the change's values for what describes a change (fields that may be automatic), not the
+    /// thing.
+    static std::vector<std::byte> with_recovery_of(const Change& change, std::vector<std::byte> params) {
+        for (const Field& field : kinds()[change.kind].fields) {
+            if (!field.automatic_allowed) continue;
+            std::memcpy(params.data() + field.offset, change.params.data() + field.offset, sizeof(double));
+        }
+        return params;
     }
 
     void remove(const Change& change) {
