@@ -1,5 +1,5 @@
 #pragma once
-// The kinds of fault, and what Knurl promises of each (SAFETY rows that concern local clients). Each begins
+// The kinds of fault, and what Knurl promises of each. Each begins
 // and ends with a hand that feels the wall.
 
 #include <memory>

@@ -23,7 +23,7 @@ struct ServoOptions {
     double automatic_recovery = 0;  // s; 0: 20 % of the measured update interval within 2-50 ms
 };
 
-/// k_max = b/(T/2 + tau), or as measured (REPRESENTATIONS, "Stability"; Colgate & Brown 1994), device frame.
+/// k_max = b/(T/2 + tau), or as measured (Colgate & Brown 1994 for the form), device frame.
 double max_stiffness(const drivers::LinkConfig& link, double rate) noexcept;
 
 /// The frame of a claim that asked for this workspace (request.workspace_radius 0: scale 1).
