@@ -12,10 +12,14 @@ class Recent {
     void add(double value) noexcept { values_[count_++ % values_.size()] = value; }
     bool empty() const noexcept { return count_ == 0; }
     double median() const noexcept {
-        auto sorted = values_;
-        const std::size_t n = std::min(count_, sorted.size());
-        std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n));
-        return n == 0 ? 0 : sorted[n / 2];
+        const std::size_t known = std::min(count_, values_.size());
+        for (std::size_t i = 0; i < known; ++i) {
+            std::size_t before = 0;  // how many come before it in order; of equal ones the earlier first
+            for (std::size_t j = 0; j < known; ++j)
+                before += values_[j] < values_[i] || (values_[j] == values_[i] && j < i) ? 1 : 0;
+            if (before == known / 2) return values_[i];
+        }
+        return 0;
     }
 
   private:
