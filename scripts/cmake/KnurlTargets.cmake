@@ -46,15 +46,15 @@ function(knurl_module name)
     install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
-# knurl_test(name SOURCES a.cpp ... LINK targets ... [TIMEOUT s] [ARGS ...]): a GoogleTest program, its cases in ctest.
+# knurl_test(name SOURCES a.cpp ... LINK targets ... [TIMEOUT s] [PREFIX p.]): a GoogleTest program, its cases in ctest.
 function(knurl_test name)
-    cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINK" ${ARGN})
+    cmake_parse_arguments(arg "" "TIMEOUT;PREFIX" "SOURCES;LINK" ${ARGN})
     if(NOT arg_TIMEOUT)
         set(arg_TIMEOUT 120)
     endif()
     add_executable(${name} ${arg_SOURCES})
     target_link_libraries(${name} PRIVATE knurl_options ${arg_LINK} GTest::gtest_main)
-    gtest_discover_tests(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} DISCOVERY_TIMEOUT 60)
+    gtest_discover_tests(${name} TEST_PREFIX "${arg_PREFIX}" PROPERTIES TIMEOUT ${arg_TIMEOUT} DISCOVERY_TIMEOUT 60)
 endfunction()
 
 # knurl_benchmark(name SOURCES ... LINK ...): a Google Benchmark program; run by scripts/bench, never by ctest.
