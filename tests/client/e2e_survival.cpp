@@ -149,18 +149,21 @@ TEST(Survival, the_child_of_a_fork_is_inert) {
 
 TEST(Survival, an_application_that_is_killed_frees_the_device_though_its_child_lives) {
     ServoProcess servo;
-    int ready[2];
+    int ready[2], test_lives[2];
     ASSERT_EQ(::pipe(ready), 0);
+    ASSERT_EQ(::pipe(test_lives), 0);
     const pid_t application = ::fork();
     if (application == 0) {
+        ::close(test_lives[1]);
         Client client = connect();
         Claim hand = client.claim();
         const pid_t child = ::fork();
         if (child == 0) {
-            // Keeps every descriptor that a careless child keeps, until the test ends and closes the pipe.
-            ::close(ready[0]);
-            ::prctl(PR_SET_PDEATHSIG, 0);
-            ::sleep(60);
+            // Keeps every descriptor that a careless child keeps, for as long as the test lives.
+            ::close(test_lives[1]);
+            char nothing;
+            while (::read(test_lives[0], &nothing, 1) < 0) {
+            }
             ::_exit(0);
         }
         [[maybe_unused]] const ssize_t told = ::write(ready[1], &child, sizeof child);
@@ -182,8 +185,7 @@ TEST(Survival, an_application_that_is_killed_frees_the_device_though_its_child_l
         }
     });
     ::kill(child, SIGKILL);
-    ::close(ready[0]);
-    ::close(ready[1]);
+    for (const int fd : {ready[0], ready[1], test_lives[0], test_lives[1]}) ::close(fd);
 }
 
 }  // namespace
