@@ -64,7 +64,7 @@ void print_client(const ClientView& client) {
     fmt::print("    pid {}{} holds it{}: {}", client.pid, who, client.shared ? " (shared)" : "",
                representations_text(client));
     if (client.update_rate > 0) {
-        fmt::print(", {:.3g} updates/s, {:.3g} ms old when used", client.update_rate, client.age * 1e3);
+        fmt::print(", {:.4g} updates/s, {:.3g} ms old when used", client.update_rate, client.age * 1e3);
     }
     fmt::print(", gain {:.2f}", client.gain);
     if (client.refused > 0) fmt::print(", {} updates refused", client.refused);
