@@ -140,7 +140,7 @@ struct KindOps {
     // All but state and use; what the kind does not have is left alone.
     void (*prepare)(const std::byte* raw, const Limits&, Record& out) noexcept = nullptr;
     // Prepared, they would be the bytes that are felt.
-    bool (*unchanged)(const std::byte* raw, const Limits&, const Record& now) noexcept = nullptr;
+    bool (*unchanged)(const std::byte* raw, const Limits&, Record& now) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&) noexcept = nullptr;
     void (*settle)(Record&) noexcept = nullptr;
     double (*fade_time)(const std::byte* params) noexcept = nullptr;     // s, or automatic

@@ -38,10 +38,19 @@ struct Ops {
             if (plane) out.plane = *plane;
         }
     }
-    static bool unchanged(const std::byte* raw, const Limits& limits, const Record& now) noexcept {
+    // Nothing that is felt: another recovery alone is noted for the change that it will belong to.
+    static bool unchanged(const std::byte* raw, const Limits& limits, Record& now) noexcept {
         R sent;
         std::memcpy(&sent, raw, sizeof sent);
-        const R params = prepared(sent, limits);
+        R params = prepared(sent, limits);
+        if constexpr (requires { params.recovery; }) {
+            const double asked = params.recovery;
+            params.recovery = params_of<R>(now).recovery;
+            if (std::memcmp(&params, now.params, sizeof params) != 0) return false;
+            params.recovery = asked;
+            std::memcpy(now.params, &params, sizeof params);
+            return true;
+        }
         return std::memcmp(&params, now.params, sizeof params) == 0;
     }
     static void adopt_new(Record& now, const Record* previous, const Probe& probe) noexcept {

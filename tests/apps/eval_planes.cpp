@@ -198,6 +198,16 @@ TEST(EvalPlane, RemovingFadesOverTheRecoveryThatItHadOrThatTheRemovalStates) {
     }
 }
 
+TEST(EvalPlane, ARemovalInTheMiddleOfAFadeChangesNothingBeforeItsTime) {
+    const auto result = eval(
+        "[[plane]]\nid = 'w'\nstiffness = 100\n"
+        "[[plane]]\nid = 'w'\nat = 0.02\nstiffness = 1000\nrecovery = 0.1\n"
+        "[[plane]]\nid = 'w'\nat = 0.04\nremove = true\nrecovery = 0\n",
+        rest_at(-0.005, 0.06));
+    EXPECT_NEAR(result.rows[39].f[2], 0.5 + 20 * 0.001 / 0.1 * 4.5, 1e-11);
+    EXPECT_EQ(result.rows[40].f[2], 0);
+}
+
 TEST(EvalPlane, AnEntryTakesEffectInTheFirstCycleAtOrAfterItsTime) {
     const auto at = [](const char* time) {
         const auto result =

@@ -110,6 +110,27 @@ TEST(Claim, a_group_that_fails_half_way_leaves_nothing_behind) {
     EXPECT_TRUE(hand.wait_applied(hand.commit(), 10s));
 }
 
+TEST(Claim, a_group_that_the_servo_refuses_removes_nothing) {
+    ServoProcess servo;
+    Client client = connect();
+    Claim hand = client.claim();
+    auto push = hand.add(at_once({0.1, 0, 0}));
+    EXPECT_THROW(hand.together([&] {
+        push.remove();
+        hand.reset_fault();  // refused: there is no fault
+    }),
+                 Error);
+    push.set(at_once({0.2, 0, 0}));  // the servo still has it, and so has the client
+    EXPECT_TRUE(hand.wait_applied(hand.commit(), 10s));
+    EXPECT_EQ(hand.timing().refused, 0u);
+    hand.together([&] {
+        push.remove();
+        hand.disarm();
+    });
+    EXPECT_THROW(push.set(at_once({0.3, 0, 0})), Error) << "now it is gone";
+    EXPECT_TRUE(hand.wait_applied(hand.commit(), 10s));
+}
+
 TEST(Claim, a_full_channel_is_told_and_nothing_is_dropped) {
     ServoProcess servo;
     Client client = connect();

@@ -134,7 +134,9 @@ void ClaimState::issue(std::span<const Command> commands) {
         for (const Command& command : commands) take_back(command);
         throw;
     }
-    for (const Command& command : commands) apply(command);
+    // A group may be refused for another of its commands: until its answer, what it removes is only leaving.
+    const bool may_be_refused = channel() != nullptr && commands.size() > 1;
+    for (const Command& command : commands) apply(command, may_be_refused);
 }
 
 void ClaimState::push(std::span<const Command> commands, ClaimChannel& channel) {
@@ -155,13 +157,14 @@ void ClaimState::push(std::span<const Command> commands, ClaimChannel& channel) 
             std::memcpy(message.data() + start + sizeof header, command.body.data(), command.body.size());
     }
     const std::size_t cells = message.size() / shm::cell_bytes;
-    if (cells > channel.command_cells())
-        throw Error(
-            Error::Kind::channel_full,
-            fmt::format(
-                "device '{}': a group of {} commands takes {} cells, the command channel has {}; nothing "
-                "was sent; make it smaller",
-                device_name(), commands.size(), cells, channel.command_cells()));
+    // The servo answers a group at once, so it has to have room for all the answers.
+    if (cells > channel.command_cells() || commands.size() > protocol::reply_cells)
+        throw Error(Error::Kind::channel_full,
+                    fmt::format("device '{}': a group of {} commands takes {} cells; the command channel has "
+                                "{}, for at most {} "
+                                "commands; nothing was sent; make it smaller",
+                                device_name(), commands.size(), cells, channel.command_cells(),
+                                protocol::reply_cells));
     if (!channel.push(message.data(), static_cast<std::uint32_t>(cells)))
         throw Error(
             Error::Kind::channel_full,
@@ -190,13 +193,13 @@ void ClaimState::push_patiently(const Command& command, Attachment& attachment) 
     }
 }
 
-void ClaimState::apply(const Command& command) {
+void ClaimState::apply(const Command& command, bool may_be_refused) {
     switch (command.type) {
         case CommandType::add:
             if (Entry* added = table_.find_any(command.handle)) added->issued = true;
             break;
         case CommandType::remove:
-            table_.remove(command.handle);
+            if (!may_be_refused) table_.remove(command.handle);
             break;
         case CommandType::place_probe: {
             protocol::PlaceProbeBody body;
@@ -241,13 +244,15 @@ void ClaimState::wait_for_answer(std::uint64_t number, CommandType type, Lock& l
             if (other && !deferred_.empty()) throw Error(Error::Kind::refused, std::exchange(deferred_, {}));
             throw Error(Error::Kind::refused, refused_command(reply, about(type, 0)));
         }
-        if (Clock::now() > deadline)
+        if (Clock::now() > deadline) {
+            settle(lock, waited);
             throw Error(
                 Error::Kind::refused,
                 fmt::format(
                     "device '{}': the servo has not answered for {} ms; is it stopped? `knurl ls` shows "
                     "its process",
                     device_name(), longest_answer.count()));
+        }
         const std::shared_ptr<ReportSource> source = attachment_->reports;
         lock.unlock();
         source->wait_cycle(longest_sleep);
@@ -273,14 +278,20 @@ void ClaimState::answered(const protocol::Reply& reply) {
         else if (Entry* added = table_.find_any(command.handle))
             added->applied_stiffness = reply.applied_stiffness;
     }
+    if (command.type == CommandType::remove && table_.find_any(command.handle) != nullptr) {
+        if (accepted)
+            table_.remove(command.handle);
+        else
+            table_.set_leaving(command.handle, false);  // the servo still has it
+    }
     if (is_asked(command.type)) {
         answers_[command.number] = reply;
         return;
     }
     const bool group = static_cast<Verdict::Code>(reply.code) == Verdict::Code::refused &&
                        reply.reason == static_cast<std::uint32_t>(protocol::Refusal::group_refused);
-    if (!accepted && !(group && !deferred_.empty()))
-        deferred_ = refused_command(reply, about(command.type, command.kind));
+    // The member of the group that was at fault has an answer of its own.
+    if (!accepted && !group) deferred_ = refused_command(reply, about(command.type, command.kind));
 }
 
 std::string ClaimState::about(CommandType type, Kind kind) const {

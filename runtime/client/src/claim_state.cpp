@@ -246,6 +246,8 @@ void ClaimState::on_attach(Attachment& attachment, bool again) {
     }
     limits_ = attachment.terms.limits;
     issued_ = 0;
+    for (const Outstanding& command : outstanding_)
+        if (command.type == protocol::CommandType::remove) table_.remove(command.handle);
     outstanding_.clear();
     answers_.clear();
     feedback_ = {};

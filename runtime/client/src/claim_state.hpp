@@ -68,8 +68,8 @@ class ClaimState final : public Reader {
     void issue(std::span<const Command> commands);
     void push(std::span<const Command> commands, ClaimChannel& channel);  // all or none
     void push_patiently(const Command& command, Attachment& attachment);
-    void apply(const Command& command);  // it is on its way: the claim's own books
-    void take_back(std::size_t from);    // the open group's commands from that one on
+    void apply(const Command& command, bool may_be_refused);  // it is on its way: the claim's own books
+    void take_back(std::size_t from);                         // the open group's commands from that one on
     void take_back(const Command& command);
     void wait_for_answer(std::uint64_t number, protocol::CommandType type, Lock& lock);
     void drain_replies(ClaimChannel& channel);

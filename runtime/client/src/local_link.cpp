@@ -10,6 +10,7 @@
 #include <grp.h>
 #include <poll.h>
 #include <pwd.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -131,12 +132,19 @@ class LocalLink final : public Link {
     template <class Message>
     std::pair<Message, std::vector<shm::UniqueFd>> receive(MessageType expected, Error::Kind refusal) {
         pollfd ready{.fd = socket_.get(), .events = POLLIN, .revents = 0};
-        if (::poll(&ready, 1, static_cast<int>(answer_time_.count())) == 0)
+        int answers = 0;
+        do {
+            answers = ::poll(&ready, 1, static_cast<int>(answer_time_.count()));
+        } while (answers < 0 && errno == EINTR);
+        if (answers <= 0) {
+            // A late answer must never be taken for the next request's: this connection is over.
+            ::shutdown(socket_.get(), SHUT_RDWR);
             throw Error(
                 Error::Kind::no_servo,
                 fmt::format("servo '{}' does not answer (waited {} ms): is it stopped? `knurl ls` shows its "
                             "process",
                             servo_, answer_time_.count()));
+        }
         alignas(8) std::array<std::byte, 4096> buffer{};
         shm::Received received = shm::receive_message(socket_, buffer, shm::Block::no);
         if (received.closed || received.nothing) gone();

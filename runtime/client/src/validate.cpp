@@ -42,11 +42,13 @@ void validate(std::uint32_t probe, const ProbePlacement& placement) {
     const auto bad = [](const std::string& text) { throw Error(Error::Kind::bad_parameters, text); };
     if (probe >= protocol::max_probes)
         bad(fmt::format("place_probe: probe {}; give 0 to {}", probe, protocol::max_probes - 1));
-    if (!to_eigen(placement.offset).allFinite())
-        bad(fmt::format("place_probe: offset ({}, {}, {}) m is not finite; give finite numbers",
+    constexpr double farthest = 1e9;  // m, as the scene has it
+    if (!(to_eigen(placement.offset).cwiseAbs().maxCoeff() <= farthest) ||
+        !to_eigen(placement.offset).allFinite())
+        bad(fmt::format("place_probe: offset ({}, {}, {}) m; give finite numbers, at most 1e9 m",
                         placement.offset.x, placement.offset.y, placement.offset.z));
-    if (!std::isfinite(placement.radius) || placement.radius < 0)
-        bad(fmt::format("place_probe: radius {} m; give 0 m or more, finite", placement.radius));
+    if (!(placement.radius >= 0 && placement.radius <= farthest))
+        bad(fmt::format("place_probe: radius {} m; give 0 to 1e9 m", placement.radius));
 }
 
 }  // namespace knurl::detail

@@ -141,9 +141,14 @@ struct Broker::Impl {
                                        options.servo_name, broker_bounds::connections)));
             return;
         }
-        connection.peer.pid = shm::credentials_of(connection.socket).pid;
         const std::uint64_t id = next_id++;
-        watch(connection.socket.get(), id);
+        try {
+            connection.peer.pid = shm::credentials_of(connection.socket).pid;
+            watch(connection.socket.get(), id);
+        } catch (const std::runtime_error&) {
+            pause_until = SteadyClock::now() + accept_pause;  // the kernel has no room for one more
+            return;
+        }
         connections.emplace(id, std::move(connection));
         ++half_open;
     }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <grp.h>
 #include <sys/resource.h>
@@ -94,6 +95,8 @@ class Door {
             throw ConfigError(fmt::format("socket_group = \"{}\": {}", group, why));
         }
     }
+    // It listens until its name is gone: a successor that came in between would find a live socket, not take
+    // it for a dead one's, and not lose its own to this unlink.
     ~Door() { unlink(path_.c_str()); }
     Door(const Door&) = delete;
     Door& operator=(const Door&) = delete;
@@ -297,7 +300,7 @@ int run_daemon(const DaemonConfig& config) {
     }
     lock_memory(missing);
     Broker broker({.servo_name = config.name,
-                   .listener = std::move(door.socket()),
+                   .listener = shm::UniqueFd(fcntl(door.socket().get(), F_DUPFD_CLOEXEC, 0)),
                    .signals = std::move(signals),
                    .guardian_pidfd = guardian.pidfd()},
                   std::move(hosted), waker);

@@ -34,12 +34,16 @@ constexpr std::size_t body_bytes(CommandType type) noexcept {
     return no_such_command;
 }
 
+constexpr double farthest_placement = 1e9;  // m, as Scene::place_probe has it: a group is never half done
+
 Verdict check_placement(const protocol::PlaceProbeBody& body) noexcept {
     if (body.probe >= protocol::max_probes)
         return {Code::no_such_probe, Verdict::no_field, static_cast<double>(body.probe)};
     for (const double value :
-         {body.placement.offset.x, body.placement.offset.y, body.placement.offset.z, body.placement.radius})
+         {body.placement.offset.x, body.placement.offset.y, body.placement.offset.z, body.placement.radius}) {
         if (!std::isfinite(value)) return {Code::not_finite, Verdict::no_field, value};
+        if (std::abs(value) > farthest_placement) return {Code::out_of_range, Verdict::no_field, value};
+    }
     if (body.placement.radius < 0) return {Code::out_of_range, Verdict::no_field, body.placement.radius};
     return {};
 }
@@ -91,7 +95,6 @@ void Intake::take_commands(Claim::Impl& claim, const Authority& authority, Nanos
     copied_ = 0;
     if (commands.corrupt()) claim.fault();
     if (available_ == 0) return;
-    claim.silence.sign_of_life(now);
 
     const std::uint32_t budget =
         claim.from_the_start ? protocol::command_cells : protocol::command_cells_per_cycle;
@@ -115,6 +118,8 @@ void Intake::take_commands(Claim::Impl& claim, const Authority& authority, Nanos
         claim.channels->replies.try_push(replies_.data(), group.commands);
         done += group.cells;
     }
+    // Commands that wait behind unread replies are no sign of life: their sender may hang.
+    if (done > 0) claim.silence.sign_of_life(now);
     commands.pop(done);
 }
 

@@ -243,7 +243,10 @@ void Servo::Impl::notify_device() noexcept {
 }
 
 void Servo::Impl::write_device(Nanoseconds now, const Supervised& out) noexcept {
-    if (!unplugged && !device.write(now, out.efforts)) supervisor.raise(fault::unplugged);
+    if (!unplugged && !device.write(now, out.efforts)) {
+        supervisor.raise(fault::unplugged);
+        disarm_claims();
+    }
     write_ns = clock.now();
 }
 

@@ -108,6 +108,8 @@ void Supervisor::hold() noexcept {
     if (!powered()) return;
     state_ = state_ == DeviceState::ramp_down ? state_ : DeviceState::ramp_up;
     gain_ = 0;
+    sent_force_.setZero();  // nobody knows what the hand did meanwhile: no work is booked over the gap
+    moved_ = false;
     slew_.restart_from_zero();
 }
 
