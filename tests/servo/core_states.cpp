@@ -191,6 +191,16 @@ TEST(States, PullingThePlugDoesNotResetAnotherFault) {
     EXPECT_EQ(gate.supervisor.faults(), fault::speed);
 }
 
+TEST(States, AStallBooksNoWorkForWhatTheHandDidMeanwhile) {
+    Gate gate;
+    gate.activate({0, 0, 3});
+    gate.supervisor.hold();
+    gate.position.z() += 0.1;  // 0.3 J, were the old force still there: 6 W over 50 ms, above the limit
+    gate.steps(60, {0, 0, 3});
+    EXPECT_EQ(gate.supervisor.state(), DeviceState::ramp_up);
+    EXPECT_EQ(gate.supervisor.faults(), 0u);
+}
+
 TEST(States, AStallTakesTheGainAndGivesItBackByTheOrdinaryRamp) {
     Gate gate;
     gate.activate(push);
