@@ -52,6 +52,14 @@ TEST(Silence, UntilThreeIntervalsWereMeasuredItIsThreeAndAHalfSeconds) {
     EXPECT_NEAR(two.cycles_until_fading() + 50, 3500, 5);
 }
 
+TEST(Silence, CommandsThatWaitBehindUnreadRepliesAreNoSignOfLife) {
+    Held held;
+    held.commit_every(50, 40);
+    // More than there are replies for: the rest stays in the ring, and its sender hangs.
+    for (std::uint32_t i = 0; i < protocol::reply_cells + 500; ++i) held.claim->place_probe(1, {});
+    EXPECT_LT(held.cycles_until_fading(), 300);
+}
+
 TEST(Silence, OfAFastApplicationItIsAQuarterOfASecond) {
     Held held;
     held.commit_every(50, 40);
