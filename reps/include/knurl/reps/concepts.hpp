@@ -17,6 +17,14 @@ struct Contact {
     double height = 0;     // m, signed: of the probe's surface over the tangent plane
     double stiffness = 0;  // N/m
     double damping = 0;    // N s/m
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface's material at the foot
+};
+
+/// A ball outside of which a surface is out of reach: its height there is positive.
+struct Bound {
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();  // m, at the moment
+    double radius = 0;                                 // m
+    double speed = 0;                                  // m/s, the center's: 0 if it stands still
 };
 
 /// The plane of a surface that stands still between changes; points with normal . x >= offset are free.
@@ -60,13 +68,19 @@ concept Effect = Representation<R> &&
     noexcept->std::same_as<Wrench>;
 };
 
-// What a representation may offer besides; each is found by its name (argument-dependent lookup) and is
-// optional:
-//   std::optional<HalfSpace> standing(const R&)      a surface that is one plane until it changes: scanned,
-//   not called bool recovers_itself(const R&)                   its own state brings a change in: left out of
-//   the cross-fade R carried(const R& old, const R& next)           an effect's `old` with all that moves by
-//   itself taken from `next` void settle(const R&, R::State&)                 ends every motion and recovery
-//   at once
-// A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic.
+// What a representation may offer besides. Each is found by its name (argument-dependent lookup) and is optional:
+//
+//   std::optional<HalfSpace> standing(const R&)   a surface that is one plane until it changes: scanned, not called
+//   std::optional<Bound> bound(const R&, const R::State&)   a surface that is not asked where it is out of reach;
+//                                                 without it, or without a value, it is asked in every cycle
+//   std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
+//                                                 a surface with up to R::max_contacts tangent planes at once (the
+//                                                 corner of a hollow box): fills in those that matter
+//   bool recovers_itself(const R&)                its own state brings a change in: left out of the cross-fade
+//   R carried(const R& old, const R& next)        an effect's `old` with all that moves by itself from `next`
+//   void settle(const R&, R::State&)              ends every motion and recovery at once
+//
+// A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic. Members
+// `friction`, `snag`, `texture` and `braking` (material.hpp) are a surface's material: the scene acts on them.
 
 }  // namespace knurl

@@ -17,7 +17,15 @@ namespace knurl {
 inline constexpr double automatic = -1;
 
 struct Field {
-    enum class Type : std::uint32_t { real, vector, choice };
+    enum class Type : std::uint32_t {
+        real,        // double
+        vector,      // Vec3
+        choice,      // std::uint32_t, one of `choices`
+        integer,     // std::uint32_t
+        quaternion,  // Quat
+        matrix,      // `count` x `count` doubles, row by row
+        points,      // `count` times Vec3, behind them a std::uint32_t: how many are used
+    };
 
     std::string_view name;
     Type type = Type::real;
@@ -29,8 +37,11 @@ struct Field {
         std::numeric_limits<double>::infinity();     // so large that no product overflows: force stays finite
     bool infinity_allowed = false;                   // "as stiff as this device allows"
     bool automatic_allowed = false;                  // the value `automatic` is legal besides the range
-    bool nonzero = false;                            // vectors: length >= 1e-6
+    bool nonzero = false;                            // vectors, quaternions: length >= 1e-6
     std::span<const std::string_view> choices = {};  // choices: the names of the values 0, 1, ...
+    std::uint32_t count = 0;                         // matrices: rows; points: how many there is room for
+    std::uint32_t least = 0;                         // points: how many are needed
+    bool of_change = false;  // describes a change, not the thing: the next change does not inherit it
 };
 
 /// The answer to a check. `field` is an index into the representation's table, `value` the offending number.
@@ -41,7 +52,7 @@ struct Verdict {
         out_of_range,
         zero_vector,
         no_such_choice,
-        contradiction,  // two fields together make no sense; `field` is the second of them
+        contradiction,  // two fields together make no sense; `field` is the one to mend, `reason` says why
         unknown_kind,
         wrong_size,
         no_such_slot,  // no representation in that slot, or of another generation
@@ -50,10 +61,12 @@ struct Verdict {
         too_many,  // a capacity is exhausted
         not_armed,
         refused,  // anything else the device's state forbids; `value` is the protocol's reason
+        count,    // points: too few or too many; `value` is how many there are
     };
     Code code = Code::ok;
     std::uint32_t field = no_field;
     double value = 0;
+    std::uint32_t reason = 0;  // contradiction: index into Describe<R>::contradictions
 
     static constexpr std::uint32_t no_field = 0xffffffff;
     explicit operator bool() const noexcept { return code == Code::ok; }
@@ -64,8 +77,10 @@ Verdict validate_fields(std::span<const Field> fields, const void* params) noexc
 
 /// Each representation R specialises this beside its parameters:
 ///   static constexpr std::string_view name;       // the TOML table and what people read
-///   static constexpr Field fields[];              // one row per parameter
-///   static Verdict check(const R&) noexcept;      // optional: contradictions between fields
+///   static constexpr Field fields[];              // one row per parameter (array or std::array)
+///   static Verdict check(const R&) noexcept;      // optional: contradictions between fields, and then
+///   static constexpr std::string_view contradictions[];  // the reasons; "is below friction.dynamic"
+/// The sentence is "NAME.FIELD = VALUE UNIT REASON".
 template <class R>
 struct Describe;
 

@@ -10,7 +10,9 @@ struct Limits {
     double max_stiffness = std::numeric_limits<double>::infinity();  // N/m: b / (T/2 + tau), or as measured
     double max_force = std::numeric_limits<double>::infinity();      // N, the device's peak
     double max_torque = std::numeric_limits<double>::infinity();     // N m
+    double max_torsion = std::numeric_limits<double>::infinity();    // N m/rad: b_rot / (T/2 + tau)
     double damping = 0;                                              // N s/m, the device's own b
+    double mass = 0;                                                 // kg at the tip; 0: not known
     double lag = 0;                                                  // s, everything late: tau
     double period = 1e-3;                                            // s, the servo's nominal dt
 };

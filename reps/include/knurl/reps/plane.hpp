@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <knurl/reps/concepts.hpp>
+#include <knurl/reps/material.hpp>
 
 namespace knurl {
 
@@ -14,6 +15,12 @@ enum class PlaneUpdate : std::uint32_t {
     fade = 0,        // cross-fade of the old set's force to the new set's (default)
     paper = 1,       // lowered to the probe if it embeds it, then raised linearly (paper, figure 7)
     last_depth = 2,  // starts with the depth that was felt, then raised linearly (VRPN's variant)
+};
+
+/// How a plane acts together with the others of its probe.
+enum class PlaneCombine : std::uint32_t {
+    joint = 0,  // solved together with all other surfaces (default)
+    sum = 1,    // its force k depth is added to theirs, as Armlib and VRPN do: up to N k stiff, and not conservative
 };
 
 /// What `recovery = automatic` means to `paper` and `last_depth`: the paper's own figure.
@@ -26,12 +33,18 @@ struct Plane {
     double damping = 0;           // N s/m
     double recovery = automatic;  // s; 0: at once
     PlaneUpdate update = PlaneUpdate::fade;
-    std::uint32_t reserved = 0;
+    PlaneCombine combine = PlaneCombine::joint;
+    double braking = 0;  // 1, share of the hand's momentum taken away at entry
+    Vec3 velocity = {};  // m/s, with which it moves on between updates
+    Friction friction = {};
+    Snag snag = {};
+    Texture texture = {};
 
     struct State {
         double lowered = 0;      // m, how far below its place the plane still is (paper, last_depth)
         double remaining = 0;    // s, until it has arrived
         double last_height = 0;  // m, of the probe over the plane in the last cycle
+        double moving = 0;       // s, since its place was given: it has moved on by velocity x this
         std::uint64_t met = 0;   // 1 once evaluated
     };
 };
@@ -40,47 +53,37 @@ template <>
 struct Describe<Plane> {
     static constexpr std::string_view name = "plane";
     static constexpr std::string_view updates[] = {"fade", "paper", "last_depth"};
-    static constexpr Field fields[] = {
-        {.name = "normal",
-         .type = Field::Type::vector,
-         .offset = offsetof(Plane, normal),
-         .unit = "1",
-         .meaning = "towards free space",
-         .minimum = -1e9,
-         .maximum = 1e9,
-         .nonzero = true},
-        {.name = "offset",
-         .offset = offsetof(Plane, offset),
-         .unit = "m",
-         .meaning = "n.x >= offset is free",
-         .minimum = -1e9,
-         .maximum = 1e9},
-        {.name = "stiffness",
-         .offset = offsetof(Plane, stiffness),
-         .unit = "N/m",
-         .meaning = "force per depth",
-         .minimum = 0,
-         .maximum = 1e9,
-         .infinity_allowed = true},
-        {.name = "damping",
-         .offset = offsetof(Plane, damping),
-         .unit = "N s/m",
-         .meaning = "along the normal, never pulling",
-         .minimum = 0,
-         .maximum = 1e9},
-        {.name = "recovery",
-         .offset = offsetof(Plane, recovery),
-         .unit = "s",
-         .meaning = "time over which a change reaches the hand",
-         .minimum = 0,
-         .maximum = 1000,
-         .automatic_allowed = true},
-        {.name = "update",
-         .type = Field::Type::choice,
-         .offset = offsetof(Plane, update),
-         .meaning = "how a change reaches the hand",
-         .choices = updates},
-    };
+    static constexpr std::string_view combinations[] = {"joint", "sum"};
+    static constexpr auto fields = join_rows(
+        std::array{
+            Field{.name = "normal",
+                  .type = Field::Type::vector,
+                  .offset = offsetof(Plane, normal),
+                  .unit = "1",
+                  .meaning = "towards free space",
+                  .minimum = -1e9,
+                  .maximum = 1e9,
+                  .nonzero = true},
+            Field{.name = "offset",
+                  .offset = offsetof(Plane, offset),
+                  .unit = "m",
+                  .meaning = "n.x >= offset is free",
+                  .minimum = -1e9,
+                  .maximum = 1e9},
+            Field{.name = "update",
+                  .type = Field::Type::choice,
+                  .offset = offsetof(Plane, update),
+                  .meaning = "how a change reaches the hand",
+                  .choices = updates},
+            Field{.name = "combine",
+                  .type = Field::Type::choice,
+                  .offset = offsetof(Plane, combine),
+                  .meaning = "how it acts together with the others of its probe",
+                  .choices = combinations},
+        },
+        surface_rows<Plane>());
+    static constexpr std::string_view contradictions[] = {static_below_dynamic};
+    static Verdict check(const Plane& plane) noexcept { return check_material(plane); }
 };
 
 Plane prepared(Plane params, const Limits& limits) noexcept;

@@ -19,11 +19,29 @@ struct Quat {
     friend bool operator==(const Quat&, const Quat&) = default;
 };
 
+/// 3 x 3, row by row.
+struct Mat3 {
+    double at[9] = {};
+    friend bool operator==(const Mat3&, const Mat3&) = default;
+};
+
+/// 6 x 6, row by row: a force and a torque (rows) by a displacement and a rotation vector (columns).
+struct Mat6 {
+    double at[36] = {};
+    friend bool operator==(const Mat6&, const Mat6&) = default;
+};
+
 inline Eigen::Vector3d to_eigen(const Vec3& v) noexcept {
     return {v.x, v.y, v.z};
 }
 inline Eigen::Quaterniond to_eigen(const Quat& q) noexcept {
     return {q.w, q.x, q.y, q.z};
+}
+inline Eigen::Matrix3d to_eigen(const Mat3& m) noexcept {
+    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.at);
+}
+inline Eigen::Matrix<double, 6, 6> to_eigen(const Mat6& m) noexcept {
+    return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(m.at);
 }
 inline Vec3 to_plain(const Eigen::Vector3d& v) noexcept {
     return {v.x(), v.y(), v.z()};
