@@ -8,8 +8,9 @@
 namespace knurl {
 namespace {
 
-double raw_height(const Plane& plane, const Probe& probe) noexcept {
-    return to_eigen(plane.normal).dot(probe.position) - plane.offset - probe.radius;
+double raw_height(const Plane& plane, const Plane::State& state, const Probe& probe) noexcept {
+    const Eigen::Vector3d n = to_eigen(plane.normal);
+    return n.dot(probe.position) - plane.offset - n.dot(to_eigen(plane.velocity)) * state.moving - probe.radius;
 }
 
 }  // namespace
@@ -19,13 +20,17 @@ Plane prepared(Plane params, const Limits& limits) noexcept {
     params.normal = {params.normal.x / length, params.normal.y / length, params.normal.z / length};
     params.offset /= length;
     params.stiffness = clamped_stiffness(params.stiffness, limits);
-    params.reserved = 0;
     return params;
 }
 
 void adopt(const Plane& params, const Plane* previous, Plane::State& state, const Probe& probe) noexcept {
-    const double felt = previous ? std::max(0.0, -(raw_height(*previous, probe) + state.lowered)) : 0;
-    const double depth = -raw_height(params, probe);
+    const double felt = previous ? std::max(0.0, -(raw_height(*previous, state, probe) + state.lowered)) : 0;
+    if (!previous || !(params.normal == previous->normal) || params.offset != previous->offset ||
+        !(params.velocity == previous->velocity)) {
+        state.moving = 0;
+        state.placed = 1;
+    }
+    const double depth = -raw_height(params, state, probe);
     state.lowered = 0;
     state.remaining = 0;
     if (params.update == PlaneUpdate::fade || !(depth > 0)) return;  // leaves the probe outside: at once
@@ -37,16 +42,18 @@ void adopt(const Plane& params, const Plane* previous, Plane::State& state, cons
 Contact contact(const Plane& params, Plane::State& state, const Probe& probe, double dt) noexcept {
     if (state.remaining > 0 && dt > 0)
         advance(state.remaining, dt, [&](double share) { state.lowered -= share * state.lowered; });
-    state.last_height = raw_height(params, probe) + state.lowered;
-    state.met = 1;
+    // In the cycle that adopts it a plane is where it was said to be.
+    if (state.placed == 0) state.moving += dt;
+    if (dt > 0) state.placed = 0;
     return {.normal = to_eigen(params.normal),
-            .height = state.last_height,
+            .height = raw_height(params, state, probe) + state.lowered,
             .stiffness = params.stiffness,
-            .damping = params.damping};
+            .damping = params.damping,
+            .velocity = to_eigen(params.velocity)};
 }
 
 std::optional<HalfSpace> standing(const Plane& params) noexcept {
-    if (recovers_itself(params)) return std::nullopt;
+    if (recovers_itself(params) || !(params.velocity == Vec3{})) return std::nullopt;
     return HalfSpace{.normal = to_eigen(params.normal), .offset = params.offset, .damping = params.damping};
 }
 

@@ -43,9 +43,8 @@ struct Plane {
     struct State {
         double lowered = 0;      // m, how far below its place the plane still is (paper, last_depth)
         double remaining = 0;    // s, until it has arrived
-        double last_height = 0;  // m, of the probe over the plane in the last cycle
-        double moving = 0;       // s, since its place was given: it has moved on by velocity x this
-        std::uint64_t met = 0;   // 1 once evaluated
+        double moving = 0;         // s, since its place was given: it has moved on by velocity x this
+        std::uint64_t placed = 0;  // 1: its place was given in this cycle
     };
 };
 
