@@ -1,8 +1,9 @@
 #pragma once
-// Friction along a solved contact. It acts once per probe, on the joint contact of all its surfaces: N = |F| of the
-// contact, sliding along what the active planes leave free. The tip is held by a spring to an anchor; the anchor is
-// what slides, so nothing creeps (Dupont et al. 2002 show why LuGre and Dahl models do). Sources: elastic Coulomb
-// friction as the god-object's cone (Zilles & Salisbury 1995; Salisbury et al. 1995), snags Mark et al. 96, 2.1.
+// Friction along a solved contact. It acts once per probe, on the joint contact of all its surfaces: N = |F|
+// of the contact, sliding along what the active planes leave free. The tip is held by a spring to an anchor;
+// the anchor is what slides, so nothing creeps (Dupont et al. 2002 show why LuGre and Dahl models do).
+// Sources: elastic Coulomb friction as the god-object's cone (Zilles & Salisbury 1995; Salisbury et al.
+// 1995), snags Mark et al. 96, 2.1.
 
 #include <cstdint>
 
@@ -27,11 +28,13 @@ struct Tangent {
 
 /// Friction as the cycle needs it: of one surface, or of all that push together.
 struct FrictionLaw {
-    double stiffness = 0;  // N/m, of the anchor's spring; the paper's snags: per N of normal force
-    double static_ = 0;    // largest force by normal force until it slides
-    double dynamic = 0;    // the same while it slides
-    double viscous = 0;    // N s/m
-    // Snags: the distances between them. Of several surfaces that push together, the one with the largest share counts.
+    double stiffness = 0;             // N/m, of the anchor's spring, ...
+    double stiffness_per_newton = 0;  // 1/m, ... and what the paper's snags add by normal force
+    double static_ = 0;               // largest force by normal force until it slides
+    double dynamic = 0;               // the same while it slides
+    double viscous = 0;               // N s/m
+    // Snags: the distances between them. Of several surfaces that push together, the one with the largest
+    // share counts.
     double d_snap = 0, d_mean = 0, d_spread = 0;  // m
     std::uint32_t seed = 1;
     enum class Kind : std::uint32_t { coulomb = 0, snag = 1, paper_snag = 2 };
@@ -40,24 +43,25 @@ struct FrictionLaw {
     bool rubs() const noexcept { return static_ > 0 || dynamic > 0 || viscous > 0; }
 };
 
-/// The law of one surface. `surface_stiffness` (N/m, as applied) is the Coulomb anchor's too; nothing is stiffer than
-/// `limits.max_stiffness`.
+/// The law of one surface. `surface_stiffness` (N/m, as applied) is the Coulomb anchor's too; nothing is
+/// stiffer than `limits.max_stiffness`.
 FrictionLaw friction_law(const Friction& friction, const Snag& snag, double surface_stiffness,
                          const Limits& limits) noexcept;
 
-/// Adds one surface's law by its share of the normal force; the shares of a cycle add up to 1. `leading` is the
-/// largest share so far and starts at 0.
+/// Adds one surface's law by its share of the normal force; the shares of a cycle add up to 1. `leading` is
+/// the largest share so far and starts at 0.
 void add_share(FrictionLaw& sum, double& leading, const FrictionLaw& one, double share) noexcept;
 
 /// The servo's memory of one probe's friction.
 struct FrictionState {
-    Eigen::Vector3d anchor = Eigen::Vector3d::Zero();    // m
-    Eigen::Vector3d last = Eigen::Vector3d::Zero();      // N, last cycle's force
+    Eigen::Vector3d anchor = Eigen::Vector3d::Zero();    // m; the paper's law: the last snag
+    Eigen::Vector3d snag = Eigen::Vector3d::Zero();      // m, where it last let go
+    Eigen::Vector3d last = Eigen::Vector3d::Zero();      // N, last cycle's force of the anchor's spring
     Eigen::Vector3d residual = Eigen::Vector3d::Zero();  // N, being let go after the tangent space changed
     double residual_time = 0;                            // s, left of that
-    double travelled = 0;                                // m, since the last snag
-    double next = 0;                                     // m, where the next one lies
-    double farthest = 0;                                 // m, paper's law: to see that forward motion ceases
+    double stiffness = 0;                                // N/m, of the anchor's spring since it stuck
+    double next = 0;                                     // m, from the last snag to the next one
+    double farthest = 0;  // m, from the last snag: the paper's law sees that forward motion ceases
     std::uint64_t generator = 0;
     std::uint32_t seed = 0;
     std::uint32_t dimensions = 2;
@@ -73,9 +77,17 @@ struct Rubbing {
     double normal_force = 0;                                     // N
 };
 
-/// The force on the hand (N), in the tangent space. No normal force: the anchor is forgotten. dt = 0: the same force,
-/// no state advances. Never more than max(static_, dynamic) N, plus at most N of viscous force.
+/// The force on the hand (N), in the tangent space. No normal force: the anchor is forgotten. dt = 0: the
+/// same force, no state advances. Never more than max(static_, dynamic) N, plus at most N of viscous force.
+///
+/// The anchor's spring never gives back more than it has stored, whatever the tip, the normal, the normal
+/// force and the law do (except the paper's law): whenever its stiffness rises or the tangent space turns,
+/// the anchor comes nearer. Where the tangent space loses a dimension (the tip slides into a corner) the
+/// force that is lost with it is let go linearly within `residual_decay`: that part, and it alone, may point
+/// out of the tangent space.
 Eigen::Vector3d friction_force(const FrictionLaw& law, FrictionState& state, const Tangent& tangent,
                                const Rubbing& rubbing, const Limits& limits, double dt) noexcept;
+
+inline constexpr double residual_decay = 0.01;  // s
 
 }  // namespace knurl

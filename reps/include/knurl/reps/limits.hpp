@@ -15,6 +15,7 @@ struct Limits {
     double mass = 0;                                                 // kg at the tip; 0: not known
     double lag = 0;                                                  // s, everything late: tau
     double period = 1e-3;                                            // s, the servo's nominal dt
+    double resolution = 3e-5;                                        // m, the encoders' at the tip; 0: exact
 };
 
 }  // namespace knurl
