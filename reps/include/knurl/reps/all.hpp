@@ -2,6 +2,7 @@
 // The one list of representations. A new one is a header of its own and its name here: the scene, the wire
 // format, TOML scenes and the conformance tests take it from this list.
 
+#include <knurl/reps/cap.hpp>
 #include <knurl/reps/constant_force.hpp>
 #include <knurl/reps/plane.hpp>
 #include <knurl/reps/spring.hpp>
@@ -13,7 +14,7 @@ struct TypeList {
     static constexpr std::size_t size = sizeof...(R);
 };
 
-using Representations = TypeList<Plane, Spring, ConstantForce>;
+using Representations = TypeList<Plane, Spring, ConstantForce, Cap>;
 
 /// Position in the list: what "kind" means in shared memory.
 using Kind = std::uint32_t;

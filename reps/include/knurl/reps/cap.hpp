@@ -1,0 +1,102 @@
+#pragma once
+// The rimmed cap: what an application fits to a smooth surface where the hand is, with one curvature or two.
+//
+//        tangent          arc           tangent       Within the rim it follows the surface to third order;
+//        ________......---------......________        beyond, where a fit knows nothing any more, it goes on
+//                ^rim    foot    rim^                  straight. Smooth (C1) everywhere.
+//
+// Its height is a signed distance (|gradient| = 1), so its force k depth n is the gradient of k depth^2 / 2
+// and no closed path of the hand gains anything.
+
+#include <cstddef>
+
+#include <knurl/reps/concepts.hpp>
+#include <knurl/reps/material.hpp>
+#include <knurl/reps/motion.hpp>
+
+namespace knurl {
+
+/// One curvature (no `axis`): the sphere that touches the foot, beyond the rim its tangent cone.
+/// Two (`axis`): the torus that touches the foot, `curvature` along the axis and `curvature2` across it;
+/// beyond the rim in either direction its tangents. Where both are equal it is the one-curvature form.
+struct Cap {
+    Vec3 foot = {};           // m, the surface's point under the hand
+    Vec3 normal = {0, 0, 1};  // there, towards free space
+    double curvature = 0;     // 1/m, positive: hollow, the surface curves towards free space
+    double curvature2 = 0;    // 1/m, across `axis`
+    Vec3 axis = {};        // the tangent direction of `curvature` (projected); 0 0 0: that in every direction
+    double rim = 0.15;     // sine of the angle up to which the stronger curvature is followed
+    double stiffness = 0;  // N/m; infinity: as stiff as the device allows
+    double damping = 0;    // N s/m
+    double recovery = automatic;  // s; 0: at once
+    double braking = 0;           // 1, share of the hand's momentum taken away at entry
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
+    Friction friction = {};
+    Snag snag = {};
+    Texture texture = {};
+
+    using State = Motion;
+};
+
+template <>
+struct Describe<Cap> {
+    static constexpr std::string_view name = "cap";
+    static constexpr auto fields = join_rows(
+        std::array{
+            Field{.name = "foot",
+                  .type = Field::Type::vector,
+                  .offset = offsetof(Cap, foot),
+                  .unit = "m",
+                  .meaning = "the surface's point under the hand",
+                  .minimum = -1e9,
+                  .maximum = 1e9},
+            Field{.name = "normal",
+                  .type = Field::Type::vector,
+                  .offset = offsetof(Cap, normal),
+                  .unit = "1",
+                  .meaning = "there, towards free space",
+                  .minimum = -1e9,
+                  .maximum = 1e9,
+                  .nonzero = true},
+            Field{.name = "curvature",
+                  .offset = offsetof(Cap, curvature),
+                  .unit = "1/m",
+                  .meaning = "positive: towards free space, hollow",
+                  .minimum = -1e9,
+                  .maximum = 1e9},
+            Field{.name = "curvature2",
+                  .offset = offsetof(Cap, curvature2),
+                  .unit = "1/m",
+                  .meaning = "across the axis",
+                  .minimum = -1e9,
+                  .maximum = 1e9},
+            Field{.name = "axis",
+                  .type = Field::Type::vector,
+                  .offset = offsetof(Cap, axis),
+                  .unit = "1",
+                  .meaning = "the tangent direction of curvature; none: in every direction",
+                  .minimum = -1e9,
+                  .maximum = 1e9},
+            Field{.name = "rim",
+                  .offset = offsetof(Cap, rim),
+                  .unit = "1",
+                  .meaning = "sine of the angle up to which the stronger curvature is followed",
+                  .minimum = 0,
+                  .maximum = 0.5},
+        },
+        surface_rows<Cap>());
+    static constexpr std::string_view contradictions[] = {
+        static_below_dynamic,
+        "needs an axis; give the tangent direction of curvature",
+        "is along the normal; give a direction in the tangent plane",
+    };
+    static Verdict check(const Cap& cap) noexcept;
+};
+
+Cap prepared(Cap params, const Limits& limits) noexcept;
+void adopt(const Cap& params, const Cap* previous, Cap::State& state, const Probe& probe) noexcept;
+/// The height is that of the probe's surface. A hollow tighter than half of 1 / the probe's radius is felt as
+/// one of that curvature: in a tighter one the probe would touch on both sides.
+Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double dt) noexcept;
+
+}  // namespace knurl

@@ -1,0 +1,320 @@
+// The rimmed cap: the surface that an application fits where the hand is.
+
+#include <knurl/reps/cap.hpp>
+
+#include "shape_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+Cap random_cap(Rng& rng, double size, bool two) {
+    Cap cap{.normal = to_plain(direction(rng)),
+            .curvature = (between(rng, 0, 1) ? 1 : -1) * scale(rng, 0.01, 3) / size,
+            .rim = uniform(rng, 0.02, 0.5),
+            .stiffness = 1000};
+    if (two) {
+        cap.axis = to_plain(Vector(uniform(rng, 0.1, 10) * direction(rng)));
+        cap.curvature2 =
+            between(rng, 0, 4) == 0 ? 0 : (between(rng, 0, 1) ? 1 : -1) * scale(rng, 0.01, 3) / size;
+    }
+    return cap;
+}
+
+// A point of the arc with straight ends, by its arc length, and the normal there, in the plane (x, z).
+struct OfArc {
+    long double x, z, nx, nz;
+    OfArc(long double curvature, long double rim, long double length) {
+        const long double end = curvature == 0 ? 1e30L : std::asin(rim) / std::abs(curvature);
+        const long double on = std::clamp(length, -end, end), angle = curvature * on;
+        nx = -std::sin(angle), nz = std::cos(angle);
+        x = curvature == 0 ? on : std::sin(angle) / curvature;
+        z = curvature == 0 ? 0 : 2 * std::sin(angle / 2) * std::sin(angle / 2) / curvature;
+        x += (length - on) * nz, z -= (length - on) * nx;
+    }
+};
+
+struct Placed {
+    Long p, normal;
+};
+
+// The point at a height over the one-curvature cap's profile, turned about its normal.
+Placed over_sphere(Rng& rng, const Cap& cap, long double length, long double height) {
+    const Long n = exact(cap.normal).normalized();
+    const Long side = n.cross(Long(direction(rng).cast<long double>())).normalized();
+    const OfArc arc(cap.curvature, cap.rim, length);
+    const Long normal = arc.nx * side + arc.nz * n;
+    return {exact(cap.foot) + arc.x * side + arc.z * n + height * normal, normal};
+}
+
+// The same over the torus: the stronger curvature's profile carried along the weaker one's.
+Placed over_torus(const Cap& cap, long double along, long double across, long double height) {
+    const Long n = exact(cap.normal).normalized();
+    Long tube = exact(cap.axis) - n.dot(exact(cap.axis)) * n;
+    tube.normalize();
+    long double strong = cap.curvature, weak = cap.curvature2;
+    if (std::abs(weak) > std::abs(strong)) std::swap(strong, weak), tube = n.cross(tube).eval();
+    const Long ring = n.cross(tube);
+    const OfArc section(strong, cap.rim, along);
+    const OfArc carried(weak, cap.rim * std::abs(weak / strong), across);
+    const Long up = carried.nx * ring + carried.nz * n;
+    const Long normal = section.nx * tube + section.nz * up;
+    return {exact(cap.foot) + carried.x * ring + carried.z * n + section.x * tube + section.z * up +
+                height * normal,
+            normal};
+}
+
+}  // namespace
+
+TEST(Cap, HeightAndNormalAreThoseOfTheSurfaceItDescribesWithinAndBeyondItsRim) {
+    const std::uint64_t seed = 4201;
+    Rng rng(seed);
+    for (int round = 0; round < (long_form() ? 1'000'000 : 40'000); ++round) {
+        const double size = round % 3 ? 0.01 : round % 2 ? 1e-6 : 1.0;
+        const bool two = round % 2;
+        Cap cap = random_cap(rng, size, two);
+        if (round % 5 == 0) cap.foot = to_plain(Vector(1e6 * direction(rng)));
+        // Up to twice the rim away, at heights at which no other point of it is nearer.
+        const double strongest = std::max(std::abs(cap.curvature), std::abs(two ? cap.curvature2 : 0.0));
+        const double reach = 2 * std::asin(cap.rim) / strongest, height = uniform(rng, -0.4, 0.4) / strongest;
+        const double u = uniform(rng, -1, 1) * reach, v = uniform(rng, -1, 1) * reach;
+        const bool straight = std::abs(u) > 0.5 * reach;  // there the other side's tangent may be as near
+        if (straight && std::abs(height) > std::abs(u) / 4) continue;
+        const Placed placed =
+            two ? over_torus(cap, u, v, height) : over_sphere(rng, cap, std::abs(u), height);
+        Asked<Cap> surface(cap);
+        const Contact c = surface(placed.p.cast<double>());
+        const double entering =
+            std::max({to_eigen(cap.foot).norm(), static_cast<double>(placed.p.norm()), 1 / strongest});
+        ASSERT_NEAR(c.height, height, 1e-14 * entering) << "seed " << seed << " round " << round;
+        // An error of the place turns the normal by at most that times the curvature of the surface at this
+        // height.
+        ASSERT_LE((c.normal.cast<long double>() - placed.normal).norm(), 1e-14 * (1 + entering * strongest))
+            << "seed " << seed << " round " << round;
+        ASSERT_NEAR(c.normal.norm(), 1, 1e-15);
+    }
+}
+
+TEST(Cap, IsTheOsculatingSphereWithinTheRimAndTheRimsTangentPlaneBeyond) {
+    // Closed form: foot f, centre c = f + R n, R > 0 hollow; within the rim R - |p - c| or |p - c| - |R|,
+    // beyond the plane through the rim point g towards p with normal (c - g) / R.
+    const std::uint64_t seed = 4202;
+    Rng rng(seed);
+    for (int round = 0; round < 40'000; ++round) {
+        Cap cap = random_cap(rng, 0.01, false);
+        cap.foot = to_plain(Vector(0.1 * direction(rng)));
+        const long double R = 1 / static_cast<long double>(cap.curvature);
+        const Long f = exact(cap.foot), n = exact(cap.normal).normalized(), c = f + R * n;
+        const Vector p = to_eigen(cap.foot) + 0.02 * uniform(rng, 0, 1) * direction(rng);
+        const Long out = p.cast<long double>() - c, from = f - c;
+        const long double angle = std::atan2(out.cross(from).norm(), out.dot(from)),
+                          most = std::asin((long double)cap.rim);
+        long double height;
+        if (angle <= most) {
+            height = R > 0 ? R - out.norm() : out.norm() - std::abs(R);
+        } else {
+            const Long side = (out - n.dot(out) * n).normalized();
+            const Long g = c + std::cos(most) * from + std::sin(most) * std::abs(R) * side;
+            height = ((c - g) / R).dot(p.cast<long double>() - g);
+        }
+        ASSERT_NEAR(Asked<Cap>(cap)(p).height, static_cast<double>(height),
+                    1e-12 * std::max(0.1, static_cast<double>(std::abs(R))))
+            << "seed " << seed << " round " << round;
+    }
+}
+
+TEST(Cap, FollowsTheSurfaceThatItWasFittedToUpToTheFourthOrder) {
+    // z = (k1 a^2 + k2 b^2) / 2 along and across the axis: positive curvature rises towards free space.
+    Rng rng(4203);
+    for (int round = 0; round < 2000; ++round) {
+        const double k1 = uniform(rng, -30, 30), k2 = uniform(rng, -30, 30);
+        const Vector n = direction(rng), a = n.cross(direction(rng)).normalized(), b = n.cross(a);
+        Asked<Cap> cap({.normal = to_plain(n),
+                        .curvature = k1,
+                        .curvature2 = k2,
+                        .axis = to_plain(Vector(3 * a + 0.5 * n)),
+                        .rim = 0.5});
+        const double k = std::max(std::abs(k1), std::abs(k2));
+        for (const double d : {1e-4, 1e-3}) {
+            const double t = uniform(rng, 0, 2 * M_PI), x = d * std::cos(t), y = d * std::sin(t);
+            const Vector p = x * a + y * b + (k1 * x * x + k2 * y * y) / 2 * n;
+            EXPECT_LE(std::abs(cap(p).height), 0.5 * k * k * k * d * d * d * d + 1e-18) << "round " << round;
+        }
+    }
+}
+
+TEST(Cap, WithoutCurvatureIsAPlaneAndGoesOverIntoOneWithoutAStep) {
+    Rng rng(4204);
+    for (int round = 0; round < 2000; ++round) {
+        const Vector n = direction(rng), foot = 0.1 * direction(rng);
+        const Vector p = foot + 0.03 * uniform(rng, 0, 1) * direction(rng);
+        Cap cap{.foot = to_plain(foot), .normal = to_plain(n)};
+        const double plane = n.dot(p - foot);
+        EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-16);
+        for (const double k : {1e-9, -1e-9, 1e-300, -5e-324}) {
+            cap.curvature = k;
+            EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-12) << k;
+            EXPECT_LE((Asked<Cap>(cap)(p).normal - n).norm(), 1e-10) << k;
+        }
+        cap.curvature = 25;
+        cap.rim = 0;  // nothing is followed but the tangent plane
+        EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-16);
+        cap.axis = to_plain(n.unitOrthogonal());
+        EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-16);
+    }
+}
+
+TEST(Cap, IsSmoothAcrossItsRim) {
+    Rng rng(4205);
+    for (int round = 0; round < 500; ++round) {
+        const bool two = round % 2;
+        const Cap params = random_cap(rng, 0.01, two);
+        Asked<Cap> cap(params);
+        const double strongest = std::max(std::abs(params.curvature), std::abs(params.curvature2));
+        const double rim = std::asin(params.rim) / strongest, depth = -0.2 / strongest;
+        Rng same(99);
+        const auto on = [&](double u) {
+            same.seed(99);
+            return Vector((two ? over_torus(params, u, rim / 2, depth) : over_sphere(same, params, u, depth))
+                              .p.cast<double>());
+        };
+        const double step = 1e-7 * rim;
+        Contact last = cap(on(0.99 * rim));
+        for (const double u : {rim - step, rim + step}) {
+            const Contact c = cap(on(u));
+            if (u > rim) {
+                EXPECT_NEAR(c.height, last.height, 1e-14 / strongest) << "the height, round " << round;
+                EXPECT_LE((c.normal - last.normal).norm(), 3e-7) << "the normal, round " << round;
+            }
+            last = c;
+        }
+    }
+}
+
+TEST(Cap, TheNormalIsTheHeightsGradient) {
+    Rng rng(4206);
+    for (int round = 0; round < 2000; ++round) {
+        const Cap params = random_cap(rng, 0.01, round % 2);
+        Asked<Cap> cap(params);
+        const Vector p = 0.004 * direction(rng);
+        const Vector n = cap(p).normal, g = gradient_of(cap, p, 1e-7);
+        // Except where two parts of it are equally near: there the normals on both sides differ.
+        if ((cap(p + 2e-7 * n).normal - cap(p - 2e-7 * n).normal).norm() > 1e-2) continue;
+        if (g.norm() < 0.999) continue;
+        EXPECT_LE((n - g).norm(), 1e-4) << "round " << round;
+    }
+}
+
+TEST(Cap, GivesBackTheWorkOfEveryClosedLoop) {
+    const std::uint64_t seed = 4207;
+    Rng rng(seed);
+    for (int round = 0; round < 40; ++round) {
+        Cap params = random_cap(rng, 0.02, round % 2);
+        params.rim = round % 4 < 2 ? 0.15 : 0.05;  // the loop crosses it
+        Asked<Cap> cap(params);
+        const SmallLoop loop(rng, -0.001 * to_eigen(params.normal));
+        const double sum = work_along(loop, 20'000, [&](const Vector& p) { return force_of(cap(p)); });
+        EXPECT_LE(std::abs(sum), 1e-8) << "J; seed " << seed << " round " << round;
+    }
+}
+
+TEST(Cap, AtAndBeyondItsCentreItIsStillASurface) {
+    Rng rng(4208);
+    for (const double k : {50.0, -50.0, 1e9, -1e9}) {
+        for (const bool two : {false, true}) {
+            Cap params{.normal = {0, 0, 1}, .curvature = k};
+            if (two) params.axis = {1, 0, 0}, params.curvature2 = k * 0.5;
+            Asked<Cap> cap(params);
+            const Contact c = cap({0, 0, 1 / k});
+            EXPECT_NEAR(c.height, 1 / k, 1e-12 / std::abs(k));
+            EXPECT_NEAR(c.normal.z(), 1, 1e-12);
+            for (int i = 0; i < 1000; ++i) {
+                const Vector p =
+                    scale(rng, 1e-20, 1e12) * (i % 3 ? direction(rng) : Vector::Unit(i % 2 ? 2 : 0));
+                for (const Vector& q : {p, Vector(-p), Vector(p + Vector(0, 0, 1 / k))}) {
+                    const Contact d = cap(q);
+                    ASSERT_TRUE(std::isfinite(d.height));
+                    ASSERT_NEAR(d.normal.norm(), 1, 1e-12) << q.transpose();
+                }
+            }
+        }
+    }
+}
+
+TEST(Cap, ItDoesNotMatterWhichCurvatureIsNamedFirst) {
+    Rng rng(4209);
+    for (int round = 0; round < 500; ++round) {
+        Cap one = random_cap(rng, 0.01, true);
+        if (round % 5 == 0) one.curvature2 = -one.curvature;  // equally strong
+        Cap other = one;
+        std::swap(other.curvature, other.curvature2);
+        other.axis = to_plain(to_eigen(one.normal).cross(to_eigen(one.axis)));
+        const Vector p = 0.01 * direction(rng);
+        EXPECT_NEAR(Asked<Cap>(one)(p).height, Asked<Cap>(other)(p).height, 1e-15);
+    }
+}
+
+TEST(Cap, EqualCurvaturesNeedNoAxisAndIgnoreIt) {
+    Cap plain{.curvature = 30};
+    Cap named{.curvature = 30, .curvature2 = 30, .axis = {0, 0, 1}};
+    EXPECT_TRUE(Describe<Cap>::check(named));
+    const Cap a = prepared(plain, {}), b = prepared(named, {});
+    EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0);
+}
+
+TEST(Cap, RefusesASecondCurvatureWithoutADirection) {
+    const auto reason = [](const Cap& cap) {
+        const Verdict verdict = Describe<Cap>::check(cap);
+        EXPECT_EQ(verdict.code, Verdict::Code::contradiction);
+        return std::pair(Describe<Cap>::fields[verdict.field].name,
+                         Describe<Cap>::contradictions[verdict.reason]);
+    };
+    EXPECT_EQ(reason({.curvature = 30, .curvature2 = 5}),
+              std::pair(std::string_view("curvature2"),
+                        std::string_view("needs an axis; give the tangent direction of curvature")));
+    EXPECT_EQ(reason({.curvature = 30, .axis = {0, 0, 2}}),
+              std::pair(std::string_view("axis"),
+                        std::string_view("is along the normal; give a direction in the tangent plane")));
+}
+
+TEST(Cap, AProbeWithARadiusTouchesThatMuchEarlier) {
+    Rng rng(4210);
+    for (int round = 0; round < 500; ++round) {
+        Cap params = random_cap(rng, 0.01, round % 2);
+        params.curvature = std::min(params.curvature, 90.0),
+        params.curvature2 = std::min(params.curvature2, 90.0);
+        Asked<Cap> cap(params);
+        const Vector p = 0.01 * direction(rng);
+        EXPECT_NEAR(cap(p, 0.005).height, cap(p).height - 0.005, 1e-16);
+        EXPECT_EQ(cap(p, 0.005).normal, cap(p).normal);
+    }
+}
+
+TEST(Cap, AHollowTighterThanTheProbeDoesNotTurnTheNormalRound) {
+    Asked<Cap> cap({.normal = {0, 0, 1}, .curvature = 1000});  // 1 mm, probed with 8 mm
+    for (const double x : {-0.001, -1e-9, 0.0, 1e-9, 0.001}) {
+        const Contact c = cap({x, 0, 0.0079}, 0.008);
+        EXPECT_LT(c.height, 0);
+        EXPECT_NEAR(c.normal.x(), -x / std::hypot(x, 0.016 - 0.0079), 1e-12) << "of 16 mm, not of 1 mm";
+    }
+}
+
+TEST(Cap, MovesOnWithItsVelocityUntilItIsPlacedAgain) {
+    Cap params{.curvature = -20, .velocity = {0, 0, 0.1}};
+    Asked<Cap> cap(params);
+    EXPECT_EQ(cap({0, 0, 0.002}).height, 0.002) << "the cycle that places it";
+    EXPECT_EQ(cap({0, 0, 0.002}, 0, 0).height, 0.002);
+    for (int i = 1; i <= 10; ++i) {
+        const Contact c = cap({0, 0, 0.002});
+        EXPECT_NEAR(c.height, 0.002 - 0.1 * dt * i, 1e-15);
+        EXPECT_EQ(cap({0, 0, 0.002}, 0, 0).height, c.height) << "no time, no motion";
+        EXPECT_EQ(c.velocity, Vector(0, 0, 0.1));
+    }
+    params.curvature = -30;
+    cap.update(params);
+    EXPECT_NEAR(cap({0, 0, 0.002}).height, 0.002 - 0.0011, 1e-15) << "still where it was placed";
+    params.foot = {0, 0, 0.001};
+    cap.update(params);
+    EXPECT_NEAR(cap({0, 0, 0.002}).height, 0.001, 1e-15);
+}
