@@ -10,7 +10,8 @@ namespace {
 
 double raw_height(const Plane& plane, const Plane::State& state, const Probe& probe) noexcept {
     const Eigen::Vector3d n = to_eigen(plane.normal);
-    return n.dot(probe.position) - plane.offset - n.dot(to_eigen(plane.velocity)) * state.moving - probe.radius;
+    return n.dot(probe.position) - plane.offset - n.dot(to_eigen(plane.velocity)) * state.moving -
+           probe.radius;
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ Limits sane_limits(Limits limits) noexcept {
 void SceneCore::place_probes(const Probe& hand) noexcept {
     for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
         Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
+        group.before = group.probe.position;
         group.probe = hand;
         group.probe.radius = group.placement.radius;
         if (group.placement.offset == Vec3{}) {
@@ -68,6 +69,7 @@ void SceneCore::advance_weights(double dt) noexcept {
         if (slots_[fading_[f]].from == Slot::From::record) advance(old_[fading_[f]]);
     }
     if (surfaces) rebuild_sets();
+    effects_edited_ = true;  // springs whose weight moves do not collapse
     weights_move_ = silence_ > 0 || !full;
 }
 
@@ -86,6 +88,10 @@ void Scene::set_limits(const Limits& limits) noexcept {
         if (impl_->slots_[i].present)
             impl_->mark(i);  // a changed clamp is a change of the set like any other
     }
+}
+
+void Scene::index() {
+    impl_->reach_.index();
 }
 
 void Scene::set_fade(const FadePolicy& policy) noexcept {
@@ -129,12 +135,16 @@ Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     core.evaluated_ = 0;
     if (core.moved_) core.take_placements();
     core.place_probes(hand);
-    if (core.changed_size_ > 0 || core.sets_edited_) core.take_changes();
+    if ((core.bounded_used_ != 0 && core.near_left()) || core.changed_size_ > 0 || core.sets_edited_ ||
+        core.effects_edited_) {
+        core.take_changes();
+    }
     core.settle_ = false;
     if (core.weights_move_ && dt > 0) core.advance_weights(dt);
     Wrench sum;
     if (core.contacts_used_ != 0) core.evaluate_contacts(dt, sum);
     if (core.effects_size_ > 0 || core.fading_size_ > 0) core.evaluate_effects(dt, sum);
+    core.met_ = true;
     // The field tables keep every product finite; this is the last word all the same.
     if (!sum.force.allFinite() || !sum.torque.allFinite()) return {};
     return sum;

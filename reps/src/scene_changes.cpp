@@ -1,5 +1,7 @@
 // All changes since the last evaluate become felt together.
 
+#include <cstring>
+
 #include "scene_core.hpp"
 
 namespace knurl::detail {
@@ -15,7 +17,7 @@ void SceneCore::release_old(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
     if (slot.old_surface_of >= 0) {
         Group& group = groups_[static_cast<std::uint32_t>(slot.old_surface_of)];
-        if (group.fading) {
+        if (group.fading && !group.bridged && group.fade == slot.old_in_fade) {
             group.edited = group.interrupted = true;
             sets_edited_ = true;
         }
@@ -29,37 +31,68 @@ void SceneCore::release_old(std::uint32_t i) noexcept {
     }
 }
 
-// Makes the new record of a slot in place of the present one, which the caller has saved where it is needed.
+// Makes the new record of a slot, from prepared_, in place of the present one, which the caller has saved
+// where it is needed.
 void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     const Slot& slot = slots_[i];
     Record& now = now_[i];
     const KindOps& ops = kind_ops()[slot.kind];
-    now.stiffness = 0;
-    now.stands = now.recovers = false;
-    ops.prepare(&raw_[i * max_params], limits_, now);
+    ops.install(prepared_.data(), limits_, now);
     now.use = slot.use;
-    if (!previous) now.weight = 1;
+    if (!previous) {
+        now.weight = 1;
+        now.asked = 0;
+        now.shift.setZero();
+    }
     ops.adopt(now, previous, groups_[now.use.probe].probe);
     if (settle_) ops.settle(now);
 }
 
+void copy(const Record& from, Record& to) noexcept {
+    const KindOps& ops = kind_ops()[from.kind];
+    static_cast<RecordHead&>(to) = from;
+    std::memcpy(to.state, from.state, ops.state_size);
+    std::memcpy(to.params, from.params, ops.params_size);
+}
+
+void SceneCore::keep_old(std::uint32_t i) noexcept {
+    Slot& slot = slots_[i];
+    slot.old_surface_of = static_cast<std::int32_t>(old_[i].use.probe);
+    slot.old_in_fade = 0;
+    if (slot.old_listed) return;
+    slot.old_listed = true;
+    fading_olds_[fading_olds_size_++] = i;
+}
+
 void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) noexcept {
-    const auto note = [&](std::uint32_t probe, const Record& judged) {
-        Group& group = groups_[probe];
-        group.edited = true;
-        if (judged.recovers) return;
-        group.fades = true;
+    const auto note = [&](const Record& judged) {
+        Group& group = groups_[judged.use.probe];
+        group.edited = group.fades = true;
         group.fade_time = std::max(group.fade_time, fade_time(judged));
     };
     if (was) {
         release_old(i);
-        old_[i] = now_[i];
+        copy(now_[i], old_[i]);
+        forget_surface(i);
     }
     if (is) {
         renew(i, same ? &old_[i] : nullptr);
-        note(now_[i].use.probe, now_[i]);
+        groups_[now_[i].use.probe].edited = true;
+        if (!now_[i].recovers) note(now_[i]);
+        place_surface(i);
     }
-    if (was) note(old_[i].use.probe, is && now_[i].use.probe == old_[i].use.probe ? now_[i] : old_[i]);
+    if (was) {
+        // One that brings its own changes in does so in place of the cross-fade; but it cannot bring in its
+        // absence.
+        const bool stays = is && now_[i].use.probe == old_[i].use.probe;
+        if (!stays) {
+            note(old_[i]);
+        } else if (old_[i].recovers && !now_[i].recovers) {
+            note(now_[i]);
+        }
+        groups_[old_[i].use.probe].edited = true;
+        if (!(stays && now_[i].recovers)) keep_old(i);
+    }
     if (is && !was) join(surfaces_, surfaces_size_, i);
     if (was && !is) leave(surfaces_, surfaces_size_, i);
     slots_[i].renewed = true;
@@ -68,13 +101,14 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
 
 void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same) noexcept {
     Slot& slot = slots_[i];
-    const Record previous = now_[i];
+    Record previous;
+    if (was) copy(now_[i], previous);
     if (is) renew(i, same ? &previous : nullptr);
     if (is && !was) join(effects_, effects_size_, i);
     if (was && !is) leave(effects_, effects_size_, i);
-    if (is != was || previous.kind != now_[i].kind) effects_edited_ = true;
+    if (is != was || previous.kind != now_[i].kind || now_[i].kind == kind_of<Spring>) effects_edited_ = true;
 
-    Record fading = previous;
+    Record& fading = previous;
     if (same && kind_ops()[slot.kind].carry(fading, now_[i])) {
         // All that changed moves by itself. A fade in progress goes on, its old end moving along.
         if (slot.from == Slot::From::record && slot.carries) kind_ops()[slot.kind].carry(old_[i], now_[i]);
@@ -86,7 +120,7 @@ void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same) noe
         start_effect_fade(i, Slot::From::frozen, time);
     } else if (was) {
         release_old(i);
-        old_[i] = fading;
+        copy(fading, old_[i]);
         slot.carries = same;
         start_effect_fade(i, Slot::From::record, time);
     } else {
@@ -100,7 +134,8 @@ void SceneCore::take_slot(std::uint32_t i) noexcept {
     const bool was = slot.felt, is = slot.present;
     if (!was && !is) return;
     const bool same = was && is && slot.felt_generation == slot.generation;
-    if (same && kind_ops()[slot.kind].unchanged(&raw_[i * max_params], limits_, now_[i])) return;
+    if (is) kind_ops()[slot.kind].prepare(&raw_[i * max_params], limits_, prepared_.data());
+    if (same && kind_ops()[slot.kind].unchanged(prepared_.data(), now_[i])) return;
 
     const bool was_surface = was && kind_ops()[now_[i].kind].surface;
     const bool is_surface = is && kind_ops()[slot.kind].surface;
@@ -144,6 +179,10 @@ void SceneCore::take_placements() noexcept {
 
 void SceneCore::take_changes() noexcept {
     for (std::uint32_t c = 0; c < changed_size_; ++c) take_slot(changed_[c]);
+    for (std::uint32_t rest = bounded_used_; rest != 0; rest &= rest - 1) {
+        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
+        if (groups_[p].near.margin < 0 || groups_[p].replaced) collect_near(groups_[p], p);
+    }
     if (sets_edited_) rebuild_sets();
     if (effects_edited_) list_effects();
     for (std::uint32_t c = 0; c < changed_size_; ++c) slots_[changed_[c]].renewed = false;

@@ -9,34 +9,79 @@ namespace knurl::detail {
 
 using Eigen::Vector3d;
 
+// Surfaces that do not stand still say where they are. In both sets of a fade there may be the same one: its
+// state advances once. Returns the worst violation.
+double SceneCore::ask(ContactSet& set, const Group& group, double dt, double worst) noexcept {
+    Arena& a = arenas_[arena_];
+    const std::uint32_t end = set.begin + set.count;
+    for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
+        std::uint32_t i = a.moving[m];
+        Record& r = record(a.owner[i]);
+        const bool held = r.use.on_silence == OnSilence::hold && silence_ > 0;
+        const double step = r.asked == cycle_ || held ? 0 : dt;
+        evaluated_ += r.asked != cycle_;
+        r.asked = cycle_;
+        const KindOps& ops = kind_ops()[r.kind];
+        std::array<Contact, max_contacts> found;
+        const std::uint32_t count = ops.contact(r, group.probe, step, found);
+        if (r.textured) {
+            r.shift += step * r.velocity;
+            const double speed = (group.probe.smooth_velocity - r.velocity).norm();
+            const double gain = texture_gain(r.texture, speed, limits_);
+            for (std::uint32_t c = 0; c < count; ++c) {
+                found[c].height -=
+                    gain * relief(r.texture, group.probe.position, found[c].normal, r.shift).height;
+            }
+        }
+        for (std::uint32_t c = 0; c < ops.contacts; ++c, ++i) {
+            if (c >= count) {
+                a.s[i] = -std::numeric_limits<double>::infinity();
+                continue;
+            }
+            a.nx[i] = found[c].normal.x();
+            a.ny[i] = found[c].normal.y();
+            a.nz[i] = found[c].normal.z();
+            a.s[i] = -found[c].height;
+            a.b[i] = found[c].damping * (set.scale == 1 ? r.weight : 1);
+            if (i < end) worst = std::max(worst, a.s[i]);
+        }
+    }
+    return worst;
+}
+
+// Planes whose forces add up, as the paper's do.
+void SceneCore::add_summed(ContactSet& set, const Group& group) noexcept {
+    const Arena& a = arenas_[arena_];
+    for (std::uint32_t i = set.begin + set.count; i < set.begin + set.count + set.summed; ++i) {
+        if (!(a.s[i] > 0)) continue;
+        const Record& r = record(a.owner[i]);
+        const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
+        const double k = r.stiffness * (set.scale == 1 ? r.weight : 1);
+        set.force += std::max(0.0, k * a.s[i] - a.b[i] * n.dot(group.probe.velocity - r.velocity)) * n;
+        set.touching = true;
+    }
+}
+
 // F = sum_j (k_j - k_{j-1}) (x_j - p), x_j the nearest point to p that satisfies all planes of stiffness k_j
 // or more: a sum of gradients, so conservative, and with weights that add up to the largest k, so no stiffer
 // than that.
 void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noexcept {
     set.force.setZero();
-    set.elastic = 0;
+    set.elastic = set.per_elastic = 0;
     set.touching = false;
-    if (set.count == 0) return;
+    if (set.count + set.summed == 0) return;
     Arena& a = arenas_[arena_];
     const std::uint32_t begin = set.begin;
     const Vector3d& p = group.probe.position;
-    double worst =
-        shift_to_probe(&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.c[begin], set.count, p, &a.s[begin]);
-    for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
-        const std::uint32_t i = a.moving[m];
-        Record& r = record(a.owner[i]);
-        if (r.met != cycle_) {  // in both sets of a fade, but one surface: its state advances once
-            r.contact = kind_ops()[r.kind].contact(r, group.probe, dt);
-            r.met = cycle_;
-            ++evaluated_;
-        }
-        a.nx[i] = r.contact.normal.x();
-        a.ny[i] = r.contact.normal.y();
-        a.nz[i] = r.contact.normal.z();
-        a.s[i] = -r.contact.height;
-        a.b[i] = r.contact.damping * (set.scale == 1 ? r.weight : 1);
-        worst = std::max(worst, a.s[i]);
+    double worst = -std::numeric_limits<double>::infinity();
+    if (set.count > 0)
+        worst =
+            shift_to_probe(&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.c[begin], set.count, p, &a.s[begin]);
+    if (set.summed > 0) {
+        const std::uint32_t from = begin + set.count;
+        shift_to_probe(&a.nx[from], &a.ny[from], &a.nz[from], &a.c[from], set.summed, p, &a.s[from]);
     }
+    if (set.moving_count > 0) worst = ask(set, group, dt, worst);
     if (!(worst > 0)) {
         for (std::uint32_t j = 0; j < set.layers; ++j) {
             set.layer[j].solution.dx.setZero();
@@ -44,6 +89,10 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
             set.layer[j].proxy = p;
         }
         set.infeasible = false;
+        if (set.summed > 0) {
+            add_summed(set, group);
+            set.force = clamped(set.scale * set.force, limits_.max_force);
+        }
         return;
     }
     evaluated_ += set.count - set.moving_count;
@@ -75,21 +124,33 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
     }
     set.infeasible = infeasible;
     const double elastic = set.force.norm();
+    double felt = elastic;
     set.elastic = elastic;
     set.touching = elastic > 0;
-    if (!set.touching) return;
-    if (top) {
-        double weighted = 0, sum = 0;
+    if (top && set.touching) {
+        double weighted = 0, closing = 0, sum = 0;  // damping of each plane against its own surface's motion
+        const Vector3d m = set.force / elastic;
         for (std::uint32_t i = 0; i < top->solution.active.count; ++i) {
-            weighted += top->solution.multiplier[i] * a.b[begin + top->solution.active.plane[i]];
+            const std::uint32_t at = begin + top->solution.active.plane[i];
+            const double b = top->solution.multiplier[i] * a.b[at];
             sum += top->solution.multiplier[i];
+            if (!(b > 0)) continue;
+            weighted += b;
+            const Owner owner = a.owner[at];
+            if (owner != bridge_owner) closing += b * record(owner).velocity.dot(m);
         }
         if (weighted > 0) {  // along the force alone, and never pulling
-            const Vector3d m = set.force / elastic;
-            set.force = m * std::max(0.0, elastic - weighted / sum * group.probe.velocity.dot(m));
+            felt = std::max(0.0, elastic - (weighted * group.probe.velocity.dot(m) - closing) / sum);
+            set.force = felt * m;
         }
     }
-    set.force = clamped(set.scale * set.force, limits_.max_force);
+    if (set.summed > 0) add_summed(set, group);
+    const Vector3d whole = set.scale * set.force;
+    set.force = clamped(whole, limits_.max_force);
+    if (elastic > 0) {
+        const double size = whole.norm();
+        set.per_elastic = set.scale * felt / elastic * (size > 0 ? set.force.norm() / size : 1);
+    }
 }
 
 void SceneCore::evaluate_contacts(double dt, Wrench& sum) noexcept {
@@ -112,13 +173,17 @@ void SceneCore::evaluate_contacts(double dt, Wrench& sum) noexcept {
             group.elapsed += dt;
             if (group.elapsed >= group.time * (1 - 1e-9)) {
                 end_fade(group);
-                if (group.now.count == 0) contacts_used_ &= ~(1u << p);
+                if (group.now.count + group.now.summed == 0) {
+                    contacts_used_ &= ~(1u << p);
+                    release(group);
+                }
             } else {
                 force = group.old.force + (group.elapsed / group.time) * (force - group.old.force);
             }
         }
         group.force = force;
         group.position = group.probe.position;
+        if (group.rough || group.friction.residual_time > 0) force = along(group, force, dt);
         sum.force += force;
         if (group.placement.offset != Vec3{}) sum.torque += group.arm.cross(force);
     }

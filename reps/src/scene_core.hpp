@@ -14,10 +14,16 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <knurl/reps/contact_solver.hpp>
+#include <knurl/reps/friction.hpp>
 #include <knurl/reps/scene.hpp>
+#include <knurl/reps/texture.hpp>
+
+#include "reach.hpp"
 
 namespace knurl::detail {
 
@@ -35,18 +41,31 @@ inline constexpr std::size_t max_state = largest_state(Representations{});
 /// Stiffnesses that one probe's set keeps apart, each with its own solution; more are rounded down to these.
 inline constexpr std::uint32_t max_layers = 8;
 
-struct Record {
-    alignas(16) std::byte params[max_params] = {};
-    alignas(16) std::byte state[max_state] = {};
+/// Tangent planes that one surface may have at once.
+inline constexpr std::uint32_t max_contacts = 3;
+
+struct RecordHead {
     Kind kind = 0;
-    Use use;
-    double weight = 1;     // by silence: 1 in full, 0 faded away
-    double stiffness = 0;  // N/m
-    HalfSpace plane;       // of a surface that stands still
-    bool stands = false;
+    bool stands = false;    // one plane until it changes
     bool recovers = false;  // brings its own changes in; not cross-faded
-    Contact contact;        // of a surface that does not stand still, in cycle `met`
-    std::uint64_t met = 0;
+    bool summed = false;    // its force is added, not solved with the others
+    bool rough = false;     // friction, texture or a braking pulse: what it feels like along the surface
+    Use use;
+    double weight = 1;        // by silence: 1 in full, 0 faded away
+    double stiffness = 0;     // N/m
+    HalfSpace plane;          // of a surface that stands still
+    std::uint64_t asked = 0;  // the cycle in which it was asked: again in the same one, it is with dt = 0
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();     // m, by which that has carried its texture
+    FrictionLaw law;
+    double braking = 0;
+    bool textured = false;
+    Texture texture;
+};
+
+struct Record : RecordHead {
+    alignas(16) std::byte state[max_state] = {};
+    alignas(16) std::byte params[max_params] = {};
 };
 
 /// Names a record: slot and which of its two. A bridge is the plane that stands for an interrupted fade.
@@ -67,9 +86,15 @@ struct Slot {
     bool felt = false;
     bool renewed = false;  // while changes are taken: this slot's is one of them
     std::uint32_t felt_generation = 0;
-    std::int32_t old_surface_of = -1;  // the probe whose fading set holds `old`
+    std::int32_t old_surface_of = -1;  // the probe whose fading set has `old`
     std::uint32_t place = 0;           // in the list of surfaces or effects
-    std::uint32_t member = 0;          // of a surface: its index in the arena
+    std::uint32_t member = 0;          // of a surface: its first index in the arena; gone: it is in no set
+    std::uint32_t always_place = 0;
+    bool bounded = false;           // of a surface: in Reach, and in a set only while near
+    bool near = false;              // ... which it is
+    bool old_listed = false;        // in fading_olds_
+    std::uint32_t new_in_fade = 0;  // the fade of its probe that brings it in: not in the fading set
+    std::uint32_t old_in_fade = 0;  // ... whose fading set has its old record; 0: to come
     // Of an effect: its own fade, from the old record, a frozen wrench, or nothing.
     enum class From : std::uint8_t { none, nothing, record, frozen };
     From from = From::none;
@@ -91,14 +116,17 @@ struct Layer {
 };
 
 struct ContactSet {
-    std::uint32_t begin = 0, count = 0;                // members in the arena
-    std::uint32_t moving_begin = 0, moving_count = 0;  // those that are asked each cycle
+    std::uint32_t begin = 0, count = 0;                // members in the arena, solved together
+    std::uint32_t summed = 0;                          // those behind them, whose forces add up
+    std::uint32_t moving_begin = 0, moving_count = 0;  // surfaces that are asked each cycle
     std::uint32_t layers = 0;
+    bool rough = false;                   // one of them is
     double scale = 1;                     // the weight, where all members share one
     std::array<Layer, max_layers> layer;  // softest (all members) first
     // Last cycle's result.
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, damped, weighted, clamped
-    double elastic = 0;                               // N, before that
+    double elastic = 0;                               // N, of the joint solution alone, before that
+    double per_elastic = 0;                           // 1, what became of it by damping, weight, clamp
     bool touching = false;
     bool infeasible = false;
 };
@@ -110,20 +138,44 @@ struct Arena {
     std::uint32_t used = 0, moving_used = 0;
 };
 
+/// The bounded surfaces that a probe might touch before it has moved by `margin` from `at`.
+struct Candidates {
+    std::vector<std::uint32_t> slots;
+    std::uint32_t size = 0;
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();  // m
+    double margin = -1;                            // m; negative: to be collected anew
+    double wanted = 0;                             // m, the next margin
+};
+
 /// What one probe touches.
 struct Group {
     ProbePlacement placement, next_placement;
     bool moved = false;  // next_placement is to be taken
     Probe probe;
-    Eigen::Vector3d arm = Eigen::Vector3d::Zero();  // m, from the hand's position, world
+    Eigen::Vector3d before = Eigen::Vector3d::Zero();  // m, where the probe was in the last cycle
+    Eigen::Vector3d arm = Eigen::Vector3d::Zero();     // m, from the hand's position, world
     ContactSet now, old;
+    Candidates near;
+    std::uint32_t bounded = 0;  // surfaces that may become candidates
     bool fading = false;
+    bool bridged = false;          // the fading set is the bridge alone
+    bool olds_left_out = false;    // old records out of reach are not in it
     bool fresh = false;            // the fade has not been evaluated yet
+    std::uint32_t fade = 0;        // its number
     double elapsed = 0, time = 0;  // s
     HalfSpace bridge;
     double bridge_stiffness = 0;
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();     // last cycle's blend
+    FrictionLaw bridge_law;
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();     // last cycle's blend, without what rubs
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // where the probe was then
+    // What is felt along the surface.
+    bool rough = false;
+    FrictionLaw law;  // last cycle's, of all that pushed
+    FrictionState friction;
+    Eigen::Vector3d along = Eigen::Vector3d::Zero();   // N, friction in the last cycle
+    Eigen::Vector3d relief = Eigen::Vector3d::Zero();  // N, texture's push in the last cycle
+    double pulse = 0, pulse_left = 0;                  // N, s: braking
+    double apart = 1;                                  // s, since the last touch
     // While changes are taken: its set changes; the change is cross-faded; what was felt becomes a bridge
     // (alone: over the time that the fade had).
     bool edited = false, fades = false, interrupted = false;
@@ -136,17 +188,23 @@ class SceneCore;
 /// What the scene knows of a kind: functions over raw bytes, made from the typed ones.
 struct KindOps {
     bool surface = false;
-    std::size_t params_size = 0;
-    // All but state and use; what the kind does not have is left alone.
-    void (*prepare)(const std::byte* raw, const Limits&, Record& out) noexcept = nullptr;
-    // Prepared, they would be the bytes that are felt.
-    bool (*unchanged)(const std::byte* raw, const Limits&, Record& now) noexcept = nullptr;
+    std::uint32_t contacts = 1;  // tangent planes of a surface, at most
+    std::size_t params_size = 0, state_size = 0;
+    // Parameters as they would be felt.
+    void (*prepare)(const std::byte* raw, const Limits&, std::byte* prepared) noexcept = nullptr;
+    // They are the bytes that are felt; another recovery alone is noted for the change that it will belong
+    // to.
+    bool (*unchanged)(const std::byte* prepared, Record& now) noexcept = nullptr;
+    // Parameters and what follows from them; not state and use.
+    void (*install)(const std::byte* prepared, const Limits&, Record& out) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&) noexcept = nullptr;
     void (*settle)(Record&) noexcept = nullptr;
     double (*fade_time)(const std::byte* params) noexcept = nullptr;     // s, or automatic
     double (*asked_stiffness)(const std::byte* raw) noexcept = nullptr;  // N/m
     bool (*carry)(Record& old, const Record& next) noexcept = nullptr;   // true: the rest is equal too
-    Contact (*contact)(Record&, const Probe&, double dt) noexcept = nullptr;
+    std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;     // of a surface
+    void (*out_of_reach)(Record&) noexcept = nullptr;                    // its path so far is forgotten
+    std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
     void (*evaluate_all)(SceneCore&, std::span<const std::uint32_t> slots, double dt,
                          Wrench& sum) noexcept = nullptr;
@@ -154,6 +212,8 @@ struct KindOps {
 std::span<const KindOps> kind_ops() noexcept;
 
 Limits sane_limits(Limits limits) noexcept;
+/// As long as the kind's parameters and state are.
+void copy(const Record& from, Record& to) noexcept;
 
 class SceneCore {
   public:
@@ -172,6 +232,7 @@ class SceneCore {
     void take_changes() noexcept;
     void take_slot(std::uint32_t slot) noexcept;
     void renew(std::uint32_t slot, const Record* previous) noexcept;
+    void keep_old(std::uint32_t slot) noexcept;
     void change_surface(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void change_effect(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void release_old(std::uint32_t slot) noexcept;
@@ -180,17 +241,30 @@ class SceneCore {
 
     // scene_sets.cpp
     void rebuild_sets() noexcept;
+    void begin_fade(Group& group, std::uint32_t probe) noexcept;
     std::uint32_t list_old(Group& group, std::uint32_t probe) noexcept;
-    std::uint32_t list_now(std::uint32_t probe) noexcept;
+    std::uint32_t list_now(const Group& group, std::uint32_t probe) noexcept;
     void make_bridge(Group& group) noexcept;
     void build(ContactSet& set, const Group& group, Arena& into, std::span<const Owner> owners) noexcept;
     void end_fade(Group& group) noexcept;
+    void release(Group& group) noexcept;
     Record& record(Owner owner) noexcept { return (owner & 1 ? old_ : now_)[owner >> 1]; }
     const Record& record(Owner owner) const noexcept { return (owner & 1 ? old_ : now_)[owner >> 1]; }
+
+    // scene_near.cpp
+    void place_surface(std::uint32_t slot) noexcept;   // in Reach, or among those that are always asked
+    void forget_surface(std::uint32_t slot) noexcept;  // from where it was
+    void collect_near(Group& group, std::uint32_t probe) noexcept;
+    bool near_left() noexcept;  // a probe has moved out of what its candidates cover
 
     // scene_contact.cpp
     void evaluate_contacts(double dt, Wrench& sum) noexcept;
     void evaluate_set(ContactSet& set, const Group& group, double dt) noexcept;
+    double ask(ContactSet& set, const Group& group, double dt, double worst) noexcept;
+    void add_summed(ContactSet& set, const Group& group) noexcept;
+
+    // scene_along.cpp
+    Eigen::Vector3d along(Group& group, const Eigen::Vector3d& force, double dt) noexcept;
 
     // scene_effects.cpp
     void start_effect_fade(std::uint32_t slot, Slot::From from, double time) noexcept;
@@ -204,8 +278,11 @@ class SceneCore {
     void advance_weights(double dt) noexcept;
 
     static constexpr std::uint32_t gone = 0xffffffff;
-    void join(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot) noexcept;
-    void leave(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot) noexcept;
+    using Place = std::uint32_t Slot::*;
+    void join(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot,
+              Place place = &Slot::place) noexcept;
+    void leave(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot,
+               Place place = &Slot::place) noexcept;
 
     Scene::Capacity capacity_;
     Limits limits_;
@@ -214,12 +291,14 @@ class SceneCore {
     bool weights_move_ = false;  // silent, or not yet back at full weight
     bool settle_ = false;
     std::uint64_t cycle_ = 0;
+    bool met_ = false;  // there was a last cycle
     std::uint32_t evaluated_ = 0;
     std::uint32_t size_ = 0;
     std::array<std::uint32_t, Representations::size> counts_{};
 
     std::vector<Slot> slots_;
-    std::vector<std::byte> raw_;  // max_params each
+    std::vector<std::byte> raw_;                                // max_params each
+    alignas(16) std::array<std::byte, max_params> prepared_{};  // of the slot that is being taken
     std::vector<Record> now_, old_;
     std::vector<std::uint32_t> changed_;
     std::uint32_t changed_size_ = 0;
@@ -228,8 +307,15 @@ class SceneCore {
     std::vector<Group> groups_;
     std::uint32_t probes_used_ = 1;        // bit mask
     std::uint32_t contacts_used_ = 0;      // probes with a set, or fading
-    std::vector<std::uint32_t> surfaces_;  // slots
+    std::vector<std::uint32_t> surfaces_;  // slots with a surface that is felt
     std::uint32_t surfaces_size_ = 0;
+    std::vector<std::uint32_t> always_;  // those of them that are in the sets wherever the probe is
+    std::uint32_t always_size_ = 0;
+    Reach reach_;                             // the others
+    std::uint32_t bounded_used_ = 0;          // bit mask: probes with some of those
+    std::vector<std::uint32_t> near_;         // scratch of collect_near
+    std::vector<std::uint32_t> fading_olds_;  // slots whose old record is in a fading set
+    std::uint32_t fading_olds_size_ = 0;
     bool sets_edited_ = false;
     Arena arenas_[2];
     std::uint32_t arena_ = 0;

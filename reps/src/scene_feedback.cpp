@@ -36,7 +36,7 @@ double layer_stiffness(const ContactSet& set, std::uint32_t member) noexcept {
 
 Vector3d point_of(const Group& group) noexcept {
     const Vector3d& p = group.probe.position;
-    if (!group.now.touching) return p;
+    if (!group.now.touching || group.now.layers == 0) return p;
     const Vector3d dx = group.now.layer[0].solution.dx;
     const double depth = dx.norm();
     return depth > 0 ? Vector3d(p + dx - (group.probe.radius / depth) * dx) : p;
@@ -46,20 +46,30 @@ void surface_feedback(const SceneCore& core, std::uint32_t i, Feedback& out) noe
     const Record& r = core.now_[i];
     const Group& group = core.groups_[r.use.probe];
     const ContactSet& set = group.now;
-    const std::uint32_t at = core.slots_[i].member;
+    const std::uint32_t first = core.slots_[i].member;
     out.stiffness = r.stiffness;
+    out.tangential_stiffness = r.law.stiffness;
     if (group.fading) out.flags |= Feedback::fading;
+    if (core.slots_[i].bounded && !core.slots_[i].near) return;
+    if (first == SceneCore::gone || set.count + set.summed == 0) return;
     if (set.infeasible) out.flags |= Feedback::infeasible;
-    if (at == SceneCore::gone || set.count == 0) return;
-    const std::uint32_t member = at - set.begin;
-    if (set.scale != 1 || r.weight == 1) out.stiffness = layer_stiffness(set, member);
+    if (!r.summed && (set.scale != 1 || r.weight == 1))
+        out.stiffness = layer_stiffness(set, first - set.begin);
     if (!set.touching) return;
-    const double part = share(set, member);
-    if (!(part > 0)) return;
     const Arena& a = core.arenas_[core.arena_];
     const double s = group.fading ? group.elapsed / group.time : 1;
+    double push = 0;  // N
+    for (std::uint32_t at = first; at < first + kind_ops()[r.kind].contacts; ++at) {
+        const double part = r.summed ? set.scale * r.stiffness * std::max(0.0, a.s[at])
+                                     : set.per_elastic * share(set, at - set.begin);
+        if (!(part > 0)) continue;
+        push += s * part;
+        out.wrench.force += (s * part) * Vector3d(a.nx[at], a.ny[at], a.nz[at]);
+    }
+    if (!(push > 0)) return;
     out.flags |= Feedback::touching;
-    out.wrench.force = (s * set.force.norm() / set.elastic * part) * Vector3d(a.nx[at], a.ny[at], a.nz[at]);
+    const double whole = group.force.norm();
+    if (group.rough && whole > 0) out.wrench.force += (push / whole) * (group.along + group.relief);
     if (group.placement.offset != Vec3{}) out.wrench.torque = group.arm.cross(out.wrench.force);
     out.contact_point = point_of(group);
 }

@@ -24,25 +24,16 @@ typename R::State& state_of(Record& r) noexcept {
 
 template <class R>
 struct Ops {
-    static void prepare(const std::byte* raw, const Limits& limits, Record& out) noexcept {
+    static void prepare(const std::byte* raw, const Limits& limits, std::byte* out) noexcept {
         R sent;
         std::memcpy(&sent, raw, sizeof sent);
         const R params = prepared(sent, limits);
-        std::memcpy(out.params, &params, sizeof params);
-        out.kind = kind_of<R>;
-        if constexpr (requires { params.stiffness; }) out.stiffness = params.stiffness;
-        if constexpr (requires { recovers_itself(params); }) out.recovers = recovers_itself(params);
-        if constexpr (requires { standing(params); }) {
-            const std::optional<HalfSpace> plane = standing(params);
-            out.stands = plane.has_value();
-            if (plane) out.plane = *plane;
-        }
+        std::memcpy(out, &params, sizeof params);
     }
     // Nothing that is felt: another recovery alone is noted for the change that it will belong to.
-    static bool unchanged(const std::byte* raw, const Limits& limits, Record& now) noexcept {
-        R sent;
-        std::memcpy(&sent, raw, sizeof sent);
-        R params = prepared(sent, limits);
+    static bool unchanged(const std::byte* prepared, Record& now) noexcept {
+        R params;
+        std::memcpy(&params, prepared, sizeof params);
         if constexpr (requires { params.recovery; }) {
             const double asked = params.recovery;
             params.recovery = params_of<R>(now).recovery;
@@ -52,6 +43,35 @@ struct Ops {
             return true;
         }
         return std::memcmp(&params, now.params, sizeof params) == 0;
+    }
+    static void install(const std::byte* prepared, const Limits& limits, Record& out) noexcept {
+        R params;
+        std::memcpy(&params, prepared, sizeof params);
+        std::memcpy(out.params, prepared, sizeof params);
+        out.kind = kind_of<R>;
+        out.stiffness = 0;
+        out.stands = out.recovers = out.summed = false;
+        if constexpr (requires { params.stiffness; }) out.stiffness = params.stiffness;
+        if constexpr (requires { params.combine; }) out.summed = params.combine == PlaneCombine::sum;
+        if constexpr (requires { recovers_itself(params); }) out.recovers = recovers_itself(params);
+        if constexpr (Surface<R>) {
+            out.velocity = to_eigen(params.velocity);
+            out.textured = params.texture.amplitude > 0;
+            out.texture = params.texture;
+            out.braking = limits.mass > 0 ? params.braking : 0;
+            const bool rubs = params.friction.static_ > 0 || params.friction.dynamic > 0 ||
+                              params.friction.viscous > 0 || params.snag.k_stick > 0 ||
+                              params.snag.k_kinetic > 0;
+            out.law =
+                rubs ? friction_law(params.friction, params.snag, params.stiffness, limits) : FrictionLaw{};
+            out.rough = rubs || out.textured || out.braking > 0;
+        }
+        if constexpr (requires { standing(params); }) {
+            if (out.textured) return;
+            const std::optional<HalfSpace> plane = standing(params);
+            out.stands = plane.has_value();
+            if (plane) out.plane = *plane;
+        }
     }
     static void adopt_new(Record& now, const Record* previous, const Probe& probe) noexcept {
         if (!previous) new (now.state) typename R::State{};
@@ -89,11 +109,31 @@ struct Ops {
         }
         return std::memcmp(old.params, next.params, sizeof(R)) == 0;
     }
-    static Contact contact_at(Record& r, const Probe& probe, double dt) noexcept {
-        if constexpr (Surface<R>) {
-            return contact(params_of<R>(r), state_of<R>(r), probe, dt);
+    // One that moves by itself is asked in every cycle: its ball would have to move along.
+    static std::optional<Bound> bound_of(const Record& r) noexcept {
+        if constexpr (requires(const R& p, const typename R::State& state) { bound(p, state); }) {
+            if (r.velocity != Eigen::Vector3d::Zero()) return std::nullopt;
+            std::optional<Bound> ball =
+                bound(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)));
+            if (ball && r.textured) ball->radius += r.texture.amplitude;
+            return ball;
         } else {
-            return {};
+            return std::nullopt;
+        }
+    }
+    static void forget_path(Record& r) noexcept {
+        if constexpr (requires { out_of_reach(params_of<R>(r), state_of<R>(r)); })
+            out_of_reach(params_of<R>(r), state_of<R>(r));
+    }
+    static std::uint32_t contact_at(Record& r, const Probe& probe, double dt,
+                                    std::span<Contact> out) noexcept {
+        if constexpr (requires { contacts(params_of<R>(r), state_of<R>(r), probe, dt, out); }) {
+            return contacts(params_of<R>(r), state_of<R>(r), probe, dt, out);
+        } else if constexpr (Surface<R>) {
+            out[0] = contact(params_of<R>(r), state_of<R>(r), probe, dt);
+            return 1;
+        } else {
+            return 0;
         }
     }
     static Wrench evaluate_at(Record& r, const Probe& probe, double dt) noexcept {
@@ -121,17 +161,32 @@ struct Ops {
     }
 };
 
+template <class R>
+constexpr std::uint32_t contacts_of() {
+    if constexpr (requires { R::max_contacts; }) {
+        static_assert(R::max_contacts <= max_contacts);
+        return R::max_contacts;
+    } else {
+        return 1;
+    }
+}
+
 template <class... R>
 constexpr auto table(TypeList<R...>) {
     return std::array<KindOps, sizeof...(R)>{KindOps{.surface = Surface<R>,
+                                                     .contacts = contacts_of<R>(),
                                                      .params_size = sizeof(R),
+                                                     .state_size = sizeof(typename R::State),
                                                      .prepare = &Ops<R>::prepare,
                                                      .unchanged = &Ops<R>::unchanged,
+                                                     .install = &Ops<R>::install,
                                                      .adopt = &Ops<R>::adopt_new,
                                                      .settle = &Ops<R>::settle_now,
                                                      .fade_time = &Ops<R>::fade_time,
                                                      .asked_stiffness = &Ops<R>::asked_stiffness,
                                                      .carry = &Ops<R>::carry,
+                                                     .bound = &Ops<R>::bound_of,
+                                                     .out_of_reach = &Ops<R>::forget_path,
                                                      .contact = &Ops<R>::contact_at,
                                                      .evaluate = &Ops<R>::evaluate_at,
                                                      .evaluate_all = &Ops<R>::evaluate_all}...};

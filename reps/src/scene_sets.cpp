@@ -2,80 +2,101 @@
 
 #include <cmath>
 
+#include "clamped.hpp"
 #include "scene_core.hpp"
 
 namespace knurl::detail {
 
-// The plane that gives the present force here: what an interrupted fade goes on from.
+namespace {
+constexpr double texture_release = 0.01;  // s
+}
+
+// The plane that gives the present force here: what an interrupted fade goes on from. It rubs as its surfaces
+// did; what their texture pushed is let go.
 void SceneCore::make_bridge(Group& group) noexcept {
     const double force = group.force.norm();
     double k = 0;
     for (const ContactSet* set : {&group.now, &group.old}) {
         if (set->layers > 0) k = std::max(k, set->layer[set->layers - 1].stiffness);
     }
+    if (k == 0 && force > 0)
+        k = std::min(unlimited_stiffness, limits_.max_stiffness);  // summed planes: no layer
     group.bridge_stiffness = force > 0 ? k : 0;
     if (group.bridge_stiffness <= 0) return;
     group.bridge.normal = group.force / force;
     const Eigen::Vector3d& p = group.replaced ? group.probe.position : group.position;
     group.bridge.offset = group.bridge.normal.dot(p) + force / k;
+    group.bridge_law = group.law;
+    if (group.relief != Eigen::Vector3d::Zero()) {
+        group.friction.residual += group.relief;
+        group.friction.residual_time = std::max(group.friction.residual_time, texture_release);
+    }
 }
 
-// The owners of the fading set, into scratch_. Surfaces that recover by themselves are in both sets as they
-// are now.
-std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
-    const Arena& arena = arenas_[arena_];
-    const bool was_fading = group.fading;
-    for (std::uint32_t i = group.old.begin; i < group.old.begin + group.old.count; ++i) {
-        const Owner owner = arena.owner[i];
-        if (owner != bridge_owner && (owner & 1)) slots_[owner >> 1].old_surface_of = -1;
-    }
-    if (group.edited && (group.fades || group.interrupted)) {
-        const double time = settle_ ? 0 : group.fades ? group.fade_time : group.time;
-        group.fading = group.fresh = time > 0;
-        group.elapsed = 0;
-        group.time = time;
-        if (!group.fading) return 0;
-        if (was_fading || group.interrupted) {
-            make_bridge(group);
-            scratch_[0] = bridge_owner;
-            return group.bridge_stiffness > 0 ? 1 : 0;
-        }
-    } else if (!was_fading) {
-        return 0;
-    }
-
-    const ContactSet& from = was_fading ? group.old : group.now;
-    const auto recovers_here = [&](std::uint32_t slot) {
-        return slots_[slot].felt && kind_ops()[now_[slot].kind].surface && now_[slot].use.probe == probe &&
-               now_[slot].recovers;
-    };
-    std::uint32_t n = 0;
-    for (std::uint32_t i = from.begin; i < from.begin + from.count; ++i) {
-        const Owner owner = arena.owner[i];
-        if (owner == bridge_owner || !slots_[owner >> 1].renewed) {
-            scratch_[n++] = owner;
-        } else if (!recovers_here(owner >> 1) && !was_fading &&
-                   !(old_[owner >> 1].recovers && !slots_[owner >> 1].felt)) {
-            scratch_[n++] = owner_of(owner >> 1, true);
-        }
-    }
+// The changes that were taken for this probe become one cross-fade: from the set that was felt, or, where
+// that was a fade itself, from the plane that stands for it.
+void SceneCore::begin_fade(Group& group, std::uint32_t probe) noexcept {
+    if (!group.edited || !(group.fades || group.interrupted)) return;
+    const double time = settle_ ? 0 : group.fades ? group.fade_time : group.time;
+    const bool overtaken = group.fading || group.interrupted;
+    if (overtaken && time > 0) make_bridge(group);
+    group.bridged = overtaken;
+    group.fading = group.fresh = time > 0;
+    group.elapsed = 0;
+    group.time = time;
+    if (++group.fade == 0) group.fade = 1;
+    if (!group.fading) return;
     for (std::uint32_t c = 0; c < changed_size_; ++c) {
-        if (slots_[changed_[c]].renewed && recovers_here(changed_[c]))
-            scratch_[n++] = owner_of(changed_[c], false);
+        Slot& slot = slots_[changed_[c]];
+        if (!slot.renewed) continue;
+        if (slot.old_in_fade == 0 && slot.old_surface_of == static_cast<std::int32_t>(probe))
+            slot.old_in_fade = group.fade;
+        const Record& now = now_[changed_[c]];
+        if (slot.felt && kind_ops()[now.kind].surface && now.use.probe == probe && !now.recovers)
+            slot.new_in_fade = group.fade;
     }
-    for (std::uint32_t i = 0; i < n; ++i) {
-        if (scratch_[i] != bridge_owner && (scratch_[i] & 1)) {
-            slots_[scratch_[i] >> 1].old_surface_of = static_cast<std::int32_t>(probe);
+}
+
+// The owners of the fading set, into scratch_: what changed as it was, and what did not change as it is.
+// Surfaces that recover by themselves are in both sets as they are now.
+std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
+    group.olds_left_out = false;
+    if (!group.fading) return 0;
+    std::uint32_t n = 0;
+    if (group.bridged) {
+        if (group.bridge_stiffness > 0) scratch_[n++] = bridge_owner;
+        return n;
+    }
+    for (std::uint32_t f = 0; f < fading_olds_size_; ++f) {
+        const std::uint32_t i = fading_olds_[f];
+        if (slots_[i].old_surface_of != static_cast<std::int32_t>(probe)) continue;
+        if (group.bounded > 0) {
+            const std::optional<Bound> ball = kind_ops()[old_[i].kind].bound(old_[i]);
+            const double within = group.near.margin + group.placement.radius;
+            const double far = within + 1e-12 * (group.near.at.lpNorm<1>() + within);
+            if (ball && (ball->center - group.near.at).norm() > ball->radius * (1 + 1e-12) + far) {
+                group.olds_left_out = true;
+                continue;
+            }
         }
+        scratch_[n++] = owner_of(i, true);
     }
+    const auto take = [&](std::uint32_t i) {
+        if (slots_[i].new_in_fade != group.fade) scratch_[n++] = owner_of(i, false);
+    };
+    for (std::uint32_t k = 0; k < always_size_; ++k) {
+        if (now_[always_[k]].use.probe == probe) take(always_[k]);
+    }
+    for (std::uint32_t k = 0; k < group.near.size; ++k) take(group.near.slots[k]);
     return n;
 }
 
-std::uint32_t SceneCore::list_now(std::uint32_t probe) noexcept {
+std::uint32_t SceneCore::list_now(const Group& group, std::uint32_t probe) noexcept {
     std::uint32_t n = 0;
-    for (std::uint32_t i = 0; i < surfaces_size_; ++i) {
-        if (now_[surfaces_[i]].use.probe == probe) scratch_[n++] = owner_of(surfaces_[i], false);
+    for (std::uint32_t k = 0; k < always_size_; ++k) {
+        if (now_[always_[k]].use.probe == probe) scratch_[n++] = owner_of(always_[k], false);
     }
+    for (std::uint32_t k = 0; k < group.near.size; ++k) scratch_[n++] = owner_of(group.near.slots[k], false);
     return n;
 }
 
@@ -113,11 +134,16 @@ struct Levels {
 void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
                       std::span<const Owner> owners) noexcept {
     set.begin = into.used;
-    set.count = 0;
+    set.count = set.summed = 0;
     set.layers = 0;
     set.moving_begin = into.moving_used;
     set.moving_count = 0;
-    set.infeasible = false;
+    set.infeasible = set.rough = false;
+    if (owners.empty()) {
+        set.force.setZero();
+        set.touching = false;
+        return;
+    }
     const auto stiffness_of = [&](Owner o) {
         return o == bridge_owner ? group.bridge_stiffness : record(o).stiffness;
     };
@@ -127,21 +153,31 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     // continuous.
     bool uniform = true;
     for (const Owner o : owners) uniform = uniform && weight_of(o) == weight_of(owners.front());
-    set.scale = uniform && !owners.empty() ? weight_of(owners.front()) : 1;
+    set.scale = uniform ? weight_of(owners.front()) : 1;
 
     Levels levels;
-    for (const Owner o : owners) {
+    constexpr std::uint8_t none = 0xff, summed = 0xfe;
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+        const Owner o = owners[i];
         const double k = stiffness_of(o) * (uniform ? 1 : weight_of(o));
-        if (k > 0) levels.take(k);
+        level_[i] = !(k > 0) ? none : o != bridge_owner && record(o).summed ? summed : 0;
+        if (level_[i] == 0) levels.take(k);
+        set.rough = set.rough || (o == bridge_owner ? group.bridge_law.rubs() : record(o).rough);
     }
     set.layers = levels.count;
-    if (set.layers == 0) return;
     std::array<std::uint32_t, max_layers> members{};
-    constexpr std::uint8_t none = 0xff;
+    std::uint32_t sums = 0;
+    const auto parts_of = [&](Owner o) {
+        return o == bridge_owner ? 1u : kind_ops()[record(o).kind].contacts;
+    };
     for (std::size_t i = 0; i < owners.size(); ++i) {
-        const double k = stiffness_of(owners[i]) * (uniform ? 1 : weight_of(owners[i]));
-        level_[i] = k > 0 ? levels.of(k) : none;
-        if (k > 0) ++members[level_[i]];
+        if (level_[i] == none) continue;
+        if (level_[i] == summed) {
+            ++sums;
+            continue;
+        }
+        level_[i] = levels.of(stiffness_of(owners[i]) * (uniform ? 1 : weight_of(owners[i])));
+        members[level_[i]] += parts_of(owners[i]);
     }
     std::array<std::uint32_t, max_layers> next{};
     for (std::uint32_t j = set.layers; j-- > 0;) {  // hardest first: each layer is a prefix
@@ -152,38 +188,40 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         set.layer[j].count = set.count;
         set.layer[j].proxy = group.probe.position;
     }
+    set.summed = sums;
+    std::uint32_t next_sum = set.count;
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const Owner o = owners[i];
         if (level_[i] == none) {
-            if (!(o & 1)) slots_[o >> 1].member = gone;
+            if (o != bridge_owner && !(o & 1)) slots_[o >> 1].member = gone;
             continue;
         }
-        const std::uint32_t at = set.begin + next[level_[i]]++;
+        std::uint32_t& place = level_[i] == summed ? next_sum : next[level_[i]];
+        const std::uint32_t at = set.begin + place, parts = parts_of(o);
+        place += parts;
         const bool stands = o == bridge_owner || record(o).stands;
         const HalfSpace& plane = o == bridge_owner ? group.bridge : record(o).plane;
-        into.owner[at] = o;
-        into.nx[at] = stands ? plane.normal.x() : 0;
-        into.ny[at] = stands ? plane.normal.y() : 0;
-        into.nz[at] = stands ? plane.normal.z() : 0;
-        // A surface that moves is asked each cycle; until then it is out of reach.
-        into.c[at] = !stands ? -std::numeric_limits<double>::infinity()
-                             : plane.offset + (o == bridge_owner ? 0 : group.probe.radius);
-        into.b[at] = stands && o != bridge_owner ? plane.damping * (uniform ? 1 : weight_of(o)) : 0;
+        for (std::uint32_t part = at; part < at + parts; ++part) {
+            into.owner[part] = o;
+            into.nx[part] = stands ? plane.normal.x() : 0;
+            into.ny[part] = stands ? plane.normal.y() : 0;
+            into.nz[part] = stands ? plane.normal.z() : 0;
+            // A surface that moves is asked each cycle; until then it is out of reach.
+            into.c[part] = !stands ? -std::numeric_limits<double>::infinity()
+                                   : plane.offset + (o == bridge_owner ? 0 : group.probe.radius);
+            into.b[part] = stands && o != bridge_owner ? plane.damping * (uniform ? 1 : weight_of(o)) : 0;
+        }
         if (!stands) into.moving[into.moving_used++] = at;
         if (o != bridge_owner && &set == &group.now) slots_[o >> 1].member = at;
     }
     set.moving_count = into.moving_used - set.moving_begin;
-    into.used += (set.count + 3) / 4 * 4;
+    into.used += (set.count + set.summed + 3) / 4 * 4;
 }
 
 void SceneCore::end_fade(Group& group) noexcept {
-    const Arena& arena = arenas_[arena_];
-    for (std::uint32_t i = group.old.begin; i < group.old.begin + group.old.count; ++i) {
-        if (arena.owner[i] != bridge_owner && (arena.owner[i] & 1))
-            slots_[arena.owner[i] >> 1].old_surface_of = -1;
-    }
-    group.old.count = group.old.layers = group.old.moving_count = 0;
-    group.fading = group.fresh = false;
+    group.old.count = group.old.summed = group.old.layers = group.old.moving_count = 0;
+    group.fading = group.fresh = group.bridged = false;
+    group.rough = group.now.rough;
 }
 
 void SceneCore::rebuild_sets() noexcept {
@@ -191,19 +229,54 @@ void SceneCore::rebuild_sets() noexcept {
     into.used = into.moving_used = 0;
     contacts_used_ = 0;
     for (std::uint32_t p = 0; p < groups_.size(); ++p) {
+        if (probes_used_ >> p & 1) begin_fade(groups_[p], p);
+    }
+    std::uint32_t kept = 0;
+    for (std::uint32_t f = 0; f < fading_olds_size_; ++f) {
+        Slot& slot = slots_[fading_olds_[f]];
+        const bool used = slot.old_surface_of >= 0 && [&] {
+            const Group& group = groups_[static_cast<std::uint32_t>(slot.old_surface_of)];
+            return group.fading && !group.bridged && group.fade == slot.old_in_fade;
+        }();
+        if (used) {
+            fading_olds_[kept++] = fading_olds_[f];
+        } else {
+            slot.old_surface_of = -1;
+            slot.old_listed = false;
+        }
+    }
+    fading_olds_size_ = kept;
+    for (std::uint32_t p = 0; p < groups_.size(); ++p) {
         Group& group = groups_[p];
         if (!(probes_used_ >> p & 1)) continue;
-        // The lists of before are read from the present arena before the sets' places are overwritten.
         const std::uint32_t olds = list_old(group, p);
         build(group.old, group, into, std::span<const Owner>(scratch_.data(), olds));
-        build(group.now, group, into, std::span<const Owner>(scratch_.data(), list_now(p)));
-        if (group.now.count > 0 || group.fading) contacts_used_ |= 1u << p;
-        if (group.now.count == 0 && !group.fading) group.force.setZero();
+        build(group.now, group, into, std::span<const Owner>(scratch_.data(), list_now(group, p)));
+        group.rough = group.now.rough || group.old.rough;
+        if (group.now.count + group.now.summed > 0 || group.fading) {
+            contacts_used_ |= 1u << p;
+        } else {
+            release(group);
+        }
         group.edited = group.fades = group.interrupted = group.replaced = false;
         group.fade_time = 0;
     }
     arena_ ^= 1;
     sets_edited_ = false;
+}
+
+// Nothing is touched any more.
+void SceneCore::release(Group& group) noexcept {
+    group.force.setZero();
+    group.along.setZero();
+    group.relief.setZero();
+    group.law = FrictionLaw{};
+    group.friction.held = false;
+    group.friction.last.setZero();
+    group.friction.residual.setZero();
+    group.friction.residual_time = 0;
+    group.pulse_left = 0;
+    group.apart = 1;
 }
 
 }  // namespace knurl::detail

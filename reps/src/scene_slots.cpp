@@ -10,7 +10,7 @@ namespace knurl::detail {
 using Code = Verdict::Code;
 
 SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
-    : capacity_(capacity), limits_(sane_limits(limits)) {
+    : capacity_(capacity), limits_(sane_limits(limits)), reach_(std::max(1u, capacity.representations)) {
     capacity_.representations = std::max(1u, capacity.representations);
     capacity_.probes = std::clamp(capacity.probes, 1u, Scene::max_probes);
     const std::size_t n = capacity_.representations;
@@ -21,13 +21,17 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
     changed_.resize(n);
     groups_.resize(capacity_.probes);
     surfaces_.resize(n);
+    always_.resize(n);
+    near_.resize(n);
+    fading_olds_.resize(n);
+    for (Group& group : groups_) group.near.slots.resize(n);
     effects_.resize(n);
     fading_.resize(n);
     by_kind_.resize(n);
     // A slot is at most in three sets: the old record in one probe's fading set, the new one in both of
     // another's.
     const std::size_t members =
-        3 * n + Scene::max_probes + 2 * 4 * Scene::max_probes;  // each set is aligned to four
+        3 * n * max_contacts + Scene::max_probes + 2 * 4 * Scene::max_probes;  // each set is aligned to four
     for (Arena& arena : arenas_) {
         for (std::vector<double>* array : {&arena.nx, &arena.ny, &arena.nz, &arena.c, &arena.s, &arena.b}) {
             array->resize(members);
@@ -91,28 +95,35 @@ void SceneCore::write(std::uint32_t slot, const void* params, std::size_t bytes)
     mark(slot);
 }
 
-void SceneCore::join(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot) noexcept {
-    slots_[slot].place = size;
+void SceneCore::join(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot,
+                     Place place) noexcept {
+    slots_[slot].*place = size;
     list[size++] = slot;
 }
 
-void SceneCore::leave(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot) noexcept {
+void SceneCore::leave(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot,
+                      Place place) noexcept {
     const std::uint32_t last = list[--size];
-    list[slots_[slot].place] = last;
-    slots_[last].place = slots_[slot].place;
+    list[slots_[slot].*place] = last;
+    slots_[last].*place = slots_[slot].*place;
 }
 
 void SceneCore::clear() noexcept {
     for (std::uint32_t i = 0; i < slots_.size(); ++i) slots_[i] = Slot{};
-    changed_size_ = surfaces_size_ = effects_size_ = fading_size_ = size_ = 0;
+    changed_size_ = surfaces_size_ = always_size_ = effects_size_ = fading_size_ = fading_olds_size_ = size_ =
+        0;
     counts_ = {};
+    reach_.clear();
     for (Group& group : groups_) {
         group.now = ContactSet{};
         group.old = ContactSet{};
-        group.fading = group.fresh = false;
+        group.fading = group.fresh = group.rough = false;
         group.force.setZero();
+        group.friction = FrictionState{};
+        group.near.size = group.bounded = 0;
+        group.near.margin = -1;
     }
-    contacts_used_ = 0;
+    contacts_used_ = bounded_used_ = 0;
     probes_used_ = 1;
     sets_edited_ = effects_edited_ = true;
     kind_begin_ = {};

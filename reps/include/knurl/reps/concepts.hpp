@@ -2,10 +2,14 @@
 // The two kinds of representation: contacts must be solved together, effects must not.
 
 #include <concepts>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <type_traits>
 
 #include <knurl/reps/field.hpp>
 #include <knurl/reps/limits.hpp>
+#include <knurl/reps/material.hpp>
 #include <knurl/reps/probe.hpp>
 #include <knurl/reps/wrench.hpp>
 
@@ -24,7 +28,6 @@ struct Contact {
 struct Bound {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();  // m, at the moment
     double radius = 0;                                 // m
-    double speed = 0;                                  // m/s, the center's: 0 if it stands still
 };
 
 /// The plane of a surface that stands still between changes; points with normal . x >= offset are free.
@@ -59,6 +62,11 @@ concept Surface = Representation<R> &&
     { contact(params, state, probe, dt) }
     noexcept->std::same_as<Contact>;
     { params.stiffness } -> std::convertible_to<double>;  // N/m, the same between changes
+    { params.velocity } -> std::convertible_to<Vec3>;     // m/s, likewise
+    { params.friction } -> std::convertible_to<Friction>;
+    { params.snag } -> std::convertible_to<Snag>;
+    { params.texture } -> std::convertible_to<Texture>;
+    { params.braking } -> std::convertible_to<double>;
 };
 
 template <class R>
@@ -68,19 +76,23 @@ concept Effect = Representation<R> &&
     noexcept->std::same_as<Wrench>;
 };
 
-// What a representation may offer besides. Each is found by its name (argument-dependent lookup) and is optional:
+// What a representation may offer besides. Each is found by its name (argument-dependent lookup) and is
+// optional:
 //
-//   std::optional<HalfSpace> standing(const R&)   a surface that is one plane until it changes: scanned, not called
-//   std::optional<Bound> bound(const R&, const R::State&)   a surface that is not asked where it is out of reach;
+//   std::optional<HalfSpace> standing(const R&)   a surface that is one plane until it changes: scanned, not
+//   called std::optional<Bound> bound(const R&, const R::State&)   a surface that is not asked where it is
+//   out of reach;
 //                                                 without it, or without a value, it is asked in every cycle
-//   std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
-//                                                 a surface with up to R::max_contacts tangent planes at once (the
-//                                                 corner of a hollow box): fills in those that matter
-//   bool recovers_itself(const R&)                its own state brings a change in: left out of the cross-fade
-//   R carried(const R& old, const R& next)        an effect's `old` with all that moves by itself from `next`
-//   void settle(const R&, R::State&)              ends every motion and recovery at once
+//   void out_of_reach(const R&, R::State&)        beside bound(): it was not asked for a while and forgets
+//   its path std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
+//                                                 a surface with up to R::max_contacts tangent planes at once
+//                                                 (the corner of a hollow box): fills in those that matter
+//   bool recovers_itself(const R&)                its own state brings a change in: left out of the
+//   cross-fade R carried(const R& old, const R& next)        an effect's `old` with all that moves by itself
+//   from `next` void settle(const R&, R::State&)              ends every motion and recovery at once
 //
-// A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic. Members
-// `friction`, `snag`, `texture` and `braking` (material.hpp) are a surface's material: the scene acts on them.
+// A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic.
+// Members `friction`, `snag`, `texture` and `braking` (material.hpp) are a surface's material: the scene acts
+// on them.
 
 }  // namespace knurl

@@ -20,7 +20,8 @@ enum class PlaneUpdate : std::uint32_t {
 /// How a plane acts together with the others of its probe.
 enum class PlaneCombine : std::uint32_t {
     joint = 0,  // solved together with all other surfaces (default)
-    sum = 1,    // its force k depth is added to theirs, as Armlib and VRPN do: up to N k stiff, and not conservative
+    sum = 1,    // its force k depth is added to theirs, as Armlib and VRPN do: up to N k stiff, and not
+                // conservative
 };
 
 /// What `recovery = automatic` means to `paper` and `last_depth`: the paper's own figure.
@@ -41,8 +42,8 @@ struct Plane {
     Texture texture = {};
 
     struct State {
-        double lowered = 0;      // m, how far below its place the plane still is (paper, last_depth)
-        double remaining = 0;    // s, until it has arrived
+        double lowered = 0;        // m, how far below its place the plane still is (paper, last_depth)
+        double remaining = 0;      // s, until it has arrived
         double moving = 0;         // s, since its place was given: it has moved on by velocity x this
         std::uint64_t placed = 0;  // 1: its place was given in this cycle
     };

@@ -41,6 +41,7 @@ struct Feedback {
     Wrench wrench;  // on the hand; the application's end feels the opposite
     Eigen::Vector3d contact_point = Eigen::Vector3d::Zero();  // m, world
     double stiffness = 0;                                     // N/m as applied, after clamping
+    double tangential_stiffness = 0;                          // N/m of its friction, as applied
     std::uint32_t flags = 0;                                  // Feedback::touching, ...
 
     static constexpr std::uint32_t touching = 1;           // the hand feels it in this cycle
@@ -91,6 +92,11 @@ class Scene {
     Verdict update(Handle handle, const R& params) noexcept {
         return update(handle, kind_of<R>, &params, sizeof params);
     }
+
+    /// Scenes of more than some thousand bounded surfaces (spheres, boxes, ...): sorts them into a tree, so
+    /// that those out of reach cost nothing. Call it after adding many, outside of any cycle: it allocates.
+    /// What changes later is found all the same, only by a scan.
+    void index();
 
     /// For how long the application has been silent (s); 0 or less: it is not. Acts through each Use.
     void set_silence(double seconds) noexcept;

@@ -1,0 +1,110 @@
+// Which bounded surfaces a probe might touch: collected once, and exact until the probe has moved by the
+// margin.
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene_core.hpp"
+
+namespace knurl::detail {
+
+namespace {
+
+constexpr double least_margin = 2e-3;  // m
+constexpr double rounded = 1 - 5e-5;   // of the margin: what rounding of positions may not eat
+constexpr std::uint32_t many = 64, few = 16;
+
+}  // namespace
+
+void SceneCore::place_surface(std::uint32_t i) noexcept {
+    Slot& slot = slots_[i];
+    const Record& r = now_[i];
+    const std::optional<Bound> ball = kind_ops()[r.kind].bound(r);
+    slot.near = slot.near && ball.has_value();
+    slot.bounded = ball.has_value();
+    if (!ball) return join(always_, always_size_, i, &Slot::always_place);
+    reach_.put(i, ball->center, ball->radius);
+    Group& group = groups_[r.use.probe];
+    ++group.bounded;
+    group.near.margin = -1;
+    bounded_used_ |= 1u << r.use.probe;
+}
+
+void SceneCore::forget_surface(std::uint32_t i) noexcept {
+    Slot& slot = slots_[i];
+    if (!slot.bounded) return leave(always_, always_size_, i, &Slot::always_place);
+    reach_.drop(i);
+    const std::uint32_t probe = now_[i].use.probe;
+    Group& group = groups_[probe];
+    group.near.margin = -1;
+    slot.bounded = false;
+    if (--group.bounded == 0) {
+        bounded_used_ &= ~(1u << probe);
+        group.near.size = 0;
+    }
+}
+
+bool SceneCore::near_left() noexcept {
+    bool left = false;
+    for (std::uint32_t rest = bounded_used_; rest != 0; rest &= rest - 1) {
+        Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
+        const double within = group.near.margin * rounded;
+        if (within > 0 && (group.probe.position - group.near.at).squaredNorm() < within * within) continue;
+        group.near.margin = -1;
+        left = true;
+    }
+    return left;
+}
+
+// A surface that joins was out of reach in the last cycle, so its state is made what it would be had it been
+// asked then: no path before that, and the probe where it was. One that is new has no past.
+void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
+    Candidates& near = group.near;
+    const double typical = std::max(least_margin, reach_.mean_radius() / 2);
+    if (!(near.wanted > 0)) near.wanted = typical;
+    near.at = group.probe.position;
+    near.margin = near.wanted;
+    const std::uint32_t found = reach_.collect(near.at, near.margin + group.placement.radius, near_);
+    if (found > many) near.wanted = std::max(1e-6, near.wanted / 2);
+    if (found < few) near.wanted = std::min(typical, near.wanted * 2);
+
+    std::uint32_t size = 0;
+    for (std::uint32_t k = 0; k < found; ++k) {
+        if (now_[near_[k]].use.probe == probe) near_[size++] = near_[k];
+    }
+    // One that holds the probe from however deep has no bound at the moment.
+    for (std::uint32_t k = 0; k < near.size; ++k) slots_[near.slots[k]].near = false;
+    for (std::uint32_t k = 0; k < size; ++k) slots_[near_[k]].near = true;
+    for (std::uint32_t k = 0; k < near.size; ++k) {
+        const std::uint32_t i = near.slots[k];
+        const Slot& slot = slots_[i];
+        if (slot.near || !slot.bounded || !slot.felt || slot.renewed || now_[i].use.probe != probe) continue;
+        if (!kind_ops()[now_[i].kind].bound(now_[i])) near_[size++] = i;
+    }
+    std::sort(near_.begin(), near_.begin() + size);
+    const bool same =
+        size == near.size && std::equal(near_.begin(), near_.begin() + size, near.slots.begin());
+    for (std::uint32_t k = 0; k < size; ++k) slots_[near_[k]].near = true;
+    if (group.fading && group.olds_left_out)
+        sets_edited_ = true;  // they are to be asked whether they are near now
+    if (same) return;
+
+    for (std::uint32_t k = 0; k < size; ++k) {
+        const std::uint32_t i = near_[k];
+        if (std::binary_search(near.slots.begin(), near.slots.begin() + near.size, i)) continue;
+        Record& r = now_[i];
+        if (r.asked == 0 && slots_[i].renewed) continue;
+        const KindOps& ops = kind_ops()[r.kind];
+        ops.out_of_reach(r);
+        if (!met_) continue;
+        Probe then = group.probe;
+        then.position = group.before;
+        std::array<Contact, max_contacts> unused;
+        ops.contact(r, then, limits_.period, unused);
+    }
+    std::copy(near_.begin(), near_.begin() + size, near.slots.begin());
+    near.size = size;
+    sets_edited_ = true;
+}
+
+}  // namespace knurl::detail
