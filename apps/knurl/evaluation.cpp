@@ -90,14 +90,16 @@ class Player {
         answered_ += replies.size();
         if (answered_ < claim_.issued()) throw std::runtime_error(too_many_);
         for (const protocol::Reply& reply : replies) {
-            const Verdict verdict{static_cast<Verdict::Code>(reply.code), reply.field, reply.value};
+            const Verdict verdict{static_cast<Verdict::Code>(reply.code), reply.field, reply.value,
+                                  reply.reason};
             if (!verdict) throw std::runtime_error(describe(verdict, reply.kind, refused_by()));
         }
         if (sent_.empty()) return;
         const auto& felt = claim_.feedback();
         if (felt.header.batches_refused > 0) {
             const Verdict verdict{static_cast<Verdict::Code>(felt.header.refused_code),
-                                  felt.header.refused_field, felt.header.refused_value};
+                                  felt.header.refused_field, felt.header.refused_value,
+                                  felt.header.refused_reason};
             throw std::runtime_error(describe(verdict, felt.header.refused_kind, refused_by()));
         }
         for (const Change* change : sent_) {
@@ -169,12 +171,11 @@ class Player {
         return true;
     }
 
-    /// `params` with the change's values for what describes a change (fields that may be automatic), not the
-    /// thing.
+    /// `params` with the change's values for what describes a change, not the thing.
     static std::vector<std::byte> with_recovery_of(const Change& change, std::vector<std::byte> params) {
         for (const Field& field : kinds()[change.kind].fields) {
-            if (!field.automatic_allowed) continue;
-            std::memcpy(params.data() + field.offset, change.params.data() + field.offset, sizeof(double));
+            if (!field.of_change) continue;
+            std::memcpy(params.data() + field.offset, change.params.data() + field.offset, field.bytes());
         }
         return params;
     }

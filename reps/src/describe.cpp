@@ -25,7 +25,12 @@ std::string legal(const Field& field) {
         for (const std::string_view choice : field.choices) text.append(" ").append(choice);
         return text;
     }
-    std::string text = field.type == Field::Type::vector ? "give components" : "give a value";
+    if (field.type == Field::Type::integer && !std::isfinite(field.maximum))
+        return "give a whole number from 0 to 4294967295";
+    std::string text = field.type == Field::Type::real      ? "give a value"
+                       : field.type == Field::Type::integer ? "give a whole number"
+                       : field.type == Field::Type::matrix  ? "give entries"
+                                                            : "give components";
     const bool below = std::isfinite(field.minimum), above = std::isfinite(field.maximum);
     if (below && above) {
         text += " from " + number(field.minimum) + " to " + with_unit(field.maximum, field.unit);
@@ -60,15 +65,23 @@ std::string what(const Verdict& verdict, const KindInfo* kind) {
                          : name + ": silence_time = " + number(verdict.value) +
                                " s is out of range; give 0 s or more";
         case Verdict::Code::zero_vector:
-            return name + " has length " + number(verdict.value) +
-                   " and so no direction; give a length of 1e-06 or more";
+            return name + " has length " + number(verdict.value) + " and so no " +
+                   (field && field->type == Field::Type::quaternion ? "orientation" : "direction") +
+                   "; give a length of 1e-06 or more";
+        case Verdict::Code::count:
+            return name + " has " + number(verdict.value) + " points" +
+                   (field ? "; give from " + std::to_string(field->least) + " to " +
+                                std::to_string(field->count)
+                          : "");
         case Verdict::Code::no_such_choice:
             return field ? name + " = " + number(verdict.value) + " is none of its choices" + remedy
                          : name + ": on_silence = " + number(verdict.value) +
                                " is none of its choices; give one of fade hold move";
         case Verdict::Code::contradiction:
-            return name + " = " + with_unit(verdict.value, unit) + " contradicts another of its fields" +
-                   remedy;
+            return name + " = " + with_unit(verdict.value, unit) + " " +
+                   (kind && verdict.reason < kind->contradictions.size()
+                        ? std::string(kind->contradictions[verdict.reason])
+                        : "contradicts another of its fields" + remedy);
         case Verdict::Code::unknown_kind:
             return "no representation of kind " + number(verdict.value) +
                    " exists; build the application and the servo from the same version";
@@ -98,8 +111,11 @@ std::string what(const Verdict& verdict, const KindInfo* kind) {
 }  // namespace
 
 std::string describe(const Verdict& verdict, Kind kind, std::string_view where) {
-    const KindInfo* info = kind < kinds().size() ? &kinds()[kind] : nullptr;
-    const std::string text = what(verdict, info);
+    return describe(verdict, kind < kinds().size() ? &kinds()[kind] : nullptr, where);
+}
+
+std::string describe(const Verdict& verdict, const KindInfo* kind, std::string_view where) {
+    const std::string text = what(verdict, kind);
     return where.empty() ? text : std::string(where) + ": " + text;
 }
 

@@ -24,22 +24,31 @@ inline Verdict refuse(std::uint32_t index, double value) noexcept {
 /// infinity.
 inline Verdict check_field(const Field& field, std::uint32_t index, const unsigned char* params) noexcept {
     const unsigned char* at = params + field.offset;
-    if (field.type == Field::Type::choice) {
-        std::uint32_t value;
-        std::memcpy(&value, at, sizeof value);
-        if (value < field.choices.size()) return {};
-        return {Verdict::Code::no_such_choice, index, static_cast<double>(value)};
+    std::size_t reals = field.reals();
+    if (reals == 0 || field.type == Field::Type::points) {
+        std::uint32_t whole;
+        std::memcpy(&whole, at + reals * sizeof(double), sizeof whole);
+        const auto value = static_cast<double>(whole);
+        if (field.type == Field::Type::choice) {
+            if (whole >= field.choices.size()) return {Verdict::Code::no_such_choice, index, value};
+        } else if (field.type == Field::Type::integer) {
+            if (!legal(field, value)) return refuse(index, value);
+        } else {
+            if (whole < field.least || whole > field.count) return {Verdict::Code::count, index, value};
+            reals = std::size_t{3} * whole;  // what lies behind the last one is nobody's
+        }
     }
-    double v[3] = {};
-    const std::size_t count = field.type == Field::Type::vector ? 3 : 1;
-    std::memcpy(v, at, count * sizeof(double));
-    for (std::size_t i = 0; i < count; ++i) {
-        if (!legal(field, v[i]) || (std::isinf(v[i]) && !field.infinity_allowed)) return refuse(index, v[i]);
+    double square = 0;
+    for (std::size_t i = 0; i < reals; ++i) {
+        double value;
+        std::memcpy(&value, at + i * sizeof value, sizeof value);
+        if (!legal(field, value) || (std::isinf(value) && !field.infinity_allowed))
+            return refuse(index, value);
+        square += value * value;
     }
-    const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    if (field.nonzero && square < least_length * least_length) {
+    const bool needs_length = field.nonzero || field.type == Field::Type::quaternion;
+    if (needs_length && square < least_length * least_length)
         return {Verdict::Code::zero_vector, index, std::sqrt(square)};
-    }
     return {};
 }
 

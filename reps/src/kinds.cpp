@@ -36,6 +36,12 @@ Verdict validate(const void* params) noexcept {
     return {};
 }
 
+template <class R>
+constexpr std::span<const std::string_view> contradictions_of() {
+    if constexpr (requires { Describe<R>::contradictions; }) return Describe<R>::contradictions;
+    return {};
+}
+
 template <class... R>
 constexpr auto table(TypeList<R...>) {
     static_assert((... && (Surface<R> != Effect<R>)), "a representation is a surface or an effect");
@@ -43,7 +49,8 @@ constexpr auto table(TypeList<R...>) {
                                                        .fields = Describe<R>::fields,
                                                        .size = sizeof(R),
                                                        .surface = Surface<R>,
-                                                       .validate = &validate<R>}...};
+                                                       .validate = &validate<R>,
+                                                       .contradictions = contradictions_of<R>()}...};
 }
 
 constexpr auto all_kinds = table(Representations{});
@@ -76,6 +83,7 @@ std::uint64_t layout_hash() noexcept {
             hash.add(field.name);
             hash.add(static_cast<std::uint64_t>(field.type));
             hash.add(field.offset);
+            hash.add(std::uint64_t{field.count});
             for (const std::string_view choice : field.choices) hash.add(choice);
         }
         hash.add(kind.fields.size());

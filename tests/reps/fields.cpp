@@ -49,9 +49,119 @@ TEST(Fields, ARefusalIsOneLineWithWhereWhatTheRangeAndTheRemedy) {
               std::string::npos);
 }
 
+TEST(Fields, AContradictionSaysItsReasonAfterTheValue) {
+    const Plane plane{.stiffness = 1, .friction = {.static_ = 0.2, .dynamic = 0.3}};
+    const KindInfo& kind = kinds()[kind_of<Plane>];
+    const Verdict verdict = kind.validate(&plane);
+    EXPECT_EQ(verdict.code, Verdict::Code::contradiction);
+    ASSERT_LT(verdict.reason, kind.contradictions.size());
+    EXPECT_EQ(describe(verdict, kind_of<Plane>, "floor"),
+              "floor: plane.friction.static = 0.2 is below friction.dynamic; give at least as much");
+}
+
+namespace {
+// A kind with a field of every type.
+struct Sample {
+    Mat3 matrix = {};
+    Quat turn = {};
+    Vec3 corners[5] = {};
+    std::uint32_t used = 3;
+    std::uint32_t seed = 1;
+    std::uint32_t dots = 3;
+    std::uint32_t reserved = 0;
+};
+constexpr Field sample_fields[] = {
+    {.name = "matrix",
+     .type = Field::Type::matrix,
+     .offset = offsetof(Sample, matrix),
+     .unit = "N/m",
+     .minimum = -100,
+     .maximum = 100,
+     .count = 3},
+    {.name = "turn",
+     .type = Field::Type::quaternion,
+     .offset = offsetof(Sample, turn),
+     .unit = "1",
+     .minimum = -10,
+     .maximum = 10},
+    {.name = "corners",
+     .type = Field::Type::points,
+     .offset = offsetof(Sample, corners),
+     .unit = "m",
+     .minimum = -2,
+     .maximum = 2,
+     .count = 5,
+     .least = 3},
+    {.name = "seed", .type = Field::Type::integer, .offset = offsetof(Sample, seed)},
+    {.name = "dots",
+     .type = Field::Type::integer,
+     .offset = offsetof(Sample, dots),
+     .minimum = 1,
+     .maximum = 9},
+};
+
+std::string refusal(const Sample& sample) {
+    const KindInfo kind{.name = "sample",
+                        .fields = sample_fields,
+                        .size = sizeof(Sample),
+                        .surface = false,
+                        .validate = nullptr,
+                        .contradictions = {}};
+    return describe(validate_fields(sample_fields, &sample), &kind, "");
+}
+
+template <class Change>
+std::string refusal_after(Change change) {
+    Sample sample;
+    change(sample);
+    return refusal(sample);
+}
+}  // namespace
+
+TEST(Fields, EachEntryOfAMatrixIsChecked) {
+    for (int i = 0; i < 9; ++i) {
+        EXPECT_EQ(refusal_after([&](Sample& s) { s.matrix.at[i] = -100.5; }),
+                  "sample.matrix = -100.5 N/m is out of range; give entries from -100 to 100 N/m");
+    }
+    EXPECT_EQ(refusal_after([](Sample& s) { s.matrix.at[8] = -100; }), "sample: accepted");
+}
+
+TEST(Fields, AQuaternionMayHaveAnyLengthButNone) {
+    EXPECT_EQ(refusal_after([](Sample& s) { s.turn = {0, 0, 0, 3}; }), "sample: accepted");
+    EXPECT_EQ(refusal_after([](Sample& s) {
+                  s.turn = {0, 0, 0, 0};
+              }),
+              "sample.turn has length 0 and so no orientation; give a length of 1e-06 or more");
+    EXPECT_EQ(refusal_after([](Sample& s) { s.turn.z = infinity; }),
+              "sample.turn = inf is not a finite number; give components from -10 to 10");
+}
+
+TEST(Fields, OnlyThePointsInUseAreChecked) {
+    EXPECT_EQ(refusal_after([](Sample& s) { s.corners[2].z = 3; }),
+              "sample.corners = 3 m is out of range; give components from -2 to 2 m");
+    EXPECT_EQ(refusal_after([](Sample& s) { s.corners[3].x = std::nan(""); }), "sample: accepted");
+    EXPECT_EQ(refusal_after([](Sample& s) { s.used = 5, s.corners[4].z = -3; }),
+              "sample.corners = -3 m is out of range; give components from -2 to 2 m");
+    EXPECT_EQ(refusal_after([](Sample& s) { s.used = 2; }), "sample.corners has 2 points; give from 3 to 5");
+    EXPECT_EQ(refusal_after([](Sample& s) { s.used = 0xffffffff; }),
+              "sample.corners has 4294967295 points; give from 3 to 5");
+}
+
+TEST(Fields, AnIntegerIsAnyUnlessItHasARange) {
+    EXPECT_EQ(refusal_after([](Sample& s) { s.seed = 0xffffffff; }), "sample: accepted");
+    EXPECT_EQ(refusal_after([](Sample& s) { s.dots = 10; }),
+              "sample.dots = 10 is out of range; give a whole number from 1 to 9");
+}
+
+TEST(Fields, TheLayoutKnowsHowManyBytesAFieldHas) {
+    const std::size_t expected[] = {72, 32, 5 * 24 + 4, 4, 4};
+    for (std::size_t i = 0; i < std::size(sample_fields); ++i)
+        EXPECT_EQ(sample_fields[i].bytes(), expected[i]) << sample_fields[i].name;
+}
+
 TEST(Fields, EveryVerdictOfEveryKindIsOneLine) {
     for (Kind kind = 0; kind <= kinds().size(); ++kind) {
-        for (std::uint32_t code = 0; code <= static_cast<std::uint32_t>(Verdict::Code::refused); ++code) {
+        for (std::uint32_t code = 0; code <= static_cast<std::uint32_t>(Verdict::Code::count); ++code) {
             for (const std::uint32_t field : {0u, 1u, Verdict::no_field}) {
                 const std::string text = describe({static_cast<Verdict::Code>(code), field, 3}, kind, "");
                 EXPECT_FALSE(text.empty());

@@ -3,6 +3,8 @@
 
 #include <cstring>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include <knurl/reps/scene.hpp>
 
@@ -55,13 +57,27 @@ inline void set_real(void* params, const Field& field, double value, int compone
         static_cast<char*>(params) + field.offset + sizeof value * static_cast<std::size_t>(component),
         &value, sizeof value);
 }
-inline void set_choice(void* params, const Field& field, std::uint32_t value) {
-    std::memcpy(static_cast<char*>(params) + field.offset, &value, sizeof value);
+/// A choice, an integer, or how many points are used.
+inline void set_whole(void* params, const Field& field, std::uint32_t value) {
+    std::memcpy(static_cast<char*>(params) + field.offset + field.reals() * sizeof(double), &value,
+                sizeof value);
 }
 
-/// Legal parameters of any kind, from its table of fields alone. `extreme`: up to the ends of every range.
+/// Makes random parameters agree with each other where a kind demands more than ranges. A kind whose legal
+/// parameters are too rare to be met by chance specialises it.
 template <class R>
-R random_params(Rng& rng, bool extreme) {
+struct Agreeing {
+    static void make(Rng&, R& params) {
+        if constexpr (requires { params.friction.static_; }) {
+            if (params.friction.static_ != automatic)
+                params.friction.static_ = std::max(params.friction.static_, params.friction.dynamic);
+        }
+    }
+};
+
+/// Values within the ranges of any kind's table of fields. `extreme`: up to their ends.
+template <class R>
+R random_values(Rng& rng, bool extreme) {
     R params{};
     for (const Field& field : Describe<R>::fields) {
         const auto number = [&] {
@@ -77,20 +93,39 @@ R random_params(Rng& rng, bool extreme) {
             if (field.minimum < 0 && between(rng, 0, 1)) value = -value;
             return std::clamp(value, field.minimum, field.maximum);
         };
-        if (field.type == Field::Type::real) set_real(&params, field, number());
-        if (field.type == Field::Type::vector) {
-            for (int i = 0; i < 3; ++i) set_real(&params, field, number(), i);
-            double v[3];
-            std::memcpy(v, reinterpret_cast<const char*>(&params) + field.offset, sizeof v);
-            if (field.nonzero && std::hypot(v[0], v[1], v[2]) < 1e-6) set_real(&params, field, 1, 2);
+        using Type = Field::Type;
+        const auto some = [&](std::uint32_t from, std::uint32_t to) {
+            return static_cast<std::uint32_t>(between(rng, static_cast<int>(from), static_cast<int>(to)));
+        };
+        double square = 0;
+        for (int i = 0; i < static_cast<int>(field.reals()); ++i) {
+            const double value = number();
+            set_real(&params, field, value, i);
+            square += value * value;
         }
-        if (field.type == Field::Type::choice) {
-            set_choice(
-                &params, field,
-                static_cast<std::uint32_t>(between(rng, 0, static_cast<int>(field.choices.size()) - 1)));
-        }
+        if ((field.nonzero || field.type == Type::quaternion) && !(square >= 1e-12))
+            set_real(&params, field, 1, 2);
+        if (field.type == Type::choice)
+            set_whole(&params, field, some(0, static_cast<std::uint32_t>(field.choices.size()) - 1));
+        if (field.type == Type::integer)
+            set_whole(&params, field,
+                      static_cast<std::uint32_t>(
+                          std::clamp<double>(some(0, 1u << 30), field.minimum, field.maximum)));
+        if (field.type == Type::points) set_whole(&params, field, some(field.least, field.count));
     }
     return params;
+}
+
+/// Legal parameters of any kind.
+template <class R>
+R random_params(Rng& rng, bool extreme) {
+    for (int tries = 0; tries < 10'000; ++tries) {
+        R params = random_values<R>(rng, extreme);
+        Agreeing<R>::make(rng, params);
+        if (kinds()[kind_of<R>].validate(&params)) return params;
+    }
+    throw std::runtime_error("no legal parameters by chance; specialise Agreeing for " +
+                             std::string(Describe<R>::name));
 }
 
 /// Every time in the parameters (recovery, duration) set to `seconds`, every choice to its first.
@@ -98,7 +133,7 @@ template <class R>
 void set_times(R& params, double seconds) {
     for (const Field& field : Describe<R>::fields) {
         if (field.unit == "s") set_real(&params, field, seconds);
-        if (field.type == Field::Type::choice) set_choice(&params, field, 0);
+        if (field.type == Field::Type::choice) set_whole(&params, field, 0);
     }
 }
 

@@ -23,6 +23,12 @@ using protocol::CommandType;
 constexpr std::chrono::milliseconds longest_answer{1000};  // the servo answers in its next cycle
 constexpr std::chrono::milliseconds replay_time{400};      // for all of a claim's representations
 
+/// Nothing is wrong with this command, but with another of its group.
+bool for_its_group(const protocol::Reply& reply) {
+    return static_cast<Verdict::Code>(reply.code) == Verdict::Code::refused &&
+           reply.reason == static_cast<std::uint32_t>(protocol::Refusal::group_refused);
+}
+
 template <class Body>
 std::vector<std::byte> bytes_of(const Body& body) {
     const auto bytes = std::as_bytes(std::span(&body, 1));
@@ -240,8 +246,8 @@ void ClaimState::wait_for_answer(std::uint64_t number, CommandType type, Lock& l
             settle(lock, waited);
             if (static_cast<Verdict::Code>(reply.code) == Verdict::Code::ok) return;
             // The member of the group that was at fault says more than "the group was refused".
-            const bool other = reply.reason == static_cast<std::uint32_t>(protocol::Refusal::group_refused);
-            if (other && !deferred_.empty()) throw Error(Error::Kind::refused, std::exchange(deferred_, {}));
+            if (for_its_group(reply) && !deferred_.empty())
+                throw Error(Error::Kind::refused, std::exchange(deferred_, {}));
             throw Error(Error::Kind::refused, refused_command(reply, about(type, 0)));
         }
         if (Clock::now() > deadline) {
@@ -288,10 +294,9 @@ void ClaimState::answered(const protocol::Reply& reply) {
         answers_[command.number] = reply;
         return;
     }
-    const bool group = static_cast<Verdict::Code>(reply.code) == Verdict::Code::refused &&
-                       reply.reason == static_cast<std::uint32_t>(protocol::Refusal::group_refused);
     // The member of the group that was at fault has an answer of its own.
-    if (!accepted && !group) deferred_ = refused_command(reply, about(command.type, command.kind));
+    if (!accepted && !for_its_group(reply))
+        deferred_ = refused_command(reply, about(command.type, command.kind));
 }
 
 std::string ClaimState::about(CommandType type, Kind kind) const {

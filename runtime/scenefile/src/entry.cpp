@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -22,7 +23,19 @@ std::string joined(const std::vector<std::string_view>& words) {
 
 [[noreturn]] void fail_unknown_key(const std::string& path, const Value& value, const std::string& called,
                                    const std::vector<std::string_view>& known) {
-    const auto meant = nearest(value.key, known);
+    std::vector<std::string_view> inside;  // "friction" alone: a table, not a value
+    for (const auto word : known) {
+        if (word.starts_with(value.key + ".")) inside.push_back(word);
+    }
+    if (!inside.empty()) {
+        fail(path, value.key_at,
+             fmt::format("{} in {} is a table, not {}; it has {}", value.key, called, type_name(*value.node),
+                         joined(inside)));
+    }
+    auto meant = nearest(value.key, known);
+    for (const auto word : known) {  // the last part alone, of a name with dots
+        if (meant.empty() && word.ends_with("." + value.key)) meant = word;
+    }
     fail(path, value.key_at,
          fmt::format("unknown key '{}' in {}; {}", value.key, called,
                      meant.empty() ? "it takes " + joined(known) : fmt::format("did you mean '{}'?", meant)));
@@ -58,29 +71,41 @@ Setting read_setting(const std::string& path, const Value& value, std::uint32_t 
                      const std::string& what) {
     Setting setting{.field = index, .parts = {}, .at = value.at};
     switch (field.type) {
-        case Field::Type::real:
+        case Field::Type::real: {
             if (field.automatic_allowed && value.node->is_string() &&
                 value.node->as_string()->get() == "automatic") {
-                setting.parts[0] = automatic;
+                setting.parts = {automatic};
                 break;
             }
-            setting.parts[0] = real(path, value, what, field.unit);
-            // Written as a number, the code for "automatic" is only a negative time.
-            if (field.automatic_allowed && setting.parts[0] == automatic) {
+            const double number = real(path, value, what, field.unit);
+            // Written as a number, the code for "automatic" is only a negative one.
+            if (field.automatic_allowed && number == automatic) {
+                const std::string unit = field.unit == "1" ? "" : " " + std::string(field.unit);
                 fail(path, value.at,
-                     fmt::format("{} is {} {}; it must be {} {} or more, or \"automatic\"", what, automatic,
-                                 field.unit, field.minimum, field.unit));
+                     fmt::format("{} is {}{}; it must be {}{} or more, or \"automatic\"", what, number, unit,
+                                 field.minimum, unit));
             }
-            break;
-        case Field::Type::vector: {
-            const Vec3 v = vector(path, value, what, field.unit);
-            setting.parts[0] = v.x;
-            setting.parts[1] = v.y;
-            setting.parts[2] = v.z;
+            setting.parts = {number};
             break;
         }
+        case Field::Type::vector:
+            setting.parts = numbers(path, value, what, field.unit, 3);
+            break;
+        case Field::Type::quaternion:
+            setting.parts = numbers(path, value, what, "", 4);
+            break;
+        case Field::Type::matrix:
+            setting.parts = square(path, value, what, field.unit, field.count);
+            break;
+        case Field::Type::points:
+            setting.parts = points(path, value, what, field.unit, field.least, field.count);
+            break;
         case Field::Type::choice:
-            setting.parts[0] = choice(path, value, what, field.choices);
+            setting.parts = {static_cast<double>(choice(path, value, what, field.choices))};
+            break;
+        case Field::Type::integer:
+            setting.parts = {static_cast<double>(
+                integer(path, value, what, 0, std::numeric_limits<std::uint32_t>::max()))};
             break;
     }
     return setting;
@@ -159,12 +184,14 @@ void apply(const std::string& path, const Entry& entry, std::vector<std::byte>& 
     for (const Setting& setting : entry.settings) {
         const Field& field = info.fields[setting.field];
         std::byte* target = params.data() + field.offset;
-        if (field.type == Field::Type::choice) {
-            const auto index = static_cast<std::uint32_t>(setting.parts[0]);
-            std::memcpy(target, &index, sizeof index);
-        } else {
-            std::memcpy(target, setting.parts, (field.type == Field::Type::vector ? 3 : 1) * sizeof(double));
+        const auto whole = static_cast<std::uint32_t>(
+            field.type == Field::Type::points ? setting.parts.size() / 3 : setting.parts[0]);
+        const std::size_t reals = field.reals() * sizeof(double);
+        if (reals > 0) {
+            std::memset(target, 0, reals);
+            std::memcpy(target, setting.parts.data(), setting.parts.size() * sizeof(double));
         }
+        if (field.bytes() > reals) std::memcpy(target + reals, &whole, sizeof whole);
     }
     const Verdict verdict = info.validate(params.data());
     if (verdict) return;

@@ -11,7 +11,7 @@ namespace knurl::scenefile {
 /// A value for one field of a representation.
 struct Setting {
     std::uint32_t field;
-    double parts[3];  // a real or a choice: the first
+    std::vector<double> parts;  // as many as the field has reals; a choice or an integer: one
     toml::source_position at;
 };
 

@@ -28,10 +28,12 @@ std::vector<std::byte> default_params(Kind kind, TypeList<R...>) {
     return makers[kind]();
 }
 
-/// A field that may be automatic describes the change, not the thing: an update does not inherit it.
-void reset_automatic(Kind kind, std::vector<std::byte>& params) {
+/// What describes a change, not the thing, an update does not inherit: it is what it is by default.
+void reset_what_describes_a_change(Kind kind, std::vector<std::byte>& params) {
+    const auto defaults = default_params(kind, Representations{});
     for (const Field& field : kinds()[kind].fields) {
-        if (field.automatic_allowed) std::memcpy(params.data() + field.offset, &automatic, sizeof automatic);
+        if (field.of_change)
+            std::memcpy(params.data() + field.offset, defaults.data() + field.offset, field.bytes());
     }
 }
 
@@ -132,7 +134,7 @@ class Resolver {
         Change change = newest.change;
         change.type = Change::Type::update;
         change.at = entry.at;
-        reset_automatic(entry.kind, change.params);
+        reset_what_describes_a_change(entry.kind, change.params);
         apply(scene_.path, entry, change.params);
         keep(entry, std::move(change), newest, true);
     }

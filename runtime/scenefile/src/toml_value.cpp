@@ -8,25 +8,6 @@ namespace knurl::scenefile {
 
 namespace {
 
-std::string_view type_name(const toml::node& node) {
-    switch (node.type()) {
-        case toml::node_type::string:
-            return "a string";
-        case toml::node_type::integer:
-            return "an integer";
-        case toml::node_type::floating_point:
-            return "a number";
-        case toml::node_type::boolean:
-            return "a boolean";
-        case toml::node_type::array:
-            return "an array";
-        case toml::node_type::table:
-            return "a table";
-        default:
-            return "a date or time";
-    }
-}
-
 std::string in_unit(std::string_view unit) {
     return unit.empty() || unit == "1" ? "" : fmt::format(" in {}", unit);
 }
@@ -53,7 +34,50 @@ bool number_of(const toml::node& node, double& out) {
     return true;
 }
 
+/// As words, so that a sentence reads well.
+std::string in_words(std::size_t count) {
+    constexpr std::string_view words[] = {"no", "one", "two", "three", "four", "five", "six"};
+    return count < std::size(words) ? std::string(words[count]) : std::to_string(count);
+}
+
+/// Appends the numbers of an array of that many; else says what it found instead.
+std::string append_numbers(const toml::node& node, std::size_t count, std::vector<double>& out) {
+    const auto* array = node.as_array();
+    if (array == nullptr) return std::string(type_name(node));
+    if (array->size() != count) return fmt::format("an array of {}", array->size());
+    for (const toml::node& each : *array) {
+        double number = 0;
+        if (!number_of(each, number)) return fmt::format("an array with {}", type_name(each));
+        out.push_back(number);
+    }
+    return {};
+}
+
+bool has_arrays(const toml::node& node) {
+    const auto* array = node.as_array();
+    return array != nullptr && !array->empty() && (*array)[0].is_array();
+}
+
 }  // namespace
+
+std::string_view type_name(const toml::node& node) {
+    switch (node.type()) {
+        case toml::node_type::string:
+            return "a string";
+        case toml::node_type::integer:
+            return "an integer";
+        case toml::node_type::floating_point:
+            return "a number";
+        case toml::node_type::boolean:
+            return "a boolean";
+        case toml::node_type::array:
+            return "an array";
+        case toml::node_type::table:
+            return "a table";
+        default:
+            return "a date or time";
+    }
+}
 
 void fail(const std::string& path, const toml::source_position& where, const std::string& text) {
     throw SceneError(fmt::format("{}:{}:{}: {}", path, where.line, where.column, text));
@@ -78,24 +102,66 @@ double real(const std::string& path, const Value& value, const std::string& what
     return number;
 }
 
-Vec3 vector(const std::string& path, const Value& value, const std::string& what, std::string_view unit) {
-    const auto* array = value.node->as_array();
-    std::string found =
-        array == nullptr ? std::string(type_name(*value.node)) : fmt::format("an array of {}", array->size());
-    if (array != nullptr && array->size() == 3) {
-        double parts[3] = {};
-        bool whole = true;
-        for (std::size_t i = 0; i < 3; ++i) {
-            if (whole && !number_of((*array)[i], parts[i])) {
-                whole = false;
-                found = fmt::format("an array with {}", type_name((*array)[i]));
-            }
-        }
-        if (whole) return {parts[0], parts[1], parts[2]};
-    }
+std::vector<double> numbers(const std::string& path, const Value& value, const std::string& what,
+                            std::string_view unit, std::size_t count) {
+    std::vector<double> out;
+    const std::string found = append_numbers(*value.node, count, out);
+    if (found.empty()) return out;
+    const std::string_view example = count == 4 ? "[1, 0, 0, 0]" : "[0, 0, 1]";
     fail(path, value.at,
-         fmt::format("{} must be three numbers{}, not {}; write {} = [0, 0, 1]", what, in_unit(unit), found,
-                     value.key));
+         fmt::format("{} must be {} numbers{}, not {}; write {} = {}", what, in_words(count), in_unit(unit),
+                     found, value.key, example));
+}
+
+Vec3 vector(const std::string& path, const Value& value, const std::string& what, std::string_view unit) {
+    const auto parts = numbers(path, value, what, unit, 3);
+    return {parts[0], parts[1], parts[2]};
+}
+
+std::vector<double> square(const std::string& path, const Value& value, const std::string& what,
+                           std::string_view unit, std::size_t n) {
+    std::vector<double> out;
+    const auto* array = value.node->as_array();
+    if (!has_arrays(*value.node)) {
+        const std::string found = append_numbers(*value.node, n * n, out);
+        if (found.empty()) return out;
+        fail(path, value.at,
+             fmt::format("{} must be {} rows of {} numbers{}, not {}; write {} = [[...], ...]", what,
+                         in_words(n), in_words(n), in_unit(unit), found, value.key));
+    }
+    if (array->size() != n)
+        fail(path, value.at, fmt::format("{} has {} rows; it must have {}", what, array->size(), n));
+    for (std::size_t row = 0; row < n; ++row) {
+        const std::string found = append_numbers((*array)[row], n, out);
+        if (found.empty()) continue;
+        fail(path, (*array)[row].source().begin,
+             fmt::format("row {} of {} must be {} numbers{}, not {}", row + 1, what, in_words(n),
+                         in_unit(unit), found));
+    }
+    return out;
+}
+
+std::vector<double> points(const std::string& path, const Value& value, const std::string& what,
+                           std::string_view unit, std::size_t least, std::size_t most) {
+    const auto* array = value.node->as_array();
+    if (array == nullptr) {
+        fail(path, value.at,
+             fmt::format("{} must be a list of points{}, not {}; write {} = [[0, 0, 0], [1, 0, 0], ...]",
+                         what, in_unit(unit), type_name(*value.node), value.key));
+    }
+    std::vector<double> out;
+    for (std::size_t i = 0; i < array->size(); ++i) {
+        const std::string found = append_numbers((*array)[i], 3, out);
+        if (found.empty()) continue;
+        fail(path, (*array)[i].source().begin,
+             fmt::format("point {} of {} must be three numbers{}, not {}; write [0, 0, 1]", i + 1, what,
+                         in_unit(unit), found));
+    }
+    if (array->size() < least || array->size() > most) {
+        fail(path, value.at,
+             fmt::format("{} has {} points; give from {} to {}", what, array->size(), least, most));
+    }
+    return out;
 }
 
 std::string word(const std::string& path, const Value& value, const std::string& what) {

@@ -22,12 +22,24 @@ struct Value {
     toml::source_position at;
 };
 
+/// "an array", "a number": what the file has there.
+std::string_view type_name(const toml::node& node);
+
 /// The keys of a [[table]], in order of the file.
 std::vector<Value> values_of(const toml::table& table);
 
 // Each throws if the value is of another type. `what` is what errors call it: "stiffness of plane 'floor'".
 double real(const std::string& path, const Value& value, const std::string& what, std::string_view unit);
 Vec3 vector(const std::string& path, const Value& value, const std::string& what, std::string_view unit);
+/// `count` numbers.
+std::vector<double> numbers(const std::string& path, const Value& value, const std::string& what,
+                            std::string_view unit, std::size_t count);
+/// A matrix of n x n, row by row: n arrays of n numbers, or one of all.
+std::vector<double> square(const std::string& path, const Value& value, const std::string& what,
+                           std::string_view unit, std::size_t n);
+/// From `least` to `most` arrays of three numbers.
+std::vector<double> points(const std::string& path, const Value& value, const std::string& what,
+                           std::string_view unit, std::size_t least, std::size_t most);
 std::string word(const std::string& path, const Value& value, const std::string& what);
 bool boolean(const std::string& path, const Value& value, const std::string& what);
 std::int64_t integer(const std::string& path, const Value& value, const std::string& what,

@@ -194,7 +194,9 @@ bool Intake::check_group(Claim::Impl& claim, std::size_t commands, const Authori
         replies_[i].code = static_cast<std::uint32_t>(mine.verdict.code);
         replies_[i].field = mine.verdict.field;
         replies_[i].value = mine.verdict.value;
-        replies_[i].reason = static_cast<std::uint32_t>(mine.reason);
+        replies_[i].reason = mine.verdict.code == Code::contradiction
+                                 ? mine.verdict.reason
+                                 : static_cast<std::uint32_t>(mine.reason);
     }
     if (bad == commands) return true;
     for (; !undo_.empty(); undo_.pop_back()) claim.slots[undo_.back().first] = undo_.back().second;

@@ -41,12 +41,14 @@ struct KindInfo {
     std::size_t size;  // bytes of its parameters
     bool surface;      // else an effect
     Verdict (*validate)(const void* params) noexcept;
+    std::span<const std::string_view> contradictions;  // what a Verdict's `reason` counts
 };
 
 /// All kinds, in the list's order.
 std::span<const KindInfo> kinds() noexcept;
 
-/// A hash over names, types, offsets and sizes of all parameters: two builds that differ in it must not talk.
+/// A hash over names, types, offsets, counts and sizes of all parameters: two builds that differ in it must
+/// not talk.
 std::uint64_t layout_hash() noexcept;
 
 }  // namespace knurl

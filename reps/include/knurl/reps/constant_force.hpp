@@ -41,7 +41,8 @@ struct Describe<ConstantForce> {
          .meaning = "time over which a change reaches the hand",
          .minimum = 0,
          .maximum = 1000,
-         .automatic_allowed = true},
+         .automatic_allowed = true,
+         .of_change = true},
     };
 };
 

@@ -37,11 +37,36 @@ struct Field {
         std::numeric_limits<double>::infinity();     // so large that no product overflows: force stays finite
     bool infinity_allowed = false;                   // "as stiff as this device allows"
     bool automatic_allowed = false;                  // the value `automatic` is legal besides the range
-    bool nonzero = false;                            // vectors, quaternions: length >= 1e-6
+    bool nonzero = false;                            // vectors: length >= 1e-6; quaternions always
     std::span<const std::string_view> choices = {};  // choices: the names of the values 0, 1, ...
     std::uint32_t count = 0;                         // matrices: rows; points: how many there is room for
     std::uint32_t least = 0;                         // points: how many are needed
     bool of_change = false;  // describes a change, not the thing: the next change does not inherit it
+
+    /// How many doubles stand at `offset`; the types that hold none have a std::uint32_t there.
+    constexpr std::size_t reals() const noexcept {
+        switch (type) {
+            case Type::real:
+                return 1;
+            case Type::vector:
+                return 3;
+            case Type::quaternion:
+                return 4;
+            case Type::matrix:
+                return std::size_t{count} * count;
+            case Type::points:
+                return std::size_t{3} * count;
+            case Type::choice:
+            case Type::integer:
+                break;
+        }
+        return 0;
+    }
+    /// All of its bytes, those that say how many points are used included.
+    constexpr std::size_t bytes() const noexcept {
+        const bool whole_number = reals() == 0 || type == Type::points;
+        return reals() * sizeof(double) + (whole_number ? sizeof(std::uint32_t) : 0);
+    }
 };
 
 /// The answer to a check. `field` is an index into the representation's table, `value` the offending number.

@@ -50,7 +50,7 @@ struct Reply {
     std::uint32_t code = 0;     // Verdict::Code
     std::uint32_t field = 0;
     double value = 0;
-    std::uint32_t reason = 0;      // Refusal, when code is Verdict::Code::refused
+    std::uint32_t reason = 0;      // code refused: Refusal; contradiction: which of the kind's
     std::uint32_t kind = 0;        // of the representation, for the sentence
     double applied_stiffness = 0;  // N/m: of an `add`, after clamping
     std::uint64_t reserved[3] = {};
@@ -107,7 +107,7 @@ struct FeedbackHeader {
     double silence = 0;          // s since the last commit counted as silence; 0: not silent
     double stiffness_scale = 1;  // < 1: claims that share the device were scaled to k_max together
     std::uint32_t entries = 0;
-    std::uint32_t reserved = 0;
+    std::uint32_t refused_reason = 0;  // refused_code contradiction: which of the kind's
 };
 
 struct FeedbackEntry {

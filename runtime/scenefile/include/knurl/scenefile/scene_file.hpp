@@ -59,9 +59,9 @@ struct SceneFile {
 /// Reads the whole file or throws SceneError at the first thing wrong: nothing is half-applied.
 ///
 /// A removal fades over the recovery that the representation had, or that the removal states.
-/// An update inherits what it does not state from the entry before it, but for `recovery` (every field whose
-/// value may be automatic): that one describes the change itself, and absent it is automatic. `probe`,
-/// `on_silence` and `silence_time` are fixed when a representation is added. A removed id may be used again.
+/// An update inherits what it does not state from the entry before it, but for `recovery` (every field that
+/// is `of_change`): that one describes the change itself, and absent it is its default. `probe`, `on_silence`
+/// and `silence_time` are fixed when a representation is added. A removed id may be used again.
 SceneFile read_scene(const std::string& path);
 
 /// The same from memory; `path` is what errors name.
