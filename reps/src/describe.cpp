@@ -100,8 +100,6 @@ std::string what(const Verdict& verdict, const KindInfo* kind) {
             return name + ": no room for another (limit " + number(verdict.value) + "); remove one first";
         case Verdict::Code::not_armed:
             return name + ": the device is not armed; arm it first";
-        case Verdict::Code::count:
-            return name + " has " + number(verdict.value) + " points" + remedy;
         case Verdict::Code::refused:
             return name + ": refused in the device's present state (reason " + number(verdict.value) + ")";
     }

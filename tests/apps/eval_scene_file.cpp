@@ -105,6 +105,41 @@ recovery = 0
     EXPECT_EQ(force.recovery, 0);
 }
 
+TEST(SceneFile, AKeyWithADotMayBeATableInside) {
+    const auto scene = scene_of(R"(
+[[plane]]
+friction.static = 0.5
+friction.dynamic = 0.25
+snag.seed = 4000000000
+snag.law = "paper"
+[[plane]]
+friction = { static = "automatic", dynamic = 0.25 }
+texture = { direction = [0, 1, 0], pattern = "rings" }
+[[plane]]
+[plane.friction]
+dynamic = 1
+)");
+    const auto dotted = params_of<Plane>(scene.changes.at(0));
+    EXPECT_EQ(dotted.friction.static_, 0.5);
+    EXPECT_EQ(dotted.friction.dynamic, 0.25);
+    EXPECT_EQ(dotted.snag.seed, 4000000000u);
+    EXPECT_EQ(dotted.snag.law, SnagLaw::paper);
+    const auto table = params_of<Plane>(scene.changes.at(1));
+    EXPECT_EQ(table.friction.static_, automatic);
+    EXPECT_EQ(table.friction.dynamic, 0.25);
+    EXPECT_EQ(table.texture.direction, (Vec3{0, 1, 0}));
+    EXPECT_EQ(table.texture.pattern, TexturePattern::rings);
+    EXPECT_EQ(params_of<Plane>(scene.changes.at(2)).friction.dynamic, 1);
+}
+
+TEST(SceneFile, AnUpdateInheritsWhatMayBeAutomaticUnlessItDescribesTheChange) {
+    const auto scene = scene_of(
+        "[[plane]]\nid = 1\nfriction.static = 0.5\nrecovery = 0.1\n[[plane]]\nid = 1\nat = 1\noffset = 1\n");
+    const auto updated = params_of<Plane>(scene.changes.at(1));
+    EXPECT_EQ(updated.friction.static_, 0.5);
+    EXPECT_EQ(updated.recovery, automatic);
+}
+
 TEST(SceneFile, InfiniteStiffnessMeansAsStiffAsTheDeviceAllows) {
     const auto scene = scene_of("[[plane]]\nstiffness = inf\n");
     EXPECT_EQ(params_of<Plane>(scene.changes.at(0)).stiffness, std::numeric_limits<double>::infinity());
@@ -252,6 +287,18 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"ZeroNormal", "[[plane]]\nnormal = [0, 0, 0]\n", "2:10", "normal"},
         Mistake{"NegativeRecovery", "[[plane]]\nrecovery = -0.5\n", "2:12", "recovery"},
         Mistake{"AutomaticAsNumber", "[[plane]]\nrecovery = -1\n", "2:12", "or \"automatic\""},
+        Mistake{"DottedKey", "[[plane]]\nfriction = { statics = 1 }\n", "2:14",
+                "did you mean 'friction.static'?"},
+        Mistake{"DottedKeyAlone", "[[plane]]\nstatic = 1\n", "2:1", "did you mean 'friction.static'?"},
+        Mistake{"TableWithAValue", "[[plane]]\nfriction = 0.5\n", "2:1", "friction.static, friction.dynamic"},
+        Mistake{"TableInsteadOfAValue", "[[plane]]\nnormal = { x = 1 }\n", "2:12", "did you mean 'normal'?"},
+        Mistake{"AutomaticFrictionAsNumber", "[[plane]]\nfriction.static = -1\n", "2:19",
+                "must be 0 or more, or \"automatic\""},
+        Mistake{"Contradiction", "[[plane]]\nid = 'w'\nfriction.dynamic = 0.5\nfriction.static = 0.25\n",
+                "4:19", "plane 'w': plane.friction.static = 0.25 is below friction.dynamic"},
+        Mistake{"IntegerIsAReal", "[[plane]]\nsnag.seed = 1.5\n", "2:13", "must be an integer, not a number"},
+        Mistake{"IntegerTooLarge", "[[plane]]\nsnag.seed = 4294967296\n", "2:13",
+                "it must be 0 to 4294967295"},
         Mistake{"NegativeRestLength", "[[spring]]\nrest_length = -0.1\n", "2:15", "rest_length"},
         Mistake{"NegativeAt", "[[plane]]\nat = -0.1\n", "2:6", "0 s or more"},
         Mistake{"NanAt", "[[plane]]\nat = nan\n", "2:6", "finite"},

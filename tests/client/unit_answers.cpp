@@ -217,6 +217,43 @@ TEST_F(Answers, a_refused_batch_names_its_field_and_is_counted) {
     EXPECT_EQ(error_of([&] { hand.commit(); }), "no error") << "told once";
 }
 
+TEST_F(Answers, a_contradiction_says_its_reason) {
+    constexpr auto contradiction = static_cast<std::uint32_t>(Verdict::Code::contradiction);
+    auto plane = hand.add(Plane{});
+    servo.answer({.command = servo.next_command().number,
+                  .code = contradiction,
+                  .field = row_of<Plane>("friction.static"),
+                  .value = 0.25,
+                  .reason = 0,
+                  .kind = kind_of<Plane>});
+    std::string text = error_of([&] { hand.commit(); });
+    EXPECT_NE(text.find("plane.friction.static = 0.25 is below friction.dynamic; give at least as much"),
+              std::string::npos)
+        << text;
+
+    protocol::FeedbackHeader header;
+    header.batches_refused = 1;
+    header.refused_batch = 1;
+    header.refused_code = contradiction;
+    header.refused_kind = kind_of<Plane>;
+    header.refused_field = row_of<Plane>("friction.static");
+    header.refused_value = 0.5;
+    header.refused_reason = 0;
+    ASSERT_TRUE(servo.take());
+    servo.feed_back(header);
+    text = error_of([&] { hand.wait_applied(1, 10s); });
+    EXPECT_NE(text.find("plane.friction.static = 0.5 is below friction.dynamic"), std::string::npos) << text;
+}
+
+TEST_F(Answers, a_contradiction_is_heard_whatever_its_index_also_the_one_that_means_a_refused_group) {
+    hand.add(Plane{});
+    servo.answer({.command = servo.next_command().number,
+                  .code = static_cast<std::uint32_t>(Verdict::Code::contradiction),
+                  .reason = static_cast<std::uint32_t>(protocol::Refusal::group_refused),
+                  .kind = kind_of<Plane>});
+    EXPECT_NE(error_of([&] { hand.commit(); }).find("contradicts"), std::string::npos);
+}
+
 TEST_F(Answers, a_batch_says_how_many_commands_came_before_it_and_which_report_it_stems_from) {
     servo.cycle();
     servo.cycle();

@@ -231,6 +231,28 @@ TEST(Batches, AllOfABatchTakesEffectInOneCycle) {
     EXPECT_NEAR(desk.force(), 3, 1e-12);
 }
 
+TEST(Batches, AContradictionIsRefusedWithItsReason) {
+    Desk desk;
+    const Plane contradictory{.stiffness = 1, .friction = {.static_ = 0.25, .dynamic = 0.5}};
+    desk.claim.add(contradictory);
+    desk.servo.step();
+    const Reply reply = desk.claim.replies().at(0);
+    EXPECT_EQ(reply.code, static_cast<std::uint32_t>(Code::contradiction));
+    EXPECT_EQ(Describe<Plane>::contradictions[reply.reason], static_below_dynamic);
+    EXPECT_EQ(reply.value, 0.25);
+
+    const Handle plane = desk.claim.add(Plane{.stiffness = 1});
+    desk.force();
+    desk.claim.update(plane, contradictory);
+    desk.claim.commit();
+    desk.force();
+    const auto& header = desk.claim.feedback().header;
+    EXPECT_EQ(header.refused_code, static_cast<std::uint32_t>(Code::contradiction));
+    EXPECT_EQ(Describe<Plane>::contradictions[header.refused_reason], static_below_dynamic);
+    EXPECT_EQ(Describe<Plane>::fields[header.refused_field].name, "friction.static");
+    EXPECT_EQ(header.refused_value, 0.25);
+}
+
 TEST(Batches, ABadParameterRefusesTheWholeBatchAndTheOwnerIsTold) {
     Desk desk;
     const Handle first = desk.claim.add(ConstantForce{.force = {0, 0, 1}, .recovery = 0});

@@ -25,7 +25,7 @@ std::string joined(const std::vector<std::string_view>& words) {
                                    const std::vector<std::string_view>& known) {
     std::vector<std::string_view> inside;  // "friction" alone: a table, not a value
     for (const auto word : known) {
-        if (word.starts_with(value.key + ".")) inside.push_back(word);
+        if (word.starts_with(fmt::format("{}.", value.key))) inside.push_back(word);
     }
     if (!inside.empty()) {
         fail(path, value.key_at,
@@ -34,7 +34,7 @@ std::string joined(const std::vector<std::string_view>& words) {
     }
     auto meant = nearest(value.key, known);
     for (const auto word : known) {  // the last part alone, of a name with dots
-        if (meant.empty() && word.ends_with("." + value.key)) meant = word;
+        if (meant.empty() && word.ends_with(fmt::format(".{}", value.key))) meant = word;
     }
     fail(path, value.key_at,
          fmt::format("unknown key '{}' in {}; {}", value.key, called,
@@ -80,7 +80,7 @@ Setting read_setting(const std::string& path, const Value& value, std::uint32_t 
             const double number = real(path, value, what, field.unit);
             // Written as a number, the code for "automatic" is only a negative one.
             if (field.automatic_allowed && number == automatic) {
-                const std::string unit = field.unit == "1" ? "" : " " + std::string(field.unit);
+                const std::string unit = field.unit == "1" ? std::string() : fmt::format(" {}", field.unit);
                 fail(path, value.at,
                      fmt::format("{} is {}{}; it must be {}{} or more, or \"automatic\"", what, number, unit,
                                  field.minimum, unit));
@@ -184,8 +184,9 @@ void apply(const std::string& path, const Entry& entry, std::vector<std::byte>& 
     for (const Setting& setting : entry.settings) {
         const Field& field = info.fields[setting.field];
         std::byte* target = params.data() + field.offset;
-        const auto whole = static_cast<std::uint32_t>(
-            field.type == Field::Type::points ? setting.parts.size() / 3 : setting.parts[0]);
+        const auto whole = static_cast<std::uint32_t>(field.type == Field::Type::points
+                                                          ? static_cast<double>(setting.parts.size() / 3)
+                                                          : setting.parts[0]);
         const std::size_t reals = field.reals() * sizeof(double);
         if (reals > 0) {
             std::memset(target, 0, reals);
