@@ -25,7 +25,7 @@ using namespace knurl;
 using detail::Table;
 using protocol::ClaimCapacity;
 
-constexpr ClaimCapacity capacity{.representations = 8, .batch_bytes = 2048};
+constexpr ClaimCapacity capacity{.representations = 8, .batch_bytes = 4096};
 
 std::span<const std::byte> bytes_of(const Plane& plane) {
     return std::as_bytes(std::span(&plane, 1));
@@ -195,7 +195,7 @@ TEST(Pending, shrinks_to_the_last_change_once_the_batch_before_was_taken) {
 
 TEST(Pending, a_batch_that_changes_everything_always_fits) {
     // Capacity is checked when something is added, so that commit can never fail for want of room.
-    const ClaimCapacity small{.representations = 8, .batch_bytes = 300};
+    const ClaimCapacity small{.representations = 8, .batch_bytes = 900};
     Table table(small);
     std::vector<Handle> handles;
     try {

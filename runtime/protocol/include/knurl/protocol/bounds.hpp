@@ -9,12 +9,12 @@ namespace knurl::protocol {
 inline constexpr std::uint32_t max_clients = 128;  // claims and observers of one device together
 inline constexpr std::uint32_t max_devices = 8;    // of one servo process
 inline constexpr std::uint32_t max_joints = 8;
-inline constexpr std::uint32_t max_representations = 1024;  // of one claim
-inline constexpr std::uint32_t max_parameter_bytes = 512;   // of one representation
-inline constexpr std::uint32_t max_batch_bytes = 256 * 1024;
+inline constexpr std::uint32_t max_representations = 1024;    // of one claim
+inline constexpr std::uint32_t max_parameter_bytes = 512;     // of one representation
+inline constexpr std::uint32_t max_batch_bytes = 512 * 1024;  // all of them, of 480 bytes
 inline constexpr std::uint32_t max_probes = 16;
 inline constexpr std::uint32_t report_slots = 4096;   // about 4 s at 1 kHz: also the flight recorder
-inline constexpr std::uint32_t command_cells = 4096;  // 64 B each, of one claim's command ring: all its
+inline constexpr std::uint32_t command_cells = 8192;  // 64 B each, of one claim's command ring: all its
                                                       // representations can be added in one cycle
 inline constexpr std::uint32_t reply_cells = 2048;    // one for each of those, and for what comes with them
 inline constexpr std::uint32_t command_cells_per_cycle =
@@ -23,6 +23,6 @@ inline constexpr std::uint32_t command_cells_per_cycle =
 inline constexpr std::size_t name_bytes = 64;  // names of servos, devices, clients, with the zero
 
 inline constexpr std::uint32_t default_representations = 128;  // a claim that states nothing
-inline constexpr std::uint32_t default_batch_bytes = 32 * 1024;
+inline constexpr std::uint32_t default_batch_bytes = 64 * 1024;
 
 }  // namespace knurl::protocol
