@@ -5,6 +5,7 @@
 #include <knurl/reps/all.hpp>
 
 #include "field_check.hpp"
+#include "ranges.hpp"
 
 namespace knurl {
 namespace {
@@ -26,8 +27,11 @@ Verdict check_rows(const void* params, std::index_sequence<Row...>) noexcept {
 
 template <Representation R>
 Verdict validate(const void* params) noexcept {
-    const Verdict verdict = check_rows<R>(params, std::make_index_sequence<std::size(Describe<R>::fields)>{});
-    if (!verdict) return verdict;
+    if (!certainly_legal<R>(static_cast<const unsigned char*>(params))) {
+        const Verdict verdict =
+            check_rows<R>(params, std::make_index_sequence<std::size(Describe<R>::fields)>{});
+        if (!verdict) return verdict;
+    }
     if constexpr (requires(const R& r) { Describe<R>::check(r); }) {
         R copy;  // the bytes may lie anywhere
         std::memcpy(&copy, params, sizeof copy);

@@ -17,9 +17,12 @@ double raw_height(const Plane& plane, const Plane::State& state, const Probe& pr
 }  // namespace
 
 Plane prepared(Plane params, const Limits& limits) noexcept {
-    const double length = to_eigen(params.normal).norm();
-    params.normal = {params.normal.x / length, params.normal.y / length, params.normal.z / length};
-    params.offset /= length;
+    const double square = to_eigen(params.normal).squaredNorm();
+    if (square != 1) {
+        const double length = std::sqrt(square);
+        params.normal = {params.normal.x / length, params.normal.y / length, params.normal.z / length};
+        params.offset /= length;
+    }
     params.stiffness = clamped_stiffness(params.stiffness, limits);
     return params;
 }

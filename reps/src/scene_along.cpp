@@ -87,16 +87,18 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
             const double share = push / total;
             if (owner == bridge_owner) return add_share(law, leading, group.bridge_law, share);
             const Record& r = record(owner);
-            add_share(law, leading, r.law, share);
             surface_velocity += share * r.velocity;
-            braking += share * r.braking;
+            if (!r.rough) return add_share(law, leading, FrictionLaw{}, share);
+            const Rough& feel = rough(owner);
+            add_share(law, leading, feel.law, share);
+            braking += share * feel.braking;
             if (!r.textured) return;
             const Vector3d n(a.nx[member], a.ny[member], a.nz[member]);
             const double gain =
-                texture_gain(r.texture, (group.probe.smooth_velocity - r.velocity).norm(), limits_);
-            Relief under = relief(r.texture, group.probe.position, n, r.shift);
+                texture_gain(feel.texture, (group.probe.smooth_velocity - r.velocity).norm(), limits_);
+            Relief under = relief(feel.texture, group.probe.position, n, feel.shift);
             under.slope *= gain;
-            group.relief += texture_force(r.texture, under, push, limits_);
+            group.relief += texture_force(feel.texture, under, push, limits_);
         });
     }
     group.law = law;

@@ -37,12 +37,12 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     const Slot& slot = slots_[i];
     Record& now = now_[i];
     const KindOps& ops = kind_ops()[slot.kind];
-    ops.install(prepared_.data(), limits_, now);
+    ops.install(prepared_.data(), limits_, now, rough(owner_of(i, false)));
     now.use = slot.use;
     if (!previous) {
         now.weight = 1;
         now.asked = 0;
-        now.shift.setZero();
+        if (now.rough) rough(owner_of(i, false)).shift.setZero();
     }
     ops.adopt(now, previous, groups_[now.use.probe].probe);
     if (settle_) ops.settle(now);
@@ -73,6 +73,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     if (was) {
         release_old(i);
         copy(now_[i], old_[i]);
+        if (old_[i].rough) rough(owner_of(i, true)) = rough(owner_of(i, false));
         forget_surface(i);
     }
     if (is) {

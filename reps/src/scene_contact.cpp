@@ -25,12 +25,13 @@ double SceneCore::ask(ContactSet& set, const Group& group, double dt, double wor
         std::array<Contact, max_contacts> found;
         const std::uint32_t count = ops.contact(r, group.probe, step, found);
         if (r.textured) {
-            r.shift += step * r.velocity;
+            Rough& feel = rough(a.owner[i]);
+            feel.shift += step * r.velocity;
             const double speed = (group.probe.smooth_velocity - r.velocity).norm();
-            const double gain = texture_gain(r.texture, speed, limits_);
+            const double gain = texture_gain(feel.texture, speed, limits_);
             for (std::uint32_t c = 0; c < count; ++c) {
                 found[c].height -=
-                    gain * relief(r.texture, group.probe.position, found[c].normal, r.shift).height;
+                    gain * relief(feel.texture, group.probe.position, found[c].normal, feel.shift).height;
             }
         }
         for (std::uint32_t c = 0; c < ops.contacts; ++c, ++i) {

@@ -35,7 +35,7 @@ template <class... R>
 constexpr std::size_t largest_state(TypeList<R...>) {
     return std::max({sizeof(typename R::State)...});
 }
-inline constexpr std::size_t max_params = largest_params(Representations{});
+inline constexpr std::size_t max_params = (largest_params(Representations{}) + 15) / 16 * 16;
 inline constexpr std::size_t max_state = largest_state(Representations{});
 
 /// Stiffnesses that one probe's set keeps apart, each with its own solution; more are rounded down to these.
@@ -49,18 +49,22 @@ struct RecordHead {
     bool stands = false;    // one plane until it changes
     bool recovers = false;  // brings its own changes in; not cross-faded
     bool summed = false;    // its force is added, not solved with the others
-    bool rough = false;     // friction, texture or a braking pulse: what it feels like along the surface
+    bool rough = false;     // there is something to feel along it: see Rough
+    bool textured = false;
     Use use;
     double weight = 1;        // by silence: 1 in full, 0 faded away
     double stiffness = 0;     // N/m
     HalfSpace plane;          // of a surface that stands still
     std::uint64_t asked = 0;  // the cycle in which it was asked: again in the same one, it is with dt = 0
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface
-    Eigen::Vector3d shift = Eigen::Vector3d::Zero();     // m, by which that has carried its texture
+};
+
+/// What a surface feels like along it, beside its record: touched only where there is something.
+struct Rough {
     FrictionLaw law;
-    double braking = 0;
-    bool textured = false;
     Texture texture;
+    double braking = 0;
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // m, by which its velocity has carried the texture
 };
 
 struct Record : RecordHead {
@@ -194,9 +198,9 @@ struct KindOps {
     void (*prepare)(const std::byte* raw, const Limits&, std::byte* prepared) noexcept = nullptr;
     // They are the bytes that are felt; another recovery alone is noted for the change that it will belong
     // to.
-    bool (*unchanged)(const std::byte* prepared, Record& now) noexcept = nullptr;
-    // Parameters and what follows from them; not state and use.
-    void (*install)(const std::byte* prepared, const Limits&, Record& out) noexcept = nullptr;
+    bool (*unchanged)(std::byte* prepared, Record& now) noexcept = nullptr;
+    // Parameters and what follows from them; not state and use. `rough` only where the record says so.
+    void (*install)(const std::byte* prepared, const Limits&, Record& out, Rough& rough) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&) noexcept = nullptr;
     void (*settle)(Record&) noexcept = nullptr;
     double (*fade_time)(const std::byte* params) noexcept = nullptr;     // s, or automatic
@@ -249,6 +253,8 @@ class SceneCore {
     void end_fade(Group& group) noexcept;
     void release(Group& group) noexcept;
     Record& record(Owner owner) noexcept { return (owner & 1 ? old_ : now_)[owner >> 1]; }
+    Rough& rough(Owner owner) noexcept { return rough_[owner]; }
+    const Rough& rough(Owner owner) const noexcept { return rough_[owner]; }
     const Record& record(Owner owner) const noexcept { return (owner & 1 ? old_ : now_)[owner >> 1]; }
 
     // scene_near.cpp
@@ -300,6 +306,7 @@ class SceneCore {
     std::vector<std::byte> raw_;                                // max_params each
     alignas(16) std::array<std::byte, max_params> prepared_{};  // of the slot that is being taken
     std::vector<Record> now_, old_;
+    std::vector<Rough> rough_;  // by Owner
     std::vector<std::uint32_t> changed_;
     std::uint32_t changed_size_ = 0;
     bool moved_ = false;  // a probe's placement changed

@@ -48,7 +48,7 @@ void surface_feedback(const SceneCore& core, std::uint32_t i, Feedback& out) noe
     const ContactSet& set = group.now;
     const std::uint32_t first = core.slots_[i].member;
     out.stiffness = r.stiffness;
-    out.tangential_stiffness = r.law.stiffness;
+    if (r.rough) out.tangential_stiffness = core.rough(owner_of(i, false)).law.stiffness;
     if (group.fading) out.flags |= Feedback::fading;
     if (core.slots_[i].bounded && !core.slots_[i].near) return;
     if (first == SceneCore::gone || set.count + set.summed == 0) return;

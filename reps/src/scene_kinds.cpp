@@ -24,47 +24,48 @@ typename R::State& state_of(Record& r) noexcept {
 
 template <class R>
 struct Ops {
+    static R& typed(std::byte* bytes) noexcept { return *std::launder(reinterpret_cast<R*>(bytes)); }
+    static const R& typed(const std::byte* bytes) noexcept {
+        return *std::launder(reinterpret_cast<const R*>(bytes));
+    }
     static void prepare(const std::byte* raw, const Limits& limits, std::byte* out) noexcept {
-        R sent;
-        std::memcpy(&sent, raw, sizeof sent);
-        const R params = prepared(sent, limits);
-        std::memcpy(out, &params, sizeof params);
+        new (out) R(prepared(typed(raw), limits));
     }
     // Nothing that is felt: another recovery alone is noted for the change that it will belong to.
-    static bool unchanged(const std::byte* prepared, Record& now) noexcept {
-        R params;
-        std::memcpy(&params, prepared, sizeof params);
-        if constexpr (requires { params.recovery; }) {
-            const double asked = params.recovery;
-            params.recovery = params_of<R>(now).recovery;
-            if (std::memcmp(&params, now.params, sizeof params) != 0) return false;
-            params.recovery = asked;
-            std::memcpy(now.params, &params, sizeof params);
-            return true;
+    static bool unchanged(std::byte* prepared, Record& now) noexcept {
+        if constexpr (requires(R & r) { r.recovery; }) {
+            const double asked = typed(prepared).recovery;
+            typed(prepared).recovery = params_of<R>(now).recovery;
+            const bool same = std::memcmp(prepared, now.params, sizeof(R)) == 0;
+            typed(prepared).recovery = asked;
+            if (same) params_of<R>(now).recovery = asked;
+            return same;
+        } else {
+            return std::memcmp(prepared, now.params, sizeof(R)) == 0;
         }
-        return std::memcmp(&params, now.params, sizeof params) == 0;
     }
-    static void install(const std::byte* prepared, const Limits& limits, Record& out) noexcept {
-        R params;
-        std::memcpy(&params, prepared, sizeof params);
+    static void install(const std::byte* prepared, const Limits& limits, Record& out, Rough& rough) noexcept {
+        const R& params = typed(prepared);
         std::memcpy(out.params, prepared, sizeof params);
         out.kind = kind_of<R>;
         out.stiffness = 0;
-        out.stands = out.recovers = out.summed = false;
+        out.stands = out.recovers = out.summed = out.rough = false;
         if constexpr (requires { params.stiffness; }) out.stiffness = params.stiffness;
         if constexpr (requires { params.combine; }) out.summed = params.combine == PlaneCombine::sum;
         if constexpr (requires { recovers_itself(params); }) out.recovers = recovers_itself(params);
         if constexpr (Surface<R>) {
             out.velocity = to_eigen(params.velocity);
-            out.textured = params.texture.amplitude > 0;
-            out.texture = params.texture;
-            out.braking = limits.mass > 0 ? params.braking : 0;
             const bool rubs = params.friction.static_ > 0 || params.friction.dynamic > 0 ||
                               params.friction.viscous > 0 || params.snag.k_stick > 0 ||
                               params.snag.k_kinetic > 0;
-            out.law =
-                rubs ? friction_law(params.friction, params.snag, params.stiffness, limits) : FrictionLaw{};
-            out.rough = rubs || out.textured || out.braking > 0;
+            out.textured = params.texture.amplitude > 0;
+            out.rough = rubs || out.textured || (params.braking > 0 && limits.mass > 0);
+            if (out.rough) {
+                rough.law = rubs ? friction_law(params.friction, params.snag, params.stiffness, limits)
+                                 : FrictionLaw{};
+                rough.texture = params.texture;
+                rough.braking = params.braking;
+            }
         }
         if constexpr (requires { standing(params); }) {
             if (out.textured) return;
@@ -115,7 +116,7 @@ struct Ops {
             if (r.velocity != Eigen::Vector3d::Zero()) return std::nullopt;
             std::optional<Bound> ball =
                 bound(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)));
-            if (ball && r.textured) ball->radius += r.texture.amplitude;
+            if (ball && r.textured) ball->radius += params_of<R>(r).texture.amplitude;
             return ball;
         } else {
             return std::nullopt;

@@ -18,6 +18,7 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
     raw_.resize(n * max_params);
     now_.resize(n);
     old_.resize(n);
+    rough_.resize(2 * n);
     changed_.resize(n);
     groups_.resize(capacity_.probes);
     surfaces_.resize(n);
@@ -91,7 +92,9 @@ void SceneCore::mark(std::uint32_t slot) noexcept {
 }
 
 void SceneCore::write(std::uint32_t slot, const void* params, std::size_t bytes) noexcept {
-    std::memcpy(&raw_[slot * max_params], params, bytes);
+    std::byte* raw = &raw_[slot * max_params];
+    if (slots_[slot].felt && std::memcmp(raw, params, bytes) == 0) return;  // as it was asked for last
+    std::memcpy(raw, params, bytes);
     mark(slot);
 }
 
