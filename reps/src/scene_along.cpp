@@ -42,9 +42,12 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
     const Arena& a = arenas_[arena_];
     const double s = group.fading ? group.elapsed / group.time : 1;
     const auto stiffness_of = [&](Owner o) { return record(o).stiffness; };
+    // visit(in the new set, member, newtons)
     const auto each = [&](auto visit) {
-        each_push(group.now, a, stiffness_of, s, visit);
-        if (group.fading) each_push(group.old, a, stiffness_of, 1 - s, visit);
+        each_push(group.now, a, stiffness_of, s, [&](std::uint32_t i, double push) { visit(true, i, push); });
+        if (!group.fading) return;
+        each_push(group.old, a, stiffness_of, 1 - s,
+                  [&](std::uint32_t i, double push) { visit(false, i, push); });
     };
 
     group.along.setZero();
@@ -76,21 +79,31 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
         }
     }
 
-    double total = 0, braking = 0;
-    each([&](std::uint32_t, double push) { total += push; });
+    // Coefficients count by each plane's part of the normal force. Viscous friction is no part of that, so it
+    // comes and goes with its set.
+    double total = 0, total_now = 0, braking = 0, viscous = 0;
+    each([&](bool now, std::uint32_t, double push) {
+        total += push;
+        if (now) total_now += push;
+    });
     FrictionLaw law;
     Vector3d surface_velocity = Vector3d::Zero();
     if (total > 0) {
         double leading = 0;
-        each([&](std::uint32_t member, double push) {
+        each([&](bool now, std::uint32_t member, double push) {
             const Owner owner = a.owner[member];
             const double share = push / total;
-            if (owner == bridge_owner) return add_share(law, leading, group.bridge_law, share);
+            const double of_set = now ? s * push / total_now : (1 - s) * push / (total - total_now);
+            if (owner == bridge_owner) {
+                viscous += of_set * group.bridge_law.viscous;
+                return add_share(law, leading, group.bridge_law, share);
+            }
             const Record& r = record(owner);
             surface_velocity += share * r.velocity;
             if (!r.rough) return add_share(law, leading, FrictionLaw{}, share);
             const Rough& feel = rough(owner);
             add_share(law, leading, feel.law, share);
+            viscous += of_set * feel.law.viscous;
             braking += share * feel.braking;
             if (!r.textured) return;
             const Vector3d n(a.nx[member], a.ny[member], a.nz[member]);
@@ -101,6 +114,7 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
             group.relief += texture_force(feel.texture, under, push, limits_);
         });
     }
+    law.viscous = viscous;
     group.law = law;
     group.along = friction_force(law, group.friction, tangent,
                                  {.position = group.probe.position,

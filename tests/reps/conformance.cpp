@@ -81,7 +81,7 @@ TYPED_TEST(Conformance, EveryIllegalValueIsRefusedByFieldAndChangesNothing) {
     ASSERT_TRUE(scene.add(this->handle, good));
     const Probe probe = at({0.001, 0.002, -0.003});
     settled(scene, probe);
-    const Wrench before = scene.evaluate(probe, dt);
+    const Wrench before = scene.evaluate(probe, 0);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (std::uint32_t f = 0; f < std::size(Describe<TypeParam>::fields); ++f) {
         const Field& field = Describe<TypeParam>::fields[f];
@@ -125,7 +125,7 @@ TYPED_TEST(Conformance, EveryIllegalValueIsRefusedByFieldAndChangesNothing) {
             EXPECT_EQ(refused(params, "1e-7"), Verdict::Code::zero_vector);
         }
     }
-    EXPECT_TRUE(same_bits(before, scene.evaluate(probe, dt)));
+    EXPECT_TRUE(same_bits(before, scene.evaluate(probe, 0)));
     EXPECT_EQ(scene.size(), 1u);
 }
 
@@ -232,6 +232,8 @@ TYPED_TEST(Conformance, ComesAndGoesWithoutAJolt) {
     for (int round = 0; round < 300; ++round) {
         TypeParam params = random_params<TypeParam>(this->rng, false);
         set_times(params, time);
+        // A moving surface drags what holds the tip to it: a force of its own history, tested in along.cpp.
+        if constexpr (requires { params.velocity; }) params.velocity = {};
         const Probe probe = wander(this->rng);  // held still
         Scene reference =
             make_scene();  // the same, there from the start: what moves by itself moves there too
