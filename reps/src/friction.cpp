@@ -105,7 +105,7 @@ struct Cycle {
         }
         state.farthest = std::max(state.farthest, r);
         if (r >= state.next) {
-            d *= 1 - state.next / r;
+            d *= r > 0 ? 1 - state.next / r : 0;
             state.sliding = false;
         } else if (state.farthest - r > 2 * resolution) {  // forward motion ceases
             d.setZero();
