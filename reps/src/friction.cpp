@@ -149,8 +149,12 @@ void rub(const FrictionLaw& law, FrictionState& state, const Tangent& tangent, c
     state.anchor += carried;
     state.snag += carried;
 
-    if (state.residual_time > 0)
-        advance(state.residual_time, dt, [&](double share) { state.residual -= share * state.residual; });
+    if (state.residual_time > 0) {
+        advance(state.residual_time, dt, [&](double share) {
+            state.residual -= share * state.residual;
+            state.released -= share * state.released;
+        });
+    }
     if (state.dimensions != tangent.dimensions) {
         state.dimensions = tangent.dimensions;
         state.residual += state.last - tangent.along(state.last);
@@ -232,8 +236,8 @@ Vector friction_force(const FrictionLaw& law, FrictionState& state, const Tangen
     Vector force = Vector::Zero();
     if (state.held) {
         const Vector d = tangent.along(state.anchor - rubbing.position);
-        force =
-            clamped(spring_force(law, state, d, n) + state.residual, std::max(law.static_, law.dynamic) * n);
+        const double cone = std::max(law.static_, law.dynamic) * n;
+        force = clamped(spring_force(law, state, d, n) + state.residual, cone) + state.released;
     }
     if (law.viscous > 0)
         force += clamped(-law.viscous * tangent.along(rubbing.velocity - rubbing.surface_velocity), n);

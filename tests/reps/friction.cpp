@@ -156,6 +156,17 @@ TEST(Friction, FlickeringInACornerNeitherJumpsNorAddsUp) {
     }
 }
 
+TEST(Friction, WhatOthersReleaseIsLetGoInTheSameWay) {
+    Tip tip{friction_law({}, {}, 1000, free_limits)};
+    tip.go(0.0);
+    tip.state.released = {0.3, 0, 0.1};
+    tip.state.residual_time = residual_decay;
+    for (int i = 1; i <= 12; ++i) {
+        const Vector want = std::max(0.0, 1 - i / 10.0) * Vector(0.3, 0, 0.1);
+        EXPECT_LE((tip.go(Vector(0, 0, 0)) - want).norm(), 1e-15) << i;
+    }
+}
+
 // --- Snags
 
 TEST(Friction, ASnagHoldsLetsGoAndComesAgainAtItsDistance) {

@@ -125,6 +125,26 @@ TEST(Friction, GivesBackNoMoreThanItStored) {
     }
 }
 
+TEST(Friction, AStiffnessThatRisesAndFallsGainsNothing) {
+    // Pulled out while soft, let back while hard: the shares of two surfaces could pump like that.
+    for (const double ratio : {1.2, 4.0}) {
+        Tip tip{coulomb(0.8, 0.4, 500)};
+        double got = 0, x = 0, force = tip.go(0.0);
+        const auto move = [&](double to, double stiffness) {
+            got += force * (to - x) - 0.5 * tip.state.stiffness * (to - x) * (to - x);
+            tip.law.stiffness = stiffness;
+            force = tip.go(x = to);
+        };
+        for (int loop = 0; loop < 100; ++loop) {
+            move(0.0004, 500);
+            move(0.0004, 500 * ratio);
+            move(0, 500 * ratio);
+            move(0, 500);
+        }
+        EXPECT_LE(got, 1e-12) << ratio;
+    }
+}
+
 TEST(Friction, ThePapersLawGeneratesEnergyWhenTheNormalForceChangesWhileStuck) {
     // Pull .9 mm out at 1 N, press with 5 N, come back: 1/2 k_stick 4 N (.9 mm)^2 are gained in each loop,
     // for ever.
@@ -228,8 +248,8 @@ namespace {
 
 bool same_bytes(const FrictionState& a, const FrictionState& b) {
     return a.anchor == b.anchor && a.snag == b.snag && a.last == b.last && a.residual == b.residual &&
-           a.residual_time == b.residual_time && a.stiffness == b.stiffness && a.next == b.next &&
-           a.farthest == b.farthest && a.generator == b.generator && a.seed == b.seed &&
+           a.released == b.released && a.residual_time == b.residual_time && a.stiffness == b.stiffness &&
+           a.next == b.next && a.farthest == b.farthest && a.generator == b.generator && a.seed == b.seed &&
            a.dimensions == b.dimensions && a.held == b.held && a.sliding == b.sliding;
 }
 

@@ -58,7 +58,8 @@ struct FrictionState {
     Eigen::Vector3d snag = Eigen::Vector3d::Zero();      // m, where it last let go
     Eigen::Vector3d last = Eigen::Vector3d::Zero();      // N, last cycle's force of the anchor's spring
     Eigen::Vector3d residual = Eigen::Vector3d::Zero();  // N, being let go after the tangent space changed
-    double residual_time = 0;                            // s, left of that
+    Eigen::Vector3d released = Eigen::Vector3d::Zero();  // N, of others (a texture that is no more), with it
+    double residual_time = 0;                            // s, left of both
     double stiffness = 0;                                // N/m, of the anchor's spring since it stuck
     double next = 0;                                     // m, from the last snag to the next one
     double farthest = 0;  // m, from the last snag: the paper's law sees that forward motion ceases
@@ -84,7 +85,8 @@ struct Rubbing {
 /// force and the law do (except the paper's law): whenever its stiffness rises or the tangent space turns,
 /// the anchor comes nearer. Where the tangent space loses a dimension (the tip slides into a corner) the
 /// force that is lost with it is let go linearly within `residual_decay`: that part, and it alone, may point
-/// out of the tangent space.
+/// out of the tangent space. `state.released` is the caller's to add to, with `residual_time`: it is let go
+/// in the same way, and the bound does not count it.
 Eigen::Vector3d friction_force(const FrictionLaw& law, FrictionState& state, const Tangent& tangent,
                                const Rubbing& rubbing, const Limits& limits, double dt) noexcept;
 
