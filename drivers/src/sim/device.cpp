@@ -89,6 +89,7 @@ LinkConfig describe(const SimProfile& p) {
     link.continuous_force = p.peak_force / 2;
     link.peak_torque = p.peak_torque;
     link.damping = p.damping;
+    if (p.renders_torque) link.rotational_damping = p.rotational_damping;
     link.lag = p.lag > 0 ? 1 / (2 * std::numbers::pi * p.lag) : 0;
     link.grip_damping = p.hand.grip * p.hand.damping;
     link.apparent_mass = p.mass;

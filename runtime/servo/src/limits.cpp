@@ -28,10 +28,14 @@ Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::
         return limit > 0 ? limit : std::numeric_limits<double>::infinity();
     };
     const double fs = frame.force_scale * frame.scale;
+    // The same bound as for stiffness, about an axis.
+    const double torsion = link.rotational_damping / (0.5 / rate + link.lag);
     return {.max_stiffness = max_stiffness(link, rate) / fs,
             .max_force = stated(link.peak_force) / frame.force_scale,
             .max_torque = stated(link.peak_torque) * frame.scale / frame.force_scale,
+            .max_torsion = stated(torsion) * frame.scale / frame.force_scale,
             .damping = link.damping / fs,
+            .mass = link.apparent_mass / fs,
             .lag = link.lag,
             .period = 1 / rate};
 }

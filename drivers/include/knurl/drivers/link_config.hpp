@@ -31,6 +31,7 @@ struct LinkConfig {
     double continuous_force = 0;        // N, for ever
     double peak_torque = 0;             // N m, 0: renders none
     double damping = 0;                 // N s/m, the device's own b at the tip
+    double rotational_damping = 0;      // N m s/rad, likewise about the tip; 0: unknown
     double lag = 0;                     // s, tau: everything late (actuator, transport)
     double measured_max_stiffness = 0;  // N/m as measured; 0: not measured, the servo estimates it
     double grip_damping = 0;            // N s/m of the hand while its grip is known; 0: unknown
