@@ -73,8 +73,8 @@ Outcome stroke(Way way, const SurfaceModel& model, const Path& path, double seco
             if (way == Way::safe) {
                 const Followed followed = follow_surface(
                     model, {.time = cycle * dt, .position = to_plain(p), .velocity = to_plain(slow)},
-                    lateness, stiffness, memory);
-                next = followed.plane;
+                    lateness, {.stiffness = stiffness}, memory);
+                next = followed.faces.face[0];
                 full += followed.look_ahead == 1 ? 1 : 0;
             } else {
                 next = way == Way::none ? model(to_plain(p)) : unchecked(model, p, slow);
@@ -207,8 +207,9 @@ TEST(Prediction, keeps_what_it_gains_on_a_smooth_stroke) {
 
 TEST(Prediction, looks_nowhere_before_it_knows_how_late_the_application_is) {
     FollowMemory memory;
-    const Followed followed = follow_surface(
-        relief(0.004, 0.08), {.position = {0.01, 0, 0}, .velocity = {0.3, 0, 0}}, {}, 1000, memory);
+    const Followed followed =
+        follow_surface(relief(0.004, 0.08), {.position = {0.01, 0, 0}, .velocity = {0.3, 0, 0}}, {},
+                       {.stiffness = 1000}, memory);
     EXPECT_EQ(followed.look_ahead, 0);
     EXPECT_EQ(followed.asked, 1u);
 }
@@ -228,28 +229,31 @@ TEST(Prediction, asks_below_the_surface_only_where_the_hand_is_already) {
     };
     FollowMemory memory;
     follow_surface(model, {.position = {0, 0, 0.002}, .velocity = {0.1, 0, -0.3}},
-                   {.latency = 0, .interval = 0.05}, 1000, memory);
+                   {.latency = 0, .interval = 0.05}, {.stiffness = 1000}, memory);
     EXPECT_NEAR(lowest, 0, 1e-15);
 }
 
 TEST(Prediction, keeps_the_face_by_which_the_hand_came_in) {
     FollowMemory memory;
     const SurfaceModel model = plate(0.010);
-    const Followed outside = follow_surface(model, {.position = {0, 0, 0.001}}, lateness, 1000, memory);
-    EXPECT_EQ(outside.plane.normal, (Vec3{0, 0, 1}));
+    const Followed outside =
+        follow_surface(model, {.position = {0, 0, 0.001}}, lateness, {.stiffness = 1000}, memory);
+    EXPECT_EQ(outside.faces.face[0].normal, (Vec3{0, 0, 1}));
     const Followed past_the_middle =
-        follow_surface(model, {.position = {0, 0, -0.006}}, lateness, 1000, memory);
+        follow_surface(model, {.position = {0, 0, -0.006}}, lateness, {.stiffness = 1000}, memory);
     EXPECT_TRUE(past_the_middle.kept_side);
-    EXPECT_EQ(past_the_middle.plane.normal, (Vec3{0, 0, 1}));
-    const Followed went_round = follow_surface(model, {.position = {0, 0, -0.011}}, lateness, 1000, memory);
-    EXPECT_EQ(went_round.plane.normal, (Vec3{0, 0, -1})) << "outside again, by whichever way";
+    EXPECT_EQ(past_the_middle.faces.face[0].normal, (Vec3{0, 0, 1}));
+    const Followed went_round =
+        follow_surface(model, {.position = {0, 0, -0.011}}, lateness, {.stiffness = 1000}, memory);
+    EXPECT_EQ(went_round.faces.face[0].normal, (Vec3{0, 0, -1})) << "outside again, by whichever way";
 }
 
 TEST(Prediction, refuses_a_model_that_answers_nonsense_and_says_what_it_answered) {
     FollowMemory memory;
     const auto answer = [&](SurfacePoint point) {
         try {
-            follow_surface([=](const Vec3&) { return point; }, {.position = {1, 2, 3}}, {}, 1000, memory);
+            follow_surface([=](const Vec3&) { return point; }, {.position = {1, 2, 3}}, {},
+                           {.stiffness = 1000}, memory);
         } catch (const Error& error) {
             EXPECT_EQ(error.kind, Error::Kind::bad_parameters);
             return std::string(error.what());

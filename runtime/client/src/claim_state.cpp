@@ -80,16 +80,14 @@ void ClaimState::follow(Handle handle, const SurfaceModel& model) {
         late.interval = followed.follow_intervals.median();
     const double stiffness = std::min(plane.stiffness, limits_.max_stiffness);
     lock.unlock();  // the model is the application's: it may call us
-    const SurfacePoint there = follow_surface(model,
-                                              {.time = static_cast<double>(report->read_ns) * 1e-9,
-                                               .position = report->position,
-                                               .velocity = report->slow_velocity},
-                                              late, stiffness, memory)
-                                   .plane;
+    const Followed there = follow_surface(model,
+                                          {.time = static_cast<double>(report->read_ns) * 1e-9,
+                                           .position = report->position,
+                                           .velocity = report->slow_velocity},
+                                          late, {.stiffness = stiffness}, memory);
     lock = enter();
 
-    plane.normal = there.normal;
-    plane.offset = to_eigen(there.normal).dot(to_eigen(there.foot));
+    place(plane, there.faces.face[0]);
     validate(kind_of<Plane>, &plane, sizeof plane);
     entry(handle).followed = memory;
     table_.set(handle, std::as_bytes(std::span(&plane, 1)));

@@ -1,6 +1,6 @@
 #pragma once
-// Where the hand will be when an update is felt, and a plane that is right there. A pure function of its
-// arguments and of a little memory, so that it is tested without a servo.
+// Where the hand will be when an update is felt, and a plane or a rimmed cap that is right there. A pure
+// function of its arguments and of a little memory, so that it is tested without a servo.
 //
 // An application at 20 Hz, answered 25 ms later, sends planes for where the hand was. Asking the model where
 // the hand will be removes most of that error, but unchecked it does harm: a point predicted past the middle
@@ -9,7 +9,7 @@
 //
 //     v t*  = v (latency + interval/2), at most 20 mm          normal part: at most up to the surface
 //     p_L   = p + v latency                                    where the hand is when the update lands
-//     plane = model(p + v t*), accepted if                     height of p_L over the plane
+//     face  = model(p + v t*), accepted if                     height of p_L over that plane or cap
 //             h(p_L) >= min(d(p_L), 0) - min(0.5 mm, 1 N / k)  ... is no worse than under the model itself
 //     else t* / 2, t* / 4, 0
 //
@@ -20,15 +20,21 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <span>
 
-#include <knurl/reps/vec.hpp>
+#include <knurl/reps/cap.hpp>
+#include <knurl/reps/plane.hpp>
 
 namespace knurl {
 
-/// Where a model is nearest to a point, for `follow`.
+/// Where a model is nearest to a point, for `follow`. A model that knows how its surface curves there says
+/// so: a followed Cap curves likewise, and for a plane, too, it tells whether the updates come often enough.
 struct SurfacePoint {
-    Vec3 foot;    // m
-    Vec3 normal;  // towards free space; of any length but 0
+    Vec3 foot;              // m
+    Vec3 normal;            // towards free space; of any length but 0
+    double curvature = 0;   // 1/m, positive: hollow, the surface curves towards free space
+    double curvature2 = 0;  // 1/m, across `axis`
+    Vec3 axis = {};         // the tangent direction of `curvature`; 0 0 0: that in every direction
 };
 using SurfaceModel = std::function<SurfacePoint(const Vec3& near)>;
 
@@ -56,10 +62,18 @@ class Trust {
     double explained_ = 0, expected_ = 0;  // m^2
 };
 
+/// Faces that one follower sends at once.
+inline constexpr std::uint32_t max_faces = 3;
+
+struct Faces {
+    std::array<SurfacePoint, max_faces> face{};  // unit normals
+    std::uint32_t count = 0;
+    std::span<const SurfacePoint> all() const { return {face.data(), count}; }
+};
+
 /// What the next call has to know of the last ones.
 struct FollowMemory {
-    SurfacePoint plane;  // sent last
-    bool known = false;
+    Faces sent;  // last; none: never
     Trust trust;
 };
 
@@ -70,12 +84,20 @@ struct HandNow {
     Vec3 velocity{};  // m/s, slow (Report::slow_velocity)
 };
 
+/// What follows the surface.
+struct Follower {
+    double stiffness = 0;  // N/m, as applied
+    double rim = 0;        // 1, of a cap (Cap::rim); 0: a plane
+};
+
 struct Followed {
-    SurfacePoint plane;     // to send; unit normal
-    double look_ahead = 0;  // share of t* that passed the check: 1, 1/2, 1/4 or 0
-    double trust = 1;       // by which t* was shortened before
-    bool kept_side =
-        false;  // the nearest face was not the one by which the hand came in: the last plane stays
+    Faces faces;             // to send
+    double look_ahead = 0;   // share of t* that passed the check: 1, 1/2, 1/4 or 0
+    double trust = 1;        // by which t* was shortened before
+    bool kept_side = false;  // the nearest face was not the one by which the hand came in: the last stays
+    bool undersampled =
+        false;                // |v| interval > R/2: between two updates the hand passes more than a plane or
+                              // cap can tell of; R from the model's curvatures, or from how its normal turns
     std::uint32_t asked = 0;  // calls of the model
 };
 
@@ -84,9 +106,13 @@ inline constexpr double max_look_ahead = 0.020;  // m
 /// Position of the hand t* from now, at most max_look_ahead away. Frame as given.
 Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness) noexcept;
 
-/// The plane to send. `stiffness` in N/m, that of the plane. Throws knurl::Error if the model answers with
-/// something not finite, or a zero normal.
+/// The plane or cap to send. Throws knurl::Error if the model answers with something not finite, a zero
+/// normal, or two curvatures without the direction of the first.
 Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const Lateness& lateness,
-                        double stiffness, FollowMemory& memory);
+                        const Follower& follower, FollowMemory& memory);
+
+/// Puts the representation there; all else of it stays.
+void place(Plane& plane, const SurfacePoint& face) noexcept;
+void place(Cap& cap, const SurfacePoint& face) noexcept;
 
 }  // namespace knurl
