@@ -1,0 +1,81 @@
+#include <knurl/reps/half_plane.hpp>
+
+#include "piece.hpp"
+
+namespace knurl {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double least_share = 1e-6;  // of the edge's direction that must lie in the face
+constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
+
+// What is left of v in the plane of the unit normal n; twice, since the first time leaves its rounding.
+Vector3d in_plane(const Vector3d& v, const Vector3d& n) noexcept {
+    const Vector3d once = v - n.dot(v) * n;
+    return once - n.dot(once) * n;
+}
+
+class HalfPlaneOutline {
+  public:
+    explicit HalfPlaneOutline(const HalfPlane& half) noexcept
+        : normal_(to_eigen(half.normal)),
+          edge_(to_eigen(half.edge)),
+          offset_(half.offset),
+          edge_offset_(half.edge_offset) {}
+
+    const Vector3d& normal() const noexcept { return normal_; }
+    double height(const Vector3d& q) const noexcept { return normal_.dot(q) - offset_; }
+    bool holds(const Vector3d& q, double reach) const noexcept {
+        return beyond(q) <= rounding * (reach + std::abs(edge_offset_));
+    }
+    Vector3d away(const Vector3d& q) const noexcept { return height(q) * normal_ + beyond(q) * edge_; }
+
+  private:
+    double beyond(const Vector3d& q) const noexcept { return edge_.dot(q) - edge_offset_; }
+    Vector3d normal_, edge_;
+    double offset_, edge_offset_;
+};
+
+}  // namespace
+
+Verdict Describe<HalfPlane>::check(const HalfPlane& half) noexcept {
+    if (const Verdict verdict = check_material(half); !verdict) return verdict;
+    const double share =
+        in_plane(to_eigen(half.edge).normalized(), to_eigen(half.normal).normalized()).norm();
+    if (share >= least_share) return {};
+    constexpr std::uint32_t row = row_of<HalfPlane>("edge");
+    return {Verdict::Code::contradiction, row, share, 1};
+}
+
+HalfPlane prepared(HalfPlane params, const Limits& limits) noexcept {
+    prepare_surface(params, limits);
+    params.reserved = 0;
+    const double length = to_eigen(params.normal).norm();
+    const Vector3d normal = to_eigen(params.normal) / length;
+    params.normal = to_plain(normal);
+    params.offset /= length;
+    // On the face edge.x = across.x + (edge.n) offset, so edge.x <= edge_offset holds as it was given.
+    const Vector3d edge = to_eigen(params.edge), across = in_plane(edge, normal);
+    const double width = across.norm();
+    params.edge = to_plain(in_plane(across / width, normal));
+    params.edge_offset = (params.edge_offset - edge.dot(normal) * params.offset) / width;
+    return params;
+}
+
+void adopt(const HalfPlane& params, const HalfPlane* previous, PieceState& state, const Probe&) noexcept {
+    if (!previous) {
+        state = {};
+        place(state.motion);
+    } else if (!(params.normal == previous->normal) || params.offset != previous->offset ||
+               !(params.edge == previous->edge) || params.edge_offset != previous->edge_offset ||
+               !(params.velocity == previous->velocity)) {
+        piece::adopt(params, HalfPlaneOutline(params), *previous, HalfPlaneOutline(*previous), state);
+    }
+}
+
+Contact contact(const HalfPlane& params, PieceState& state, const Probe& probe, double dt) noexcept {
+    return piece::contact(params, HalfPlaneOutline(params), state, probe, dt);
+}
+
+}  // namespace knurl
