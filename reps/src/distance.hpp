@@ -1,20 +1,28 @@
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 
 namespace knurl {
 
-/// A length and its direction, also where the squares of its components are no numbers any more.
+/// A vector's length and direction, also where the squares of its components are no numbers any more.
 struct Distance {
     Eigen::Vector3d direction;
     double length;  // as v
 
     explicit Distance(const Eigen::Vector3d& v) noexcept {  // not 0
-        const double largest = v.cwiseAbs().maxCoeff();
-        direction = v / largest;
-        const double norm = direction.norm();
-        length = norm * largest;
-        direction /= norm;
+        const double square = v.squaredNorm();
+        if (square > 1e-280) {
+            length = std::sqrt(square);
+            direction = v / length;
+        } else {
+            const double largest = v.cwiseAbs().maxCoeff();
+            const Eigen::Vector3d scaled = v / largest;
+            const double norm = scaled.norm();
+            length = norm * largest;
+            direction = scaled / norm;
+        }
     }
 };
 

@@ -7,11 +7,10 @@
 
 #include <knurl/reps/concepts.hpp>
 
-#include "random_planes.hpp"
+#include "random_polygon.hpp"
 
 namespace knurl::test {
 
-using Vector = Eigen::Vector3d;
 using Real = long double;
 using Vec = Eigen::Matrix<Real, 3, 1>;
 
@@ -29,11 +28,6 @@ inline Probe probe_at(const Vector& position, double radius = 0) {
     probe.position = position;
     probe.radius = radius;
     return probe;
-}
-
-inline Eigen::Quaterniond turn(Rng& rng) {
-    std::normal_distribution<> normal;
-    return Eigen::Quaterniond(normal(rng), normal(rng), normal(rng), normal(rng)).normalized();
 }
 
 /// N; k = 1000 N/m.

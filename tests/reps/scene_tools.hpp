@@ -8,7 +8,7 @@
 
 #include <knurl/reps/scene.hpp>
 
-#include "random_planes.hpp"
+#include "random_polygon.hpp"
 
 namespace knurl::test {
 
@@ -67,10 +67,17 @@ inline void set_whole(void* params, const Field& field, std::uint32_t value) {
 /// parameters are too rare to be met by chance specialises it.
 template <class R>
 struct Agreeing {
-    static void make(Rng&, R& params) {
+    static void make([[maybe_unused]] Rng& rng, R& params) {
         if constexpr (requires { params.friction.static_; }) {
             if (params.friction.static_ != automatic)
                 params.friction.static_ = std::max(params.friction.static_, params.friction.dynamic);
+        }
+        if constexpr (std::is_same_v<R, Polygon>) {  // a convex one of that size, that far away
+            const Vec3 any = params.vertices.at[0];
+            const double most = 4e8;  // m: all corners stay within the range
+            params.vertices =
+                random_polygon(rng, std::min(std::abs(any.x), most), std::min(std::abs(any.y), most))
+                    .vertices;
         }
     }
 };

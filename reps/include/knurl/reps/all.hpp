@@ -2,9 +2,12 @@
 // The one list of representations. A new one is a header of its own and its name here: the scene, the wire
 // format, TOML scenes and the conformance tests take it from this list.
 
+#include <knurl/reps/box.hpp>
 #include <knurl/reps/cap.hpp>
 #include <knurl/reps/constant_force.hpp>
+#include <knurl/reps/half_plane.hpp>
 #include <knurl/reps/plane.hpp>
+#include <knurl/reps/polygon.hpp>
 #include <knurl/reps/spring.hpp>
 
 namespace knurl {
@@ -14,7 +17,7 @@ struct TypeList {
     static constexpr std::size_t size = sizeof...(R);
 };
 
-using Representations = TypeList<Plane, Spring, ConstantForce, Cap>;
+using Representations = TypeList<Plane, Spring, ConstantForce, Cap, Polygon, HalfPlane, Box>;
 
 /// Position in the list: what "kind" means in shared memory.
 using Kind = std::uint32_t;

@@ -72,7 +72,7 @@ struct Describe<HalfPlane> {
         surface_rows<HalfPlane>());
     static constexpr std::string_view contradictions[] = {
         static_below_dynamic,
-        "is the share of it that lies in the face: parallel to the normal; give a direction across the edge",
+        "of its length in the face: parallel to the normal; give a direction across the edge",
     };
     static Verdict check(const HalfPlane& half) noexcept;
 };

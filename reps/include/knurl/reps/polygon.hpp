@@ -64,10 +64,10 @@ struct Describe<Polygon> {
         surface_rows<Polygon>());
     static constexpr std::string_view contradictions[] = {
         static_below_dynamic,
-        "lies between two of them: repeated; give each corner once",
-        "is all its width: no area; give corners that do not lie on one line",
-        "off their common plane lies one of them: not planar; move it by that",
-        "beyond an edge lies one of them: not convex, or not in order; cut it into convex pieces",
+        "between two of them: repeated; give each corner once",
+        "of width: no area; give corners that do not lie on one line",
+        "off their common plane: not planar; move the corners into one plane",
+        "beyond an edge: not convex, or not in order; give convex pieces, corners in order",
     };
     static Verdict check(const Polygon& polygon) noexcept;
 };
