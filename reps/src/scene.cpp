@@ -119,7 +119,7 @@ Verdict Scene::place_probe(std::uint32_t probe, const ProbePlacement& placement)
 
 void Scene::set_silence(double seconds) noexcept {
     impl_->silence_ = seconds > 0 ? seconds : 0;
-    if (seconds > 0) impl_->weights_move_ = true;
+    if (seconds > 0 && !impl_->weights_move_) impl_->weights_move_ = impl_->effects_edited_ = true;
 }
 
 Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {

@@ -170,7 +170,13 @@ void SceneCore::take_placements() noexcept {
     }
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
         Slot& slot = slots_[effects_[e]];
-        if (!groups_[now_[effects_[e]].use.probe].replaced) continue;
+        const Group& group = groups_[now_[effects_[e]].use.probe];
+        if (!group.replaced) continue;
+        if (slot.collapsed) {
+            Record& r = now_[effects_[e]];
+            slot.last = at_hand(kind_ops()[r.kind].evaluate(r, group.probe, 0), group);
+            effects_edited_ = true;
+        }
         slot.frozen = slot.last;
         start_effect_fade(effects_[e], Slot::From::frozen, policy_.automatic);
     }

@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include <knurl/reps/collapsed_springs.hpp>
 #include <knurl/reps/contact_solver.hpp>
 #include <knurl/reps/friction.hpp>
 #include <knurl/reps/scene.hpp>
@@ -27,16 +28,9 @@
 
 namespace knurl::detail {
 
-template <class... R>
-constexpr std::size_t largest_params(TypeList<R...>) {
-    return std::max({sizeof(R)...});
-}
-template <class... R>
-constexpr std::size_t largest_state(TypeList<R...>) {
-    return std::max({sizeof(typename R::State)...});
-}
-inline constexpr std::size_t max_params = (largest_params(Representations{}) + 15) / 16 * 16;
-inline constexpr std::size_t max_state = largest_state(Representations{});
+// Of any list of kinds: so a kind that nobody uses does not even move the others in memory.
+inline constexpr std::size_t max_params = max_parameter_bytes;
+inline constexpr std::size_t max_state = max_state_bytes;
 
 /// Stiffnesses that one probe's set keeps apart, each with its own solution; more are rounded down to these.
 inline constexpr std::uint32_t max_layers = 8;
@@ -102,6 +96,7 @@ struct Slot {
     // Of an effect: its own fade, from the old record, a frozen wrench, or nothing.
     enum class From : std::uint8_t { none, nothing, record, frozen };
     From from = From::none;
+    bool collapsed = false;        // a spring that is part of its probe's CollapsedSprings
     bool carries = false;          // the old record is the same effect's: it moves along
     double elapsed = 0, time = 0;  // s
     double gain = 1;               // of the new one
@@ -172,6 +167,7 @@ struct Group {
     FrictionLaw bridge_law;
     Eigen::Vector3d force = Eigen::Vector3d::Zero();     // last cycle's blend, without what rubs
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // where the probe was then
+    CollapsedSprings springs;
     // What is felt along the surface.
     bool rough = false;
     FrictionLaw law;  // last cycle's, of all that pushed
@@ -275,6 +271,7 @@ class SceneCore {
     // scene_effects.cpp
     void start_effect_fade(std::uint32_t slot, Slot::From from, double time) noexcept;
     void list_effects() noexcept;
+    bool may_collapse(std::uint32_t slot) const noexcept;
     void advance_effect_fades(double dt, Wrench& sum) noexcept;
     void evaluate_effects(double dt, Wrench& sum) noexcept;
     Wrench at_hand(const Wrench& at_probe, const Group& group) const noexcept;
@@ -331,6 +328,7 @@ class SceneCore {
 
     std::vector<std::uint32_t> effects_;  // slots with an effect that is felt
     std::uint32_t effects_size_ = 0;
+    std::uint32_t collapsed_used_ = 0;   // bit mask: probes with collapsed springs
     std::vector<std::uint32_t> fading_;  // slots whose effect fades
     std::uint32_t fading_size_ = 0;
     bool effects_edited_ = false;

@@ -1,5 +1,7 @@
 // Effects add up; each fades by itself.
 
+#include <new>
+
 #include "clamped.hpp"
 #include "scene_core.hpp"
 
@@ -18,13 +20,40 @@ void SceneCore::start_effect_fade(std::uint32_t i, Slot::From from, double time)
     if (!listed) fading_[fading_size_++] = i;
 }
 
-// The felt effects grouped by kind, and the kinds that there are.
+// A spring that nobody asks about, that has no state of its own at the moment and that no fade scales.
+bool SceneCore::may_collapse(std::uint32_t i) const noexcept {
+    const Record& r = now_[i];
+    if (r.kind != kind_of<Spring> || r.use.feedback != 0 || slots_[i].from != Slot::From::none ||
+        weights_move_)
+        return false;
+    return CollapsedSprings::takes(*std::launder(reinterpret_cast<const Spring*>(r.params)),
+                                   *std::launder(reinterpret_cast<const Spring::State*>(r.state)));
+}
+
+// The felt effects grouped by kind, and the kinds that there are; springs that can be one, made one.
 void SceneCore::list_effects() noexcept {
+    for (std::uint32_t rest = collapsed_used_; rest != 0; rest &= rest - 1)
+        groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))].springs.clear();
+    collapsed_used_ = 0;
     std::array<std::uint32_t, Representations::size + 1> next{};
-    for (std::uint32_t e = 0; e < effects_size_; ++e) ++next[now_[effects_[e]].kind + 1];
+    for (std::uint32_t e = 0; e < effects_size_; ++e) {
+        const std::uint32_t i = effects_[e];
+        const Record& r = now_[i];
+        slots_[i].collapsed = may_collapse(i);
+        if (slots_[i].collapsed) {
+            groups_[r.use.probe].springs.add(
+                *std::launder(reinterpret_cast<const Spring*>(r.params)),
+                std::launder(reinterpret_cast<const Spring::State*>(r.state))->anchor);
+            collapsed_used_ |= 1u << r.use.probe;
+        } else {
+            ++next[r.kind + 1];
+        }
+    }
     for (std::size_t k = 0; k < Representations::size; ++k) next[k + 1] += next[k];
     kind_begin_ = next;
-    for (std::uint32_t e = 0; e < effects_size_; ++e) by_kind_[next[now_[effects_[e]].kind]++] = effects_[e];
+    for (std::uint32_t e = 0; e < effects_size_; ++e) {
+        if (!slots_[effects_[e]].collapsed) by_kind_[next[now_[effects_[e]].kind]++] = effects_[e];
+    }
     active_kinds_size_ = 0;
     for (Kind k = 0; k < Representations::size; ++k) {
         if (kind_begin_[k + 1] > kind_begin_[k]) active_kinds_[active_kinds_size_++] = k;
@@ -47,6 +76,7 @@ void SceneCore::advance_effect_fades(double dt, Wrench& sum) noexcept {
             slot.from = Slot::From::none;
             slot.gain = 1;
             slot.remnant = slot.last = Wrench{};
+            effects_edited_ = effects_edited_ || now_[i].kind == kind_of<Spring>;
             fading_[f] = fading_[--fading_size_];
             continue;
         }
@@ -75,6 +105,11 @@ void SceneCore::evaluate_effects(double dt, Wrench& sum) noexcept {
         kind_ops()[kind].evaluate_all(*this, std::span<const std::uint32_t>(&by_kind_[begin], end - begin),
                                       dt, sum);
         evaluated_ += end - begin;
+    }
+    for (std::uint32_t rest = collapsed_used_; rest != 0; rest &= rest - 1) {
+        const Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
+        sum += at_hand(group.springs.evaluate(group.probe, limits_), group);
+        evaluated_ += group.springs.count();
     }
 }
 

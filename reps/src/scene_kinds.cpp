@@ -157,6 +157,9 @@ struct Ops {
                 slot.last = (slot.gain * r.weight) * w;
                 sum += slot.last;
                 if (slot.from != Slot::From::none) slot.last += slot.remnant;
+                if constexpr (std::is_same_v<R, Spring>) {
+                    if (scene.may_collapse(i)) scene.effects_edited_ = true;  // it has arrived
+                }
             }
         }
     }

@@ -123,10 +123,11 @@ void SceneCore::clear() noexcept {
         group.fading = group.fresh = group.rough = false;
         group.force.setZero();
         group.friction = FrictionState{};
+        group.springs.clear();
         group.near.size = group.bounded = 0;
         group.near.margin = -1;
     }
-    contacts_used_ = bounded_used_ = 0;
+    contacts_used_ = bounded_used_ = collapsed_used_ = 0;
     probes_used_ = 1;
     sets_edited_ = effects_edited_ = true;
     kind_begin_ = {};

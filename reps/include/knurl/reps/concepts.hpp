@@ -37,12 +37,15 @@ struct HalfSpace {
     double damping = 0;  // N s/m
 };
 
+inline constexpr std::size_t max_parameter_bytes = 512;
+inline constexpr std::size_t max_state_bytes = 128;
+
 /// Parameters are the application's: a trivially copyable aggregate of fixed-width members in SI units.
 /// State is the servo's. All functions are noexcept and depend on their arguments alone.
 template <class R>
 concept Representation = std::is_trivially_copyable_v<R> && std::is_trivially_copyable_v<typename R::State> &&
-                             sizeof(R) <= 512 &&
-                         sizeof(typename R::State) <= 256 &&
+                             sizeof(R) <= max_parameter_bytes &&
+                         sizeof(typename R::State) <= max_state_bytes &&
                          requires(R params, const R& previous, typename R::State& state, const Probe& probe,
                                   const Limits& limits) {
     { Describe<R>::name } -> std::convertible_to<std::string_view>;
