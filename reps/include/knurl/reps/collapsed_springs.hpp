@@ -1,0 +1,52 @@
+#pragma once
+// Many springs of one probe as one: with no rest length each is linear in the anchor and in the point where
+// it is attached, so their sum needs only sums made when they change. With o a local origin, a the anchors, b
+// the points on the probe, k:
+//     K = sum k,  A = sum k (a - o),  B = sum k b,  M = sum k b (a - o)^T
+//     F = A - K (p - o) - R B,   torque = axial(R M) - (R B) cross (p - o),   axial(x y^T) = x cross y
+
+#include <array>
+#include <cstdint>
+
+#include <knurl/reps/limits.hpp>
+#include <knurl/reps/probe.hpp>
+#include <knurl/reps/spring.hpp>
+#include <knurl/reps/wrench.hpp>
+
+namespace knurl {
+
+class CollapsedSprings {
+  public:
+    /// Whether this (prepared) spring can be one of them at the moment: no rest length, no damping, nothing
+    /// moves.
+    static bool takes(const Spring& spring, const Spring::State& state) noexcept {
+        return spring.rest_length == 0 && spring.damping == 0 && state.rest_length == 0 &&
+               !(state.remaining > 0);
+    }
+
+    void clear() noexcept { *this = {}; }
+    /// A prepared spring whose application's end is at `anchor_now` (m, world). Its weight (0-1) scales its
+    /// stiffness.
+    void add(const Spring& spring, const Vec3& anchor_now, double weight = 1) noexcept;
+    std::uint32_t count() const noexcept { return count_; }
+    double stiffness() const noexcept { return stiffness_; }  // N/m, K
+
+    /// About the probe's position. The torque's stiffness is at most |M - B (p - o)^T| (Frobenius): where
+    /// that exceeds limits.max_torsion, the torque is scaled down by as much. Neither force nor torque is
+    /// clamped otherwise.
+    Wrench evaluate(const Probe& probe, const Limits& limits) const noexcept;
+
+  private:
+    double stiffness_ = 0;                                // N/m, K
+    Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();    // m, the first anchor: coordinates stay small
+    Eigen::Vector3d anchors_ = Eigen::Vector3d::Zero();   // N, A
+    Eigen::Vector3d attached_ = Eigen::Vector3d::Zero();  // N, B, in the probe's frame
+    std::array<Eigen::Vector3d, 3> moments_ = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                                               Eigen::Vector3d::Zero()};  // N m, the columns of M
+    double square_ = 0;                                                   // (N m)^2, |M|^2
+    Eigen::Vector3d mixed_ = Eigen::Vector3d::Zero();                     // N^2 m, M^T B
+    std::uint32_t count_ = 0;
+    bool turns_ = false;  // one of them is not attached at the probe's position
+};
+
+}  // namespace knurl
