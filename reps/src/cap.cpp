@@ -40,11 +40,6 @@ double felt(double curvature, const Probe& probe) noexcept {
     return 2 * curvature * probe.radius > 1 ? 0.5 / probe.radius : curvature;
 }
 
-Vector3d tangential(const Vector3d& v, const Vector3d& normal) noexcept {
-    const Vector3d once = v - normal.dot(v) * normal;
-    return once - normal.dot(once) * normal;  // again: what the first leaves by rounding may be all there is
-}
-
 }  // namespace
 
 Verdict Describe<Cap>::check(const Cap& cap) noexcept {
@@ -57,7 +52,7 @@ Verdict Describe<Cap>::check(const Cap& cap) noexcept {
                                    : Verdict{Verdict::Code::contradiction, row, cap.curvature2, 1};
     }
     const Vector3d normal = to_eigen(unit(cap.normal));
-    if (tangential(to_eigen(cap.axis) / length, normal).norm() < least_axis) {
+    if (across(to_eigen(cap.axis) / length, normal).norm() < least_axis) {
         constexpr std::uint32_t row = row_of<Cap>("axis");
         return {Verdict::Code::contradiction, row, length, 2};
     }
@@ -73,7 +68,7 @@ Cap prepared(Cap params, const Limits& limits) noexcept {
         params.axis = {};
         return params;
     }
-    Vector3d along = tangential(axis.normalized(), normal).normalized();
+    Vector3d along = across(axis.normalized(), normal).normalized();
     // The tube of the torus is the stronger curvature, so that the surface does not depend on which is named
     // first.
     const double first = std::abs(params.curvature), second = std::abs(params.curvature2);
@@ -99,18 +94,18 @@ Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double
     const double z = normal.dot(q);
     const double curvature = felt(params.curvature, probe);
     if (params.curvature == params.curvature2) {
-        const Vector3d along = tangential(q, normal);
+        const Vector3d along = across(q, normal);
         const double r = along.norm();
         const Arc arc(curvature, params.rim, r, z);
         const Vector3d direction = r > 0 ? Vector3d(along / r) : Vector3d(normal.unitOrthogonal());
         return contact_of(params, arc.z * normal + arc.x * direction, arc.height - probe.radius);
     }
     // The distance from a torus is that from a circle in the plane which has turned with the ring: two arcs.
-    const Vector3d across = normal.cross(axis);
+    const Vector3d side = normal.cross(axis);
     const double share = std::abs(params.curvature2 / params.curvature);  // the same reach in both directions
-    const Arc ring(felt(params.curvature2, probe), params.rim * share, across.dot(q), z);
+    const Arc ring(felt(params.curvature2, probe), params.rim * share, side.dot(q), z);
     const Arc tube(curvature, params.rim, axis.dot(q), ring.height);
-    return contact_of(params, tube.x * axis + tube.z * (ring.x * across + ring.z * normal),
+    return contact_of(params, tube.x * axis + tube.z * (ring.x * side + ring.z * normal),
                       tube.height - probe.radius);
 }
 

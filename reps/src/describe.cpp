@@ -41,7 +41,8 @@ std::string legal(const Field& field) {
     } else {
         text += " that is finite";
     }
-    if (field.infinity_allowed) text += ", or infinity for as stiff as the device allows";
+    if (field.infinity_allowed)
+        text += field.unit == "N/m" ? ", or infinity for as stiff as the device allows" : ", or infinity";
     if (field.automatic_allowed) text += ", or leave it out for automatic";
     return text;
 }

@@ -159,6 +159,7 @@ TEST(Cap, WithoutCurvatureIsAPlaneAndGoesOverIntoOneWithoutAStep) {
         }
         cap.curvature = 25;
         cap.rim = 0;  // nothing is followed but the tangent plane
+        EXPECT_EQ(Asked<Cap>({.curvature = 25, .rim = 0})({0, 0, 0.2}).height, 0.2) << "beyond the centre";
         EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-16);
         cap.axis = to_plain(n.unitOrthogonal());
         EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-16);

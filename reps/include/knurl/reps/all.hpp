@@ -4,11 +4,15 @@
 
 #include <knurl/reps/box.hpp>
 #include <knurl/reps/cap.hpp>
+#include <knurl/reps/capsule.hpp>
 #include <knurl/reps/constant_force.hpp>
+#include <knurl/reps/cylinder.hpp>
 #include <knurl/reps/half_plane.hpp>
 #include <knurl/reps/plane.hpp>
 #include <knurl/reps/polygon.hpp>
+#include <knurl/reps/sphere.hpp>
 #include <knurl/reps/spring.hpp>
+#include <knurl/reps/torus.hpp>
 
 namespace knurl {
 
@@ -20,7 +24,8 @@ struct TypeList {
 #ifdef KNURL_REPRESENTATIONS  // a build with fewer kinds: tests count its instructions
 using Representations = TypeList<KNURL_REPRESENTATIONS>;
 #else
-using Representations = TypeList<Plane, Spring, ConstantForce, Cap, Polygon, HalfPlane, Box>;
+using Representations =
+    TypeList<Plane, Spring, ConstantForce, Cap, Polygon, HalfPlane, Box, Sphere, Capsule, Cylinder, Torus>;
 #endif
 
 /// Position in the list: what "kind" means in shared memory.

@@ -1,0 +1,56 @@
+#pragma once
+// A ring, or the room in its tube: a sphere about the nearest point of the circle within.
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include <knurl/reps/concepts.hpp>
+#include <knurl/reps/material.hpp>
+#include <knurl/reps/solid.hpp>
+
+namespace knurl {
+
+struct Torus {
+    Vec3 center = {};       // m
+    Vec3 axis = {0, 0, 1};  // of any length, about which the ring goes
+    double radius = 0.02;   // m, of the circle within
+    double tube = 0.005;    // m, of the tube around it; 0: a wire
+    Side side = Side::outside;
+    std::uint32_t reserved = 0;
+    double stiffness = 0;         // N/m; infinity: as stiff as the device allows
+    double damping = 0;           // N s/m
+    double recovery = automatic;  // s; 0: at once
+    double braking = 0;           // 1, share of the hand's momentum taken away at entry
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
+    Friction friction = {};
+    Snag snag = {};
+    Texture texture = {};
+
+    using State = SolidState;
+    static constexpr std::uint32_t max_contacts = 2;
+};
+
+template <>
+struct Describe<Torus> {
+    static constexpr std::string_view name = "torus";
+    static constexpr auto fields =
+        join_rows(std::array{center_row<Torus>(), axis_row<Torus>(),
+                             length_row("radius", offsetof(Torus, radius), "of the circle within the tube"),
+                             length_row("tube", offsetof(Torus, tube), "0: a wire"), side_row<Torus>()},
+                  surface_rows<Torus>());
+    static constexpr std::string_view contradictions[] = {
+        static_below_dynamic, "leaves no hole in the ring; give less than radius"};
+    static Verdict check(const Torus& torus) noexcept;
+};
+
+Torus prepared(Torus params, const Limits& limits) noexcept;
+void adopt(const Torus& params, const Torus* previous, Torus::State& state, const Probe& probe) noexcept;
+Contact contact(const Torus& params, Torus::State& state, const Probe& probe, double dt) noexcept;
+/// A probe too large for the hole touches the far side as well.
+std::uint32_t contacts(const Torus& params, Torus::State& state, const Probe& probe, double dt,
+                       std::span<Contact> out) noexcept;
+std::optional<Bound> bound(const Torus& params, const Torus::State& state) noexcept;
+void out_of_reach(const Torus& params, Torus::State& state) noexcept;
+
+}  // namespace knurl
