@@ -14,7 +14,7 @@ import sys
 
 # What a function is measured against, by pattern; \1 is the size.
 REFERENCES = [
-    (r"(?:cold|warm)/(\d+)", r"naive_sum/\1"),
+    (r"(?:cold|warm|corner)/(\d+)", r"naive_sum/\1"),
     (r"(?:cartesian|three_axes|six_axes|seven_axes)", "three_sincos"),
     (r"cycle_.*", "read_and_kinematics"),
 ]

@@ -1,67 +1,87 @@
 #include "plane_scan.hpp"
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 namespace knurl {
 namespace scan {
+
 namespace {
 
 #if defined(__x86_64__)
+const bool have_avx2 = __builtin_cpu_supports("avx2") != 0;
+
 template <bool Store>
-__attribute__((target("avx2"))) double avx2(const PlaneArrays& a, std::uint32_t count,
-                                            const Eigen::Vector3d& x, double* out) noexcept {
+KNURL_AVX2 double largest_avx2(const PlaneArrays& a, std::uint32_t count, const Eigen::Vector3d& x,
+                               double* out) noexcept {
     const __m256d px = _mm256_set1_pd(x.x()), py = _mm256_set1_pd(x.y()), pz = _mm256_set1_pd(x.z());
-    __m256d worst = _mm256_set1_pd(nothing);
+    __m256d worst = _mm256_set1_pd(nothing), other = worst;
     std::uint32_t i = 0;
-    for (; i + 4 <= count; i += 4) {
-        const __m256d dot = _mm256_add_pd(_mm256_add_pd(_mm256_mul_pd(_mm256_loadu_pd(a.nx + i), px),
-                                                        _mm256_mul_pd(_mm256_loadu_pd(a.ny + i), py)),
-                                          _mm256_mul_pd(_mm256_loadu_pd(a.nz + i), pz));
-        const __m256d v = _mm256_sub_pd(_mm256_loadu_pd(a.c + i), dot);
-        if constexpr (Store) _mm256_storeu_pd(out + i, v);
+    for (; i + 8 <= count; i += 8) {  // two chains: each maximum waits for the one before
+        const __m256d v = at(a, i, px, py, pz), w = at(a, i + 4, px, py, pz);
+        if constexpr (Store) _mm256_storeu_pd(out + i, v), _mm256_storeu_pd(out + i + 4, w);
         worst = _mm256_max_pd(v, worst);
+        other = _mm256_max_pd(w, other);
     }
+    worst = _mm256_max_pd(worst, other);
     const __m128d half = _mm_max_pd(_mm256_castpd256_pd128(worst), _mm256_extractf128_pd(worst, 1));
-    const double one = _mm_cvtsd_f64(half), other = _mm_cvtsd_f64(_mm_unpackhi_pd(half, half));
-    return rest<Store>(a, i, count, x, one > other ? one : other, out);
+    const double first = _mm_cvtsd_f64(half), second = _mm_cvtsd_f64(_mm_unpackhi_pd(half, half));
+    return rest<Store>(a, i, count, x, first > second ? first : second, out);
 }
 
-const bool have_avx2 = __builtin_cpu_supports("avx2") != 0;
+KNURL_AVX2 bool none_above_avx2(const PlaneArrays& a, std::uint32_t count, double x, double y, double z,
+                                double limit) noexcept {
+    const __m256d px = _mm256_set1_pd(x), py = _mm256_set1_pd(y), pz = _mm256_set1_pd(z),
+                  bound = _mm256_set1_pd(limit);
+    __m256d any = _mm256_setzero_pd();
+    std::uint32_t i = 0;
+    for (; i + 4 <= count; i += 4)
+        any = _mm256_or_pd(any, _mm256_cmp_pd(at(a, i, px, py, pz), bound, _CMP_GT_OQ));
+    bool above = _mm256_movemask_pd(any) != 0;
+    for (; i < count; ++i) above |= at(a, i, x, y, z) > limit;
+    return !above;
+}
 #endif
 
-}  // namespace
-
 template <bool Store>
-double wide(const PlaneArrays& a, std::uint32_t count, const Eigen::Vector3d& x, double* out) noexcept {
+[[gnu::noinline]] double largest_of_many(const PlaneArrays& a, std::uint32_t count, const Eigen::Vector3d& x,
+                                         double* out) noexcept {
 #if defined(__x86_64__)
-    if (have_avx2) return avx2<Store>(a, count, x, out);
+    if (have_avx2) return largest_avx2<Store>(a, count, x, out);
 #endif
     return narrow<Store>(a, count, x, out);
 }
-template double wide<true>(const PlaneArrays&, std::uint32_t, const Eigen::Vector3d&, double*) noexcept;
-template double wide<false>(const PlaneArrays&, std::uint32_t, const Eigen::Vector3d&, double*) noexcept;
+
+// Two copies of the narrow code: where the compiler knows that there are few, it unrolls.
+template <bool Store>
+[[gnu::always_inline]] inline double largest(const PlaneArrays& a, std::uint32_t count,
+                                             const Eigen::Vector3d& x, double* out) noexcept {
+    return count < many ? narrow<Store>(a, count, x, out) : largest_of_many<Store>(a, count, x, out);
+}
+
+}  // namespace
+
+bool none_of_many_above(const PlaneArrays& a, std::uint32_t count, double x, double y, double z,
+                        double limit) noexcept {
+#if defined(__x86_64__)
+    if (have_avx2) return none_above_avx2(a, count, x, y, z, limit);
+#endif
+    return none_above(a, count, x, y, z, limit);
+}
 
 }  // namespace scan
 
 double worst_violation(const ContactPlanes& planes, const Eigen::Vector3d& dx) noexcept {
-    return scan::planes<false>({planes.nx, planes.ny, planes.nz, planes.s}, planes.count, dx, nullptr);
+    return scan::largest<false>({planes.nx, planes.ny, planes.nz, planes.s}, planes.count, dx, nullptr);
 }
 
 double shift_to_probe(const double* nx, const double* ny, const double* nz, const double* c,
                       std::uint32_t count, const Eigen::Vector3d& p, double* s) noexcept {
-    return scan::planes<true>({nx, ny, nz, c}, count, p, s);
+    return scan::largest<true>({nx, ny, nz, c}, count, p, s);
 }
 
 std::uint32_t find_violation(const ContactPlanes& planes, const Eigen::Vector3d& dx,
                              double violation) noexcept {
+    const PlaneArrays a{planes.nx, planes.ny, planes.nz, planes.s};
     std::uint32_t i = 0;
-    while (i + 1 < planes.count &&
-           planes.s[i] - ((planes.nx[i] * dx.x() + planes.ny[i] * dx.y()) + planes.nz[i] * dx.z()) !=
-               violation) {
-        ++i;
-    }
+    while (i + 1 < planes.count && scan::at(a, i, dx.x(), dx.y(), dx.z()) != violation) ++i;
     return i;
 }
 

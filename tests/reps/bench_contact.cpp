@@ -23,7 +23,10 @@ struct Stroke {
             const Eigen::Vector3d n = direction(rng);
             if (n.dot(up) > std::cos(80 * M_PI / 180)) set.add(n, uniform(rng, -0.002, 0));
         }
-        const Eigen::Vector3d centre = -0.005 * up, side = direction(rng);
+        prepare(-0.005 * up, direction(rng));
+    }
+    void prepare(const Eigen::Vector3d& centre, const Eigen::Vector3d& side) {
+        path.clear();
         for (int i = 0; i < 64; ++i) path.push_back(centre + 1e-4 * std::sin(i * M_PI / 32) * side);
         s.resize(set.c.size());
         planes = {set.nx.data(), set.ny.data(), set.nz.data(), s.data(), set.size()};
@@ -71,13 +74,31 @@ void warm(benchmark::State& state) {
     joint(state, true);
 }
 
+// As a scene calls it, in the corner of a room where up to three planes push and the others are near.
+void corner(benchmark::State& state) {
+    Stroke stroke(0);
+    const Eigen::Vector3d walls[] = {{0, 0, 1},      {0.958, 0, 0.287}, {0, 0.958, 0.287},
+                                     {-0.1, 0.7, 1}, {0.2, 0.7, 1},     {0.5, 0.7, 1}};
+    for (int i = 0; i < state.range(0); ++i) stroke.set.add(walls[i].normalized(), i < 3 ? 0 : -0.02);
+    stroke.prepare({-0.005, -0.005, -0.005}, {0.6, 0.7, 0.3});
+    ContactSolution solution;
+    double give = 0;
+    std::size_t at = 0;
+    for (auto _ : state) {
+        const double worst = stroke.shift(stroke.path[at++ & 63]);
+        solve_contact_relaxed(stroke.planes, worst, give, solution);
+        benchmark::DoNotOptimize(solution.dx);
+    }
+}
+
 void sizes(benchmark::internal::Benchmark* b) {
-    for (const int n : {1, 2, 3, 6, 16, 64, 256}) b->Arg(n);
+    for (const int n : {1, 2, 3, 4, 5, 6, 16, 64, 256}) b->Arg(n);
 }
 
 BENCHMARK(naive_sum)->Apply(sizes);
 BENCHMARK(cold)->Apply(sizes);
 BENCHMARK(warm)->Apply(sizes);
+BENCHMARK(corner)->DenseRange(1, 6);
 
 }  // namespace
 

@@ -109,6 +109,24 @@ TEST(ContactSolver, ANonsenseWarmSetIsOnlyAWrongGuess) {
     }
 }
 
+TEST(ContactSolver, AGuessFromElsewhereIsWhereTheSearchGoesOn) {
+    // Last cycle's planes still push, but another plane is violated too: most of the work is done already.
+    const std::uint64_t seed = 4;
+    Rng rng(seed);
+    std::uint32_t cold = 0, warm = 0;
+    for (int i = 0; i < (long_form() ? 200'000 : 20'000); ++i) {
+        PlaneSet set = any_set(rng);
+        const ContactSolution before = solve(set);
+        set.probe += set.probe.norm() * uniform(rng, 0, 1) * direction(rng);
+        if (set.shifted().worst <= 0) continue;
+        const ContactSolution got = solve(set, before.active);
+        ASSERT_TRUE(is_optimum(set, got)) << "seed " << seed << " case " << i;
+        cold += solve(set).iterations;
+        warm += got.iterations;
+    }
+    EXPECT_LT(warm, cold * 3 / 4);
+}
+
 TEST(ContactSolver, AWarmStartGivesTheColdSolution) {
     Rng rng(11);
     int accepted = 0;
