@@ -7,10 +7,6 @@
 
 namespace knurl::detail {
 
-namespace {
-constexpr double texture_release = 0.01;  // s
-}
-
 // The plane that gives the present force here: what an interrupted fade goes on from. It rubs as its surfaces
 // did; what their texture pushed is let go.
 void SceneCore::make_bridge(Group& group) noexcept {
@@ -28,8 +24,8 @@ void SceneCore::make_bridge(Group& group) noexcept {
     group.bridge.offset = group.bridge.normal.dot(p) + force / k;
     group.bridge_law = group.law;
     if (group.relief != Eigen::Vector3d::Zero()) {
-        group.friction.residual += group.relief;
-        group.friction.residual_time = std::max(group.friction.residual_time, texture_release);
+        group.friction.released += group.relief;
+        group.friction.residual_time = residual_decay;
     }
 }
 
@@ -271,10 +267,7 @@ void SceneCore::release(Group& group) noexcept {
     group.along.setZero();
     group.relief.setZero();
     group.law = FrictionLaw{};
-    group.friction.held = false;
-    group.friction.last.setZero();
-    group.friction.residual.setZero();
-    group.friction.residual_time = 0;
+    group.friction = FrictionState{.generator = group.friction.generator, .seed = group.friction.seed};
     group.pulse_left = 0;
     group.apart = 1;
 }
