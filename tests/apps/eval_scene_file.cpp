@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <knurl/reps/presets.hpp>
 #include <knurl/scenefile/scene_file.hpp>
 
 namespace knurl::scenefile {
@@ -103,6 +104,51 @@ recovery = 0
     EXPECT_EQ(force.force, (Vec3{1, 2, 3}));
     EXPECT_EQ(force.torque, (Vec3{0.1, 0.2, 0.3}));
     EXPECT_EQ(force.recovery, 0);
+}
+
+TEST(SceneFile, AMaterialByNameSaysHowASurfaceFeelsAndKeysBesideItWin) {
+    const auto scene = scene_of(R"(
+[[plane]]
+id = "floor"
+friction.dynamic = 0.9
+material = "rubber"
+texture.origin = [1, 2, 3]
+offset = 0.5
+[[plane]]
+id = "floor"
+at = 1
+material = "ice"
+[[plane]]
+id = "floor"
+at = 2
+damping = 7
+)");
+    ASSERT_EQ(scene.changes.size(), 3u);
+    const Material& rubber = *preset("rubber");
+    const auto first = params_of<Plane>(scene.changes[0]);
+    EXPECT_EQ(first.friction.dynamic, 0.9);
+    EXPECT_EQ(first.friction.static_, rubber.friction.static_);
+    EXPECT_EQ(first.stiffness, rubber.stiffness);
+    EXPECT_EQ(first.damping, rubber.damping);
+    const Material& ice = *preset("ice");
+    const auto second = params_of<Plane>(scene.changes[1]);
+    EXPECT_EQ(second.friction.dynamic, ice.friction.dynamic) << "an update's material replaces what was";
+    EXPECT_EQ(second.stiffness, ice.stiffness);
+    EXPECT_EQ(second.offset, 0.5) << "but not where the surface lies";
+    EXPECT_EQ(second.texture.origin, (Vec3{1, 2, 3}));
+    const auto third = params_of<Plane>(scene.changes[2]);
+    EXPECT_EQ(third.damping, 7);
+    EXPECT_EQ(third.friction.dynamic, ice.friction.dynamic);
+}
+
+TEST(SceneFile, AMaterialMustBeOneOfTheList) {
+    EXPECT_EQ(
+        error_of("[[plane]]\nmaterial = \"ruber\"\n"),
+        "S.toml:2:12: material of the plane of line 1 is 'ruber'; it must be one of: concrete, sand, rubber, "
+        "skin, cloth, ice, sandpaper");
+    EXPECT_EQ(error_of("[[spring]]\nmaterial = \"ice\"\n").find("S.toml:2:1: unknown key 'material'"), 0u)
+        << "an effect has none";
+    EXPECT_NE(error_of("[[plane]]\nmateral = \"ice\"\n").find("did you mean 'material'?"), std::string::npos);
 }
 
 TEST(SceneFile, AKeyWithADotMayBeATableInside) {

@@ -111,6 +111,22 @@ Setting read_setting(const std::string& path, const Value& value, std::uint32_t 
     return setting;
 }
 
+template <class R>
+void make_of(const Material& material, std::vector<std::byte>& params) {
+    if constexpr (Surface<R>) {
+        R surface{};
+        std::memcpy(&surface, params.data(), sizeof surface);
+        surface = made_of(material, surface);
+        std::memcpy(params.data(), &surface, sizeof surface);
+    }
+}
+
+template <class... R>
+void make_of(const Material& material, Kind kind, std::vector<std::byte>& params, TypeList<R...>) {
+    void (*const makers[])(const Material&, std::vector<std::byte>&) = {&make_of<R>...};
+    makers[kind](material, params);
+}
+
 }  // namespace
 
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
@@ -124,6 +140,7 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
     std::vector<std::string_view> known;
     for (const Field& field : info.fields) known.push_back(field.name);
     known.insert(known.end(), std::begin(entry_keys), std::end(entry_keys));
+    if (info.surface) known.push_back("material");
 
     const auto values = values_of(table);
     for (const Value& value : values) {  // first, so that every other error can name it
@@ -148,6 +165,8 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
         } else if (value.key == "silence_time") {
             entry.silence_time = seconds(path, value, what);
             entry.use_at = value.at;
+        } else if (value.key == "material" && info.surface) {
+            entry.material = preset(preset_names()[choice(path, value, what, preset_names())]);
         } else {
             std::uint32_t index = 0;
             while (index < info.fields.size() && info.fields[index].name != value.key) ++index;
@@ -181,6 +200,7 @@ ProbePlacement read_probe(const std::string& path, std::size_t index, const toml
 
 void apply(const std::string& path, const Entry& entry, std::vector<std::byte>& params) {
     const KindInfo& info = kinds()[entry.kind];
+    if (entry.material) make_of(*entry.material, entry.kind, params, Representations{});
     for (const Setting& setting : entry.settings) {
         const Field& field = info.fields[setting.field];
         std::byte* target = params.data() + field.offset;

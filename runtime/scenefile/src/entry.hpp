@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include <knurl/reps/presets.hpp>
+
 #include "toml_value.hpp"
 
 namespace knurl::scenefile {
@@ -26,6 +28,7 @@ struct Entry {
     std::optional<OnSilence> on_silence;
     std::optional<double> silence_time;  // s
     toml::source_position use_at;        // of the last of these three
+    const Material* material = nullptr;  // before the settings, which win
     std::vector<Setting> settings;
 };
 
