@@ -93,9 +93,10 @@ def draw(strokes, path):
     for y, colour, words in ((0.85, THERE, "there, to the right"), (0.66, BACK, "and back, to the left")):
         legend.plot([0.02, 0.09], [y, y], color=colour, lw=2, transform=legend.transAxes)
         legend.text(0.11, y, words, va="center", fontsize=9, transform=legend.transAxes)
-    legend.text(0.02, 0.48, "Up: the force against the way there, N.\nOn turning back the anchor's spring lets go of what "
-                "it\nholds before it is stretched the other way.\nWhere it says \"as hard as the device can\" this is "
-                "1000 N/m.", va="top", fontsize=8.5, color=FAINT, linespacing=1.5, transform=legend.transAxes)
+    legend.text(0.02, 0.48, "Up: the force against the way there, N.\nOn turning back the anchor's spring lets go of what it\n"
+                "holds before it is stretched the other way.\nConcrete, ice and sandpaper are as hard as the device\n"
+                "allows; here, without one, 1000 N/m.", va="top", fontsize=8.5, color=FAINT, linespacing=1.5,
+                transform=legend.transAxes)
     for axes in grid[:, 0]:
         axes.set_ylabel("N", fontsize=8, color=FAINT, labelpad=1)
     pixels = io.BytesIO()

@@ -25,14 +25,13 @@ constexpr std::array<Material, 7> materials = {
         .damping = 1,
         .snag = {.k_kinetic = 0.45, .k_stick = 1500, .d_snap = 0.5e-3, .d_mean = 2e-3, .d_spread = 2e-3}},
     // Sand: it yields and swallows (soft, well damped). It holds what its angle of repose says, tan 33
-    // degrees = 0.65,
-    // and slides at hardly less: grains of 0.3-1.3 mm give way one after another, a crunch rather than
-    // knocks.
+    // degrees = 0.65;
+    // the grains, 0.3-1.3 mm, roll and give way one after another, a crunch rather than knocks.
     Material{
         .stiffness = 400,
         .damping = 6,
         .friction = {.viscous = 1},
-        .snag = {.k_kinetic = 0.5, .k_stick = 1300, .d_snap = 0.5e-3, .d_mean = 0.8e-3, .d_spread = 1e-3}},
+        .snag = {.k_kinetic = 0.42, .k_stick = 1300, .d_snap = 0.5e-3, .d_mean = 0.8e-3, .d_spread = 1e-3}},
     // Rubber: soft and sticky. 1.1 / 0.8 are rubber's on most dry things; its own softness is what the anchor
     // hangs on
     // (600 N/m), so the tip is pulled back over almost 2 mm before it slips, and springs back as far where it
