@@ -90,16 +90,13 @@ class Player {
         answered_ += replies.size();
         if (answered_ < claim_.issued()) throw std::runtime_error(too_many_);
         for (const protocol::Reply& reply : replies) {
-            const Verdict verdict{static_cast<Verdict::Code>(reply.code), reply.field, reply.value,
-                                  reply.reason};
+            const Verdict verdict = protocol::verdict_of(reply);
             if (!verdict) throw std::runtime_error(describe(verdict, reply.kind, refused_by()));
         }
         if (sent_.empty()) return;
         const auto& felt = claim_.feedback();
         if (felt.header.batches_refused > 0) {
-            const Verdict verdict{static_cast<Verdict::Code>(felt.header.refused_code),
-                                  felt.header.refused_field, felt.header.refused_value,
-                                  felt.header.refused_reason};
+            const Verdict verdict = protocol::verdict_of(felt.header);
             throw std::runtime_error(describe(verdict, felt.header.refused_kind, refused_by()));
         }
         for (const Change* change : sent_) {

@@ -1,9 +1,10 @@
 #pragma once
-// What the representations' sources share: the clamp of stiffness, the linear approach, the clamp of a
-// vector.
+// What the representations' sources share: the clamps of stiffness and damping, the linear approach, the
+// clamp of a vector.
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Core>
 
@@ -14,11 +15,30 @@ namespace knurl {
 /// What "infinite" means where no device says what it allows (N/m).
 inline constexpr double unlimited_stiffness = 1000;
 
+/// What bounds this stiffness (N/m); infinity where nothing does.
+inline double largest_stiffness(double asked, const Limits& limits) noexcept {
+    if (std::isfinite(limits.max_stiffness)) return std::max(0.0, limits.max_stiffness);
+    return std::isinf(asked) ? unlimited_stiffness : limits.max_stiffness;
+}
+
 inline double clamped_stiffness(double stiffness, const Limits& limits) noexcept {
-    const double largest = std::isfinite(limits.max_stiffness) ? std::max(0.0, limits.max_stiffness)
-                           : std::isinf(stiffness)             ? unlimited_stiffness
-                                                               : stiffness;
-    return std::min(stiffness, largest);
+    return std::min(stiffness, largest_stiffness(stiffness, limits));
+}
+
+/// The most that a device stands of damping made from its measured velocity (N s/m): b <= m / (4 (T + tau +
+/// tau_f)), tau_f the time constant of the velocity's filter. Where its mass is not known, `modest_damping`.
+/// Without a device, any.
+inline constexpr double modest_damping = 10;                     // N s/m
+inline constexpr double velocity_filter = 1 / (2 * M_PI * 100);  // s, first order 100 Hz
+
+inline double largest_damping(const Limits& limits) noexcept {
+    if (!std::isfinite(limits.max_stiffness)) return std::numeric_limits<double>::infinity();
+    if (!(limits.mass > 0)) return modest_damping;
+    return limits.mass / (4 * (std::max(0.0, limits.period) + std::max(0.0, limits.lag) + velocity_filter));
+}
+
+inline double clamped_damping(double damping, const Limits& limits) noexcept {
+    return std::min(damping, largest_damping(limits));
 }
 
 /// One step of a linear approach that ends in `remaining` seconds: `move` gets the share of the rest to go.

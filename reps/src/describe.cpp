@@ -47,6 +47,12 @@ std::string legal(const Field& field) {
     return text;
 }
 
+std::string reason(const Verdict& verdict, const KindInfo& kind, std::string_view unit) {
+    std::string text(kind.contradictions[verdict.reason]);
+    const std::size_t gap = text.find("{}");
+    return gap == std::string::npos ? text : text.replace(gap, 2, with_unit(verdict.against, unit));
+}
+
 std::string what(const Verdict& verdict, const KindInfo* kind) {
     const Field* field = kind && verdict.field < kind->fields.size() ? &kind->fields[verdict.field] : nullptr;
     const std::string name = field ? std::string(kind->name) + "." + std::string(field->name)
@@ -81,7 +87,7 @@ std::string what(const Verdict& verdict, const KindInfo* kind) {
         case Verdict::Code::contradiction:
             return name + " = " + with_unit(verdict.value, unit) + " " +
                    (kind && verdict.reason < kind->contradictions.size()
-                        ? std::string(kind->contradictions[verdict.reason])
+                        ? reason(verdict, *kind, unit)
                         : "contradicts another of its fields" + remedy);
         case Verdict::Code::unknown_kind:
             return "no representation of kind " + number(verdict.value) +

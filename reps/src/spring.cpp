@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <knurl/reps/spring.hpp>
 
@@ -12,6 +13,7 @@ Spring prepared(Spring params, const Limits& limits) noexcept {
     params.share = std::isfinite(limits.max_stiffness) && limits.max_stiffness > 0
                        ? params.stiffness / limits.max_stiffness
                        : 0;
+    params.torsion = limits.max_torsion;
     return params;
 }
 
@@ -40,9 +42,10 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
     const Eigen::Vector3d d = (to_eigen(state.anchor) - probe.position) - arm;
     Wrench out;
     const double rest = state.rest_length;
-    if (rest > 0) {
-        const double e = std::max(std::min(1e-3, rest / 20), rest * params.share);
-        out.force = params.stiffness * (1 - rest / std::sqrt(d.squaredNorm() + e * e)) * d;
+    const double e = std::max(std::min(1e-3, rest / 20), rest * params.share);
+    const double ee = e * e;  // 0 also where a rest length of next to nothing squares to nothing
+    if (ee > 0) {
+        out.force = params.stiffness * (1 - rest / std::sqrt(d.squaredNorm() + ee)) * d;
     } else {
         out.force = params.stiffness * d;
     }
@@ -54,7 +57,13 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
             out.force -= (params.damping * v.dot(d) / ll) * d;
         }
     }
-    if (!at_probe) out.torque = arm.cross(out.force);
+    if (!at_probe) {
+        out.torque = arm.cross(out.force);
+        if (params.torsion < std::numeric_limits<double>::infinity()) {
+            const double torsion = params.stiffness * std::sqrt(arm.squaredNorm() * (d + arm).squaredNorm());
+            if (torsion > params.torsion) out.torque *= params.torsion / torsion;
+        }
+    }
     return out;
 }
 

@@ -64,18 +64,13 @@ std::string fault_names(std::uint32_t faults) {
 }
 
 std::string refused_command(const protocol::Reply& reply, const std::string& what) {
-    const auto code = static_cast<Verdict::Code>(reply.code);
-    if (code == Verdict::Code::refused) return what + ": " + reason(reply);
-    return describe({.code = code, .field = reply.field, .value = reply.value, .reason = reply.reason},
-                    reply.kind, what);
+    const Verdict verdict = protocol::verdict_of(reply);
+    if (verdict.code == Verdict::Code::refused) return what + ": " + reason(reply);
+    return describe(verdict, reply.kind, what);
 }
 
 std::string refused_batch(const protocol::FeedbackHeader& header) {
-    return describe({.code = static_cast<Verdict::Code>(header.refused_code),
-                     .field = header.refused_field,
-                     .value = header.refused_value,
-                     .reason = header.refused_reason},
-                    header.refused_kind,
+    return describe(protocol::verdict_of(header), header.refused_kind,
                     fmt::format("batch {}, slot {}: the servo refused all of it", header.refused_batch,
                                 header.refused_slot));
 }

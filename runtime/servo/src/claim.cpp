@@ -143,6 +143,7 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     header.refused_field = refused.verdict.field;
     header.refused_value = refused.verdict.value;
     header.refused_reason = refused.verdict.reason;
+    header.refused_against = refused.verdict.against;
     header.refused_kind = refused.kind;
     header.refused_slot = refused.slot;
     header.gain = gain;

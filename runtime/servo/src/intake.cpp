@@ -194,6 +194,7 @@ bool Intake::check_group(Claim::Impl& claim, std::size_t commands, const Authori
         replies_[i].code = static_cast<std::uint32_t>(mine.verdict.code);
         replies_[i].field = mine.verdict.field;
         replies_[i].value = mine.verdict.value;
+        replies_[i].against = mine.verdict.against;
         replies_[i].reason = mine.verdict.code == Code::contradiction
                                  ? mine.verdict.reason
                                  : static_cast<std::uint32_t>(mine.reason);

@@ -35,14 +35,7 @@ struct Describe<ConstantForce> {
          .meaning = "on the hand, about the probe",
          .minimum = -1e9,
          .maximum = 1e9},
-        {.name = "recovery",
-         .offset = offsetof(ConstantForce, recovery),
-         .unit = "s",
-         .meaning = "time over which a change reaches the hand",
-         .minimum = 0,
-         .maximum = 1000,
-         .automatic_allowed = true,
-         .of_change = true},
+        recovery_row(offsetof(ConstantForce, recovery)),
     };
 };
 

@@ -69,6 +69,18 @@ struct Field {
     }
 };
 
+/// The row of `recovery`, which most kinds have.
+constexpr Field recovery_row(std::size_t offset) {
+    return {.name = "recovery",
+            .offset = offset,
+            .unit = "s",
+            .meaning = "time over which a change reaches the hand",
+            .minimum = 0,
+            .maximum = 1000,
+            .automatic_allowed = true,
+            .of_change = true};
+}
+
 /// The answer to a check. `field` is an index into the representation's table, `value` the offending number.
 struct Verdict {
     enum class Code : std::uint32_t {
@@ -92,6 +104,7 @@ struct Verdict {
     std::uint32_t field = no_field;
     double value = 0;
     std::uint32_t reason = 0;  // contradiction: index into Describe<R>::contradictions
+    double against = 0;        // contradiction: the figure that `value` contradicts, in its unit
 
     static constexpr std::uint32_t no_field = 0xffffffff;
     explicit operator bool() const noexcept { return code == Code::ok; }
@@ -105,7 +118,7 @@ Verdict validate_fields(std::span<const Field> fields, const void* params) noexc
 ///   static constexpr Field fields[];              // one row per parameter (array or std::array)
 ///   static Verdict check(const R&) noexcept;      // optional: contradictions between fields, and then
 ///   static constexpr std::string_view contradictions[];  // the reasons; "is below friction.dynamic"
-/// The sentence is "NAME.FIELD = VALUE UNIT REASON".
+/// The sentence is "NAME.FIELD = VALUE UNIT REASON"; a {} in the reason becomes `against`, with the unit.
 template <class R>
 struct Describe;
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a surface feels like along and into it: fields that every surface has. They say nothing about where it is, so
-// the scene acts on them once, on the solved contact of each probe (friction.hpp, texture.hpp).
+// What a surface feels like along and into it: fields that every surface has. They say nothing about where it
+// is, so the scene acts on them once, on the solved contact of each probe (friction.hpp, texture.hpp).
 
 #include <array>
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace knurl {
 
-/// Elastic Coulomb friction: the tip is held by a spring to an anchor, which is dragged once the force exceeds the
-/// cone. `static_` automatic: as `dynamic`.
+/// Elastic Coulomb friction: the tip is held by a spring to an anchor, which is dragged once the force
+/// exceeds the cone. `static_` automatic: as `dynamic`.
 struct Friction {
     double static_ = automatic;  // 1, until it slides
     double dynamic = 0;          // 1, while it slides
@@ -21,11 +21,12 @@ struct Friction {
 /// How a snag gives way.
 enum class SnagLaw : std::uint32_t {
     passive = 0,  // constant tangential stiffness, the anchor is dragged: gives back no more than it stored
-    paper = 1,    // the paper's own law, for comparison; generates energy when the normal force changes while stuck
+    paper =
+        1,  // the paper's own law, for comparison; generates energy when the normal force changes while stuck
 };
 
-/// Snags (Mark et al., SIGGRAPH 96, 2.1): the tip sticks at points that lie some way apart. In use when `k_stick` and
-/// `d_snap` are positive or `k_kinetic` is; then it takes the place of Coulomb friction.
+/// Snags (Mark et al., SIGGRAPH 96, 2.1): the tip sticks at points that lie some way apart. In use when
+/// `k_stick` and `d_snap` are positive or `k_kinetic` is; then it takes the place of Coulomb friction.
 struct Snag {
     double k_kinetic = 0;  // 1, friction between snags by normal force
     double k_stick = 0;    // 1/m, stiffness of a snag by normal force
@@ -42,7 +43,8 @@ enum class TexturePattern : std::uint32_t {
     rings = 2,   // cos(2 pi r / wavelength), r the distance from `origin` along the surface
 };
 
-/// A relief of height A f on the surface, -1 <= f <= 1, anchored in the world (and carried by the surface's velocity).
+/// A relief of height A f on the surface, -1 <= f <= 1, anchored in the world (and carried by the surface's
+/// velocity).
 struct Texture {
     double amplitude = 0;      // m
     double wavelength = 1e-3;  // m
@@ -57,8 +59,8 @@ inline constexpr std::string_view snag_laws[] = {"passive", "paper"};
 inline constexpr std::string_view texture_patterns[] = {"ridges", "grid", "rings"};
 }  // namespace detail
 
-/// The rows of all that every surface has besides its shape: stiffness, damping, recovery, braking, velocity and the
-/// material. R has these members.
+/// The rows of all that every surface has besides its shape: stiffness, damping, recovery, braking, velocity
+/// and the material. R has these members.
 template <class R>
 constexpr auto surface_rows() {
     using Type = Field::Type;
@@ -76,14 +78,7 @@ constexpr auto surface_rows() {
               .meaning = "along the normal, never pulling",
               .minimum = 0,
               .maximum = 1e9},
-        Field{.name = "recovery",
-              .offset = offsetof(R, recovery),
-              .unit = "s",
-              .meaning = "time over which a change reaches the hand",
-              .minimum = 0,
-              .maximum = 1000,
-              .automatic_allowed = true,
-              .of_change = true},
+        recovery_row(offsetof(R, recovery)),
         Field{.name = "braking",
               .offset = offsetof(R, braking),
               .unit = "1",

@@ -15,7 +15,9 @@ struct Spring {
     double stiffness = 0;    // N/m
     double damping = 0;      // N s/m, along the spring
     double duration = 0.2;   // s, in which anchor and rest length move linearly to new values
-    double share = 0;  // stiffness as a share of the largest allowed: the servo's, filled in by `prepared`
+    // The servo's, filled in by `prepared`:
+    double share = 0;    // stiffness as a share of the largest allowed
+    double torsion = 0;  // N m/rad, the largest that the device stands
 
     struct State {
         Vec3 anchor;             // m, where the end is now
@@ -74,7 +76,9 @@ Spring prepared(Spring params, const Limits& limits) noexcept;
 void adopt(const Spring& params, const Spring* previous, Spring::State& state, const Probe& probe) noexcept;
 /// About the probe's position. The force is k (1 - L0 / sqrt(l^2 + e^2)) d - b (v.u) u, d from the attached
 /// point to the anchor, u = d / l, v the attached point's velocity; e = max(min(1 mm, L0 / 20), L0 k / k_max)
-/// takes away the jump of 2 k L0 at l = 0.
+/// takes away the jump of 2 k L0 at l = 0. The torque's own stiffness grows with the stretch: about an axis
+/// it is k r.(a - p) across that axis, with r = R attach. Where k |r| |a - p| exceeds what the device stands,
+/// the torque is scaled down by as much.
 Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, double dt) noexcept;
 
 /// What moves by itself at an update (anchor, rest length) taken over from `next`; the rest is cross-faded.

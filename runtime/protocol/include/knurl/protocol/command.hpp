@@ -53,9 +53,15 @@ struct Reply {
     std::uint32_t reason = 0;      // code refused: Refusal; contradiction: which of the kind's
     std::uint32_t kind = 0;        // of the representation, for the sentence
     double applied_stiffness = 0;  // N/m: of an `add`, after clamping
-    std::uint64_t reserved[3] = {};
+    double against = 0;            // code contradiction: the figure that `value` contradicts
+    std::uint64_t reserved[2] = {};
 };
 static_assert(sizeof(Reply) == 64);
+
+/// What the servo's check of the parameters said.
+inline Verdict verdict_of(const Reply& reply) noexcept {
+    return {static_cast<Verdict::Code>(reply.code), reply.field, reply.value, reply.reason, reply.against};
+}
 
 /// Why the device's state forbids a command.
 enum class Refusal : std::uint32_t {
@@ -101,6 +107,7 @@ struct FeedbackHeader {
     std::uint32_t refused_code = 0;
     std::uint32_t refused_field = 0;
     double refused_value = 0;
+    double refused_against = 0;  // refused_code contradiction: the figure that the value contradicts
     std::uint32_t refused_kind = 0;
     std::uint32_t refused_slot = 0;
     double gain = 0;             // this claim's, 0-1
@@ -109,6 +116,12 @@ struct FeedbackHeader {
     std::uint32_t entries = 0;
     std::uint32_t refused_reason = 0;  // refused_code contradiction: which of the kind's
 };
+
+/// What the servo's check said of the last batch that it refused.
+inline Verdict verdict_of(const FeedbackHeader& header) noexcept {
+    return {static_cast<Verdict::Code>(header.refused_code), header.refused_field, header.refused_value,
+            header.refused_reason, header.refused_against};
+}
 
 struct FeedbackEntry {
     Handle handle;

@@ -1,0 +1,84 @@
+#pragma once
+// Draws the probe to a sphere's surface, or with no radius to a point, from either side: k x at the distance
+// x from it up to max_force, from there linearly down to nothing at max_distance.
+
+#include <cstddef>
+
+#include <knurl/reps/concepts.hpp>
+
+namespace knurl {
+
+struct Magnet {
+    Vec3 position = {};           // m, the sphere's centre
+    double radius = 0;            // m
+    double stiffness = 0;         // N/m, near the surface; infinity: as stiff as the device allows
+    double max_force = 1;         // N, reached at max_force / stiffness
+    double max_distance = 0.02;   // m from the surface, where it ends; more than max_force / stiffness
+    double damping = 0;           // N s/m, against all motion; fades out where the pull does
+    double recovery = automatic;  // s; 0: at once
+    double rounding = 0;          // m, about the centre: the servo's, filled in by `prepared`
+
+    struct State {
+        std::uint64_t unused = 0;
+    };
+};
+
+template <>
+struct Describe<Magnet> {
+    static constexpr std::string_view name = "magnet";
+    static constexpr Field fields[] = {
+        {.name = "position",
+         .type = Field::Type::vector,
+         .offset = offsetof(Magnet, position),
+         .unit = "m",
+         .meaning = "the sphere's centre",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "radius",
+         .offset = offsetof(Magnet, radius),
+         .unit = "m",
+         .meaning = "of the sphere to whose surface it draws",
+         .minimum = 0,
+         .maximum = 1e9},
+        {.name = "stiffness",
+         .offset = offsetof(Magnet, stiffness),
+         .unit = "N/m",
+         .meaning = "force per distance near the surface",
+         .minimum = 0,
+         .maximum = 1e9,
+         .infinity_allowed = true},
+        {.name = "max_force",
+         .offset = offsetof(Magnet, max_force),
+         .unit = "N",
+         .meaning = "the strongest pull",
+         .minimum = 0,
+         .maximum = 1e9},
+        {.name = "max_distance",
+         .offset = offsetof(Magnet, max_distance),
+         .unit = "m",
+         .meaning = "from the surface, where the pull ends",
+         .minimum = 0,
+         .maximum = 1e9},
+        {.name = "damping",
+         .offset = offsetof(Magnet, damping),
+         .unit = "N s/m",
+         .meaning = "against motion within its reach",
+         .minimum = 0,
+         .maximum = 1e9},
+        recovery_row(offsetof(Magnet, recovery)),
+    };
+    static constexpr std::string_view contradictions[] = {
+        "is not beyond max_force / stiffness = {}, where it pulls most; give more, or less max_force"};
+    static Verdict check(const Magnet& magnet) noexcept;
+};
+
+/// A device's largest stiffness k_max bounds the pull's falling side too, which pushes away: max_force is at
+/// most max_distance k k_max / (k + k_max).
+Magnet prepared(Magnet params, const Limits& limits) noexcept;
+void adopt(const Magnet& params, const Magnet* previous, Magnet::State& state, const Probe& probe) noexcept;
+/// -+f(x) q / sqrt(|q|^2 + e^2) with q from the centre to the probe, x = ||q| - radius|, and e = max(min(1
+/// mm, radius / 20), f(radius) / k_max), which takes away the jump of 2 f(radius) at the centre of a sphere
+/// that reaches there. Without a radius e is 0.
+Wrench evaluate(const Magnet& params, Magnet::State& state, const Probe& probe, double dt) noexcept;
+
+}  // namespace knurl

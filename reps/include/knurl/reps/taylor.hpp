@@ -1,0 +1,87 @@
+#pragma once
+// A force field known near one point: F = F0 + J (p - p0), a Taylor series cut after its linear term.
+
+#include <cstddef>
+
+#include <knurl/reps/concepts.hpp>
+
+namespace knurl {
+
+/// What is felt beyond the radius within which the series is to be believed.
+enum class TaylorEdge : std::uint32_t {
+    fade = 0,  // nothing: a smoothstep takes the force away between 0.8 radius and radius
+    hold = 1,  // the force at the rim, in that direction
+};
+
+namespace detail {
+inline constexpr std::string_view taylor_edges[] = {"fade", "hold"};
+}
+
+/// What a hand holds (N/m): a field may push away no faster than that with the distance.
+inline constexpr double hand_stiffness = 50;
+
+struct Taylor {
+    Vec3 origin = {};             // m, p0
+    Vec3 force = {};              // N, F0: there
+    Mat3 jacobian = {};           // N/m; negative: it pulls back to where F = 0
+    double radius = 0.05;         // m
+    double recovery = automatic;  // s; 0: at once
+    TaylorEdge edge = TaylorEdge::fade;
+    std::uint32_t reserved = 0;
+    double stiffness = 0;  // N/m, no direction restores with more: the servo's, filled in by `prepared`
+
+    struct State {
+        std::uint64_t unused = 0;
+    };
+};
+
+template <>
+struct Describe<Taylor> {
+    static constexpr std::string_view name = "taylor";
+    static constexpr Field fields[] = {
+        {.name = "origin",
+         .type = Field::Type::vector,
+         .offset = offsetof(Taylor, origin),
+         .unit = "m",
+         .meaning = "where the field is known",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "force",
+         .type = Field::Type::vector,
+         .offset = offsetof(Taylor, force),
+         .unit = "N",
+         .meaning = "at the origin",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "jacobian",
+         .type = Field::Type::matrix,
+         .offset = offsetof(Taylor, jacobian),
+         .unit = "N/m",
+         .meaning = "how the force (rows) changes with the position (columns)",
+         .minimum = -1e9,
+         .maximum = 1e9,
+         .count = 3},
+        {.name = "radius",
+         .offset = offsetof(Taylor, radius),
+         .unit = "m",
+         .meaning = "from the origin, where the field ends",
+         .minimum = 1e-6,
+         .maximum = 1e9},
+        {.name = "edge",
+         .type = Field::Type::choice,
+         .offset = offsetof(Taylor, edge),
+         .meaning = "what is felt beyond the radius",
+         .choices = detail::taylor_edges},
+        recovery_row(offsetof(Taylor, recovery)),
+    };
+};
+
+/// On a device the eigenvalues of the jacobian's symmetric part are clamped to [-k_max, hand_stiffness]:
+/// below, the loop is not stable; above, the hand is thrown out. Without a device nothing is clamped. The
+/// rest of the jacobian, the field's curl, stays as it is: it does the work pi r^2 |curl| in each turn of
+/// radius r, which is the application's will.
+Taylor prepared(Taylor params, const Limits& limits) noexcept;
+void adopt(const Taylor& params, const Taylor* previous, Taylor::State& state, const Probe& probe) noexcept;
+Wrench evaluate(const Taylor& params, Taylor::State& state, const Probe& probe, double dt) noexcept;
+
+}  // namespace knurl

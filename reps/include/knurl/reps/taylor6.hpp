@@ -1,0 +1,100 @@
+#pragma once
+// A field of force and torque known near one pose: (F, t) = (F0, t0) + J (dp, theta), theta the rotation
+// vector from the orientation at which it is known to the probe's, along the shorter way.
+
+#include <cstddef>
+#include <numbers>
+
+#include <knurl/reps/concepts.hpp>
+#include <knurl/reps/taylor.hpp>
+
+namespace knurl {
+
+struct Taylor6 {
+    Vec3 origin = {};       // m
+    Quat orientation = {};  // any length but none
+    Vec3 force = {};        // N, at the origin
+    Vec3 torque = {};       // N m, at the orientation, about the probe
+    Mat6 jacobian = {};     // rows N and N m, columns m and rad, in the world's frame
+    double radius = 0.05;   // m
+    double angle = 0.5;     // rad, from the orientation, where it ends
+    double recovery = automatic;
+    TaylorEdge edge = TaylorEdge::fade;
+    std::uint32_t reserved = 0;
+    double stiffness = 0;  // N/m, no direction restores with more: the servo's, filled in by `prepared`
+
+    struct State {
+        std::uint64_t unused = 0;
+    };
+};
+
+template <>
+struct Describe<Taylor6> {
+    static constexpr std::string_view name = "taylor6";
+    static constexpr Field fields[] = {
+        {.name = "origin",
+         .type = Field::Type::vector,
+         .offset = offsetof(Taylor6, origin),
+         .unit = "m",
+         .meaning = "where the field is known",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "orientation",
+         .type = Field::Type::quaternion,
+         .offset = offsetof(Taylor6, orientation),
+         .unit = "1",
+         .meaning = "of the probe, at which it is known",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "force",
+         .type = Field::Type::vector,
+         .offset = offsetof(Taylor6, force),
+         .unit = "N",
+         .meaning = "there",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "torque",
+         .type = Field::Type::vector,
+         .offset = offsetof(Taylor6, torque),
+         .unit = "N m",
+         .meaning = "there, about the probe",
+         .minimum = -1e9,
+         .maximum = 1e9},
+        {.name = "jacobian",
+         .type = Field::Type::matrix,
+         .offset = offsetof(Taylor6, jacobian),
+         .unit = "(N, N m) per (m, rad)",
+         .meaning = "how force and torque (rows) change with position and rotation vector (columns)",
+         .minimum = -1e9,
+         .maximum = 1e9,
+         .count = 6},
+        {.name = "radius",
+         .offset = offsetof(Taylor6, radius),
+         .unit = "m",
+         .meaning = "from the origin, where the field ends",
+         .minimum = 1e-6,
+         .maximum = 1e9},
+        {.name = "angle",
+         .offset = offsetof(Taylor6, angle),
+         .unit = "rad",
+         .meaning = "from the orientation, where the field ends",
+         .minimum = 1e-6,
+         .maximum = std::numbers::pi / 2},
+        {.name = "edge",
+         .type = Field::Type::choice,
+         .offset = offsetof(Taylor6, edge),
+         .meaning = "what is felt beyond radius or angle",
+         .choices = detail::taylor_edges},
+        recovery_row(offsetof(Taylor6, recovery)),
+    };
+};
+
+/// On a device the jacobian is clamped as Taylor's is, once force and torque have the same unit: with k_max
+/// (N/m) and kappa_max (N m/rad) a radian counts as sqrt(kappa_max / k_max) metres. Where kappa_max is not
+/// known, only the part of force by position is clamped.
+Taylor6 prepared(Taylor6 params, const Limits& limits) noexcept;
+void adopt(const Taylor6& params, const Taylor6* previous, Taylor6::State& state,
+           const Probe& probe) noexcept;
+Wrench evaluate(const Taylor6& params, Taylor6::State& state, const Probe& probe, double dt) noexcept;
+
+}  // namespace knurl

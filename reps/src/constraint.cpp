@@ -1,0 +1,34 @@
+#include <knurl/reps/constraint.hpp>
+
+#include "clamped.hpp"
+
+namespace knurl {
+
+Constraint prepared(Constraint params, const Limits& limits) noexcept {
+    params.direction = to_plain(to_eigen(params.direction).normalized());
+    params.stiffness = clamped_stiffness(params.stiffness, limits);
+    params.damping = clamped_damping(params.damping, limits);
+    params.reserved = 0;
+    return params;
+}
+
+void adopt(const Constraint&, const Constraint*, Constraint::State&, const Probe&) noexcept {}
+
+Wrench evaluate(const Constraint& params, Constraint::State&, const Probe& probe, double) noexcept {
+    // P is linear: once for the whole force.
+    const Eigen::Vector3d pull =
+        params.stiffness * (to_eigen(params.origin) - probe.position) - params.damping * probe.velocity;
+    const Eigen::Vector3d u = to_eigen(params.direction);
+    const Eigen::Vector3d along = u.dot(pull) * u;
+    switch (params.shape) {
+        case ConstraintShape::point:
+            return {.force = pull};
+        case ConstraintShape::line:
+            return {.force = pull - along};
+        case ConstraintShape::plane:
+            return {.force = along};
+    }
+    return {};
+}
+
+}  // namespace knurl

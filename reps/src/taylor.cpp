@@ -1,0 +1,29 @@
+#include <knurl/reps/taylor.hpp>
+
+#include "clamped.hpp"
+#include "jacobian.hpp"
+
+namespace knurl {
+
+Taylor prepared(Taylor params, const Limits& limits) noexcept {
+    const double largest = largest_stiffness(0, limits);
+    Square<3> j = to_eigen(params.jacobian);
+    params.stiffness = clamp_eigenvalues<3>(j, -largest, std::isfinite(largest) ? hand_stiffness : largest);
+    params.jacobian = to_plain(j);
+    params.reserved = 0;
+    return params;
+}
+
+void adopt(const Taylor&, const Taylor*, Taylor::State&, const Probe&) noexcept {}
+
+Wrench evaluate(const Taylor& params, Taylor::State&, const Probe& probe, double) noexcept {
+    const Eigen::Vector3d d = probe.position - to_eigen(params.origin);
+    double share = 1;
+    const bool fades = params.edge == TaylorEdge::fade;
+    if (fades) share = smooth_edge(d.norm(), params.radius);
+    if (share == 0) return {};
+    return {.force = share * (to_eigen(params.force) +
+                              to_eigen(params.jacobian) * (fades ? d : clamped(d, params.radius)))};
+}
+
+}  // namespace knurl

@@ -1,0 +1,48 @@
+#pragma once
+// What the tests of single effects share: one evaluation as the servo does it, wide numbers, loops.
+
+#include "scene_tools.hpp"
+
+namespace knurl::test {
+
+using Real = long double;
+using RealVector = Eigen::Matrix<Real, 3, 1>;
+
+inline RealVector wide(const Vec3& v) {
+    return {v.x, v.y, v.z};
+}
+inline RealVector wide(const Eigen::Vector3d& v) {
+    return v.cast<Real>();
+}
+
+inline Eigen::Quaterniond turn(Rng& rng) {
+    const Eigen::Vector4d v(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1),
+                            uniform(rng, 0.1, 1));
+    return Eigen::Quaterniond(v.w(), v.x(), v.y(), v.z()).normalized();
+}
+
+/// The wrench of one that has just been added.
+template <class R>
+Wrench felt(const R& raw, const Probe& probe, const Limits& limits = {}, double step = dt) {
+    const R params = prepared(raw, limits);
+    typename R::State state{};
+    adopt(params, static_cast<const R*>(nullptr), state, probe);
+    return evaluate(params, state, probe, step);
+}
+
+/// J, that the field gives the hand on one turn of path(0) to path(1): trapezoids, which converge at any rate
+/// on a loop.
+template <class R, class Path>
+double work_of_loop(const R& raw, Path path, int steps = 4000) {
+    double work = 0;
+    Vector last = path(0.0), last_force = felt(raw, at(last)).force;
+    for (int i = 1; i <= steps; ++i) {
+        const Vector p = path(static_cast<double>(i) / steps), force = felt(raw, at(p)).force;
+        work += 0.5 * (force + last_force).dot(p - last);
+        last = p;
+        last_force = force;
+    }
+    return work;
+}
+
+}  // namespace knurl::test

@@ -1,0 +1,155 @@
+// Magnets against their formula; where they pass zero, where they end, what they refuse.
+
+#include <gtest/gtest.h>
+
+#include <knurl/reps/describe.hpp>
+#include <knurl/reps/magnet.hpp>
+
+#include "effect_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+// N, towards the surface at the distance x from it.
+Real pull(const Magnet& m, Real x) {
+    const Real strongest = Real(m.max_force) / m.stiffness;
+    if (x <= strongest) return m.stiffness * x;
+    if (x >= m.max_distance) return 0;
+    return m.max_force * (m.max_distance - x) / (m.max_distance - strongest);
+}
+
+RealVector reference(const Magnet& m, const Probe& probe) {
+    const RealVector q = wide(probe.position) - wide(m.position);
+    const Real r = q.norm(), radius = m.radius, x = std::abs(r - radius);
+    const Real e = radius > 0 ? std::min(Real(1e-3), radius / 20) : 0;
+    const Real length = std::sqrt(r * r + e * e);
+    const RealVector u = length > 0 ? RealVector(q / length) : RealVector::Zero();
+    const Real strongest = Real(m.max_force) / m.stiffness;
+    const Real share = x <= strongest        ? 1
+                       : x >= m.max_distance ? 0
+                                             : (m.max_distance - x) / (m.max_distance - strongest);
+    return (r > radius ? -1 : 1) * pull(m, x) * u - share * Real(m.damping) * wide(probe.velocity);
+}
+
+Magnet random_magnet(Rng& rng) {
+    Magnet m{.position = to_plain((between(rng, 0, 5) ? 0.1 : 1e6) * direction(rng)),
+             .radius = between(rng, 0, 1) ? 0 : scale(rng, 1e-6, 0.1),
+             .stiffness = scale(rng, 1, 3000),
+             .max_force = scale(rng, 0.01, 10),
+             .damping = between(rng, 0, 1) ? 0 : scale(rng, 0.1, 10)};
+    m.max_distance = m.max_force / m.stiffness * scale(rng, 1.01, 10);
+    return m;
+}
+
+std::string refusal(const Magnet& m) {
+    const KindInfo kind{.name = "magnet",
+                        .fields = Describe<Magnet>::fields,
+                        .size = sizeof m,
+                        .surface = false,
+                        .validate = nullptr,
+                        .contradictions = Describe<Magnet>::contradictions};
+    return describe(Describe<Magnet>::check(m), &kind, "");
+}
+
+}  // namespace
+
+TEST(Magnet, IsItsFormulaForRandomParameters) {
+    const std::uint64_t seed = 331;
+    Rng rng(seed);
+    for (int i = 0; i < (long_form() ? 1'000'000 : 50'000); ++i) {
+        const Magnet m = random_magnet(rng);
+        const double r = std::max(0.0, m.radius + uniform(rng, -1.3, 1.3) * m.max_distance);
+        const Probe probe = at(to_eigen(m.position) + r * direction(rng), direction(rng));
+        const Real slope =
+            m.stiffness + m.max_force / (m.max_distance - m.max_force / m.stiffness) * (1 + m.damping);
+        const Real at_centre = m.radius > 0 ? m.max_force / std::min(1e-3, m.radius / 20) : 0;
+        const Real size = m.max_force + m.damping +
+                          (slope + at_centre) * (wide(probe.position).norm() + wide(m.position).norm());
+        ASSERT_LE((wide(felt(m, probe).force) - reference(m, probe)).norm(), 1e-12L * size)
+            << "seed " << seed << " case " << i;
+    }
+}
+
+TEST(Magnet, PullsUpToItsStrongestThenLessAndEndsWhereItSays) {
+    const Magnet m{.stiffness = 100, .max_force = 2, .max_distance = 0.05};
+    EXPECT_NEAR(felt(m, at({0.01, 0, 0})).force.x(), -1, 1e-15);
+    EXPECT_NEAR(felt(m, at({0.02, 0, 0})).force.x(), -2, 1e-15);
+    EXPECT_NEAR(felt(m, at({0.035, 0, 0})).force.x(), -1, 1e-14);
+    EXPECT_EQ(felt(m, at({0.05, 0, 0})).force.norm(), 0.0);
+    EXPECT_EQ(felt(m, at({0, 1e12, 0})).force.norm(), 0.0);
+}
+
+TEST(Magnet, HasNoStepAnywhereAlsoNotAtItsSurfaceNorAtItsCentre) {
+    // Through the middle of a small sphere, whose pull reaches its centre, and past it.
+    const Limits limits{.max_stiffness = 2000};
+    for (const double radius : {0.0, 0.003, 0.02}) {
+        for (const double beside : {0.0, 1e-7, 1e-4}) {
+            const Magnet m = prepared(
+                Magnet{.radius = radius, .stiffness = 1000, .max_force = 3, .max_distance = 0.01}, limits);
+            Magnet::State state;
+            constexpr double step = 1e-6;
+            Vector last = evaluate(m, state, at({-0.04, beside, 0}), dt).force;
+            for (double x = -0.04 + step; x < 0.04; x += step) {
+                const Vector force = evaluate(m, state, at({x, beside, 0}), dt).force;
+                ASSERT_LE((force - last).norm(), 2000 * step * (1 + 1e-6))
+                    << "radius " << radius << " x " << x;
+                last = force;
+            }
+        }
+    }
+}
+
+TEST(Magnet, DrawsToItsSurfaceFromInsideToo) {
+    const Magnet m{.radius = 0.05, .stiffness = 100, .max_force = 2, .max_distance = 0.04};
+    EXPECT_NEAR(felt(m, at({0.06, 0, 0})).force.x(), -1, 1e-3);
+    EXPECT_NEAR(felt(m, at({0.04, 0, 0})).force.x(), 1, 1e-3);
+    EXPECT_EQ(felt(m, at({0.05, 0, 0})).force.norm(), 0.0);
+    EXPECT_EQ(felt(m, at({0, 0, 0})).force.norm(), 0.0);
+}
+
+TEST(Magnet, ReturnsTheWorkOfALoop) {
+    Rng rng(332);
+    for (const double radius : {0.0, 0.01}) {
+        const Magnet m{.radius = radius, .stiffness = 300, .max_force = 2, .max_distance = 0.015};
+        for (int i = 0; i < 20; ++i) {
+            const Vector a = direction(rng), b = direction(rng), c = 0.01 * direction(rng);
+            EXPECT_NEAR(work_of_loop(
+                            m,
+                            [&](double s) {
+                                const double t = 2 * M_PI * s;
+                                return Vector(c + 0.015 * (std::cos(t) * a + std::sin(t) * b));
+                            },
+                            100'000),
+                        0, 1e-8);
+        }
+    }
+}
+
+TEST(Magnet, WhoseReachEndsBeforeItsStrongestPullIsRefusedWithTheFigures) {
+    EXPECT_EQ(refusal({.stiffness = 100, .max_force = 2, .max_distance = 0.015}),
+              "magnet.max_distance = 0.015 m is not beyond max_force / stiffness = 0.02 m, where it pulls "
+              "most; give "
+              "more, or less max_force");
+    EXPECT_FALSE(Describe<Magnet>::check({.stiffness = 100, .max_force = 2, .max_distance = 0.02}));
+    EXPECT_TRUE(Describe<Magnet>::check({.stiffness = 100, .max_force = 2, .max_distance = 0.0201}));
+    EXPECT_TRUE(Describe<Magnet>::check({.stiffness = 0, .max_force = 2, .max_distance = 0}))
+        << "it does not pull";
+    EXPECT_TRUE(Describe<Magnet>::check({.stiffness = infinity, .max_force = 2, .max_distance = 1e-6}));
+}
+
+TEST(Magnet, OnADeviceNeitherSideIsSteeperThanItAllows) {
+    Rng rng(333);
+    for (int i = 0; i < 3000; ++i) {
+        Magnet m = random_magnet(rng);
+        m.stiffness = between(rng, 0, 1) ? infinity : scale(rng, 1, 1e9);
+        const double k_max = scale(rng, 10, 3000);
+        const Magnet got = prepared(m, {.max_stiffness = k_max});
+        ASSERT_LE(got.stiffness, k_max);
+        const double strongest = got.max_force / got.stiffness;
+        ASSERT_LT(strongest, got.max_distance);
+        ASSERT_LE(got.max_force / (got.max_distance - strongest), k_max * (1 + 1e-9));
+        ASSERT_LE(got.max_force, m.max_force);
+    }
+}

@@ -1,0 +1,154 @@
+// Viscosity, gravity, constraints and vibration, each against its formula.
+
+#include <gtest/gtest.h>
+
+#include <knurl/reps/constraint.hpp>
+#include <knurl/reps/gravity.hpp>
+#include <knurl/reps/vibration.hpp>
+#include <knurl/reps/viscosity.hpp>
+
+#include "effect_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+constexpr Handle handle{0, 1};
+}
+
+TEST(Viscosity, IsAgainstVelocityAndAngularVelocityAlone) {
+    Probe probe = at({1, 2, 3}, {0.1, -0.2, 0.3});
+    probe.angular_velocity = {1, 2, -3};
+    const Wrench w = felt(Viscosity{.damping = 4, .angular_damping = 0.05}, probe);
+    EXPECT_LE((w.force - Vector(-0.4, 0.8, -1.2)).norm(), 1e-15);
+    EXPECT_LE((w.torque - Vector(-0.05, -0.1, 0.15)).norm(), 1e-16);
+}
+
+TEST(Viscosity, IsNoThickerThanTheDeviceStands) {
+    const Viscosity honey{.damping = 1e6, .angular_damping = 1e6};
+    EXPECT_EQ(prepared(honey, {}).damping, 1e6) << "no device, no bound";
+    // m / (4 (T + tau + tau_f)), tau_f = 1 / (2 pi 100 Hz)
+    const Limits light{.max_stiffness = 2000, .mass = 0.05, .lag = 0.5e-3, .period = 1e-3};
+    EXPECT_NEAR(prepared(honey, light).damping, 0.05 / (4 * (1.5e-3 + 1.5915494e-3)), 1e-6);
+    EXPECT_EQ(prepared(honey, {.max_stiffness = 2000}).damping, 10) << "its mass is not known";
+    EXPECT_EQ(prepared(Viscosity{.damping = 2}, light).damping, 2);
+    EXPECT_EQ(prepared(honey, {.max_stiffness = 2000, .max_torsion = 1}).angular_damping, 10 * 1.0 / 2000);
+}
+
+TEST(Gravity, IsMassTimesAccelerationAndFadesInOverATenthOfASecond) {
+    const Wrench w = felt(Gravity{.mass = 0.2}, at({1, 2, 3}, {4, 5, 6}));
+    EXPECT_LE((w.force - Vector(0, 0, -1.962)).norm(), 1e-15);
+    EXPECT_EQ(w.torque.norm(), 0.0);
+    EXPECT_LE((felt(Gravity{.acceleration = {1, 2, 3}, .mass = 2}, {}).force - Vector(2, 4, 6)).norm(),
+              1e-15);
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add(handle, Gravity{.mass = 1}));
+    for (int i = 1; i <= 120; ++i)
+        ASSERT_NEAR(scene.evaluate({}, dt).force.z(), -9.81 * std::min(1.0, i / 100.0), 1e-12) << i;
+}
+
+TEST(Constraint, IsItsFormulaForRandomParameters) {
+    const std::uint64_t seed = 321;
+    Rng rng(seed);
+    for (int i = 0; i < (long_form() ? 1'000'000 : 30'000); ++i) {
+        const double far = between(rng, 0, 5) ? scale(rng, 1e-6, 1) : 1e6;
+        const Constraint held{.origin = to_plain(far * direction(rng)),
+                              .direction = to_plain(scale(rng, 1e-5, 1e9) * direction(rng)),
+                              .stiffness = scale(rng, 1, 3000),
+                              .damping = between(rng, 0, 1) ? scale(rng, 0.1, 10) : 0,
+                              .shape = static_cast<ConstraintShape>(between(rng, 0, 2))};
+        const Probe probe = at(to_eigen(held.origin) + scale(rng, 1e-9, 1) * direction(rng), direction(rng));
+        const RealVector u = wide(held.direction).normalized();
+        const RealVector d = wide(probe.position) - wide(held.origin), v = wide(probe.velocity);
+        const Eigen::Matrix<Real, 3, 3> one = Eigen::Matrix<Real, 3, 3>::Identity(),
+                                        along = u * u.transpose();
+        const Eigen::Matrix<Real, 3, 3> p = held.shape == ConstraintShape::point  ? one
+                                            : held.shape == ConstraintShape::line ? (one - along).eval()
+                                                                                  : along;
+        const RealVector want = -Real(held.stiffness) * (p * d) - Real(held.damping) * (p * v);
+        const Real size =
+            held.stiffness * (wide(probe.position).norm() + wide(held.origin).norm()) + held.damping;
+        ASSERT_LE((wide(felt(held, probe).force) - want).norm(), 1e-12L * size)
+            << "seed " << seed << " case " << i;
+    }
+}
+
+TEST(Constraint, HasNeitherADeadZoneNorAnEnd) {
+    for (const double x : {1e-12, 1e-6, 0.05, 0.2, 1e3, 1e12}) {
+        const Vector force = felt(Constraint{.stiffness = 500}, at({x, 0, 0})).force;
+        EXPECT_NEAR(force.x() / (-500 * x), 1, 1e-15) << x;
+    }
+}
+
+TEST(Constraint, ReturnsTheWorkOfALoop) {
+    Rng rng(322);
+    for (int i = 0; i < 30; ++i) {
+        const Constraint held{.direction = to_plain(direction(rng)),
+                              .stiffness = 2000,
+                              .shape = static_cast<ConstraintShape>(i % 3)};
+        const Vector a = direction(rng), b = direction(rng), c = direction(rng);
+        EXPECT_NEAR(
+            work_of_loop(held,
+                         [&](double s) {
+                             const double t = 2 * M_PI * s;
+                             return Vector(0.02 * (std::cos(t) * a + std::sin(t) * b + std::sin(3 * t) * c));
+                         }),
+            0, 1e-9);
+    }
+}
+
+TEST(Constraint, IsAsStiffAsTheDeviceAllowsAndDampedAsMuchAsItStands) {
+    const Constraint held =
+        prepared(Constraint{.stiffness = infinity, .damping = 1e9}, {.max_stiffness = 1700});
+    EXPECT_EQ(held.stiffness, 1700);
+    EXPECT_EQ(held.damping, 10);
+    EXPECT_EQ(prepared(Constraint{.stiffness = infinity}, {}).stiffness, 1000);
+}
+
+TEST(Vibration, IsASineOfTheTimeThatTheServoHasRun) {
+    for (const double step : {1e-4, 2.5e-4, 1e-3}) {
+        Vibration::State state;
+        const Vibration buzz =
+            prepared(Vibration{.direction = {0, 3, 4}, .amplitude = 2, .frequency = 83}, {.period = step});
+        adopt(buzz, nullptr, state, {});
+        for (int i = 1; i <= 100'000; ++i) {
+            const Wrench w = evaluate(buzz, state, {}, step);
+            const double want =
+                static_cast<double>(2 * std::sin(2 * std::numbers::pi_v<Real> * 83 * Real(step) * i));
+            ASSERT_LE((w.force - want * Vector(0, 0.6, 0.8)).norm(), 1e-9)
+                << "step " << step << " cycle " << i;
+        }
+    }
+}
+
+TEST(Vibration, BendsAndDoesNotBreakWhenItsFrequencyChanges) {
+    Scene scene = make_scene();
+    Vibration buzz{.amplitude = 1, .frequency = 30, .recovery = 0};
+    ASSERT_TRUE(scene.add(handle, buzz));
+    Rng rng(323);
+    double last = 0;
+    for (int i = 0; i < 5000; ++i) {
+        if (i % 7 == 3) {
+            buzz.frequency = uniform(rng, 1, 100);
+            ASSERT_TRUE(scene.update(handle, buzz));
+        }
+        const double force = scene.evaluate({}, dt).force.z();
+        ASSERT_LE(std::abs(force - last), 2 * M_PI * 100 * dt * (1 + 1e-9)) << i;
+        last = force;
+    }
+}
+
+TEST(Vibration, IsNoFasterThanAQuarterOfTheServosRate) {
+    EXPECT_EQ(prepared(Vibration{.frequency = 300}, {.period = 1e-3}).frequency, 250);
+    EXPECT_EQ(prepared(Vibration{.frequency = 300}, {.period = 2.5e-4}).frequency, 300);
+}
+
+TEST(Vibration, StandsStillWhileNoTimePasses) {
+    Vibration::State state;
+    const Vibration buzz = prepared(Vibration{.amplitude = 2, .frequency = 83}, {});
+    adopt(buzz, nullptr, state, {});
+    for (int i = 0; i < 100; ++i) {
+        const Wrench w = evaluate(buzz, state, {}, dt);
+        for (int k = 0; k < 3; ++k) ASSERT_TRUE(same_bits(w, evaluate(buzz, state, {}, 0)));
+    }
+}
