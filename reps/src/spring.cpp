@@ -13,6 +13,7 @@ Spring prepared(Spring params, const Limits& limits) noexcept {
     params.share = std::isfinite(limits.max_stiffness) && limits.max_stiffness > 0
                        ? params.stiffness / limits.max_stiffness
                        : 0;
+    params.damping = clamped_damping(params.damping, limits);
     params.torsion = limits.max_torsion;
     return params;
 }

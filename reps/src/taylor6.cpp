@@ -35,7 +35,7 @@ Taylor6 prepared(Taylor6 params, const Limits& limits) noexcept {
             clamp_eigenvalues<3>(forces, -largest, std::isfinite(largest) ? hand_stiffness : largest);
         j.topLeftCorner<3, 3>() = forces;
     }
-    params.jacobian = to_plain(j);
+    params.jacobian = to_mat6(j);
     params.orientation = to_plain(to_eigen(params.orientation).normalized());
     params.reserved = 0;
     return params;

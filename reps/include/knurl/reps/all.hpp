@@ -6,13 +6,20 @@
 #include <knurl/reps/cap.hpp>
 #include <knurl/reps/capsule.hpp>
 #include <knurl/reps/constant_force.hpp>
+#include <knurl/reps/constraint.hpp>
 #include <knurl/reps/cylinder.hpp>
+#include <knurl/reps/gravity.hpp>
 #include <knurl/reps/half_plane.hpp>
+#include <knurl/reps/magnet.hpp>
 #include <knurl/reps/plane.hpp>
 #include <knurl/reps/polygon.hpp>
 #include <knurl/reps/sphere.hpp>
 #include <knurl/reps/spring.hpp>
+#include <knurl/reps/taylor.hpp>
+#include <knurl/reps/taylor6.hpp>
 #include <knurl/reps/torus.hpp>
+#include <knurl/reps/vibration.hpp>
+#include <knurl/reps/viscosity.hpp>
 
 namespace knurl {
 
@@ -25,7 +32,8 @@ struct TypeList {
 using Representations = TypeList<KNURL_REPRESENTATIONS>;
 #else
 using Representations =
-    TypeList<Plane, Spring, ConstantForce, Cap, Polygon, HalfPlane, Box, Sphere, Capsule, Cylinder, Torus>;
+    TypeList<Plane, Spring, ConstantForce, Cap, Polygon, HalfPlane, Box, Sphere, Capsule, Cylinder, Torus,
+             Taylor, Taylor6, Viscosity, Gravity, Magnet, Constraint, Vibration>;
 #endif
 
 /// Position in the list: what "kind" means in shared memory.

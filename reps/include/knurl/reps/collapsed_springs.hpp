@@ -3,7 +3,10 @@
 // it is attached, so their sum needs only sums made when they change. With o a local origin, a the anchors, b
 // the points on the probe, k:
 //     K = sum k,  A = sum k (a - o),  B = sum k b,  M = sum k b (a - o)^T
-//     F = A - K (p - o) - R B,   torque = axial(R M'),  M' = M - B (p - o)^T,  axial(x y^T) = x cross y
+//     F = A - K (p - o) - R B,   torque = axial(R M) - (R B) cross (p - o),   axial(x y^T) = x cross y
+
+#include <array>
+#include <cstdint>
 
 #include <knurl/reps/limits.hpp>
 #include <knurl/reps/probe.hpp>
@@ -28,8 +31,9 @@ class CollapsedSprings {
     std::uint32_t count() const noexcept { return count_; }
     double stiffness() const noexcept { return stiffness_; }  // N/m, K
 
-    /// About the probe's position. The torque's stiffness, at most |M'| (Frobenius), is held below
-    /// limits.max_torsion by scaling the torque. Neither force nor torque is clamped otherwise.
+    /// About the probe's position. The torque's stiffness is at most |M - B (p - o)^T| (Frobenius): where
+    /// that exceeds limits.max_torsion, the torque is scaled down by as much. Neither force nor torque is
+    /// clamped otherwise.
     Wrench evaluate(const Probe& probe, const Limits& limits) const noexcept;
 
   private:
@@ -37,8 +41,10 @@ class CollapsedSprings {
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();    // m, the first anchor: coordinates stay small
     Eigen::Vector3d anchors_ = Eigen::Vector3d::Zero();   // N, A
     Eigen::Vector3d attached_ = Eigen::Vector3d::Zero();  // N, B, in the probe's frame
-    Eigen::Matrix3d moments_ =
-        Eigen::Matrix3d::Zero();  // N m, M, rows in the probe's frame, columns in the world's
+    std::array<Eigen::Vector3d, 3> moments_ = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                                               Eigen::Vector3d::Zero()};  // N m, the columns of M
+    double square_ = 0;                                                   // (N m)^2, |M|^2
+    Eigen::Vector3d mixed_ = Eigen::Vector3d::Zero();                     // N^2 m, M^T B
     std::uint32_t count_ = 0;
     bool turns_ = false;  // one of them is not attached at the probe's position
 };

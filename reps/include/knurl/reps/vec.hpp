@@ -51,12 +51,12 @@ inline Eigen::Matrix<double, 6, 6> to_eigen(const Mat6& m) noexcept {
 inline Vec3 to_plain(const Eigen::Vector3d& v) noexcept {
     return {v.x(), v.y(), v.z()};
 }
-inline Mat3 to_plain(const Eigen::Matrix3d& m) noexcept {
+inline Mat3 to_mat3(const Eigen::Matrix3d& m) noexcept {
     Mat3 out;
     Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(out.at) = m;
     return out;
 }
-inline Mat6 to_plain(const Eigen::Matrix<double, 6, 6>& m) noexcept {
+inline Mat6 to_mat6(const Eigen::Matrix<double, 6, 6>& m) noexcept {
     Mat6 out;
     Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(out.at) = m;
     return out;
