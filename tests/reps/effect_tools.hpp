@@ -15,12 +15,6 @@ inline RealVector wide(const Eigen::Vector3d& v) {
     return v.cast<Real>();
 }
 
-inline Eigen::Quaterniond turn(Rng& rng) {
-    const Eigen::Vector4d v(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1),
-                            uniform(rng, 0.1, 1));
-    return Eigen::Quaterniond(v.w(), v.x(), v.y(), v.z()).normalized();
-}
-
 /// The wrench of one that has just been added.
 template <class R>
 Wrench felt(const R& raw, const Probe& probe, const Limits& limits = {}, double step = dt) {
