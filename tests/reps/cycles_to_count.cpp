@@ -2,12 +2,14 @@
 // in a build with all kinds and once in one that has only these. unused_kinds.py compares.
 
 #include <cstdio>
+#include <cstdlib>
 
 #include <knurl/reps/scene.hpp>
 
 using namespace knurl;
 
-int main() {
+int main(int count, char** words) {
+    const int cycles = count > 1 ? std::atoi(words[1]) : 1000;
     Scene scene({.representations = 64, .probes = 2}, {.max_force = 8.5});
     bool added = static_cast<bool>(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000}));
     added = scene.add({1, 1}, Plane{.normal = {1, 0, 0.3}, .stiffness = 500}) && added;
@@ -19,7 +21,7 @@ int main() {
     added = scene.add({5, 1}, ConstantForce{.force = {0, 0, 1}}) && added;
     scene.settle();
     double sum = 0;
-    for (int i = 0; i < 1000; ++i) {
+    for (int i = 0; i < cycles; ++i) {
         Probe probe;
         probe.position = {1e-6 * (i % 100), 2e-6 * (i % 50), -0.001 + 4e-5 * (i % 50)};
         sum += scene.evaluate(probe, 1e-3).force.z();
