@@ -1,0 +1,94 @@
+// Curved surfaces as a scene feels them: solved together, skipped where out of reach, faded when changed.
+
+#include <functional>
+
+#include <knurl/reps/capsule.hpp>
+#include <knurl/reps/cylinder.hpp>
+#include <knurl/reps/sphere.hpp>
+#include <knurl/reps/torus.hpp>
+
+#include "shape_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+TEST(SolidsInAScene, TheCornerOfAHollowCylinderIsExact) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add(
+        {0, 1}, Cylinder{.radius = 0.03, .half_length = 0.05, .side = Side::inside, .stiffness = 500}));
+    settled(scene, {});
+    const Vector force = scene.evaluate(at({0.6 * 0.032, -0.8 * 0.032, -0.054}), dt).force;
+    EXPECT_LE((force - 500 * Vector(-0.6 * 0.002, 0.8 * 0.002, 0.004)).norm(), 1e-12);
+}
+
+TEST(SolidsInAScene, AFingertipThatPlugsARingIsCentredWithoutAJump) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.place_probe(0, {.offset = {}, .radius = 0.01}));
+    ASSERT_TRUE(scene.add({0, 1}, Torus{.radius = 0.01, .tube = 0.002, .stiffness = 1000}));
+    settled(scene, at({0, 0, 0.01}));
+    Vector last = scene.evaluate(at({-1e-4, 0, 0.005}), dt).force;
+    for (double x = -1e-4; x <= 1e-4; x += 1e-6) {
+        const Vector force = scene.evaluate(at({x, 1e-9, 0.005}), dt).force;
+        ASSERT_GT(force.z(), 0.5) << "pushed out along the axis";
+        ASSERT_NEAR(force.x(), -1000 * x, 0.02) << "as if by a spring to the axis";
+        ASSERT_LE((force - last).norm(), 5e-3) << x;
+        last = force;
+    }
+}
+
+TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
+    // Solids that do not touch each other, and a hand that jumps and creeps among them: the scene's force is
+    // that of the one solid that it is in, asked in every cycle.
+    const std::uint64_t seed = 8201;
+    Rng rng(seed);
+    for (int round = 0; round < (long_form() ? 200 : 5); ++round) {
+        Scene scene = make_scene();
+        std::vector<std::function<Vector(const Vector&)>> always;
+        std::vector<Vector> centers;
+        for (std::uint32_t i = 0; i < 60; ++i) {
+            centers.push_back(0.05 * Vector(i % 4, i / 4 % 4, i / 16));
+            const Vec3 center = to_plain(centers.back()), axis = to_plain(direction(rng));
+            const auto add = [&](const auto& solid) {
+                ASSERT_TRUE(scene.add({i, 1}, solid));
+                always.push_back(
+                    [asked = Asked(solid)](const Vector& p) mutable { return force_of(asked(p)); });
+            };
+            const double r = uniform(rng, 0.004, 0.01), k = scale(rng, 100, 3000);
+            if (i % 4 == 0) add(Sphere{.center = center, .radius = r, .stiffness = k});
+            if (i % 4 == 1)
+                add(Capsule{.center = center, .axis = axis, .half_length = r, .radius = r, .stiffness = k});
+            if (i % 4 == 2)
+                add(Cylinder{.center = center, .axis = axis, .radius = r, .half_length = r, .stiffness = k});
+            if (i % 4 == 3)
+                add(Torus{.center = center, .axis = axis, .radius = r, .tube = 0.6 * r, .stiffness = k});
+        }
+        scene.settle();
+        Vector p = Vector::Zero();
+        std::uint64_t asked = 0;
+        int felt = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const int move = between(rng, 0, 40);
+            if (move == 0) p = 0.15 * Vector(uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1));
+            if (move == 1) p = centers[static_cast<std::size_t>(between(rng, 0, 59))];  // right into a core
+            if (move > 1) p += 0.0015 * direction(rng);
+            Vector want = Vector::Zero();
+            for (auto& solid : always) want += solid(p);
+            ASSERT_LE((scene.evaluate(at(p), dt).force - want).norm(), 1e-11)
+                << "seed " << seed << " round " << round << " cycle " << i;
+            felt += want.norm() > 0;
+            asked += scene.evaluated();
+        }
+        EXPECT_GT(felt, 500);
+        EXPECT_LT(asked, 4000u * 20) << "not all of them in every cycle";
+    }
+}
+
+TEST(SolidsInAScene, OneThatMovesUnderTheHandIsFeltBetweenItsUpdates) {
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add({0, 1}, Sphere{.radius = 0.02, .stiffness = 1000, .velocity = {0, 0, 0.1}}));
+    scene.settle();
+    for (int i = 0; i < 50; ++i) {
+        const double depth = 0.1 * dt * i - 0.001;
+        EXPECT_NEAR(scene.evaluate(at({0, 0, 0.021}), dt).force.z(), 1000 * std::max(0.0, depth), 1e-11) << i;
+    }
+}
