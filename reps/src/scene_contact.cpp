@@ -14,23 +14,37 @@ using Eigen::Vector3d;
 double SceneCore::ask(ContactSet& set, const Group& group, double dt, double worst) noexcept {
     Arena& a = arenas_[arena_];
     const std::uint32_t end = set.begin + set.count;
+    set.left_out = false;
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
-        std::uint32_t i = a.moving[m];
+        Moving& moving = a.moving[m];
+        const Vector3d away = Vector3d(moving.x, moving.y, moving.z) - group.probe.position;
+        const double reach = moving.reach + set.slack;
+        const bool out = !(away.squaredNorm() < reach * reach);
+        set.left_out = set.left_out || out;
+        if (out && !moving.inside) continue;
+        std::uint32_t i = moving.member;
         Record& r = record(a.owner[i]);
+        // One that holds the probe from however deep has no ball at the moment.
+        if (out && (!r.inside || kind_ops()[r.kind].bound(r))) {
+            if (dt > 0) r.inside = moving.inside = false;
+            continue;
+        }
+        moving.inside = true;
+        if (!r.inside) prime(r, group);
         const bool held = r.use.on_silence == OnSilence::hold && silence_ > 0;
         const double step = r.asked == cycle_ || held ? 0 : dt;
         evaluated_ += r.asked != cycle_;
         r.asked = cycle_;
         const KindOps& ops = kind_ops()[r.kind];
-        std::array<Contact, max_contacts> found;
-        const std::uint32_t count = ops.contact(r, group.probe, step, found);
+        const std::uint32_t count = ops.contact(r, group.probe, step, found_);
+        const auto& found = found_;
         if (r.textured) {
             Rough& feel = rough(a.owner[i]);
             feel.shift += step * r.velocity;
             const double speed = (group.probe.smooth_velocity - r.velocity).norm();
             const double gain = texture_gain(feel.texture, speed, limits_);
             for (std::uint32_t c = 0; c < count; ++c) {
-                found[c].height -=
+                found_[c].height -=
                     gain * relief(feel.texture, group.probe.position, found[c].normal, feel.shift).height;
             }
         }
@@ -66,38 +80,11 @@ void SceneCore::add_summed(ContactSet& set, const Group& group) noexcept {
 // F = sum_j (k_j - k_{j-1}) (x_j - p), x_j the nearest point to p that satisfies all planes of stiffness k_j
 // or more: a sum of gradients, so conservative, and with weights that add up to the largest k, so no stiffer
 // than that.
-void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noexcept {
-    set.force.setZero();
-    set.elastic = set.per_elastic = 0;
-    set.touching = false;
-    if (set.count + set.summed == 0) return;
-    Arena& a = arenas_[arena_];
+const Layer* SceneCore::solve(ContactSet& set, const Group& group, double worst) noexcept {
+    const Arena& a = arenas_[arena_];
     const std::uint32_t begin = set.begin;
     const Vector3d& p = group.probe.position;
-    double worst = -std::numeric_limits<double>::infinity();
-    if (set.count > 0)
-        worst =
-            shift_to_probe(&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.c[begin], set.count, p, &a.s[begin]);
-    if (set.summed > 0) {
-        const std::uint32_t from = begin + set.count;
-        shift_to_probe(&a.nx[from], &a.ny[from], &a.nz[from], &a.c[from], set.summed, p, &a.s[from]);
-    }
-    if (set.moving_count > 0) worst = ask(set, group, dt, worst);
-    if (!(worst > 0)) {
-        for (std::uint32_t j = 0; j < set.layers; ++j) {
-            set.layer[j].solution.dx.setZero();
-            set.layer[j].solution.active.count = 0;
-            set.layer[j].proxy = p;
-        }
-        set.infeasible = false;
-        if (set.summed > 0) {
-            add_summed(set, group);
-            set.force = clamped(set.scale * set.force, limits_.max_force);
-        }
-        return;
-    }
-    evaluated_ += set.count - set.moving_count;
-
+    set.force.setZero();
     bool infeasible = false;
     double below = 0;
     const Layer* top = nullptr;
@@ -124,6 +111,51 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
         if (layer.solution.active.count > 0) top = &layer;
     }
     set.infeasible = infeasible;
+    return top;
+}
+
+void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noexcept {
+    set.force.setZero();
+    set.elastic = set.per_elastic = 0;
+    set.touching = false;
+    if (set.count + set.summed == 0) return;
+    Arena& a = arenas_[arena_];
+    const std::uint32_t begin = set.begin;
+    const Vector3d& p = group.probe.position;
+    double worst = -std::numeric_limits<double>::infinity();
+    if (set.count > 0)
+        worst =
+            shift_to_probe(&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.c[begin], set.count, p, &a.s[begin]);
+    if (set.summed > 0) {
+        const std::uint32_t from = begin + set.count;
+        shift_to_probe(&a.nx[from], &a.ny[from], &a.nz[from], &a.c[from], set.summed, p, &a.s[from]);
+    }
+    const double standing = worst;
+    if (set.moving_count > 0) worst = ask(set, group, dt, standing);
+    if (!(worst > 0)) {
+        set.slack = 0;
+        for (std::uint32_t j = 0; j < set.layers; ++j) {
+            set.layer[j].solution.dx.setZero();
+            set.layer[j].solution.active.count = 0;
+            set.layer[j].proxy = p;
+        }
+        set.infeasible = false;
+        if (set.summed > 0) {
+            add_summed(set, group);
+            set.force = clamped(set.scale * set.force, limits_.max_force);
+        }
+        return;
+    }
+    evaluated_ += set.standing;
+
+    const Layer* top = solve(set, group, worst);
+    // What is out of reach of the probe might hold the proxy, which is as far from it as the contact is deep.
+    for (int round = 0; set.left_out && set.layer[0].solution.dx.norm() > set.slack && round < 4; ++round) {
+        set.slack = 2 * set.layer[0].solution.dx.norm();
+        worst = ask(set, group, dt, standing);
+        top = solve(set, group, worst);
+    }
+    set.slack = 1.25 * set.layer[0].solution.dx.norm();
     const double elastic = set.force.norm();
     double felt = elastic;
     set.elastic = elastic;
@@ -154,14 +186,37 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
     }
 }
 
+// Candidates cover the proxy's way too: a contact that suddenly is deeper than their margin asks for more of
+// them.
+bool SceneCore::near_falls_short() noexcept {
+    bool more = false;
+    for (std::uint32_t rest = contacts_used_ & bounded_used_; rest != 0; rest &= rest - 1) {
+        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
+        Group& group = groups_[p];
+        const double deep = std::max(group.now.slack, group.fading ? group.old.slack : 0) / 1.25;
+        const double moved = (group.probe.position - group.near.at).norm();
+        if (moved + deep < group.near.margin * near_rounding) continue;
+        collect_near(group, p);
+        more = more || sets_edited_;
+    }
+    if (more) rebuild_sets();
+    return more;
+}
+
 void SceneCore::evaluate_contacts(double dt, Wrench& sum) noexcept {
+    for (int round = 0; round < 3; ++round) {
+        for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
+            Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
+            evaluate_set(group.now, group, dt);
+            if (group.fading) evaluate_set(group.old, group, dt);
+        }
+        if (bounded_used_ == 0 || !near_falls_short()) break;
+    }
     for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
         const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
         Group& group = groups_[p];
-        evaluate_set(group.now, group, dt);
         Vector3d force = group.now.force;
         if (group.fading) {
-            evaluate_set(group.old, group, dt);
             if (group.fresh) {
                 // A surface that rises under the hand does it no faster than rise_speed.
                 const auto depth = [](const ContactSet& set) {

@@ -45,6 +45,8 @@ struct RecordHead {
     bool summed = false;    // its force is added, not solved with the others
     bool rough = false;     // there is something to feel along it: see Rough
     bool textured = false;
+    bool inside = false;     // a bounded one: the probe was within its ball when it was last looked at
+    std::uint64_t born = 0;  // the cycle that added it
     Use use;
     double weight = 1;        // by silence: 1 in full, 0 faded away
     double stiffness = 0;     // N/m
@@ -116,10 +118,13 @@ struct Layer {
 
 struct ContactSet {
     std::uint32_t begin = 0, count = 0;                // members in the arena, solved together
+    std::uint32_t standing = 0;                        // of those: planes that are not asked
     std::uint32_t summed = 0;                          // those behind them, whose forces add up
     std::uint32_t moving_begin = 0, moving_count = 0;  // surfaces that are asked each cycle
     std::uint32_t layers = 0;
     bool rough = false;                   // one of them is
+    bool left_out = false;                // of the last round of asking: some were out of reach
+    double slack = 0;                     // m, by which their reach is extended: the proxy may get that far
     double scale = 1;                     // the weight, where all members share one
     std::array<Layer, max_layers> layer;  // softest (all members) first
     // Last cycle's result.
@@ -130,10 +135,18 @@ struct ContactSet {
     bool infeasible = false;
 };
 
+/// A surface that is asked each cycle, unless the probe is out of its ball.
+struct Moving {
+    double x = 0, y = 0, z = 0;  // m, center of the ball
+    double reach = 0;            // m, from there to the probe's center; infinity: always asked
+    std::uint32_t member = 0;    // its first
+    bool inside = true;          // the probe was within the ball when it was last looked at
+};
+
 struct Arena {
     std::vector<double> nx, ny, nz, c, s, b;
     std::vector<Owner> owner;
-    std::vector<std::uint32_t> moving;
+    std::vector<Moving> moving;
     std::uint32_t used = 0, moving_used = 0;
 };
 
@@ -145,6 +158,8 @@ struct Candidates {
     double margin = -1;                            // m; negative: to be collected anew
     double wanted = 0;                             // m, the next margin
 };
+
+inline constexpr double near_rounding = 1 - 5e-5;  // of the margin: what rounding of positions may not eat
 
 /// What one probe touches.
 struct Group {
@@ -261,7 +276,10 @@ class SceneCore {
 
     // scene_contact.cpp
     void evaluate_contacts(double dt, Wrench& sum) noexcept;
+    const Layer* solve(ContactSet& set, const Group& group, double worst) noexcept;
+    bool near_falls_short() noexcept;
     void evaluate_set(ContactSet& set, const Group& group, double dt) noexcept;
+    void prime(Record& record, const Group& group) noexcept;
     double ask(ContactSet& set, const Group& group, double dt, double worst) noexcept;
     void add_summed(ContactSet& set, const Group& group) noexcept;
 
@@ -315,10 +333,11 @@ class SceneCore {
     std::uint32_t surfaces_size_ = 0;
     std::vector<std::uint32_t> always_;  // those of them that are in the sets wherever the probe is
     std::uint32_t always_size_ = 0;
-    Reach reach_;                             // the others
-    std::uint32_t bounded_used_ = 0;          // bit mask: probes with some of those
-    std::vector<std::uint32_t> near_;         // scratch of collect_near
-    std::vector<std::uint32_t> fading_olds_;  // slots whose old record is in a fading set
+    Reach reach_;                              // the others
+    std::uint32_t bounded_used_ = 0;           // bit mask: probes with some of those
+    std::array<Contact, max_contacts> found_;  // scratch of ask
+    std::vector<std::uint32_t> near_;          // scratch of collect_near
+    std::vector<std::uint32_t> fading_olds_;   // slots whose old record is in a fading set
     std::uint32_t fading_olds_size_ = 0;
     bool sets_edited_ = false;
     Arena arenas_[2];

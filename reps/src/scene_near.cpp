@@ -11,7 +11,6 @@ namespace knurl::detail {
 namespace {
 
 constexpr double least_margin = 2e-3;  // m
-constexpr double rounded = 1 - 5e-5;   // of the margin: what rounding of positions may not eat
 constexpr std::uint32_t many = 64, few = 16;
 
 }  // namespace
@@ -48,7 +47,8 @@ bool SceneCore::near_left() noexcept {
     bool left = false;
     for (std::uint32_t rest = bounded_used_; rest != 0; rest &= rest - 1) {
         Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        const double within = group.near.margin * rounded;
+        const double deep = std::max(group.now.slack, group.old.slack);
+        const double within = group.near.margin * near_rounding - deep;
         if (within > 0 && (group.probe.position - group.near.at).squaredNorm() < within * within) continue;
         group.near.margin = -1;
         left = true;
@@ -56,14 +56,25 @@ bool SceneCore::near_left() noexcept {
     return left;
 }
 
-// A surface that joins was out of reach in the last cycle, so its state is made what it would be had it been
-// asked then: no path before that, and the probe where it was. One that is new has no past.
+// A surface whose ball the probe enters was out of reach in the last cycle, so its state is made what it
+// would be had it been asked then: no path before that, and the probe where it was.
+void SceneCore::prime(Record& r, const Group& group) noexcept {
+    const KindOps& ops = kind_ops()[r.kind];
+    r.inside = true;
+    ops.out_of_reach(r);
+    if (!met_ || r.born == cycle_) return;  // one that is new has no past
+    Probe then = group.probe;
+    then.position = group.before;
+    std::array<Contact, max_contacts> unused;
+    ops.contact(r, then, limits_.period, unused);
+}
+
 void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     Candidates& near = group.near;
     const double typical = std::max(least_margin, reach_.mean_radius() / 2);
     if (!(near.wanted > 0)) near.wanted = typical;
     near.at = group.probe.position;
-    near.margin = near.wanted;
+    near.margin = std::max(near.wanted, 2 * std::max(group.now.slack, group.old.slack));
     const std::uint32_t found = reach_.collect(near.at, near.margin + group.placement.radius, near_);
     if (found > many) near.wanted = std::max(1e-6, near.wanted / 2);
     if (found < few) near.wanted = std::min(typical, near.wanted * 2);
@@ -90,17 +101,8 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     if (same) return;
 
     for (std::uint32_t k = 0; k < size; ++k) {
-        const std::uint32_t i = near_[k];
-        if (std::binary_search(near.slots.begin(), near.slots.begin() + near.size, i)) continue;
-        Record& r = now_[i];
-        if (r.asked == 0 && slots_[i].renewed) continue;
-        const KindOps& ops = kind_ops()[r.kind];
-        ops.out_of_reach(r);
-        if (!met_) continue;
-        Probe then = group.probe;
-        then.position = group.before;
-        std::array<Contact, max_contacts> unused;
-        ops.contact(r, then, limits_.period, unused);
+        if (!std::binary_search(near.slots.begin(), near.slots.begin() + near.size, near_[k]))
+            now_[near_[k]].inside = false;
     }
     std::copy(near_.begin(), near_.begin() + size, near.slots.begin());
     near.size = size;

@@ -130,7 +130,7 @@ struct Levels {
 void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
                       std::span<const Owner> owners) noexcept {
     set.begin = into.used;
-    set.count = set.summed = 0;
+    set.count = set.standing = set.summed = 0;
     set.layers = 0;
     set.moving_begin = into.moving_used;
     set.moving_count = 0;
@@ -196,6 +196,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         const std::uint32_t at = set.begin + place, parts = parts_of(o);
         place += parts;
         const bool stands = o == bridge_owner || record(o).stands;
+        if (stands && level_[i] != summed) ++set.standing;
         const HalfSpace& plane = o == bridge_owner ? group.bridge : record(o).plane;
         for (std::uint32_t part = at; part < at + parts; ++part) {
             into.owner[part] = o;
@@ -207,7 +208,20 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
                                    : plane.offset + (o == bridge_owner ? 0 : group.probe.radius);
             into.b[part] = stands && o != bridge_owner ? plane.damping * (uniform ? 1 : weight_of(o)) : 0;
         }
-        if (!stands) into.moving[into.moving_used++] = at;
+        if (!stands) {
+            Moving& moving = into.moving[into.moving_used++];
+            moving = {.reach = std::numeric_limits<double>::infinity(), .member = at};
+            if (const std::optional<Bound> ball = kind_ops()[record(o).kind].bound(record(o))) {
+                moving = {ball->center.x(),
+                          ball->center.y(),
+                          ball->center.z(),
+                          ball->radius + group.probe.radius,
+                          at,
+                          record(o).inside};
+                // Larger by what the rounding of coordinates may hide.
+                moving.reach += 1e-12 * (moving.reach + ball->center.lpNorm<1>());
+            }
+        }
         if (o != bridge_owner && &set == &group.now) slots_[o >> 1].member = at;
     }
     set.moving_count = into.moving_used - set.moving_begin;
@@ -215,6 +229,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
 }
 
 void SceneCore::end_fade(Group& group) noexcept {
+    group.old.slack = 0;
     group.old.count = group.old.summed = group.old.layers = group.old.moving_count = 0;
     group.fading = group.fresh = group.bridged = false;
     group.rough = group.now.rough;

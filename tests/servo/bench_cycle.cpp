@@ -1,10 +1,11 @@
-// The whole cycle on the 3-axis arm: read, kinematics, drain, plane with cross-fade, supervisor, Jacobian,
-// write, report, feedback. The device's own dynamics are not in it: its joints are a table.
-// `read_and_kinematics` is the part that any loop has, in the same run.
+// The whole cycle on the 3-axis arm, and with all features at once on the 6-axis one: read, kinematics,
+// drain, plane with cross-fade, supervisor, Jacobian, write, report, feedback. The device's own dynamics are
+// not in it: its joints are a table. `read_and_kinematics` is the part that any loop has, in the same run.
 //
 //   knurl_bench_cycle --benchmark_repetitions=9 --benchmark_report_aggregates_only=true    (look at the
 //   medians)
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -18,17 +19,18 @@
 namespace knurl::servo {
 namespace {
 
-/// The arm of premium15, its joints on a slow closed path of 4096 samples, in whole encoder counts.
+/// The arm of a profile, its joints on a slow closed path of 4096 samples, in whole encoder counts.
 class TableArm final : public drivers::Device {
   public:
-    TableArm() {
-        const drivers::SimProfile profile = drivers::sim_profile("premium15");
+    explicit TableArm(std::string_view name = "premium15") {
+        const drivers::SimProfile profile = drivers::sim_profile(name);
+        joints_ = static_cast<std::size_t>(profile.joints);
         const drivers::SimDevice device(profile);
         link_ = device.link();
         mechanism_ = profile.mechanism;
         for (std::size_t i = 0; i < path_.size(); ++i) {
             const double phase = 2 * M_PI * static_cast<double>(i) / static_cast<double>(path_.size());
-            for (std::size_t j = 0; j < 3; ++j) {
+            for (std::size_t j = 0; j < joints_; ++j) {
                 const double q = profile.centre[j] + 0.1 * std::sin(phase * static_cast<double>(j + 1));
                 const double count = link_.radians_per_count[j];
                 path_[i][j] = count > 0 ? std::round(q / count) * count : q;
@@ -40,7 +42,7 @@ class TableArm final : public drivers::Device {
     const drivers::Mechanism& mechanism() const noexcept override { return *mechanism_; }
     drivers::ReadStatus read(Nanoseconds, drivers::JointSample& sample) noexcept override {
         const auto& joints = path_[next_++ % path_.size()];
-        for (std::size_t j = 0; j < 3; ++j) sample.position[j] = joints[j];
+        for (std::size_t j = 0; j < joints_; ++j) sample.position[j] = joints[j];
         return drivers::ReadStatus::ok;
     }
     bool write(Nanoseconds, const drivers::JointEfforts& efforts) noexcept override {
@@ -52,7 +54,8 @@ class TableArm final : public drivers::Device {
   private:
     drivers::LinkConfig link_;
     std::shared_ptr<const drivers::Mechanism> mechanism_;
-    std::array<std::array<double, 3>, 4096> path_ = {};
+    std::size_t joints_ = 0;
+    std::array<std::array<double, protocol::max_joints>, 4096> path_ = {};
     std::size_t next_ = 0;
 };
 
@@ -65,7 +68,8 @@ struct Rig {
     std::vector<std::unique_ptr<OfflineClaim>> claims;
     Nanoseconds now = 0;
 
-    explicit Rig(int claim_count) : servo(arm, clock, segment.data(), options()) {
+    explicit Rig(int claim_count, std::string_view device = "premium15")
+        : arm(device), servo(arm, clock, segment.data(), options()) {
         for (int i = 0; i < claim_count; ++i) {
             ClaimTerms terms;
             terms.limits = limits_for(arm.link(), 1000, terms.frame);
@@ -138,6 +142,81 @@ void cycle_with_a_resting_plane(benchmark::State& state) {
     for (auto _ : state) rig.step();
 }
 BENCHMARK(cycle_with_a_resting_plane);
+
+/// The median and the 99th percentile of single cycles, in ns of this thread's clock (its own reading
+/// included).
+template <class Cycle>
+void percentiles(benchmark::State& state, Cycle cycle) {
+    std::vector<double> taken;
+    taken.reserve(static_cast<std::size_t>(state.max_iterations));
+    MonotonicClock clock;
+    for (auto _ : state) {
+        const Nanoseconds begin = clock.now();
+        cycle();
+        taken.push_back(static_cast<double>(clock.now() - begin));
+    }
+    std::sort(taken.begin(), taken.end());
+    state.counters["median_ns"] = taken[taken.size() / 2];
+    state.counters["p99_ns"] = taken[taken.size() * 99 / 100];
+    state.counters["max_ns"] = taken.back();
+}
+
+/// All that the paper has, at once: three planes with snags and recovery, two probes, four springs, on six
+/// axes.
+void cycle_with_all_features(benchmark::State& state) {
+    Rig rig(1, "generic6");
+    OfflineClaim& claim = *rig.claims[0];
+    claim.place_probe(1, {.offset = {0.02, 0, 0}, .radius = 0.005});
+    const Snag snag{.k_kinetic = 0.3, .k_stick = 500, .d_snap = 1e-3, .d_mean = 2e-3, .d_spread = 1e-3};
+    Plane floor{.normal = {0, 0, 1}, .offset = 1, .stiffness = 5, .recovery = 0.05, .snag = snag};
+    const Handle handle = claim.add(floor);
+    claim.add(Plane{.normal = {1, 0, 0.2}, .offset = 1, .stiffness = 5, .snag = snag}, {.probe = 1});
+    claim.add(Plane{.normal = {0, 1, 0.2}, .offset = 1, .stiffness = 5, .snag = snag});
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        claim.add(
+            Spring{.anchor = {0.05 * i, 0, 0}, .attach = {0, 0.01, 0}, .rest_length = 0.01, .stiffness = 50},
+            {.probe = i % 2});
+    }
+    rig.step();
+    std::uint64_t n = 0;
+    percentiles(state, [&] {
+        if (++n % 50 == 0) {  // 20 Hz: one cycle in fifty takes an update, all of them fade it
+            floor.offset += n % 100 == 0 ? 1e-4 : -1e-4;
+            claim.update(handle, floor);
+            claim.commit();
+        }
+        rig.step();
+    });
+    if ((rig.servo.last().flags & report_flags::touching) == 0) state.SkipWithError("not in contact");
+}
+BENCHMARK(cycle_with_all_features)->Iterations(100'000);
+
+/// The cycle that takes a batch of updates, less the client's own work.
+void cycle_that_takes_updates(benchmark::State& state) {
+    Rig rig(1);
+    OfflineClaim& claim = *rig.claims[0];
+    std::vector<Handle> handles;
+    for (int i = 0; i < state.range(0); ++i) {
+        handles.push_back(claim.add(Plane{.offset = -1, .stiffness = 20}));
+        if (i % 32 == 31) rig.step();
+    }
+    for (int i = 0; i < 100; ++i) rig.step();
+    std::vector<double> taken;
+    double offset = -1;
+    for (auto _ : state) {
+        offset = offset < -1 ? -1 : -1.001;
+        for (const Handle handle : handles) claim.update(handle, Plane{.offset = offset, .stiffness = 20});
+        claim.commit();
+        const Nanoseconds begin = rig.clock.now();
+        rig.step();
+        taken.push_back(static_cast<double>(rig.clock.now() - begin));
+        for (int i = 0; i < 20; ++i) rig.step();
+    }
+    std::sort(taken.begin(), taken.end());
+    state.counters["median_ns"] = taken[taken.size() / 2];
+    state.counters["p99_ns"] = taken[taken.size() * 99 / 100];
+}
+BENCHMARK(cycle_that_takes_updates)->Arg(1)->Arg(100)->Arg(1000)->Iterations(500);
 
 void cycle_with_idle_claims(benchmark::State& state) {
     Rig rig(static_cast<int>(state.range(0)));
