@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <knurl/reps/box.hpp>
 
 #include "distance.hpp"
-#include "surface.hpp"
+#include "solid.hpp"
 
 namespace knurl {
 namespace {
@@ -111,10 +113,29 @@ Contact solid(const Box& box, const Seen& seen, double radius, Hold& hold) noexc
                       hold.slipped ? std::numeric_limits<double>::infinity() : height);
 }
 
-Contact wall(const Box& box, const Seen& seen, double radius, int axis) noexcept {
-    const double half = to_eigen(box.half_size)[axis], y = seen.y[axis];
-    const double room = half > radius ? half - radius : 0;
-    return contact_of(box, (y < 0 ? 1 : -1) * seen.axes.col(axis), room - std::abs(y));
+double wall_height(const Box& box, const Seen& seen, const Probe& probe, int axis) noexcept {
+    return room(to_eigen(box.half_size)[axis], probe) - std::abs(seen.y[axis]);
+}
+
+Contact wall(const Box& box, const Seen& seen, const Probe& probe, int axis) noexcept {
+    return contact_of(box, (seen.y[axis] < 0 ? 1 : -1) * seen.axes.col(axis),
+                      wall_height(box, seen, probe, axis));
+}
+
+int nearest_wall(const Box& box, const Seen& seen, const Probe& probe) noexcept {
+    int nearest = 0;
+    for (int axis = 1; axis < 3; ++axis) {
+        if (wall_height(box, seen, probe, axis) < wall_height(box, seen, probe, nearest)) nearest = axis;
+    }
+    return nearest;
+}
+
+void remember(const Seen& seen, const Hold& hold, Box::State& state, double dt) noexcept {
+    if (!(dt > 0)) return;
+    state.last = to_plain(seen.y);
+    state.met = 1;
+    state.face = static_cast<std::uint16_t>(hold.face);
+    state.slipped = hold.slipped;
 }
 
 }  // namespace
@@ -137,44 +158,35 @@ void adopt(const Box& params, const Box* previous, Box::State& state, const Prob
         !(params.half_size == previous->half_size) || !(params.velocity == previous->velocity)) {
         place(state.motion);
     }
-    if (params.side != previous->side) state.face = state.slipped = 0;
+}
+
+Contact contact(const Box& params, Box::State& state, const Probe& probe, double dt) noexcept {
+    const Seen seen = see(params, state, probe, dt);
+    Hold hold{};
+    if (params.side == Side::outside) hold = follow(state, seen.y, to_eigen(params.half_size));
+    const Contact out = params.side == Side::outside
+                            ? solid(params, seen, probe.radius, hold)
+                            : wall(params, seen, probe, nearest_wall(params, seen, probe));
+    remember(seen, hold, state, dt);
+    return out;
 }
 
 std::uint32_t contacts(const Box& params, Box::State& state, const Probe& probe, double dt,
                        std::span<Contact> out) noexcept {
+    if (params.side == Side::outside || out.size() < Box::max_contacts) {
+        if (out.empty()) return 0;
+        out[0] = contact(params, state, probe, dt);
+        return 1;
+    }
     const Seen seen = see(params, state, probe, dt);
-    Hold hold{};
-    std::uint32_t count = 0;
-    if (params.side == BoxSide::inside) {
-        while (count < 3 && count < out.size()) {
-            out[count] = wall(params, seen, probe.radius, static_cast<int>(count));
-            ++count;
-        }
-    } else if (!out.empty()) {
-        hold = follow(state, seen.y, to_eigen(params.half_size));
-        out[count++] = solid(params, seen, probe.radius, hold);
-    }
-    if (dt > 0) {
-        state.last = to_plain(seen.y);
-        state.met = 1;
-        state.face = static_cast<std::uint16_t>(hold.face);
-        state.slipped = hold.slipped;
-    }
-    return count;
-}
-
-Contact contact(const Box& params, Box::State& state, const Probe& probe, double dt) noexcept {
-    Contact all[Box::max_contacts];
-    const std::uint32_t count = contacts(params, state, probe, dt, all);
-    std::uint32_t worst = 0;
-    for (std::uint32_t i = 1; i < count; ++i) {
-        if (all[i].height < all[worst].height) worst = i;
-    }
-    return all[worst];
+    for (int axis = 0; axis < 3; ++axis)
+        out[static_cast<std::size_t>(axis)] = wall(params, seen, probe, axis);
+    remember(seen, {}, state, dt);
+    return Box::max_contacts;
 }
 
 std::optional<Bound> bound(const Box& params, const Box::State& state) noexcept {
-    if (params.side == BoxSide::inside || state.face != 0) return std::nullopt;
+    if (params.side == Side::inside || state.face != 0) return std::nullopt;
     return Bound{.center = to_eigen(params.center) + state.motion.time * to_eigen(params.velocity),
                  .radius = to_eigen(params.half_size).norm()};
 }

@@ -50,8 +50,8 @@ void wander(benchmark::State& state, const R& raw, Where where) {
 HalfPlane half() {
     return {.edge_offset = 0.05, .stiffness = 1000};
 }
-Box box(BoxSide side) {
-    return {.center = {0, 0, -0.05}, .orientation = {2, 0, 0, 1}, .stiffness = 1000, .side = side};
+Box box(Side side) {
+    return {.center = {0, 0, -0.05}, .orientation = {2, 0, 0, 1}, .side = side, .stiffness = 1000};
 }
 
 BENCHMARK_CAPTURE(wander, plane, Plane{.stiffness = 1000}, held);
@@ -65,10 +65,10 @@ BENCHMARK_CAPTURE(wander, square_held, regular(4), held);
 BENCHMARK_CAPTURE(wander, octagon_free, regular(8), free_over);
 BENCHMARK_CAPTURE(wander, octagon_edge, regular(8), edge);
 BENCHMARK_CAPTURE(wander, octagon_held, regular(8), held);
-BENCHMARK_CAPTURE(wander, box_free, box(BoxSide::outside), free_over);
-BENCHMARK_CAPTURE(wander, box_edge, box(BoxSide::outside), edge);
-BENCHMARK_CAPTURE(wander, box_held, box(BoxSide::outside), held);
-BENCHMARK_CAPTURE(wander, box_hollow, box(BoxSide::inside), held);
+BENCHMARK_CAPTURE(wander, box_free, box(Side::outside), free_over);
+BENCHMARK_CAPTURE(wander, box_edge, box(Side::outside), edge);
+BENCHMARK_CAPTURE(wander, box_held, box(Side::outside), held);
+BENCHMARK_CAPTURE(wander, box_hollow, box(Side::inside), held);
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 // in long double that share no code with reps/.
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include <knurl/reps/concepts.hpp>
@@ -15,6 +16,7 @@ using Real = long double;
 using Vec = Eigen::Matrix<Real, 3, 1>;
 
 inline constexpr double step = 1e-3;  // s, a cycle
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 inline Vec exact(const Vec3& v) {
     return {v.x, v.y, v.z};

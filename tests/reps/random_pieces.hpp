@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <gtest/gtest.h>
+
 #include <knurl/reps/half_plane.hpp>
 #include <knurl/reps/polygon.hpp>
 
@@ -20,6 +22,26 @@ inline HalfPlane random_half_plane(Rng& rng, double far) {
     half.offset = uniform(rng, -1, 1) * far * to_eigen(half.normal).norm();
     half.edge_offset = uniform(rng, -1, 1) * far * to_eigen(half.edge).norm();
     return half;
+}
+
+using PieceKinds = testing::Types<Polygon, HalfPlane>;
+
+template <class R>
+R random_piece(Rng& rng, double size, double far) {
+    if constexpr (std::is_same_v<R, Polygon>) {
+        return random_polygon(rng, size, far);
+    } else {
+        return random_half_plane(rng, far);
+    }
+}
+
+/// A 40 mm square in z = 0 about the origin, facing up.
+inline Polygon square(Sides sides = Sides::front) {
+    Polygon polygon;
+    polygon.vertices = {.at = {{-.02, -.02, 0}, {.02, -.02, 0}, {.02, .02, 0}, {-.02, .02, 0}}, .count = 4};
+    polygon.stiffness = 1000;
+    polygon.sides = sides;
+    return polygon;
 }
 
 /// A piece, exactly. Distances in the plane are positive inside.

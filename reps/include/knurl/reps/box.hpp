@@ -6,20 +6,19 @@
 // box thinner than the hand sinks in (the god-object of Zilles & Salisbury, IROS 95, on a box). It lets go
 // where the probe is back above that face, or where its foot leaves the face sideways:
 //
-//        p0 .                                     The force is k depth n of the top all along p1 ... p2; at
-//        p3 it is
-//            \    |n                              gone at once: the tip has slipped off the edge. It falls by
-//            what
-//      _______\___|________________.   free       pressed, k d, to zero, and nothing that was stored comes
-//      back.
-//     |        \                .' |
-//     |         p1 --- d ---- p2    | p3          To move over to the side once that is nearer (beyond the
-//     dotted line) |                    .'       |             would lose no energy, but turn the force by 90
-//     degrees there, a jump |    solid         .'  45°    |             of 1.4 k d; push a hand out sideways
-//     that presses a table near its
-//                                                 edge; and open the narrow side of a wall to a hand that
-//                                                 presses it by more than half the wall: a pop-through. So
-//                                                 the face is kept.
+//        p0 .    | n
+//            \   |             free
+//       ______\__|________________
+//      |       \              .' |
+//      |        p1 --- d --- p2 -|- p3
+//      |  solid            .'    |
+//      |                 .' 45°  |
+//
+// The force is k d n all along p1 ... p2, and at p3 it is gone at once: the tip has slipped off the edge. It
+// falls by what pressed, to zero, and nothing that was stored comes back. To move over to the side as soon as
+// that is nearer (beyond the dotted line) would lose no energy, but turn the force there by 90 degrees, a
+// jump of 1.4 k d; push a hand out sideways that presses a table near its edge; and open the narrow side of a
+// wall to a hand that presses it by more than half the wall's thickness: a pop-through. So the face is kept.
 //
 // Seen first inside, the nearest face holds the probe. Outside, a probe of radius r touches a box with
 // rounded edges (the length of the parts that stick out, less r): a hand that presses by less than r slides
@@ -35,26 +34,21 @@
 
 #include <knurl/reps/concepts.hpp>
 #include <knurl/reps/material.hpp>
-#include <knurl/reps/motion.hpp>
+#include <knurl/reps/solid.hpp>
 
 namespace knurl {
-
-enum class BoxSide : std::uint32_t {
-    outside = 0,  // solid: free outside
-    inside = 1,   // hollow: free inside
-};
 
 struct Box {
     Vec3 center = {};                     // m
     Quat orientation = {};                // of the box's frame; any length
     Vec3 half_size = {0.05, 0.05, 0.05};  // m, along the axes of its frame; 0: as thin as a plate
-    double stiffness = 0;                 // N/m; infinity: as stiff as the device allows
-    double damping = 0;                   // N s/m
-    double recovery = automatic;          // s; 0: at once
-    BoxSide side = BoxSide::outside;      // the free one
+    Side side = Side::outside;
     std::uint32_t reserved = 0;
-    double braking = 0;  // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};  // m/s, with which it moves on between updates
+    double stiffness = 0;         // N/m; infinity: as stiff as the device allows
+    double damping = 0;           // N s/m
+    double recovery = automatic;  // s; 0: at once
+    double braking = 0;           // 1, share of the hand's momentum taken away at entry
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
@@ -73,16 +67,9 @@ struct Box {
 template <>
 struct Describe<Box> {
     static constexpr std::string_view name = "box";
-    static constexpr std::string_view box_sides[] = {"outside", "inside"};
     static constexpr auto fields = join_rows(
         std::array{
-            Field{.name = "center",
-                  .type = Field::Type::vector,
-                  .offset = offsetof(Box, center),
-                  .unit = "m",
-                  .meaning = "its middle",
-                  .minimum = -1e9,
-                  .maximum = 1e9},
+            center_row<Box>(),
             Field{.name = "orientation",
                   .type = Field::Type::quaternion,
                   .offset = offsetof(Box, orientation),
@@ -98,11 +85,7 @@ struct Describe<Box> {
                   .meaning = "from the middle to the faces, along its axes",
                   .minimum = 0,
                   .maximum = 1e9},
-            Field{.name = "side",
-                  .type = Field::Type::choice,
-                  .offset = offsetof(Box, side),
-                  .meaning = "where the hand is free",
-                  .choices = box_sides},
+            side_row<Box>(),
         },
         surface_rows<Box>());
     static constexpr std::string_view contradictions[] = {static_below_dynamic};

@@ -3,13 +3,15 @@
 // so the nearest point is not enough to know what the hand touches: half-way through it would pop out at the
 // back (Zilles & Salisbury, IROS 95). A piece therefore remembers from which side the hand came:
 //
-//       free   .  p0                      p0 -> p1 crosses the piece: touched, and felt as the plane of the
-//       side of
-//               \       front             entry however deep p is, until
-//     ===========x==========              - p is back on that side (p3), or
-//                 \     back  p3          - the foot of p has left the piece sideways (p2): let go, as a tip
-//                 that
-//                  p1 ---> ...   p2         slides off a table's edge is.
+//       free   .  p0
+//               \       front
+//     ===========x==========
+//                 \     back  p3
+//                  p1 ---> ...   p2
+//
+// p0 -> p1 crosses the piece: it is touched, and felt as the plane of the side of entry however deep p is,
+// until p is back on that side, or its foot has left the piece sideways (p1 -> p3 holds, p2 lets go): the tip
+// has slipped off, as off the edge of a table, and the force is gone at once.
 //
 // Seen first from behind, a piece with one side is not touched. A probe with a radius that slips off, or that
 // comes from behind, feels nothing until all of it is clear of the piece: so nothing pushes that was not
