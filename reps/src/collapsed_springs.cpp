@@ -51,8 +51,8 @@ Wrench CollapsedSprings::evaluate(const Probe& probe, const Limits& limits) cons
     // |M - B d^T|^2
     const double torsion = square_ - 2 * (mixed_.x() * dx + mixed_.y() * dy + mixed_.z() * dz) +
                            attached_.squaredNorm() * (dx * dx + dy * dy + dz * dz);
-    if (torsion > limits.max_torsion * limits.max_torsion)
-        out.torque *= std::max(0.0, limits.max_torsion) / std::sqrt(torsion);
+    const double most = std::max(0.0, limits.max_torsion);
+    if (torsion > most * most) out.torque *= most / std::sqrt(torsion);
     return out;
 }
 

@@ -14,7 +14,7 @@ Spring prepared(Spring params, const Limits& limits) noexcept {
                        ? params.stiffness / limits.max_stiffness
                        : 0;
     params.damping = clamped_damping(params.damping, limits);
-    params.torsion = limits.max_torsion;
+    params.torsion = std::max(0.0, limits.max_torsion);
     return params;
 }
 

@@ -83,6 +83,74 @@ TEST(EvalConstantForce, IsTheSameEverywhereAndFadesWhenItChanges) {
     }
 }
 
+/// The force at each row of a straight press through z, of a scene with one effect.
+template <class Want>
+void expect_forces(const std::string& scene, double z0, double z1, Want want) {
+    const auto result = eval(scene, press(z0, z1, 0.1));
+    const double v = (z1 - z0) / 0.1;
+    for (const Row& row : result.rows) {
+        const std::array<double, 3> force = want(row.x[2], v, row.t);
+        for (std::size_t a = 0; a < 3; ++a)
+            EXPECT_NEAR(row.f[a], force[a], 1e-11) << scene << row.t << " s, " << a;
+    }
+}
+
+TEST(EvalField, IsItsSeriesWithinItsRadius) {
+    expect_forces(
+        "[[taylor]]\norigin = [0, 0, 0.01]\nforce = [1, 0, -1]\njacobian = [[0, 0, 20], [0, 0, 0], [0, 0, "
+        "-300]]\n",
+        0.03, -0.02, [](double z, double, double) {
+            return std::array{1 + 20 * (z - 0.01), 0.0, -1 - 300 * (z - 0.01)};
+        });
+    expect_forces(
+        "[[taylor6]]\nforce = [0, 0, 3]\nradius = 0.01\nedge = 'hold'\njacobian = ["
+        "0, 0, 0, 0, 0, 0,  0, 0, 0, 0, 0, 0,  0, 0, -100, 0, 0, 0,"
+        "0, 0, 0, 0, 0, 0,  0, 0, 0, 0, 0, 0,  0, 0, 0, 0, 0, 0]\n",
+        0.03, -0.03, [](double z, double, double) {
+            return std::array{0.0, 0.0, 3 - 100 * std::clamp(z, -0.01, 0.01)};
+        });
+}
+
+TEST(EvalViscosity, IsAgainstTheMotion) {
+    expect_forces("[[viscosity]]\ndamping = 5\n", 0.03, -0.02, [](double, double v, double) {
+        return std::array{0.0, 0.0, -5 * v};
+    });
+}
+
+TEST(EvalGravity, IsAWeight) {
+    expect_forces("[[gravity]]\nmass = 0.25\n", 0.03, -0.02, [](double, double, double) {
+        return std::array{0.0, 0.0, -0.25 * 9.81};
+    });
+}
+
+TEST(EvalMagnet, DrawsNearAndLetsGoFar) {
+    expect_forces("[[magnet]]\nstiffness = 200\nmax_force = 2\nmax_distance = 0.03\n", 0.04, -0.04,
+                  [](double z, double, double) {
+                      const double x = std::abs(z);
+                      const double f = x < 0.01 ? 200 * x : x < 0.03 ? 2 * (0.03 - x) / 0.02 : 0;
+                      return std::array{0.0, 0.0, z > 0 ? -f : f};
+                  });
+}
+
+TEST(EvalConstraint, HoldsToItsLine) {
+    expect_forces(
+        "[[constraint]]\nshape = 'line'\norigin = [0.01, 0, 0]\ndirection = [1, 0, 1]\nstiffness = "
+        "300\ndamping = 2\n",
+        0.03, -0.02, [](double z, double v, double) {
+            // Across (1, 0, 1): half the difference of x and z.
+            const double across = 300 * (-0.01 - z) / 2 - 2 * v / 2;
+            return std::array{-across, 0.0, across};
+        });
+}
+
+TEST(EvalVibration, IsASineOfTheServosTime) {
+    expect_forces("[[vibration]]\namplitude = 0.5\nfrequency = 40\n", 0.03, -0.02,
+                  [](double, double, double t) {
+                      const double cycles = std::round(t * 1000) + 1;  // the first has one step behind it
+                      return std::array{0.0, 0.0, 0.5 * std::sin(2 * M_PI * 40 * 1e-3 * cycles)};
+                  });
+}
+
 TEST(EvalScene, AnEmptySceneIsFelt) {
     const auto result = eval("", press(0.01, -0.01, 0.1));
     ASSERT_EQ(result.rows.size(), 101u);

@@ -178,6 +178,48 @@ dynamic = 1
     EXPECT_EQ(params_of<Plane>(scene.changes.at(2)).friction.dynamic, 1);
 }
 
+TEST(SceneFile, AMatrixIsRowsOrAllItsEntriesRowByRow) {
+    const auto scene = scene_of(R"(
+[[taylor]]
+jacobian = [[1, 2, 3],
+            [4, 5, 6],
+            [7, 8, 9.5]]
+[[taylor]]
+jacobian = [1, 2, 3, 4, 5, 6, 7, 8, 9.5]
+[[taylor6]]
+orientation = [0, 0, 1, 2]
+jacobian = [[1, 0, 0, 0, 0, 2], [0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0],
+            [3, 0, 0, 0, 0, 4]]
+)");
+    const Mat3 want{1, 2, 3, 4, 5, 6, 7, 8, 9.5};
+    EXPECT_EQ(params_of<Taylor>(scene.changes.at(0)).jacobian, want);
+    EXPECT_EQ(params_of<Taylor>(scene.changes.at(1)).jacobian, want);
+    const auto six = params_of<Taylor6>(scene.changes.at(2));
+    EXPECT_EQ(six.orientation, (Quat{.w = 0, .x = 0, .y = 1, .z = 2}));
+    EXPECT_EQ(six.jacobian.at[5], 2);
+    EXPECT_EQ(six.jacobian.at[30], 3);
+    EXPECT_EQ(six.jacobian.at[35], 4);
+}
+
+TEST(SceneFile, PointsAreAListOfAnyLengthThatTheFieldAllows) {
+    const auto scene = scene_of(
+        "[[polygon]]\nvertices = [[0, 0, 0], [0.2, 0, 0], [0.2, 0.1, 0], [0, 0.1, 0]]\n"
+        "[[polygon]]\nid = 1\nvertices = [[0, 0, 0], [0.2, 0, 0], [0.2, 0.1, 0], [0, 0.1, 0]]\n"
+        "[[polygon]]\nid = 1\nat = 1\nvertices = [[0, 0, 0], [1, 0, 0], [1, 1, 0]]\n");
+    const auto four = params_of<Polygon>(scene.changes.at(0));
+    EXPECT_EQ(four.vertices.count, 4u);
+    EXPECT_EQ(four.vertices.at[2], (Vec3{0.2, 0.1, 0}));
+    const auto three = params_of<Polygon>(scene.changes.at(2));
+    EXPECT_EQ(three.vertices.count, 3u);
+    EXPECT_EQ(three.vertices.at[2], (Vec3{1, 1, 0}));
+    EXPECT_EQ(three.vertices.at[3], Vec3{}) << "nothing of the old ones is left";
+}
+
+TEST(SceneFile, WhatDescribesTheChangeGoesBackToTheDefaultOfItsRepresentation) {
+    const auto scene = scene_of("[[gravity]]\nid = 1\nrecovery = 1\n[[gravity]]\nid = 1\nat = 1\nmass = 2\n");
+    EXPECT_EQ(params_of<Gravity>(scene.changes.at(1)).recovery, 0.1);
+}
+
 TEST(SceneFile, AnUpdateInheritsWhatMayBeAutomaticUnlessItDescribesTheChange) {
     const auto scene = scene_of(
         "[[plane]]\nid = 1\nfriction.static = 0.5\nrecovery = 0.1\n[[plane]]\nid = 1\nat = 1\noffset = 1\n");
@@ -333,6 +375,23 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"ZeroNormal", "[[plane]]\nnormal = [0, 0, 0]\n", "2:10", "normal"},
         Mistake{"NegativeRecovery", "[[plane]]\nrecovery = -0.5\n", "2:12", "recovery"},
         Mistake{"AutomaticAsNumber", "[[plane]]\nrecovery = -1\n", "2:12", "or \"automatic\""},
+        Mistake{"MatrixWithAShortRow", "[[taylor]]\njacobian = [[1, 0, 0],\n  [0, 1],\n  [0, 0, 1]]\n", "3:3",
+                "row 2 of jacobian of the taylor of line 1 must be three numbers in N/m, not an array of 2"},
+        Mistake{"MatrixWithTwoRows", "[[taylor]]\njacobian = [[1, 0, 0], [0, 1, 0]]\n", "2:12",
+                "has 2 rows; it must have 3"},
+        Mistake{"MatrixOfAWord", "[[taylor]]\njacobian = 'stiff'\n", "2:12", "three rows of three numbers"},
+        Mistake{"MatrixOutOfRange", "[[taylor]]\njacobian = [[1, 0, 0], [0, 1e10, 0], [0, 0, 1]]\n", "2:12",
+                "taylor.jacobian = 10000000000 N/m is out of range"},
+        Mistake{"QuaternionOfThree", "[[taylor6]]\norientation = [1, 0, 0]\n", "2:15",
+                "four numbers, not an array of 3; write orientation = [1, 0, 0, 0]"},
+        Mistake{"QuaternionOfNothing", "[[taylor6]]\norientation = [0, 0, 0, 0]\n", "2:15", "no orientation"},
+        Mistake{"MagnetThatEndsTooSoon", "[[magnet]]\nstiffness = 100\nmax_force = 2\nmax_distance = 0.01\n",
+                "4:16", "magnet.max_distance = 0.01 m is not beyond max_force / stiffness = 0.02 m"},
+        Mistake{"PointsOfANumber", "[[polygon]]\nvertices = 3\n", "2:12", "must be a list of points in m"},
+        Mistake{"PointOfTwoNumbers", "[[polygon]]\nvertices = [[0, 0, 0], [1, 0],\n  [1, 1, 0]]\n", "2:24",
+                "point 2 of vertices of the polygon of line 1 must be three numbers in m, not an array of 2"},
+        Mistake{"TooFewPoints", "[[polygon]]\nvertices = [[0, 0, 0], [1, 0, 0]]\n", "2:12",
+                "has 2 points; give from 3 to"},
         Mistake{"DottedKey", "[[plane]]\nfriction = { statics = 1 }\n", "2:14",
                 "did you mean 'friction.static'?"},
         Mistake{"DottedKeyAlone", "[[plane]]\nstatic = 1\n", "2:1", "did you mean 'friction.static'?"},
