@@ -58,15 +58,17 @@ void surface_feedback(const SceneCore& core, std::uint32_t i, Feedback& out) noe
     if (!set.touching) return;
     const Arena& a = core.arenas_[core.arena_];
     const double s = group.fading ? group.elapsed / group.time : 1;
-    double push = 0;  // N
+    double push = 0;  // N; 0 too where damping outweighs the depth, and touched all the same
+    bool touched = false;
     for (std::uint32_t at = first; at < first + kind_ops()[r.kind].contacts; ++at) {
-        const double part = r.summed ? set.scale * r.stiffness * std::max(0.0, a.s[at])
-                                     : set.per_elastic * share(set, at - set.begin);
+        const double part = r.summed ? r.stiffness * std::max(0.0, a.s[at]) : share(set, at - set.begin);
         if (!(part > 0)) continue;
-        push += s * part;
-        out.wrench.force += (s * part) * Vector3d(a.nx[at], a.ny[at], a.nz[at]);
+        touched = true;
+        const double felt = s * (r.summed ? set.scale : set.per_elastic) * part;
+        push += felt;
+        out.wrench.force += felt * Vector3d(a.nx[at], a.ny[at], a.nz[at]);
     }
-    if (!(push > 0)) return;
+    if (!touched) return;
     out.flags |= Feedback::touching;
     const double whole = group.force.norm();
     if (group.rough && whole > 0) out.wrench.force += (push / whole) * (group.along + group.relief);

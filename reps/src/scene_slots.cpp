@@ -38,7 +38,7 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
             array->resize(members);
         }
         arena.owner.resize(members);
-        arena.moving.resize(members);
+        arena.moving.resize(3 * n);
     }
     scratch_.resize(2 * n + 1);
     level_.resize(2 * n + 1);

@@ -168,7 +168,7 @@ int absurd(unsigned seed, const std::string& socket_path) {
     using knurl::Plane;
     const RawClaim claim(socket_path);
     const protocol::ClaimLayout& layout = claim.layout;
-    knurl::shm::SpscProducer commands(claim.memory + layout.commands, protocol::command_cells);
+    knurl::shm::SpscProducer commands(claim.memory + layout.commands, layout.command_cells);
     knurl::shm::TripleWriter batches(claim.memory + layout.batches, layout.batch_slot_bytes);
     knurl::shm::TripleReader feedback(claim.memory + layout.feedback, layout.feedback_slot_bytes);
 

@@ -97,7 +97,7 @@ class PlayedServo {
     std::filesystem::path folder_;
     shm::Segment device_ = shm::Segment::create("played", protocol::device_layout().total);
     shm::Segment claim_ = shm::Segment::create("played", layout_.total);
-    shm::SpscConsumer commands_{claim_.data() + layout_.commands, protocol::command_cells};
+    shm::SpscConsumer commands_{claim_.data() + layout_.commands, layout_.command_cells};
     shm::SpscProducer replies_{claim_.data() + layout_.replies, protocol::reply_cells};
     shm::TripleReader batches_{claim_.data() + layout_.batches, layout_.batch_slot_bytes};
     shm::TripleWriter feedback_{claim_.data() + layout_.feedback, layout_.feedback_slot_bytes};

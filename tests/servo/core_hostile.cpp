@@ -220,7 +220,7 @@ TEST(Hostile, AMalformedCommandEndsTheClaimAndItsForceFades) {
     for (int i = 0; i < 700; ++i) honest.step();
     ASSERT_EQ(honest.servo.servo().last().state, DeviceState::active);
     shm::SpscProducer commands(honest.claim.memory() + honest.claim.layout().commands,
-                               protocol::command_cells);
+                               honest.claim.layout().command_cells);
     std::uint64_t cell[8] = {0x0000000700000063, 99};
     commands.try_push(cell, 1);
     honest.step();
@@ -237,14 +237,14 @@ TEST(Hostile, AGroupThatNeverEndsIsMalformed) {
     Offline servo(device);
     OfflineClaim& claim = servo.claim();
     servo.step();
-    shm::SpscProducer commands(claim.memory() + claim.layout().commands, protocol::command_cells);
-    std::vector<std::uint64_t> cells(std::size_t{protocol::command_cells} * 8);
-    for (std::size_t i = 0; i < protocol::command_cells; ++i) {
+    shm::SpscProducer commands(claim.memory() + claim.layout().commands, claim.layout().command_cells);
+    std::vector<std::uint64_t> cells(std::size_t{claim.layout().command_cells} * 8);
+    for (std::size_t i = 0; i < claim.layout().command_cells; ++i) {
         const protocol::CommandHeader header{
             .cells = 1, .type = protocol::CommandType::disarm, .number = i + 1, .more = 1};
         std::memcpy(&cells[8 * i], &header, sizeof header);
     }
-    commands.try_push(cells.data(), protocol::command_cells);
+    commands.try_push(cells.data(), claim.layout().command_cells);
     servo.step();
     EXPECT_EQ(servo.count(Count::commands_done), 0u);
     EXPECT_EQ(servo.count(Count::commands_refused), 1u);

@@ -130,7 +130,7 @@ struct RawClient {
           layout(protocol::claim_layout(terms.capacity)),
           memory(layout.total),
           claim(terms, memory.data(), nullptr),
-          commands(memory.data() + layout.commands, protocol::command_cells),
+          commands(memory.data() + layout.commands, layout.command_cells),
           batches(memory.data() + layout.batches, layout.batch_slot_bytes),
           replies(memory.data() + layout.replies, protocol::reply_cells) {}
     static ClaimTerms with(const Limits& limits) {

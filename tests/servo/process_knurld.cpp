@@ -256,7 +256,8 @@ HeldClaim::HeldClaim(const Answer& answer)
     : terms(answer.claimed.value()),
       segment(shm::Segment::open(answer.fds.at(0).get(), protocol::claim_layout(terms.capacity).total,
                                  shm::Segment::Access::read_write)),
-      commands(segment.data() + protocol::claim_layout(terms.capacity).commands, protocol::command_cells) {}
+      commands(segment.data() + protocol::claim_layout(terms.capacity).commands,
+               protocol::claim_layout(terms.capacity).command_cells) {}
 
 void HeldClaim::arm() {
     std::array<std::byte, shm::cell_bytes> cell{};

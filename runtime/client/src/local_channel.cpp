@@ -69,7 +69,7 @@ class LocalChannel final : public ClaimChannel {
         : claim_(std::move(claim)),
           layout_(protocol::claim_layout(capacity)),
           most_entries_(capacity.representations),
-          commands_(claim_->data() + layout_.commands, protocol::command_cells),
+          commands_(claim_->data() + layout_.commands, layout_.command_cells),
           replies_(claim_->data() + layout_.replies, protocol::reply_cells),
           batches_(claim_->data() + layout_.batches, layout_.batch_slot_bytes),
           feedback_(claim_->data() + layout_.feedback, layout_.feedback_slot_bytes) {}

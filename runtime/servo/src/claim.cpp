@@ -25,7 +25,7 @@ std::optional<Channels> channels_of(std::byte* memory, const protocol::ClaimLayo
 }  // namespace
 
 Channels::Channels(std::byte* memory, const protocol::ClaimLayout& layout)
-    : commands(memory + layout.commands, protocol::command_cells),
+    : commands(memory + layout.commands, layout.command_cells),
       batches(memory + layout.batches, layout.batch_slot_bytes),
       replies(memory + layout.replies, protocol::reply_cells),
       feedback(memory + layout.feedback, layout.feedback_slot_bytes) {}

@@ -35,7 +35,7 @@ std::string bounds_help() {
         max_devices, max_clients, broker_bounds::connections, broker_bounds::half_open,
         broker_bounds::hello_seconds, broker_bounds::claims_of_one, max_representations,
         max_batch_bytes / 1024, default_representations, default_batch_bytes / 1024,
-        protocol::max_parameter_bytes, max_probes, max_joints, command_cells, reply_cells,
+        protocol::max_parameter_bytes, max_probes, max_joints, max_command_cells, reply_cells,
         command_cells_per_cycle, report_slots - 1);
 }
 

@@ -80,7 +80,7 @@ double applied_stiffness(TypeList<R...>, Kind kind, const void* params, const Li
 }  // namespace
 
 Intake::Intake()
-    : cells_(std::size_t{protocol::command_cells} * shm::cell_bytes),
+    : cells_(std::size_t{protocol::max_command_cells} * shm::cell_bytes),
       group_(protocol::reply_cells),
       replies_(protocol::reply_cells),
       entries_(protocol::max_batch_bytes) {
@@ -97,7 +97,7 @@ void Intake::take_commands(Claim::Impl& claim, const Authority& authority, Nanos
     if (available_ == 0) return;
 
     const std::uint32_t budget =
-        claim.from_the_start ? protocol::command_cells : protocol::command_cells_per_cycle;
+        claim.from_the_start ? protocol::max_command_cells : protocol::command_cells_per_cycle;
     std::uint32_t done = 0;
     while (done < available_ && done < budget) {
         // Full means that the application does not read its replies: its commands wait, nothing is dropped.

@@ -23,7 +23,7 @@ OfflineClaim::OfflineClaim(const ClaimTerms& terms)
     : layout_(protocol::claim_layout(terms.capacity)),
       memory_(layout_.total),
       servo_side_(terms, memory_.data(), nullptr),
-      commands_(memory_.data() + layout_.commands, protocol::command_cells),
+      commands_(memory_.data() + layout_.commands, layout_.command_cells),
       batches_(memory_.data() + layout_.batches, layout_.batch_slot_bytes),
       replies_(memory_.data() + layout_.replies, protocol::reply_cells),
       feedback_(memory_.data() + layout_.feedback, layout_.feedback_slot_bytes) {}

@@ -13,10 +13,9 @@ inline constexpr std::uint32_t max_representations = 1024;    // of one claim
 inline constexpr std::uint32_t max_parameter_bytes = 512;     // of one representation
 inline constexpr std::uint32_t max_batch_bytes = 512 * 1024;  // all of them, of 480 bytes
 inline constexpr std::uint32_t max_probes = 16;
-inline constexpr std::uint32_t report_slots = 4096;   // about 4 s at 1 kHz: also the flight recorder
-inline constexpr std::uint32_t command_cells = 8192;  // 64 B each, of one claim's command ring: all its
-                                                      // representations can be added in one cycle
-inline constexpr std::uint32_t reply_cells = 2048;    // one for each of those, and for what comes with them
+inline constexpr std::uint32_t report_slots = 4096;       // about 4 s at 1 kHz: also the flight recorder
+inline constexpr std::uint32_t max_command_cells = 8192;  // 64 B each, of one claim's command ring
+inline constexpr std::uint32_t reply_cells = 2048;  // one for each of those, and for what comes with them
 inline constexpr std::uint32_t command_cells_per_cycle =
     512;                                       // of one claim in one cycle; a group that has begun
                                                // is finished, and the rest waits for the next

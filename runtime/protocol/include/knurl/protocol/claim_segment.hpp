@@ -4,6 +4,8 @@
 //
 //   header | waiter flag | command ring -> servo | batches -> servo | replies -> client | feedback -> client
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -24,6 +26,7 @@ struct ClaimCapacity {
 struct ClaimLayout {
     std::size_t waiter = 0, commands = 0, batches = 0, replies = 0, feedback = 0;  // offsets
     std::size_t batch_slot_bytes = 0, feedback_slot_bytes = 0;
+    std::uint32_t command_cells = 0;  // of its ring: all its representations can be added in one cycle
     std::size_t total = 0;
 };
 
@@ -37,7 +40,9 @@ constexpr ClaimLayout claim_layout(const ClaimCapacity& capacity) {
         layout.feedback_slot_bytes =
             align(sizeof(FeedbackHeader) + capacity.representations * sizeof(FeedbackEntry));
         layout.commands = end;
-        end += align(shm::spsc_bytes(command_cells));
+        layout.command_cells =
+            std::clamp(std::bit_ceil(8 * capacity.representations), 2048u, max_command_cells);
+        end += align(shm::spsc_bytes(layout.command_cells));
         layout.batches = end;
         end += align(shm::triple_bytes(layout.batch_slot_bytes));
         layout.replies = end;
