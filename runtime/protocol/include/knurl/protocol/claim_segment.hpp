@@ -41,7 +41,7 @@ constexpr ClaimLayout claim_layout(const ClaimCapacity& capacity) {
             align(sizeof(FeedbackHeader) + capacity.representations * sizeof(FeedbackEntry));
         layout.commands = end;
         layout.command_cells =
-            std::clamp(std::bit_ceil(8 * capacity.representations), 2048u, max_command_cells);
+            std::clamp(std::bit_ceil(8 * capacity.representations), 4096u, max_command_cells);
         end += align(shm::spsc_bytes(layout.command_cells));
         layout.batches = end;
         end += align(shm::triple_bytes(layout.batch_slot_bytes));
