@@ -20,7 +20,7 @@ namespace {
 /// A point of the same scene that errs no more, and is faster by more than the measurement's own noise.
 bool beats(const Panel& panel, const Point& a, const Point& b) {
     const double ea = std::max(a.error, panel.exact), eb = std::max(b.error, panel.exact);
-    return a.scene == b.scene && a.size == b.size && !a.knurl &&
+    return a.scene == b.scene && !a.knurl && a.flaw.empty() &&
            ((ea <= eb && a.ns < 0.9 * b.ns) || (ea < 0.9 * eb && a.ns <= b.ns));
 }
 
@@ -31,12 +31,12 @@ void print(const Panel& panel) {
     for (const Point& point : panel.points) {
         if (point.scene != scene) std::printf("  %s\n", point.scene.c_str());
         scene = point.scene;
-        std::printf("   %c %-34s %12.3g %-3s %12.1f ns  n %zu\n", point.knurl ? '*' : ' ',
+        std::printf("   %c %-34s %12.3g %-3s %12.1f ns  n %zu  %s\n", point.knurl ? '*' : ' ',
                     point.implementation.c_str(), point.error, panel.error_unit.c_str(), point.ns,
-                    point.samples);
+                    point.samples, point.flaw.c_str());
     }
     for (const Point& ours : panel.points) {
-        if (!ours.knurl) continue;
+        if (!ours.knurl || ours.error > panel.useless) continue;
         for (const Point& other : panel.points) {
             if (beats(panel, other, ours))
                 std::printf("  BETTER THAN KNURL'S in %s: %s (%.3g %s, %.1f ns) than %s (%.3g %s, %.1f ns)\n",
@@ -54,6 +54,7 @@ nlohmann::ordered_json to_json(const Panel& panel) {
                           {"size", p.size},
                           {"implementation", p.implementation},
                           {"knurl", p.knurl},
+                          {"flaw", p.flaw},
                           {"error", p.error},
                           {"ns", p.ns},
                           {"n", p.samples}});

@@ -19,6 +19,7 @@ struct Point {
     std::string implementation;  // how: "naive sum"
     double error = 0;            // in the panel's unit
     bool knurl = false;          // what Knurl does unless told otherwise
+    std::string flaw = {};       // what rules it out, whatever its time and error
     double ns = 0;               // median time of one call
     std::size_t samples = 0;     // blocks in that median
 };
@@ -27,7 +28,8 @@ struct Panel {
     std::string name;
     std::string error_unit;
     std::string error_meaning;
-    double exact = 0;  // errors below are no errors: two such points differ in time alone
+    double exact = 0;      // errors below are no errors: two such points differ in time alone
+    double useless = 1e9;  // where Knurl's errs by more, nothing is of use
     std::vector<Point> points;
 };
 
@@ -45,8 +47,8 @@ struct Contender {
 
 /// Fills in ns and samples.
 inline void race(const measure::Stopwatch& watch, std::vector<Contender>& contenders) {
-    constexpr int blocks = 21;
-    constexpr double block = 30e3;  // ns, or one call
+    constexpr int blocks = 61;
+    constexpr double block = 40e3;  // ns, or one call
     struct Lane {
         int calls = 1;
         std::vector<double> ns;

@@ -114,7 +114,7 @@ Vector<Real> three_step_proxy(const Shifted<Real>& planes, const Vector<Real>& f
     return at;
 }
 
-/// A plain dual active set (Goldfarb & Idnani 1983), to see what another precision would do.
+/// A dual active set (Goldfarb & Idnani 1983), plain, to see what another precision would do.
 template <class Real>
 class ActiveSetMethod {
   public:

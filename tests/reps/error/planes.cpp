@@ -77,7 +77,8 @@ struct Memory {
     std::vector<double> s, multiplier;
     std::vector<float> fs, fmultiplier;
     ContactSolution solution;
-    ActiveSetMethod<float> active;
+    ActiveSetMethod<double> plain;
+    ActiveSetMethod<float> small;
 };
 
 template <class Real>
@@ -147,10 +148,18 @@ Eigen::Vector3d by_active_set(const Scene& scene, const Eigen::Vector3d& p, Memo
                           give, memory.solution);
     return memory.solution.dx;
 }
-template <bool warm>
-Eigen::Vector3d by_active_set_in_float(const Scene& scene, const Eigen::Vector3d& p, Memory& memory) {
-    if (!warm) memory.active.count = 0;
-    return memory.active.solve(shift<float>(scene, p, memory)).cast<double>();
+// Without Knurl's shortcuts, to compare the precisions.
+template <class Real, bool warm>
+Eigen::Vector3d by_plain_active_set(const Scene& scene, const Eigen::Vector3d& p, Memory& memory) {
+    auto& method = [&]() -> auto& {
+        if constexpr (std::is_same_v<Real, double>)
+            return memory.plain;
+        else
+            return memory.small;
+    }
+    ();
+    if (!warm) method.count = 0;
+    return method.solve(shift<Real>(scene, p, memory)).template cast<double>();
 }
 
 struct Entry {
@@ -169,10 +178,12 @@ constexpr Entry entries[] = {
     {"10 sweeps of projections, float", by_projections<float>},
     {"3-step proxy", by_proxy<double>},
     {"3-step proxy, float", by_proxy<float>},
+    {"plain active set, cold", by_plain_active_set<double, false>},
+    {"plain active set, cold, float", by_plain_active_set<float, false>},
+    {"plain active set, warm", by_plain_active_set<double, true>},
+    {"plain active set, warm, float", by_plain_active_set<float, true>},
     {"active set, cold", by_active_set<false>},
-    {"active set, cold, float", by_active_set_in_float<false>},
     {"active set, warm", by_active_set<true>, true},
-    {"active set, warm, float", by_active_set_in_float<true>},
 };
 
 }  // namespace

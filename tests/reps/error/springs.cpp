@@ -4,8 +4,8 @@
 
 #include <random>
 
+#include <knurl/reps/collapsed_springs.hpp>
 #include <knurl/reps/scene.hpp>
-#include <knurl/reps/spring.hpp>
 
 #include "panel.hpp"
 
@@ -97,8 +97,11 @@ Panel springs(const measure::Stopwatch& watch) {
             probes[i].orientation =
                 Eigen::AngleAxisd(0.3 * std::sin(phase), Eigen::Vector3d(1, 2, 3).normalized());
         }
+        CollapsedSprings ours;
+        for (const Spring& spring : all) ours.add(spring, spring.anchor);
         const Collapsed<double> one(all);
         const Collapsed<float> small(all);
+        const Limits limits{.max_torsion = 10};
 
         const std::function<Wrench(const Probe&)> by_loop = [&](const Probe& probe) {
             Wrench sum;
@@ -108,13 +111,20 @@ Panel springs(const measure::Stopwatch& watch) {
         struct Entry {
             const char* name;
             std::function<Wrench(const Probe&)> wrench;
-            bool knurl = false;
+            bool knurl;
+            std::string flaw;
         };
+        const std::string unbounded = "its torque may be stiffer than the device allows";
         const std::vector<Entry> entries = {
-            {"each by itself", by_loop},
-            {"as one", [&](const Probe& probe) { return one(probe); }},
-            {"as one, float", [&](const Probe& probe) { return small(probe); }},
-            {"a whole cycle of Scene", [&](const Probe& probe) { return scene.evaluate(probe, 1e-3); }, true},
+            {"each by itself", by_loop, false, {}},
+            {"as one", [&](const Probe& probe) { return ours.evaluate(probe, limits); }, true, {}},
+            {"as one, no bound on torsion", [&](const Probe& probe) { return one(probe); }, false, unbounded},
+            {"as one, no bound on torsion, float", [&](const Probe& probe) { return small(probe); }, false,
+             unbounded},
+            {"a whole cycle of Scene",
+             [&](const Probe& probe) { return scene.evaluate(probe, 1e-3); },
+             false,
+             {}},
         };
         std::vector<Contender> contenders;
         for (const Entry& entry : entries) {
@@ -126,7 +136,8 @@ Panel springs(const measure::Stopwatch& watch) {
                       .size = static_cast<double>(count),
                       .implementation = entry.name,
                       .error = error,
-                      .knurl = entry.knurl});
+                      .knurl = entry.knurl,
+                      .flaw = entry.flaw});
             contenders.push_back({point, [&probes, wrench = entry.wrench, next = 0u](int calls) mutable {
                                       for (int i = 0; i < calls; ++i) keep(wrench(probes[next++ & 63]));
                                   }});
