@@ -73,21 +73,23 @@ Panel springs(const measure::Stopwatch& watch) {
                 .exact = 1e-10,
                 .points = {}};
     panel.points.reserve(64);
+    const Limits limits{.max_torsion = 10};  // N m/rad, which none of these reaches
     std::mt19937_64 rng(3);
     std::uniform_real_distribution<> any(-1, 1);
     for (const int count : {1, 6, 64, 1000}) {
         std::vector<Spring> all;
         std::vector<Spring::State> states;
-        Scene scene({.representations = 1024, .probes = 1}, {});
+        Scene scene({.representations = 1024, .probes = 1}, limits);
         for (int i = 0; i < count; ++i) {
-            const Spring spring{.anchor = {0.1 * any(rng), 0.1 * any(rng), 0.1 * any(rng)},
-                                .attach = {0.03 * any(rng), 0.03 * any(rng), 0.03 * any(rng)},
-                                .stiffness = 200.0 / count * (1.5 + any(rng))};
+            const Spring sent{.anchor = {0.1 * any(rng), 0.1 * any(rng), 0.1 * any(rng)},
+                              .attach = {0.03 * any(rng), 0.03 * any(rng), 0.03 * any(rng)},
+                              .stiffness = 200.0 / count * (1.5 + any(rng))};
+            const Spring spring = prepared(sent, limits);
             all.push_back(spring);
             Spring::State state;
             settle(spring, state);
             states.push_back(state);
-            (void)scene.add({static_cast<std::uint32_t>(i), 1}, spring, {.feedback = 0});
+            (void)scene.add({static_cast<std::uint32_t>(i), 1}, sent, {.feedback = 0});
         }
         scene.settle();
         std::vector<Probe> probes(64);
@@ -101,7 +103,6 @@ Panel springs(const measure::Stopwatch& watch) {
         for (const Spring& spring : all) ours.add(spring, spring.anchor);
         const Collapsed<double> one(all);
         const Collapsed<float> small(all);
-        const Limits limits{.max_torsion = 10};
 
         const std::function<Wrench(const Probe&)> by_loop = [&](const Probe& probe) {
             Wrench sum;
