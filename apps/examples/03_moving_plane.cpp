@@ -1,5 +1,5 @@
-// A curved floor from an application that manages 20 updates a second: each time the plane where the hand
-// will be.
+// A curved floor from an application that manages 20 updates a second: each time the piece of it where the
+// hand will be.
 
 #include <algorithm>
 #include <chrono>
@@ -20,7 +20,9 @@ knurl::SurfaceModel ball_below(const knurl::Vec3& centre_of_workspace) {
         knurl::to_eigen(centre_of_workspace) - Eigen::Vector3d(0, 0, radius - 0.005);
     return [=](const knurl::Vec3& near) -> knurl::SurfacePoint {
         const Eigen::Vector3d outwards = (knurl::to_eigen(near) - centre).normalized();
-        return {.foot = knurl::to_plain(centre + radius * outwards), .normal = knurl::to_plain(outwards)};
+        return {.foot = knurl::to_plain(centre + radius * outwards),
+                .normal = knurl::to_plain(outwards),
+                .curvature = -1 / radius /* 1/m, in every direction */};
     };
 }
 
@@ -30,7 +32,8 @@ int main(int argc, char** argv) try {
     auto client = knurl::Client::connect("knurl:default");
     auto hand = client.claim("", {.update_interval = 50ms});
     const auto ball = ball_below(hand.device().workspace_centre);
-    auto floor = hand.add(knurl::Plane{.offset = -1.0 /* m: out of reach */, .stiffness = 1000 /* N/m */});
+    auto floor =
+        hand.add(knurl::Cap{.foot = {0, 0, -1.0} /* m: out of reach */, .stiffness = 1000 /* N/m */});
     hand.arm();
 
     double strongest = 0;

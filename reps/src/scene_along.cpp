@@ -81,10 +81,10 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
 
     // Coefficients count by each plane's part of the normal force. Viscous friction is no part of that, so it
     // comes and goes with its set.
-    double total = 0, total_now = 0, braking = 0, viscous = 0;
+    double total = 0, total_now = 0, total_old = 0, braking = 0, viscous = 0;
     each([&](bool now, std::uint32_t, double push) {
         total += push;
-        if (now) total_now += push;
+        (now ? total_now : total_old) += push;  // apart: their difference may round to nothing
     });
     FrictionLaw law;
     Vector3d surface_velocity = Vector3d::Zero();
@@ -92,8 +92,9 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
         double leading = 0;
         each([&](bool now, std::uint32_t member, double push) {
             const Owner owner = a.owner[member];
+            if (!(push > 0)) return;
             const double share = push / total;
-            const double of_set = now ? s * push / total_now : (1 - s) * push / (total - total_now);
+            const double of_set = now ? s * push / total_now : (1 - s) * push / total_old;
             if (owner == bridge_owner) {
                 viscous += of_set * group.bridge_law.viscous;
                 return add_share(law, leading, group.bridge_law, share);

@@ -166,7 +166,7 @@ struct Group {
     ProbePlacement placement, next_placement;
     bool moved = false;  // next_placement is to be taken
     Probe probe;
-    Eigen::Vector3d before = Eigen::Vector3d::Zero();  // m, where the probe was in the last cycle
+    Eigen::Vector3d before = Eigen::Vector3d::Zero();  // m, where it was in the last cycle that took time
     Eigen::Vector3d arm = Eigen::Vector3d::Zero();     // m, from the hand's position, world
     ContactSet now, old;
     Candidates near;
@@ -312,7 +312,8 @@ class SceneCore {
     bool weights_move_ = false;  // silent, or not yet back at full weight
     bool settle_ = false;
     std::uint64_t cycle_ = 0;
-    bool met_ = false;  // there was a last cycle
+    bool met_ = false;          // there was a cycle in which time passed
+    bool time_passed_ = false;  // ... the last one
     std::uint32_t evaluated_ = 0;
     std::uint32_t size_ = 0;
     std::array<std::uint32_t, Representations::size> counts_{};

@@ -48,7 +48,9 @@ bool SceneCore::near_left() noexcept {
     for (std::uint32_t rest = bounded_used_; rest != 0; rest &= rest - 1) {
         Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
         const double deep = std::max(group.now.slack, group.old.slack);
-        const double within = group.near.margin * near_rounding - deep;
+        // After a deep contact the candidates are many: as soon as few will do, they are collected anew.
+        const bool too_many = group.near.margin > group.near.wanted && 2 * deep <= group.near.wanted;
+        const double within = too_many ? 0 : group.near.margin * near_rounding - deep;
         if (within > 0 && (group.probe.position - group.near.at).squaredNorm() < within * within) continue;
         group.near.margin = -1;
         left = true;

@@ -60,6 +60,10 @@ ClaimState::Command ClaimState::add_command(Handle handle, const Entry& entry,
 
 Handle ClaimState::add(Kind kind, const void* params, std::size_t bytes, const Use& use) {
     const Lock lock = enter();
+    return add_now(kind, params, bytes, use);
+}
+
+Handle ClaimState::add_now(Kind kind, const void* params, std::size_t bytes, const Use& use) {
     validate(kind, params, bytes);
     validate(kind, use);
     const std::span given(static_cast<const std::byte*>(params), bytes);
@@ -70,12 +74,23 @@ Handle ClaimState::add(Kind kind, const void* params, std::size_t bytes, const U
 
 void ClaimState::remove(Handle handle) {
     const Lock lock = enter();
-    const Kind kind = entry(handle).kind;
-    table_.set_leaving(handle, true);
-    issue({.type = CommandType::remove,
-           .handle = handle,
-           .kind = kind,
-           .body = bytes_of(protocol::RemoveBody{handle})});
+    std::vector<Handle> leaving{handle};
+    const std::vector<Handle>& others = entry(handle).sides;
+    leaving.insert(leaving.end(), others.begin(), others.end());
+    std::vector<Command> commands;
+    for (const Handle one : leaving) {
+        const Entry* found = table_.find(one);
+        if (found == nullptr) continue;  // a side that a group took back
+        commands.push_back({.type = CommandType::remove,
+                            .handle = one,
+                            .kind = found->kind,
+                            .body = bytes_of(protocol::RemoveBody{one})});
+        table_.set_leaving(one, true);
+    }
+    if (depth_ == 0)
+        issue(commands);
+    else
+        for (Command& command : commands) issue(std::move(command));
 }
 
 void ClaimState::place_probe(std::uint32_t probe, const ProbePlacement& placement) {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include <knurl/client/error.hpp>
 
 #include "client_state.hpp"
+#include "clock.hpp"
 #include "sentence.hpp"
 #include "validate.hpp"
 
@@ -18,12 +18,6 @@ namespace knurl::detail {
 namespace {
 
 using std::chrono::nanoseconds;
-
-std::int64_t monotonic_ns() {
-    timespec t{};
-    ::clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
-}
 
 nanoseconds from_seconds(double seconds) {
     return nanoseconds(std::llround(seconds * 1e9));
@@ -52,6 +46,7 @@ void ClaimState::set(Handle handle, Kind kind, const void* params, std::size_t b
     const Lock lock = enter();
     entry(handle);
     validate(kind, params, bytes);
+    park_sides(handle, 0);
     table_.set(handle, {static_cast<const std::byte*>(params), bytes});
     if (last_) note_basis(last_->cycle);
 }
@@ -59,39 +54,6 @@ void ClaimState::set(Handle handle, Kind kind, const void* params, std::size_t b
 void ClaimState::get(Handle handle, void* params, std::size_t bytes) {
     const Lock lock = enter();
     std::memcpy(params, entry(handle).params.data(), bytes);
-}
-
-void ClaimState::follow(Handle handle, const SurfaceModel& model) {
-    Lock lock = enter();
-    Plane plane;
-    std::memcpy(&plane, entry(handle).params.data(), sizeof plane);
-    FollowMemory memory = entry(handle).followed;
-    // The newest, though the application may have read an older one before a long computation.
-    const std::optional<Report> report = peek(lock);
-    if (!report) return;
-    // It may commit more often than it follows: how long this plane will live is what counts.
-    Entry& followed = entry(handle);
-    const std::int64_t now = monotonic_ns();
-    if (followed.last_follow_ns != 0)
-        followed.follow_intervals.add(static_cast<double>(now - followed.last_follow_ns) * 1e-9);
-    followed.last_follow_ns = now;
-    Lateness late = lateness();
-    if (!ages_.empty() && !followed.follow_intervals.empty())
-        late.interval = followed.follow_intervals.median();
-    const double stiffness = std::min(plane.stiffness, limits_.max_stiffness);
-    lock.unlock();  // the model is the application's: it may call us
-    const Followed there = follow_surface(model,
-                                          {.time = static_cast<double>(report->read_ns) * 1e-9,
-                                           .position = report->position,
-                                           .velocity = report->slow_velocity},
-                                          late, {.stiffness = stiffness}, memory);
-    lock = enter();
-
-    place(plane, there.faces.face[0]);
-    validate(kind_of<Plane>, &plane, sizeof plane);
-    entry(handle).followed = memory;
-    table_.set(handle, std::as_bytes(std::span(&plane, 1)));
-    note_basis(report->cycle);
 }
 
 std::uint64_t ClaimState::commit() {
@@ -154,19 +116,34 @@ bool ClaimState::wait_applied(std::uint64_t number, nanoseconds timeout) {
     }
 }
 
+const protocol::FeedbackEntry* ClaimState::felt_entry(Handle handle) const {
+    if (handle.slot >= felt_at_.size() || felt_at_[handle.slot] == 0) return nullptr;
+    const protocol::FeedbackEntry& found = felt_[felt_at_[handle.slot] - 1];
+    return found.handle == handle ? &found : nullptr;
+}
+
 std::optional<Felt> ClaimState::felt(Handle handle) {
     const Lock lock = enter();
-    entry(handle);
+    const std::vector<Handle>& others = entry(handle).sides;
     refresh();
-    if (handle.slot >= felt_at_.size() || felt_at_[handle.slot] == 0) return std::nullopt;
-    const protocol::FeedbackEntry& found = felt_[felt_at_[handle.slot] - 1];
-    if (found.handle != handle) return std::nullopt;
-    return Felt{.force = found.force,
-                .torque = found.torque,
-                .contact_point = found.contact_point,
-                .stiffness = found.stiffness,
-                .flags = found.flags,
-                .cycle = feedback_.cycle};
+    const protocol::FeedbackEntry* found = felt_entry(handle);
+    if (found == nullptr) return std::nullopt;
+    Felt felt{.force = found->force,
+              .torque = found->torque,
+              .contact_point = found->contact_point,
+              .stiffness = found->stiffness,
+              .tangential_stiffness = found->tangential_stiffness,
+              .flags = found->flags,
+              .cycle = feedback_.cycle};
+    for (const Handle side : others) {
+        const protocol::FeedbackEntry* other = felt_entry(side);
+        if (other == nullptr || (other->flags & Feedback::touching) == 0) continue;
+        if ((felt.flags & Feedback::touching) == 0) felt.contact_point = other->contact_point;
+        felt.force = to_plain(to_eigen(felt.force) + to_eigen(other->force));
+        felt.torque = to_plain(to_eigen(felt.torque) + to_eigen(other->torque));
+        felt.flags |= other->flags;
+    }
+    return felt;
 }
 
 std::optional<double> ClaimState::applied_stiffness(Handle handle) {
@@ -184,7 +161,8 @@ Timing ClaimState::timing() {
     return {.age_at_use = from_seconds(ages_.median()),
             .interval = interval(),
             .batches = taken_ + (last_taken ? 1 : 0),
-            .refused = refused_before_ + feedback_.batches_refused};
+            .refused = refused_before_ + feedback_.batches_refused,
+            .undersampled = undersampled_};
 }
 
 Limits ClaimState::limits() {

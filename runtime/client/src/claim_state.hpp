@@ -27,7 +27,7 @@ class ClaimState final : public Reader {
     void remove(Handle handle);
     void set(Handle handle, Kind kind, const void* params, std::size_t bytes);
     void get(Handle handle, void* params, std::size_t bytes);
-    void follow(Handle handle, const SurfaceModel& model);
+    Followed follow(Handle handle, Kind kind, const SurfaceModel& model);
     void place_probe(std::uint32_t probe, const ProbePlacement& placement);
     void together(const std::function<void()>& changes);
     /// arm, disarm, reset_fault: sends it and waits for the answer.
@@ -62,6 +62,7 @@ class ClaimState final : public Reader {
 
     // All of these with `mutex_` held.
     Entry& entry(Handle handle);  // throws Error::stale_handle
+    Handle add_now(Kind kind, const void* params, std::size_t bytes, const Use& use);
     ClaimChannel* channel() { return attachment_ ? attachment_->channel.get() : nullptr; }
     static Command add_command(Handle handle, const Entry& entry, std::span<const std::byte> params);
     void issue(Command command);  // alone, or into the open group; taken back if it throws
@@ -77,7 +78,16 @@ class ClaimState final : public Reader {
     void take_feedback(ClaimChannel& channel);
     void refresh();
     std::string about(protocol::CommandType type, Kind kind) const;
+    const protocol::FeedbackEntry* felt_entry(Handle handle) const;
     void note_basis(std::uint64_t cycle);
+    template <class R>
+    Followed follow_with(Handle handle, const SurfaceModel& model);
+    template <class R>
+    void send_faces(Handle handle, R params, const Faces& faces);
+    template <class R>
+    void park(Handle side);
+    void park_sides(Handle handle, std::uint32_t first);  // of a corner, from that one on
+    double far() const;                                   // m, out of the hand's reach
     Lateness lateness() const;
     std::chrono::nanoseconds interval() const;
 
@@ -104,7 +114,8 @@ class ClaimState final : public Reader {
     std::uint64_t basis_cycle_ = 0;     // of the report that the oldest uncommitted change came from
     std::int64_t last_commit_ns_ = 0;
     Recent intervals_, ages_;  // s
-    std::string deferred_;     // a refusal that nobody waited for
+    std::uint64_t undersampled_ = 0;
+    std::string deferred_;  // a refusal that nobody waited for
 };
 
 }  // namespace knurl::detail

@@ -133,8 +133,8 @@ void AnyRepresenting::set_raw(const void* params, std::size_t bytes) {
 void AnyRepresenting::get_raw(void* params, std::size_t bytes) const {
     state_->get(handle_, params, bytes);
 }
-void AnyRepresenting::follow_plane(const SurfaceModel& model) {
-    state_->follow(handle_, model);
+Followed AnyRepresenting::follow_raw(const SurfaceModel& model) {
+    return state_->follow(handle_, kind_, model);
 }
 
 Client::Client(std::shared_ptr<detail::ClientState> state) : state_(std::move(state)) {}

@@ -15,6 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double shortest_chord = 1e-4;  // m, between feet, to tell a curvature from their normals
+constexpr double shortest_turn = 0.1;    // rad, between normals that are not the same face's
 
 Cap cap_at(const SurfacePoint& point, double rim) {
     Cap cap{.rim = rim};
@@ -53,17 +54,34 @@ double Face::height(const Vector3d& at) const {
     return contact(cap_, still, probe, 0).height;
 }
 
-Face Questions::ask(const Vector3d& point) {
+Face Questions::ask_aside(const Vector3d& point) {
     ++asked_;
     const SurfacePoint answer = model_(to_plain(point));
     require_face(answer, to_plain(point));
-    const Face face(answer, rim_);
-    sharpest_ = std::max(sharpest_, sharper_of(answer));
-    if (asked_ == 1) first_foot_ = face.foot(), first_normal_ = face.normal();
-    const double chord = (face.foot() - first_foot_).norm();
-    if (chord > shortest_chord)
-        sharpest_ = std::max(sharpest_, (face.normal() - first_normal_).norm() / chord);
-    return face;
+    return Face(answer, rim_);
+}
+
+Face Questions::ask(const Vector3d& point) {
+    answers_.push_back(ask_aside(point));
+    return answers_.back();
+}
+
+double sharpest(const std::vector<Face>& answers, const std::vector<Face>& sent) {
+    const auto is_sent = [&](const Face& answer) {
+        return std::any_of(sent.begin(), sent.end(), [&](const Face& face) {
+            return (answer.normal() - face.normal()).norm() < shortest_turn;
+        });
+    };
+    double result = 0;
+    for (const Face& answer : answers) {
+        result = std::max(result, sharper_of(answer.point()));
+        if (sent.size() > 1 && is_sent(answers.front()) && is_sent(answer)) continue;
+        const double chord = (answer.foot() - answers.front().foot()).norm();
+        // The other side of something thin is no bend of this one.
+        if (chord > shortest_chord && answer.normal().dot(answers.front().normal()) >= 0)
+            result = std::max(result, (answer.normal() - answers.front().normal()).norm() / chord);
+    }
+    return result;
 }
 
 }  // namespace knurl::detail

@@ -1,6 +1,8 @@
 #pragma once
 // One answer of a model as the servo would feel it.
 
+#include <vector>
+
 #include <knurl/client/predict.hpp>
 
 namespace knurl::detail {
@@ -21,23 +23,28 @@ class Face {
     Cap cap_;
 };
 
-/// A model asked point by point, and what its answers say about how sharply the surface curves.
+/// A model asked point by point.
 class Questions {
   public:
     Questions(const SurfaceModel& model, double rim) : model_(model), rim_(rim) {}
 
     /// Throws knurl::Error if the model answers with what is no face.
     Face ask(const Eigen::Vector3d& point);
+    /// The same, of a place where the hand is and will not be: not among the answers.
+    Face ask_aside(const Eigen::Vector3d& point);
+
+    const std::vector<Face>& answers() const { return answers_; }
     std::uint32_t asked() const { return asked_; }
-    /// 1/m: the largest that the model told, or that the normals of its answers tell.
-    double sharpest() const { return sharpest_; }
 
   private:
     const SurfaceModel& model_;
     double rim_;
     std::uint32_t asked_ = 0;
-    double sharpest_ = 0;
-    Eigen::Vector3d first_foot_ = Eigen::Vector3d::Zero(), first_normal_ = Eigen::Vector3d::Zero();
+    std::vector<Face> answers_;
 };
+
+/// 1/m: the largest curvature that a model told, or that its normals tell by turning from the first answer
+/// to another; but not on the way from one of the faces that are sent to another of them.
+double sharpest(const std::vector<Face>& answers, const std::vector<Face>& sent);
 
 }  // namespace knurl::detail

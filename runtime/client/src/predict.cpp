@@ -2,8 +2,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
-#include "face.hpp"
+#include "corner.hpp"
 
 namespace knurl {
 
@@ -22,6 +23,21 @@ double look_ahead_time(const Vector3d& velocity, const Lateness& lateness) {
     const double time = lateness.latency + lateness.interval / 2;
     const double speed = velocity.norm();
     return speed * time > max_look_ahead ? max_look_ahead / speed : time;
+}
+
+/// Looking to opposite sides; at a right angle they do not.
+bool opposed(const Face& a, const Face& b) {
+    return a.normal().dot(b.normal()) < -1e-9;
+}
+
+/// Each face where the one like it was last time: so what is sent for it changes no more than it must.
+void keep_order(std::vector<Face>& faces, const std::vector<Face>& last) {
+    std::size_t at = 0;
+    for (const Face& before : last) {
+        const auto like = std::find_if(faces.begin() + static_cast<std::ptrdiff_t>(at), faces.end(),
+                                       [&](const Face& face) { return detail::same(face, before); });
+        if (like != faces.end()) std::swap(*like, faces[at++]);
+    }
 }
 
 /// The way v t without its part through the surface: from outside down to it, from inside up to it, no
@@ -78,53 +94,63 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     Followed result;
     detail::Questions questions(model, follower.rim);
     const Vector3d p = to_eigen(hand.position), v = to_eigen(hand.velocity);
-    const Face here = questions.ask(p);
+    std::vector<Face> last;
+    for (const SurfacePoint& face : memory.sent.all()) last.emplace_back(face, follower.rim);
+
+    // A hand inside, nearest to a face that looks the other way than the one it came in by, has passed the
+    // middle of something thin. Nearest points forget where it came from; the last face does not, so the
+    // model is asked there.
+    Face here = questions.ask(p);
+    for (const Face& face : last) {
+        if (here.height(p) >= 0 || !opposed(here, face) || detail::is_corner(face, here, p, questions))
+            continue;
+        result.kept_side = true;
+        here = questions.ask_aside(p - face.height(p) * face.normal());
+        if (opposed(here, face)) here = face;
+        break;
+    }
     const double height = here.height(p);
     // Along the surface: what a contact stops says nothing about where a hand wants to go.
     const Vector3d along = v - v.dot(here.normal()) * here.normal();
     memory.trust.observe(hand.time, hand.position, to_plain(along), lateness.latency + lateness.interval / 2);
     result.trust = memory.trust.factor();
 
-    const auto answer = [&] {
-        result.asked = questions.asked();
-        result.undersampled = 2 * along.norm() * lateness.interval * questions.sharpest() > 1;
-        return result;
-    };
-    const auto accept = [&](const Face& face, double share) {
-        result.look_ahead = share;
-        result.faces.face[0] = face.point();
-        result.faces.count = 1;
-        memory.sent = result.faces;
-        return answer();
-    };
-
-    // A hand inside, nearest to a face that looks the other way than the one it came in by, has passed the
-    // middle of something thin. Nearest points forget where it came from; the last face does not.
-    if (memory.sent.count > 0 && height < 0 && here.normal().dot(to_eigen(memory.sent.face[0].normal)) < 0) {
-        result.faces = memory.sent;
-        result.kept_side = true;
-        return answer();
-    }
-
-    const double time = result.trust * look_ahead_time(v, lateness);
-    if (time <= 0 || v.isZero()) return accept(here, 0);
-
-    const Vector3d landing = p + v * std::min(result.trust * lateness.latency, time);
-    const Face there = questions.ask(landing);
-    const double landing_height = there.height(landing);
-    // Past the middle of something thin the model is no measure; the face on this side is.
-    const bool other_face = landing_height < 0 && there.normal().dot(here.normal()) < 0;
-    const double depth = std::min(other_face ? here.height(landing) : landing_height, 0.0);
     const double tolerance = follower.stiffness > 0
                                  ? std::min(largest_tolerance, force_tolerance / follower.stiffness)
                                  : largest_tolerance;
-
-    for (const double share : std::array{1.0, 0.5, 0.25}) {
-        const Face ahead = questions.ask(p + restrained(v * (time * share), here, height));
-        if (ahead.normal().dot(here.normal()) >= 0 && ahead.height(landing) >= depth - tolerance)
-            return accept(ahead, share);
+    const double time = result.trust * look_ahead_time(v, lateness);
+    const double landing_time = std::min(result.trust * lateness.latency, time);
+    const Vector3d landing = p + v * landing_time;
+    std::vector<Face> faces{here};
+    if (time > 0 && !v.isZero()) {
+        const Face there = questions.ask(landing);
+        const double landing_height = there.height(landing);
+        // Past the middle of something thin the model is no measure; the face on this side is.
+        const bool other_face = landing_height < 0 && opposed(there, here);
+        const double depth = std::min(other_face ? here.height(landing) : landing_height, 0.0);
+        for (const double share : std::array{1.0, 0.5, 0.25}) {
+            const Face ahead = questions.ask(p + restrained(v * (time * share), here, height));
+            if (opposed(ahead, here) || ahead.height(landing) < depth - tolerance) continue;
+            faces[0] = ahead;
+            result.look_ahead = share;
+            break;
+        }
+        // A wall that the hand comes to before the next update is felt is looked for above the floor that it
+        // presses on.
+        const Vector3d end = p + v * (2 * time - landing_time);
+        questions.ask(end + std::max(0.0, detail::beside - here.height(end)) * here.normal());
     }
-    return accept(here, 0);
+    std::vector<Face> candidates = questions.answers();
+    candidates.insert(candidates.end(), last.begin(), last.end());
+    detail::add_corner(faces, candidates, landing, tolerance, questions);
+
+    keep_order(faces, last);
+    for (const Face& face : faces) result.faces.face[result.faces.count++] = face.point();
+    memory.sent = result.faces;
+    result.undersampled =
+        2 * along.norm() * lateness.interval * detail::sharpest(questions.answers(), faces) > 1;
+    result.asked = questions.asked();
+    return result;
 }
 
 }  // namespace knurl

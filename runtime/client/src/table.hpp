@@ -41,6 +41,8 @@ struct Entry {
     FollowMemory followed{};
     Recent follow_intervals{};  // s, between calls of follow
     std::int64_t last_follow_ns = 0;
+    std::vector<Handle> sides{};   // of a concave corner, that follow added
+    std::uint32_t sides_used = 0;  // the others are parked
 };
 
 class Table {

@@ -102,6 +102,7 @@ protocol::FeedbackEntry entry_of(const Feedback& felt) noexcept {
     entry.torque = to_plain(felt.wrench.torque);
     entry.contact_point = to_plain(felt.contact_point);
     entry.stiffness = felt.stiffness;
+    entry.tangential_stiffness = felt.tangential_stiffness;
     entry.flags = felt.flags;
     return entry;
 }

@@ -44,10 +44,12 @@ inline constexpr std::size_t max_state_bytes = 128;
 /// State is the servo's. All functions are noexcept and depend on their arguments alone.
 template <class R>
 concept Representation = std::is_trivially_copyable_v<R> && std::is_trivially_copyable_v<typename R::State> &&
-                             sizeof(R) <= max_parameter_bytes &&
-                         sizeof(typename R::State) <= max_state_bytes &&
-                         requires(R params, const R& previous, typename R::State& state, const Probe& probe,
-                                  const Limits& limits) {
+                             sizeof(R) <= max_parameter_bytes
+                         &&
+                         sizeof(typename R::State) <= max_state_bytes&& requires(R params, const R& previous,
+                                                                                 typename R::State& state,
+                                                                                 const Probe& probe,
+                                                                                 const Limits& limits) {
     { Describe<R>::name } -> std::convertible_to<std::string_view>;
     {std::span<const Field>(Describe<R>::fields)};
     // Validated parameters as the servo uses them (unit normal, stiffness within the limits).

@@ -13,17 +13,17 @@ struct Relief {
     Eigen::Vector3d slope = Eigen::Vector3d::Zero();  // 1, A grad f, along the surface
 };
 
-/// The relief under the point p (m, world) of a surface with that unit normal, which has been carried `shift` (m) from
-/// where it was when the texture was given.
+/// The relief under the point p (m, world) of a surface with that unit normal, which has been carried `shift`
+/// (m) from where it was when the texture was given.
 Relief relief(const Texture& texture, const Eigen::Vector3d& p, const Eigen::Vector3d& normal,
               const Eigen::Vector3d& shift) noexcept;
 
-/// How much of the relief is felt at a sliding speed (m/s): what passes faster than a quarter of the servo's rate is
-/// no texture but noise, so it fades between v / wavelength = 1 / (8 T) and 1 / (4 T).
+/// How much of the relief is felt at a sliding speed (m/s): what passes faster than a quarter of the servo's
+/// rate is no texture but noise, so it fades between v / wavelength = 1 / (8 T) and 1 / (4 T).
 double texture_gain(const Texture& texture, double speed, const Limits& limits) noexcept;
 
-/// The lateral push (N) of the normal force N on that slope. Its stiffness k depth A (2 pi / wavelength)^2 may exceed
-/// the device's, so the slope is scaled down to A <= wavelength^2 / (4 pi^2 N) k_max.
+/// The lateral push (N) of the normal force N on that slope. Its stiffness k depth A (2 pi / wavelength)^2
+/// may exceed the device's, so the slope is scaled down to A <= wavelength^2 / (4 pi^2 N) k_max.
 Eigen::Vector3d texture_force(const Texture& texture, const Relief& relief, double normal_force,
                               const Limits& limits) noexcept;
 

@@ -76,15 +76,17 @@ struct Timing {
         0};                     // between commits, the median of the last seven; as claimed until measured
     std::uint64_t batches = 0;  // taken by the servo; those it did not take alone it had in a later one
     std::uint64_t refused = 0;  // by the servo's own check of its copy
+    std::uint64_t undersampled = 0;  // calls of follow() that were too seldom for the surface's curvature
 };
 
 /// What the hand and the application's end feel of one representation.
 struct Felt {
-    Vec3 force, torque;       // on the hand, N and N m; the application's end feels the opposite
-    Vec3 contact_point;       // m
-    double stiffness = 0;     // N/m applied: less than asked for if Feedback::stiffness_clamped is set
-    std::uint32_t flags = 0;  // Feedback::touching, ...
-    std::uint64_t cycle = 0;  // in which it was so: equal for representations felt in the same cycle
+    Vec3 force, torque;    // on the hand, N and N m; the application's end feels the opposite
+    Vec3 contact_point;    // m
+    double stiffness = 0;  // N/m applied: less than asked for if Feedback::stiffness_clamped is set
+    double tangential_stiffness = 0;  // N/m of its friction, as applied; 0: it has none
+    std::uint32_t flags = 0;          // Feedback::touching, ...
+    std::uint64_t cycle = 0;          // in which it was so: equal for representations felt in the same cycle
 };
 
 namespace detail {
@@ -180,7 +182,7 @@ class AnyRepresenting {
         : state_(std::move(state)), handle_(handle), kind_(kind) {}
     void set_raw(const void* params, std::size_t bytes);
     void get_raw(void* params, std::size_t bytes) const;
-    void follow_plane(const SurfaceModel& model);
+    Followed follow_raw(const SurfaceModel& model);
 
     std::shared_ptr<detail::ClaimState> state_;
     Handle handle_;
@@ -200,9 +202,15 @@ class Representing : public AnyRepresenting {
         get_raw(&r, sizeof r);
         return r;
     }
-    /// Asks `model` for the tangent plane where the hand will be when this update is felt, checks the answer
-    /// (an unchecked prediction can push a hand through a plate) and sets it.
-    void follow(const SurfaceModel& model) requires std::same_as<R, Plane> { follow_plane(model); }
+    /// Asks `model` for the surface where the hand will be when this update is felt, checks the answer (an
+    /// unchecked prediction can push a hand through a plate) and sets it: a plane as the tangent plane, a cap
+    /// with the curvatures that the model tells, too. In a concave corner it adds the other sides as
+    /// representations of its own, with the same parameters, and parks them out of reach when they are not
+    /// needed; they count among the claim's, and felt() has the sum of all. Set by hand or removed, this one
+    /// takes them along. What is returned says how it went; without any face: there is no report yet.
+    Followed follow(const SurfaceModel& model) requires(std::same_as<R, Plane> || std::same_as<R, Cap>) {
+        return follow_raw(model);
+    }
 };
 
 class Client {

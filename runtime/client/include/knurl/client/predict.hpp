@@ -38,6 +38,11 @@ struct SurfacePoint {
 };
 using SurfaceModel = std::function<SurfacePoint(const Vec3& near)>;
 
+/// The model, which does not know how its surface curves, with the curvatures that its own normals tell: each
+/// question becomes three, `step` (m) apart. For smooth surfaces: where the normal turns by more than 0.3 rad
+/// within a step that is an edge, and no curvature.
+SurfaceModel curved(SurfaceModel model, double step = 1e-3);
+
 /// How late an application is.
 struct Lateness {
     double latency = 0;   // s, from a report's read to the first force computed from it

@@ -125,11 +125,12 @@ inline Verdict verdict_of(const FeedbackHeader& header) noexcept {
 
 struct FeedbackEntry {
     Handle handle;
-    Vec3 force;               // N on the hand
-    Vec3 torque;              // N m
-    Vec3 contact_point;       // m
-    double stiffness = 0;     // N/m applied
-    std::uint32_t flags = 0;  // Feedback::touching, ...
+    Vec3 force;                       // N on the hand
+    Vec3 torque;                      // N m
+    Vec3 contact_point;               // m
+    double stiffness = 0;             // N/m applied
+    double tangential_stiffness = 0;  // N/m of its friction, applied
+    std::uint32_t flags = 0;          // Feedback::touching, ...
     std::uint32_t reserved = 0;
 };
 

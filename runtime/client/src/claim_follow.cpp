@@ -1,0 +1,130 @@
+// follow(): the pure function of predict.hpp between the claim's reports and its pending changes.
+
+#include <algorithm>
+#include <cstring>
+
+#include <knurl/client/error.hpp>
+
+#include "claim_state.hpp"
+#include "clock.hpp"
+#include "validate.hpp"
+
+namespace knurl::detail {
+
+namespace {
+
+/// Where nobody is. Not removed, so that a corner that comes and goes takes effect with the batch that the
+/// rest of it comes with.
+template <class R>
+R parked(R params, double far) {
+    SurfacePoint below{.foot = {}, .normal = params.normal};
+    const Eigen::Vector3d normal = to_eigen(params.normal).normalized();
+    if constexpr (std::is_same_v<R, Cap>)
+        below.foot = to_plain(to_eigen(params.foot) - far * normal);
+    else
+        below.foot = to_plain((params.offset / to_eigen(params.normal).norm() - far) * normal);
+    below.normal = to_plain(normal);
+    place(params, below);
+    return params;
+}
+
+double rim_of(const Plane&) {
+    return 0;
+}
+double rim_of(const Cap& cap) {
+    return cap.rim;
+}
+
+}  // namespace
+
+Followed ClaimState::follow(Handle handle, Kind kind, const SurfaceModel& model) {
+    return kind == kind_of<Cap> ? follow_with<Cap>(handle, model) : follow_with<Plane>(handle, model);
+}
+
+template <class R>
+Followed ClaimState::follow_with(Handle handle, const SurfaceModel& model) {
+    Lock lock = enter();
+    R params;
+    std::memcpy(&params, entry(handle).params.data(), sizeof params);
+    FollowMemory memory = entry(handle).followed;
+    // The newest, though the application may have read an older one before a long computation.
+    const std::optional<Report> report = peek(lock);
+    if (!report) return {};
+    // It may commit more often than it follows: how long this update will live is what counts.
+    Entry& followed = entry(handle);
+    const std::int64_t now = monotonic_ns();
+    if (followed.last_follow_ns != 0)
+        followed.follow_intervals.add(static_cast<double>(now - followed.last_follow_ns) * 1e-9);
+    followed.last_follow_ns = now;
+    Lateness late = lateness();
+    if (!ages_.empty() && !followed.follow_intervals.empty())
+        late.interval = followed.follow_intervals.median();
+    const Follower follower{.stiffness = std::min(params.stiffness, limits_.max_stiffness),
+                            .rim = rim_of(params)};
+    lock.unlock();  // the model is the application's: it may call us
+    const Followed result = follow_surface(model,
+                                           {.time = static_cast<double>(report->read_ns) * 1e-9,
+                                            .position = report->position,
+                                            .velocity = report->slow_velocity},
+                                           late, follower, memory);
+    lock = enter();
+
+    send_faces(handle, params, result.faces);
+    entry(handle).followed = memory;
+    if (result.undersampled) ++undersampled_;
+    note_basis(report->cycle);
+    return result;
+}
+
+template <class R>
+void ClaimState::send_faces(Handle handle, R params, const Faces& faces) {
+    for (const SurfacePoint& face : faces.all()) {
+        place(params, face);
+        validate(kind_of<R>, &params, sizeof params);
+    }
+    // A side that is new comes in with the batch, like the others.
+    std::vector<Handle>& others = entry(handle).sides;
+    for (std::size_t i = 0; i + 1 < faces.count; ++i) {
+        if (i < others.size() && table_.find(others[i]) != nullptr) continue;
+        place(params, faces.face[i + 1]);
+        const R apart = parked(params, far());
+        const Handle side = add_now(kind_of<R>, &apart, sizeof apart, entry(handle).use);
+        if (i < others.size())
+            others[i] = side;
+        else
+            others.push_back(side);
+    }
+    park_sides(handle, faces.count - 1);
+    for (std::uint32_t i = 0; i < faces.count; ++i) {
+        place(params, faces.face[i]);
+        table_.set(i == 0 ? handle : others[i - 1], std::as_bytes(std::span(&params, 1)));
+    }
+    entry(handle).sides_used = faces.count - 1;
+}
+
+template <class R>
+void ClaimState::park(Handle side) {
+    const Entry* found = table_.find(side);
+    if (found == nullptr) return;  // a group took it back
+    R params;
+    std::memcpy(&params, found->params.data(), sizeof params);
+    params = parked(params, far());
+    table_.set(side, std::as_bytes(std::span(&params, 1)));
+}
+
+void ClaimState::park_sides(Handle handle, std::uint32_t first) {
+    Entry& main = entry(handle);
+    for (std::uint32_t i = first; i < main.sides_used; ++i) {
+        if (main.kind == kind_of<Cap>)
+            park<Cap>(main.sides[i]);
+        else
+            park<Plane>(main.sides[i]);
+    }
+    main.sides_used = std::min(main.sides_used, first);
+}
+
+double ClaimState::far() const {
+    return std::max(1e3, 1e2 * request().workspace_radius);
+}
+
+}  // namespace knurl::detail

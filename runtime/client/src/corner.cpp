@@ -1,0 +1,156 @@
+#include "corner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Cholesky>
+
+namespace knurl::detail {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double off = 0.1e-3;          // m, in front of them: on a face itself a model may be of two minds
+constexpr double same_place = 0.25e-3;  // m, a foot from where it should be
+constexpr double same_way = 0.985;      // cosine, 10 degrees
+constexpr double folded = 0.94;         // cosine, 20 degrees: less is a smooth surface's own turning
+constexpr double opposed = -0.94;       // two walls that face each other meet nowhere
+constexpr double farthest = 3 * max_look_ahead;  // m, from the hand to the corner
+constexpr int rounds = 5;  // one for each face that is found, one to confirm them, one for curved ones
+
+using Set = std::vector<Face>;
+
+bool has(const Set& faces, const Face& face) {
+    return std::any_of(faces.begin(), faces.end(), [&](const Face& one) { return same(one, face); });
+}
+
+bool may_meet(const Face& a, const Face& b) {
+    const double cosine = a.normal().dot(b.normal());
+    return cosine < folded && cosine > opposed;
+}
+
+/// b's foot lies in front of a, and a's in front of b.
+bool facing(const Face& a, const Face& b) {
+    const Vector3d way = b.foot() - a.foot();
+    return a.normal().dot(way) > 0 && b.normal().dot(way) < 0;
+}
+
+/// N N^T of the normals; none if they lie so nearly in a plane or a line that they meet nowhere in
+/// particular.
+std::optional<Eigen::LDLT<Eigen::MatrixXd>> independent(const Set& faces) {
+    Eigen::MatrixX3d normals(faces.size(), 3);
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        normals.row(static_cast<Eigen::Index>(i)) = faces[i].normal();
+    Eigen::LDLT<Eigen::MatrixXd> gram(normals * normals.transpose());
+    constexpr double flattest = 0.01;
+    return gram.vectorD().minCoeff() > flattest ? std::optional(gram) : std::nullopt;
+}
+
+/// The point of all faces' tangent planes that is nearest to p: p - N^T (N N^T)^-1 heights.
+std::optional<Vector3d> meeting_point(const Set& faces, const Vector3d& p) {
+    const auto gram = independent(faces);
+    if (!gram) return std::nullopt;
+    Eigen::VectorXd heights(faces.size());
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        heights[static_cast<Eigen::Index>(i)] = faces[i].normal().dot(p - faces[i].foot());
+    const Eigen::VectorXd shares = gram->solve(heights);
+    Vector3d way = Vector3d::Zero();
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        way -= shares[static_cast<Eigen::Index>(i)] * faces[i].normal();
+    return way.norm() < farthest ? std::optional<Vector3d>(p + way) : std::nullopt;
+}
+
+/// Along `face`, away from all others.
+Vector3d away(const Face& face, const Set& faces) {
+    Vector3d sum = Vector3d::Zero();
+    for (const Face& other : faces) sum += other.normal();
+    return (sum - sum.dot(face.normal()) * face.normal()).normalized();
+}
+
+void add_if_independent(Set& faces, const Face& face) {
+    if (faces.size() == max_faces || has(faces, face)) return;
+    faces.push_back(face);
+    if (!independent(faces)) faces.pop_back();
+}
+
+/// The corner's faces as the model has them beside it, more than were given if it has a third; none if there
+/// is no such corner.
+std::optional<Set> confirmed(Set faces, const Vector3d& p, Questions& questions) {
+    for (int round = 0; round < rounds; ++round) {
+        const std::optional<Vector3d> corner = meeting_point(faces, p);
+        if (!corner) return std::nullopt;
+        Set found, doubtful;
+        bool in_place = true, news = false;
+        for (const Face& face : faces) {
+            const Vector3d at = *corner + beside * away(face, faces);
+            const Face answer = questions.ask_aside(at + off * face.normal());
+            if (!same(answer, face)) doubtful.push_back(face);
+            news = news || !has(faces, answer);
+            if (!has(found, answer)) found.push_back(answer);
+            in_place = in_place && (answer.foot() - at).norm() < same_place;
+        }
+        if (doubtful.empty() && in_place) {
+            for (std::size_t i = 0; i < found.size(); ++i)
+                for (std::size_t j = 0; j < i; ++j)
+                    if (!may_meet(found[i], found[j]) || !facing(found[i], found[j])) return std::nullopt;
+            return found;
+        }
+        // A face whose place lies behind another one was not asked for yet. But an answer at the very edge
+        // may have a normal between those of the two faces, and is none of its own.
+        for (const Face& face : doubtful) add_if_independent(found, face);
+        if (found.size() < 2 || (!doubtful.empty() && !news)) return std::nullopt;
+        faces = std::move(found);
+    }
+    return std::nullopt;
+}
+
+/// What was asked for on the hand's way is that face of the corner, its foot in front of all the others:
+/// there it is nearer to the hand than beside the corner.
+bool clear_of(const Face& face, const Set& corner) {
+    return has(corner, face) && std::all_of(corner.begin(), corner.end(), [&](const Face& other) {
+               return same(other, face) || other.normal().dot(face.foot() - other.foot()) > beside / 2;
+           });
+}
+
+/// The model and this face agree about a hand at `landing`, as far as the others have not pushed it out.
+bool harmless(const Face& face, const Set& corner, Vector3d landing, double tolerance, Questions& questions) {
+    for (const Face& other : corner)
+        if (!same(other, face)) landing += std::max(0.0, beside - other.height(landing)) * other.normal();
+    const double height = face.height(landing);
+    return height >= -tolerance || height >= questions.ask_aside(landing).height(landing) - tolerance;
+}
+
+}  // namespace
+
+bool same(const Face& a, const Face& b) {
+    return a.normal().dot(b.normal()) > same_way;
+}
+
+bool is_corner(const Face& a, const Face& b, const Vector3d& hand, Questions& questions) {
+    return may_meet(a, b) && confirmed({a, b}, hand, questions);
+}
+
+void add_corner(Set& faces, std::span<const Face> candidates, const Vector3d& landing, double tolerance,
+                Questions& questions) {
+    for (const Face& candidate : candidates) {
+        if (faces.size() == max_faces) return;
+        const auto fits = [&](const Face& face) { return may_meet(face, candidate); };
+        if (candidate.height(landing) > max_look_ahead || !std::all_of(faces.begin(), faces.end(), fits))
+            continue;
+        Set together = faces;
+        together.push_back(candidate);
+        std::optional<Set> corner = confirmed(std::move(together), landing, questions);
+        if (!corner || !std::all_of(corner->begin(), corner->end(), [&](const Face& face) {
+                return has(faces, face) || harmless(face, *corner, landing, tolerance, questions);
+            }))
+            continue;
+        for (Face& face : *corner)
+            for (const Face& chosen : faces)
+                if (same(face, chosen) && clear_of(chosen, *corner)) face = chosen;
+        faces = std::move(*corner);
+    }
+}
+
+}  // namespace knurl::detail

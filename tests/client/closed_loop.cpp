@@ -1,0 +1,172 @@
+#include "closed_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numbers>
+
+#include <knurl/reps/scene.hpp>
+
+namespace closed_loop {
+
+using namespace knurl;
+
+namespace {
+
+constexpr int steps = 10;  // of the dynamics in a cycle
+constexpr double h = dt / steps;
+
+/// The mass, its actuators and its hand.
+class Tip {
+  public:
+    Tip(const Hand& hand, const Path& path) : hand_(hand), path_(path), position(path(0)) {}
+
+    void advance(double t, const Vector3d& target) {
+        const double follow = hand_.lag > 0 ? -std::expm1(-h * 2 * std::numbers::pi * hand_.lag) : 1;
+        const Vector3d to = path_(t), speed = (path_(t + dt) - to) / dt;
+        const Vector3d reference = hand_.damped_to_path ? speed : Vector3d(Vector3d::Zero());
+        for (int i = 0; i < steps; ++i) {
+            exerted_ += follow * (target - exerted_);
+            const Vector3d wanted = to + i * h * speed;
+            Vector3d force = exerted_ + hand_.grip.cwiseProduct(wanted - position);
+            force -= hand_.damping * (velocity - reference) + hand_.device_damping * velocity;
+            force.z() -= hand_.push;
+            velocity += h / hand_.mass * force;
+            const double fast = velocity.norm();
+            if (fast > 0) velocity *= std::max(0.0, 1 - h * hand_.coulomb / (hand_.mass * fast));
+            position += h * velocity;
+        }
+    }
+
+  private:
+    const Hand& hand_;
+    const Path& path_;
+    Vector3d exerted_ = Vector3d::Zero();
+
+  public:
+    Vector3d position, velocity = Vector3d::Zero();
+};
+
+/// The representations of one follower in the servo's scene, as the library keeps them.
+class Felt {
+  public:
+    explicit Felt(const Run& how)
+        : how_(how), scene_({.representations = 4, .probes = 1}, {.max_force = how.hand.peak_force}) {
+        scene_.set_fade({.automatic = 0.2 * lateness.interval, .rise_speed = 0.1});
+    }
+
+    void set(const Faces& faces) {
+        for (std::uint32_t i = 0; i < max_faces; ++i) {
+            const Handle handle{i, 1};
+            if (i >= faces.count) {
+                if (there_[i]) scene_.remove(handle);
+                there_[i] = false;
+            } else if (how_.rim > 0) {
+                put(handle, Cap{.rim = how_.rim, .stiffness = how_.stiffness}, faces.face[i]);
+            } else {
+                put(handle, Plane{.stiffness = how_.stiffness}, faces.face[i]);
+            }
+        }
+    }
+    void settle() { scene_.settle(); }
+    Vector3d force(const Vector3d& p) {
+        Probe probe;
+        probe.position = p;
+        return scene_.evaluate(probe, dt).force;
+    }
+
+  private:
+    template <class R>
+    void put(Handle handle, R params, const SurfacePoint& face) {
+        place(params, face);
+        if (there_[handle.slot])
+            scene_.update(handle, params);
+        else
+            scene_.add(handle, params);
+        there_[handle.slot] = true;
+    }
+
+    const Run& how_;
+    Scene scene_;
+    std::array<bool, max_faces> there_{};
+};
+
+Vector3d counted(const Vector3d& p, double quantum) {
+    return quantum > 0 ? Vector3d(quantum * (p / quantum).array().round()) : p;
+}
+
+}  // namespace
+
+Outcome run(const Run& how, const Model& model, const Path& path, const Truth& truth) {
+    struct Update {
+        int lands;
+        Faces faces;
+    };
+    std::deque<Update> on_their_way;
+    FollowMemory memory;
+    Tip tip(how.hand, path);
+    Felt felt(how);
+    felt.set({.face = {model(to_plain(tip.position))}, .count = 1});
+    felt.settle();
+    Vector3d last = counted(tip.position, how.hand.quantum), slow = Vector3d::Zero();
+    Vector3d before = Vector3d::Zero();
+    Outcome outcome;
+    double squares = 0;
+    int updates = 0, judged = 0;
+    const int first = static_cast<int>(std::lround(how.phase / dt));
+    const int cycles = static_cast<int>(std::lround(how.seconds / dt));
+    for (int cycle = 0; cycle < cycles; ++cycle) {
+        const double t = cycle * dt;
+        const Vector3d p = counted(tip.position, how.hand.quantum);
+        slow +=
+            ((p - last) / dt - slow) * (1 - std::exp(-2 * std::numbers::pi * 20 * dt));  // as in the report
+        last = p;
+        if (cycle >= first && (cycle - first) % update_cycles == 0) {
+            Faces next{.face = {}, .count = 1};
+            if (how.way == Way::safe) {
+                const Followed followed =
+                    follow_surface(model, {.time = t, .position = to_plain(p), .velocity = to_plain(slow)},
+                                   lateness, {.stiffness = how.stiffness, .rim = how.rim}, memory);
+                next = followed.faces;
+                outcome.full_share += followed.look_ahead == 1 ? 1 : 0;
+                outcome.cornered += next.count > 1 ? 1 : 0;
+                outcome.undersampled += followed.undersampled ? 1 : 0;
+                outcome.asked += followed.asked;
+            } else {
+                next.face[0] = how.way == Way::none
+                                   ? model(to_plain(p))
+                                   : model(look_ahead(to_plain(p), to_plain(slow), lateness));
+            }
+            ++updates;
+            on_their_way.push_back({cycle + latency_cycles, next});
+        }
+        if (!on_their_way.empty() && on_their_way.front().lands == cycle) {
+            felt.set(on_their_way.front().faces);
+            on_their_way.pop_front();
+        }
+        const Vector3d force = felt.force(p);
+        if (t >= how.judged_from) {
+            const SurfacePoint foot = model(to_plain(tip.position));
+            const Vector3d n = to_eigen(foot.normal).normalized();
+            const double depth = std::max(0.0, n.dot(to_eigen(foot.foot) - tip.position));
+            const Vector3d right = truth ? truth(tip.position)
+                                         : Vector3d(std::min(how.stiffness * depth, how.hand.peak_force) * n);
+            squares += (force - right).squaredNorm();
+            ++judged;
+            outcome.deepest = std::max(outcome.deepest, truth ? right.norm() / how.stiffness : depth);
+            outcome.largest_side = std::max(outcome.largest_side, std::abs(force.x()));
+            outcome.largest_step = std::max(outcome.largest_step, (force - before).norm());
+        }
+        before = force;
+        tip.advance(t, force);
+        outcome.lowest = outcome.lowest.cwiseMin(tip.position);
+        outcome.highest = outcome.highest.cwiseMax(tip.position);
+    }
+    outcome.rms_error = std::sqrt(squares / std::max(judged, 1));
+    outcome.end = tip.position;
+    for (double* mean : {&outcome.full_share, &outcome.cornered, &outcome.undersampled, &outcome.asked})
+        *mean /= std::max(updates, 1);
+    return outcome;
+}
+
+}  // namespace closed_loop

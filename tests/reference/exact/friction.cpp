@@ -1,0 +1,83 @@
+#include "friction.hpp"
+
+namespace exact {
+
+V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Real normal_force) {
+    if (!s.held) {
+        s = {};
+        s.held = true;
+        s.anchor = s.snag = x;
+        return {};
+    }
+    const V stretch = surface.along(s.anchor - x);
+    const Real length_ = length(stretch);
+    if (law.kind == Law::Kind::paper) {
+        if (!s.sliding && length_ > law.d_snap) s.sliding = true, s.farthest = 0;
+        if (s.sliding) {
+            s.farthest = std::max(s.farthest, length_);
+            if (length_ >= law.d_mean && length_ > 0) {
+                s.anchor += -law.d_mean / length_ *
+                            stretch;  // the tip has come past the next snag: it holds from there
+                s.sliding = false;
+            } else if (s.farthest - length_ > 2 * law.resolution) {
+                s.anchor = x;
+                s.sliding = false;
+            }
+        }
+        const V from = surface.along(s.anchor - x);
+        const Real ahead = length(from);
+        if (!s.sliding) {  // a step that ends beyond what the snag can hold feels what it can hold
+            const Real most = std::max(law.stiffness * law.d_snap, law.dynamic) * normal_force;
+            const Real k = std::min(normal_force * law.stiffness, law.max_stiffness);
+            return (k * ahead > most ? most / ahead : k) * from;
+        }
+        return ahead > 0 ? normal_force * law.dynamic / ahead * from : V{};
+    }
+    const Real force = law.stiffness * length_;
+    if (s.sliding && force < 0.7L * law.dynamic * normal_force) s.sliding = false;
+    if (!s.sliding && force > law.static_ * normal_force) {
+        s.sliding = true;
+        s.snag = s.anchor;
+    }
+    const Real most = law.dynamic * normal_force;
+    if (!s.sliding || force <= most) return law.stiffness * stretch;
+    // The anchor follows straight on, until it meets the next snag: at a distance d_mean from where the last
+    // one let go.
+    const V kept = most / force * stretch, way = kept - stretch;
+    if (law.kind == Law::Kind::snag) {
+        const V start = surface.along(s.anchor - s.snag);
+        const Real a = dot(way, way), b = dot(start, way), c = dot(start, start) - law.d_mean * law.d_mean;
+        if (c + 2 * b + a >= 0) {
+            const Real share = c >= 0 ? 0 : (-b + std::sqrt(b * b - a * c)) / a;
+            const V met = stretch + share * way;
+            if (law.stiffness * length(met) <= law.static_ * normal_force) {
+                s.sliding = false;
+                s.anchor = x + met;
+                return law.stiffness * met;
+            }
+            s.anchor = s.snag = x + kept;  // it does not hold: passed, with all others on this step's way
+            return law.stiffness * kept;
+        }
+    }
+    s.anchor = x + kept;
+    return law.stiffness * kept;
+}
+
+V Friction::step(const Law& law, const Sliding& surface, const V& x, const V& velocity, const V& carried,
+                 Real normal_force, Real dt) {
+    if (!(normal_force > 0)) {
+        if (dt > 0) state_.held = false;
+        return {};
+    }
+    State next = state_;
+    next.anchor += dt * carried;
+    next.snag += dt * carried;
+    V force = act(next, law, surface, x, normal_force);
+    if (dt > 0) state_ = next;
+    const V slip = surface.along(velocity - carried);
+    const Real drag = law.viscous * length(slip);
+    if (drag > 0) force += -std::min(drag, normal_force) / length(slip) * slip;
+    return force;
+}
+
+}  // namespace exact

@@ -1,0 +1,42 @@
+#pragma once
+// Friction as the text has it, step by step, without randomness: elastic Coulomb, the passive snag, the
+// paper's snag, viscous. It follows one tip along a path and says the force in each step.
+
+#include "real.hpp"
+
+namespace exact {
+
+struct Law {
+    enum class Kind { coulomb, snag, paper } kind = Kind::coulomb;
+    Real stiffness = 0;             // N/m of the anchor's spring; the paper's: 1/m, by normal force
+    Real static_ = 0, dynamic = 0;  // by normal force
+    Real viscous = 0;               // N s/m
+    Real d_snap = 0, d_mean = 0;    // m
+    Real max_stiffness = INFINITY;  // N/m
+    Real resolution = 0;            // m, of the encoders
+};
+
+/// What the tip can slide along: across `normal`, or along `line`.
+struct Sliding {
+    V normal, line;
+    bool corner = false;
+    V along(const V& v) const { return corner ? dot(v, line) * line : v - dot(v, normal) * normal; }
+};
+
+class Friction {
+  public:
+    /// The force (N) of a tip at x that presses with N; dt = 0 changes nothing.
+    V step(const Law& law, const Sliding& surface, const V& x, const V& velocity, const V& carried,
+           Real normal_force, Real dt);
+
+  private:
+    struct State {
+        bool held = false, sliding = false;
+        V anchor, snag;
+        Real farthest = 0;
+    };
+    static V act(State& s, const Law& law, const Sliding& surface, const V& x, Real normal_force);
+    State state_;
+};
+
+}  // namespace exact

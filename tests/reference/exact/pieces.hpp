@@ -1,0 +1,56 @@
+#pragma once
+// Flat finite pieces and boxes, which remember how the probe came: one step of its path at a time.
+
+#include <optional>
+#include <vector>
+
+#include "cap.hpp"
+
+namespace exact {
+
+/// A convex polygon, or a half-plane (one edge). It lies in normal . (x - point) = 0.
+struct Piece {
+    V point, normal;
+    std::vector<V> corners;  // in order, counter-clockwise about the normal; none: a half-plane
+    V edge;                  // of a half-plane: unit, in the plane, out of the face ...
+    Real edge_offset = 0;    // ... whose points have edge . x <= edge_offset
+    bool both_sides = false;
+
+    bool over(const V& x) const;    // whether x lies above or below the face
+    V nearest(const V& x) const;    // the face's nearest point
+    Real margin(const V& x) const;  // m, from x's foot to the nearest edge
+};
+Piece polygon(const std::vector<V>& corners, bool both_sides);
+Piece half_plane(const V& normal, Real offset, const V& edge, Real edge_offset, bool both_sides);
+
+/// One probe's path beside a piece.
+class PieceTouch {
+  public:
+    /// Nothing: the piece is not felt, whatever the distance.
+    std::optional<Foot> step(const Piece& piece, const V& probe, Real radius);
+    Real doubt = INFINITY;  // m, by how little the last step's decisions were made
+
+  private:
+    bool met_ = false, slipped_ = false;
+    V last_;
+    int touched_ = 0;
+};
+
+struct Box {
+    V center, half;
+    Turn orientation;
+};
+class BoxTouch {
+  public:
+    std::optional<Foot> step(const Box& box, const V& probe, Real radius);
+    Real doubt = INFINITY;
+
+  private:
+    bool met_ = false, slipped_ = false;
+    V last_;
+    int axis_ = -1, sign_ = 1;
+};
+/// A hollow box: from the probe to the nearest point at which it fits.
+V hollow_box(const Box& box, const V& probe, Real radius);
+
+}  // namespace exact

@@ -1,0 +1,135 @@
+// Sphere, capsule, cylinder and torus along random paths: solid and hollow, thick probes, on the axis and at
+// the centre, deeper than half way, without a radius at all.
+
+#include "exact/solids.hpp"
+
+#include "surface_scenes.hpp"
+
+using namespace judge;
+
+namespace {
+
+struct Setting {
+    double size, radius;
+    Vector about, axis;
+};
+
+Setting any_setting(Rng& rng) {
+    Setting s;
+    s.size = rng.one_in(3) ? rng.scale(1e-6, 10) : 0.02;
+    s.about = rng.of(0, 0.1, 10, 1e6) * rng.direction();
+    s.axis = rng.direction();
+    s.radius = rng.one_in(2) ? 0 : rng.scale(1e-3, 2) * s.size;
+    return s;
+}
+
+template <class R>
+void follow(Case& c, R& surface, exact::Solid solid, const Setting& s) {
+    Rng& rng = c.rng;
+    const Limits limits = any_limits(rng);
+    const Real k = any_material(rng, surface, limits);
+    surface.damping = 0;
+    surface.side = rng.one_in(2) ? knurl::Side::inside : knurl::Side::outside;
+    solid.hollow = surface.side == knurl::Side::inside;
+    solid.center = real(surface.center);
+    Scene scene({2, 1}, limits);
+    c.require(bool(scene.place_probe(0, {.offset = {}, .radius = s.radius})), "placed");
+    c.require(bool(scene.add({0, 1}, surface)), "added");
+    scene.settle();
+    exact::SolidTouch touch;
+    Vector p = s.about + rng.uniform(0, 2) * s.size * rng.direction();
+    c.say("  solid %d hollow %d size %g radius %g probe %g half %Lg tube %Lg\n", int(solid.kind),
+          int(solid.hollow), s.size, double(solid.radius), s.radius, solid.half_length, solid.tube);
+    for (int i = 0; i < 8; ++i) {
+        const double dt = rng.of(1e-6, 1e-3, 1e-3, 0.05);
+        const std::vector<exact::Foot> feet = touch.step(solid, real(p), s.radius);
+        const Real reach = std::max({Real(p.norm()), Real(s.about.norm()), Real(s.size), Real(s.radius)});
+        if (touch.doubt < 1e-12L * reach) return;  // rounding decides
+        const Wrench got = scene.evaluate(at(p), dt);
+        c.require(rng.one_in(2) || scene.evaluate(at(p), 0).force == got.force, "the same without time");
+        c.say(" %d: dt %g at %g %g %g\n", i, dt, p.x(), p.y(), p.z());
+        const bool known = feet[0].clear > 1e-12L * reach;
+        if (feet.size() == 1) {
+            check_one(c, got.force, feet[0], k, 0, at(p), limits, reach, known);
+        } else {
+            std::vector<exact::Touch> touches;
+            Real clear = INFINITY;
+            for (const exact::Foot& f : feet) {
+                touches.push_back({f.normal, f.height, k, 0, {}});
+                clear = std::min(clear, f.clear);
+            }
+            const exact::Push push = exact::push(touches, {});
+            c.say("  heights %Lg %Lg\n", feet[0].height, feet[1].height);
+            const Real size = exact::length(push.force), most = limits.max_force;
+            const exact::V want = size > most ? most / size * push.force : push.force;
+            c.compare_within(
+                known ? got.force : Vector(got.force.norm(), 0, 0),
+                known ? want : exact::V{exact::length(want), 0, 0},
+                known ? std::min(Real(2), 4e-15L * reach / clear) * exact::length(push.force) : 0, k * reach,
+                push.sharpness);
+        }
+        if (!(c.worst() <= bound)) return;
+        if (!known && !solid.hollow) return;  // the direction that it takes here, whichever that is, stays
+        switch (rng.between(0, 9)) {
+            case 0:
+                p = s.about + rng.uniform(0, 2) * s.size * rng.direction();
+                break;
+            case 1:  // on the axis
+                p = s.about + rng.uniform(-1, 1) * s.size * s.axis;
+                break;
+            case 2:  // about the centre
+                p = s.about + (rng.one_in(2) ? 0 : rng.scale(1e-12, 1e-3)) * s.size * rng.direction();
+                break;
+            default:
+                p += rng.scale(1e-4, 1) * s.size * rng.direction();
+        }
+    }
+}
+
+double any_radius(Rng& rng, double size) {
+    return rng.one_in(10) ? 0 : rng.scale(0.05, 1) * size;
+}
+
+}  // namespace
+
+TEST(Solids, Sphere) {
+    run("sphere", 30'000, [](Case& c) {
+        const Setting s = any_setting(c.rng);
+        knurl::Sphere sphere{.center = knurl::to_plain(s.about), .radius = any_radius(c.rng, s.size)};
+        follow(c, sphere, {.kind = exact::Solid::Kind::sphere, .center = {}, .radius = sphere.radius}, s);
+    });
+}
+TEST(Solids, Capsule) {
+    run("capsule", 30'000, [](Case& c) {
+        const Setting s = any_setting(c.rng);
+        const knurl::Vec3 axis = knurl::to_plain(c.rng.of(1, 1e-3, 1e3) * s.axis);
+        knurl::Capsule capsule{.center = knurl::to_plain(s.about),
+                               .axis = axis,
+                               .half_length = any_radius(c.rng, s.size),
+                               .radius = any_radius(c.rng, s.size)};
+        follow(c, capsule,
+               {.kind = exact::Solid::Kind::capsule,
+                .center = {},
+                .axis = real(axis),
+                .radius = capsule.radius,
+                .half_length = capsule.half_length},
+               s);
+    });
+}
+TEST(Solids, Cylinder) {
+    run("cylinder", 30'000, [](Case& c) {
+        const Setting s = any_setting(c.rng);
+        const knurl::Vec3 axis = knurl::to_plain(c.rng.of(1, 1e-3, 1e3) * s.axis);
+        knurl::Cylinder cylinder{.center = knurl::to_plain(s.about),
+                                 .axis = axis,
+                                 .radius = any_radius(c.rng, s.size),
+                                 .half_length = c.rng.one_in(5) ? infinity : any_radius(c.rng, s.size)};
+        follow(c, cylinder,
+               {.kind = exact::Solid::Kind::cylinder,
+                .center = {},
+                .axis = real(axis),
+                .radius = cylinder.radius,
+                .half_length = cylinder.half_length},
+               s);
+    });
+}

@@ -1,0 +1,54 @@
+#pragma once
+// What the judges of all surfaces share: one of them in a scene, felt by a probe.
+
+#include "exact/cap.hpp"
+#include "exact/contact.hpp"
+#include "judge.hpp"
+
+namespace judge {
+
+/// Stiffness and damping, sometimes as stiff as the device allows; answers the stiffness as applied.
+template <class R>
+Real any_material(Rng& rng, R& surface, const Limits& limits) {
+    surface.stiffness = rng.one_in(10) ? infinity : rng.uniform(1, 3000);
+    if (rng.one_in(3)) surface.damping = rng.uniform(0, 20);
+    const Real k = std::isinf(surface.stiffness)
+                       ? (std::isinf(limits.max_stiffness) ? Real(1000) : Real(limits.max_stiffness))
+                       : Real(surface.stiffness);
+    return std::min(k, Real(limits.max_stiffness));
+}
+
+inline Limits any_limits(Rng& rng) {
+    Limits limits;
+    if (rng.one_in(3)) limits.max_stiffness = rng.uniform(500, 3000);
+    if (rng.one_in(4)) limits.max_force = rng.uniform(0.1, 10);
+    return limits;
+}
+
+/// F = max(0, k depth - b v.n) n of one surface against what the scene says. `reach` (m): the largest length.
+inline void check_one(Case& c, const Vector& got, const exact::Foot& want, Real k, Real damping,
+                      const Probe& hand, const Limits& limits, Real reach, bool direction_known = true) {
+    const Real depth = std::max(Real(0), -want.height), speed = exact::length(real(hand.velocity));
+    const Real rounding = 4e-15L * reach;
+    Real size = std::max(Real(0), k * depth - damping * exact::dot(real(hand.velocity), want.normal));
+    if (!(depth > 0)) size = 0;
+    size = std::min(size, Real(limits.max_force));
+    // The normal turns by rounding / distance from where it has none; damping begins at depth 0 with a step.
+    Real slack = std::fabs(want.height) < rounding ? damping * speed : 0;
+    slack += std::min(Real(2), rounding / want.clear) * (size + (depth > 0 ? damping * speed : 0));
+    c.say("  height %Lg normal %Lg %Lg %Lg clear %Lg k %Lg reach %Lg\n", want.height, want.normal.x,
+          want.normal.y, want.normal.z, want.clear, k, reach);
+    c.require(got.allFinite(), "finite");
+    if (direction_known) {
+        c.compare_within(got, size * want.normal, slack, k * reach + damping * speed);
+    } else {
+        // In no direction, but as much as the depth says.
+        slack = damping > 0 ? 2 * damping * speed : 0;
+        c.compare_within({got.norm(), 0, 0}, {size, 0, 0}, slack, k * reach + damping * speed);
+    }
+    const Real felt = exact::length(real(got));
+    c.require(felt <= limits.max_force * (1 + 1e-12L), "at most the device's force");
+    if (damping == 0) c.require(felt <= k * (depth + 1e-12L * reach), "no stiffer than its stiffness");
+}
+
+}  // namespace judge
