@@ -1,0 +1,43 @@
+#pragma once
+// The slow half of the loop: an application that reads the hand at its own rate, thinks, and answers late.
+
+#include <variant>
+
+#include <knurl/client/predict.hpp>
+#include <knurl/reps/cap.hpp>
+#include <knurl/reps/constant_force.hpp>
+#include <knurl/reps/plane.hpp>
+
+#include "conditions.hpp"
+
+namespace stability {
+
+using Answer = std::variant<knurl::Plane, knurl::Cap, knurl::ConstantForce>;
+
+class Application {
+  public:
+    /// `phase` in 0..1: when in its interval it reads first.
+    Application(const Conditions& conditions, double stiffness, double phase);
+
+    /// What is there from the start: the answer at a hand that rests in `p`.
+    Answer first(const Eigen::Vector3d& p);
+    /// A report of the servo: it reads it if it is time to.
+    void read(double t, const Eigen::Vector3d& p, const Eigen::Vector3d& slow_velocity);
+    /// True if an answer is due by t (s), which `answer` then is.
+    bool due(double t);
+    const Answer& answer() const { return answer_; }
+
+  private:
+    Answer solve(double t, const Eigen::Vector3d& p, const Eigen::Vector3d& velocity);
+
+    const Conditions& conditions_;
+    double stiffness_;
+    knurl::SurfaceModel model_;
+    knurl::FollowMemory memory_;
+    Answer answer_;
+    double next_read_;  // s
+    double due_ = 0;    // s, of the answer under way
+    bool under_way_ = false;
+};
+
+}  // namespace stability

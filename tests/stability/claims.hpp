@@ -1,0 +1,26 @@
+#pragma once
+// What the sweep must show: each claim with what was measured, and whether it holds.
+
+#include <string>
+#include <vector>
+
+#include "table.hpp"
+
+namespace stability {
+
+struct Claim {
+    std::string text, measured;
+    bool holds = false;
+    bool goal = false;  // a figure to reach; else the direction of a main claim, whose failure is an error
+};
+
+/// Of the tables of a whole sweep.
+std::vector<Claim> claims_of(const std::vector<Table>& tables);
+/// The directions alone, by a few searches of their own: a few seconds.
+std::vector<Claim> quick_claims();
+
+std::string markdown(const std::vector<Claim>& claims);
+/// True if every claim of a direction holds.
+bool sound(const std::vector<Claim>& claims);
+
+}  // namespace stability

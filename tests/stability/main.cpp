@@ -1,0 +1,93 @@
+// knurl_stability: finds the largest stable stiffness of every method by simulation on the virtual clock, and
+// prints it beside what theory allows. README.md is its chapter.
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "claims.hpp"
+#include "sweep.hpp"
+
+using namespace stability;
+
+namespace {
+
+constexpr const char* definition =
+    R"(Stable, for every method, rate and device alike (worst of all seeds; forces are the scene's):
+  jump   largest change of the force within 1 ms                               <= 1 N
+  rise   the same where the force grows: all that the paper counts             <= 1 N
+  kick   largest speed of the tip away from the true surface                   <= 0.3 m/s
+  cycle  half of peak to peak of the tip's height over the surface, at rest    <  0.1 mm
+  power  mean power that the motors gave the hand                              <= 0.1 W
+"stable": jump, kick, cycle and power hold. "strictly" in the goals: jump and kick.
+Each run: 1 s to come to rest, 5 s of stroke, 1.5 s to settle, 0.5 s in which a limit cycle is looked for.
+)";
+
+std::vector<Table> standard(unsigned seeds) {
+    std::vector<Table> tables = {
+        device_table(seeds),  // the longest first
+        paper_wall_table(seeds),
+        wall_table(seeds),
+        method_table("gentle", "Gentle ridge (5 mm x 80 mm), 0.15 m/s: largest stiffness by criterion, N/m",
+                     gentle_ridge, seeds),
+        method_table("harsh", "Harsh ridge (3 mm x 40 mm), 0.15 m/s: largest stiffness by criterion, N/m",
+                     harsh_ridge, seeds),
+        speed_table(seeds),
+        bound_table(seeds),
+        damping_table(seeds),
+        released_table(seeds),
+        error_table(seeds)};
+    for (Table& table : factor_tables(seeds)) tables.push_back(std::move(table));
+    return tables;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("Largest stable stiffness of every method, by simulation on the virtual clock.");
+    bool quick = false, full = false;
+    unsigned seeds = 10;
+    int jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    std::string file, only;
+    app.add_flag("--quick", quick,
+                 "the directions of the main claims alone, in a few seconds; fails if one does not hold");
+    app.add_flag("--full", full, "the full grid instead: many hours");
+    app.add_option("--seeds", seeds, "runs of each case, the worst counts")->check(CLI::Range(1u, 1000u));
+    app.add_option("--jobs", jobs, "threads")->check(CLI::Range(1, 256));
+    app.add_option("--json", file, "write all tables to this file");
+    app.add_option("--only", only, "the table of this key alone");
+    CLI11_PARSE(app, argc, argv);
+
+    const auto begun = std::chrono::steady_clock::now();
+    std::vector<Table> tables;
+    std::vector<Claim> claims;
+    fmt::print("{}", definition);
+    if (quick) {
+        claims = quick_claims();
+    } else {
+        tables = full ? std::vector<Table>{full_grid(seeds)} : standard(seeds);
+        if (!only.empty()) std::erase_if(tables, [&](const Table& t) { return t.key != only; });
+        fill(tables, jobs, [](int done, int all) { fmt::print(stderr, "\r{} of {} rows", done, all); });
+        fmt::print(stderr, "\n");
+        for (const Table& table : tables) fmt::print("{}", markdown(table));
+        if (!full && only.empty()) claims = claims_of(tables);
+    }
+    if (!claims.empty()) fmt::print("{}", markdown(claims));
+    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    fmt::print("\n{} seeds, {} threads, {:.0f} s\n", quick ? 2 : seeds, quick ? 2 : jobs, took);
+    if (!file.empty()) {
+        std::ofstream out(file);
+        out << json(tables, fmt::format(R"({{"seeds": {}, "seconds": {:.0f}}})", seeds, took));
+        out.close();
+        if (!out) {
+            fmt::print(stderr, "knurl_stability: {} cannot be written; check the folder and the space left\n",
+                       file);
+            return 1;
+        }
+    }
+    return sound(claims) ? 0 : 1;
+}

@@ -1,0 +1,32 @@
+#pragma once
+// What the sweep asks. One factor at a time about the centre that Conditions' defaults state, or the full
+// grid.
+
+#include "conditions.hpp"
+#include "table.hpp"
+
+namespace stability {
+
+/// Servo-evaluated planes against forces from the application, on a flat wall.
+Table wall_table(unsigned seeds);
+/// Each method by each criterion, on one ridge at 0.15 m/s.
+Table method_table(const char* key, const char* title, const Ridge& ridge, unsigned seeds);
+/// The goals' measure (jump and kick) of each method by ridge and speed.
+Table speed_table(unsigned seeds);
+/// The static limit of a wall against b / (T/2 + tau) and the exact eigenvalue.
+Table bound_table(unsigned seeds);
+/// Virtual damping counted and not, and hand present and released.
+Table damping_table(unsigned seeds);
+Table released_table(unsigned seeds);
+/// One factor at a time; a table each.
+std::vector<Table> factor_tables(unsigned seeds);
+/// The real servo and simulated devices.
+Table device_table(unsigned seeds);
+/// 2100 N/m, the paper's own figure, on premium15: what a stroke is like.
+Table paper_wall_table(unsigned seeds);
+/// Force error against the true surface, by application rate.
+Table error_table(unsigned seeds);
+/// Everything by everything.
+Table full_grid(unsigned seeds);
+
+}  // namespace stability
