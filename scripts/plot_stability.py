@@ -89,7 +89,7 @@ def draw_bound(tables, path):
     right.text(40, damping["rows"][0]["values"][0], "not counted", fontsize=7, ha="right", va="bottom", color=INK)
     right.set_yscale("log")
     right.set_xlabel("virtual damping of the wall, N s/m", fontsize=8, color=FAINT)
-    right.legend(fontsize=7, frameon=False, loc="lower left")
+    right.legend(fontsize=7, frameon=False, loc="upper left")
     right.set_title("Virtual damping must not simply be counted in", fontsize=9, loc="left")
     plain(right)
     figure.tight_layout()
@@ -107,14 +107,14 @@ def draw_methods(tables, path):
             colour = LOOKS.get(row["name"], ("#78909c", ""))[0]
             value, kind = row["values"][both], row["kinds"][both]
             axes.barh(i, value, height=0.62, color=colour, left=0)
-            text = f"< {value:.0f}" if kind == BELOW else f"{value:.0f}   ×{value / base:.1f}"
-            axes.text(value * 1.06, i, text, va="center", fontsize=7, color=INK)
-            axes.plot(row["values"][rise], i, "|", ms=11, mew=1.6, color=INK)
+            text = f"< {value:.0f}" if kind == BELOW else f"{value:.0f}  ×{value / base:.1f}"
+            axes.text(38000, i, text, va="center", ha="right", fontsize=7, color=INK)
+            axes.plot(min(row["values"][rise], 6500), i, "|" if row["values"][rise] < 6500 else ">", ms=10, mew=1.6, mfc="none", color=INK)
         axes.set_xscale("log")
         axes.set_xlim(40, 40000)
         axes.set_yticks(range(len(names)), names, fontsize=7.5)
         axes.set_title(title, fontsize=9, loc="left")
-        axes.set_xlabel("largest stiffness with jump ≤ 1 N and kick ≤ 0.3 m/s, N/m\n( | : rises alone ≤ 1 N, as the paper reads it)",
+        axes.set_xlabel("largest stiffness with jump ≤ 1 N and kick ≤ 0.3 m/s, N/m\n( | or >: rises alone ≤ 1 N, as the paper reads it)",
                         fontsize=7.5, color=FAINT)
         plain(axes)
     panels[0].invert_yaxis()
