@@ -24,9 +24,9 @@ void CollapsedSprings::add(const Spring& spring, const Vec3& anchor_now, double 
     turns_ = true;
     const Eigen::Vector3d attach = to_eigen(spring.attach);
     attached_ += k * attach;
-    for (int i = 0; i < 3; ++i) moments_[i] += pull[i] * attach;
+    for (std::size_t i = 0; i < 3; ++i) moments_[i] += pull[static_cast<Eigen::Index>(i)] * attach;
     square_ = moments_[0].squaredNorm() + moments_[1].squaredNorm() + moments_[2].squaredNorm();
-    for (int i = 0; i < 3; ++i) mixed_[i] = attached_.dot(moments_[i]);
+    mixed_ = {attached_.dot(moments_[0]), attached_.dot(moments_[1]), attached_.dot(moments_[2])};
 }
 
 Wrench CollapsedSprings::evaluate(const Probe& probe, const Limits& limits) const noexcept {
