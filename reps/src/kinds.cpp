@@ -26,18 +26,41 @@ Verdict check_rows(const void* params, std::index_sequence<Row...>) noexcept {
 }
 
 template <Representation R>
-Verdict validate(const void* params) noexcept {
-    if (!certainly_legal<R>(static_cast<const unsigned char*>(params))) {
-        const Verdict verdict =
-            check_rows<R>(params, std::make_index_sequence<std::size(Describe<R>::fields)>{});
-        if (!verdict) return verdict;
-    }
+Verdict check_whole(const void* params) noexcept {
     if constexpr (requires(const R& r) { Describe<R>::check(r); }) {
         R copy;  // the bytes may lie anywhere
         std::memcpy(&copy, params, sizeof copy);
         return Describe<R>::check(copy);
     }
     return {};
+}
+
+template <Representation R>
+Verdict validate(const void* params) noexcept {
+    if (!certainly_legal<R>(static_cast<const unsigned char*>(params))) {
+        const Verdict verdict =
+            check_rows<R>(params, std::make_index_sequence<std::size(Describe<R>::fields)>{});
+        if (!verdict) return verdict;
+    }
+    return check_whole<R>(params);
+}
+
+// What `check` looks at: where its only contradiction is friction's, the words of friction.
+template <class R>
+constexpr std::uint64_t checked_words() {
+    if constexpr (Surface<R>) {
+        if (std::size(Describe<R>::contradictions) == 1 &&
+            Describe<R>::contradictions[0] == static_below_dynamic)
+            return words_of(Describe<R>::fields[row_of<R>("friction.static")]) |
+                   words_of(Describe<R>::fields[row_of<R>("friction.dynamic")]);
+    }
+    return ~std::uint64_t{0};
+}
+
+template <Representation R>
+Verdict validate_change(const void* params, std::uint64_t words) noexcept {
+    if (!change_is_legal<R>(static_cast<const unsigned char*>(params), words)) return validate<R>(params);
+    return (words & checked_words<R>()) == 0 ? Verdict{} : check_whole<R>(params);
 }
 
 template <class R>
@@ -54,6 +77,7 @@ constexpr auto table(TypeList<R...>) {
                                                        .size = sizeof(R),
                                                        .surface = Surface<R>,
                                                        .validate = &validate<R>,
+                                                       .validate_change = &validate_change<R>,
                                                        .contradictions = contradictions_of<R>()}...};
 }
 

@@ -28,16 +28,19 @@ Plane prepared(Plane params, const Limits& limits) noexcept {
 }
 
 void adopt(const Plane& params, const Plane* previous, Plane::State& state, const Probe& probe) noexcept {
-    const double felt = previous ? std::max(0.0, -(raw_height(*previous, state, probe) + state.lowered)) : 0;
+    const bool recovers = recovers_itself(params);
+    const double felt =
+        recovers && previous ? std::max(0.0, -(raw_height(*previous, state, probe) + state.lowered)) : 0;
     if (!previous || !(params.normal == previous->normal) || params.offset != previous->offset ||
         !(params.velocity == previous->velocity)) {
         state.moving = 0;
         state.placed = 1;
     }
-    const double depth = -raw_height(params, state, probe);
     state.lowered = 0;
     state.remaining = 0;
-    if (params.update == PlaneUpdate::fade || !(depth > 0)) return;  // leaves the probe outside: at once
+    if (!recovers) return;
+    const double depth = -raw_height(params, state, probe);
+    if (!(depth > 0)) return;  // leaves the probe outside: at once
     state.lowered = params.update == PlaneUpdate::paper ? depth : depth - felt;
     state.remaining = params.recovery == automatic ? paper_recovery : params.recovery;
     if (!(state.remaining > 0)) state.lowered = 0;

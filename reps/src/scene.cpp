@@ -53,20 +53,20 @@ void SceneCore::advance_weights(double dt) noexcept {
     bool surfaces = false;
     for (const auto& [list, size] :
          {std::pair{&surfaces_, surfaces_size_}, std::pair{&effects_, effects_size_}}) {
-        for (std::uint32_t e = 0; e < size; ++e) advance(now_[(*list)[e]]);
+        for (std::uint32_t e = 0; e < size; ++e) advance(felt((*list)[e]));
         if (list == &surfaces_) surfaces = changed;
     }
     // Old records are few: those of surfaces in a fading set, those of fading effects.
     for (const Group& group : groups_) {
         for (std::uint32_t i = group.old.begin; i < group.old.begin + group.old.count; ++i) {
             const Owner owner = arenas_[arena_].owner[i];
-            if (owner == bridge_owner || !(owner & 1)) continue;
+            if (owner == bridge_owner || !fades_out(owner)) continue;
             advance(record(owner));
             surfaces = surfaces || changed;
         }
     }
     for (std::uint32_t f = 0; f < fading_size_; ++f) {
-        if (slots_[fading_[f]].from == Slot::From::record) advance(old_[fading_[f]]);
+        if (slots_[fading_[f]].from == Slot::From::record) advance(faded(fading_[f]));
     }
     if (surfaces) rebuild_sets();
     effects_edited_ = true;  // springs whose weight moves do not collapse

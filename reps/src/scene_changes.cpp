@@ -35,17 +35,17 @@ void SceneCore::release_old(std::uint32_t i) noexcept {
 // where it is needed.
 void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     const Slot& slot = slots_[i];
-    Record& now = now_[i];
+    Record& now = felt(i);
     const KindOps& ops = kind_ops()[slot.kind];
-    ops.install(prepared_.data(), limits_, now, rough(owner_of(i, false)));
+    ops.install(prepared_.data(), limits_, now, rough(owner(i, false)));
     now.use = slot.use;
     if (!previous) {
         now.weight = 1;
         now.asked = 0;
         now.born = cycle_;
         now.inside = true;  // the first time it is asked wherever the probe is
-        if (now.rough) rough(owner_of(i, false)).shift.setZero();
     }
+    if (now.rough && !(previous && previous->rough)) rough(owner(i, false)).shift.setZero();
     ops.adopt(now, previous, groups_[now.use.probe].probe);
     if (settle_) ops.settle(now);
 }
@@ -59,11 +59,22 @@ void copy(const Record& from, Record& to) noexcept {
 
 void SceneCore::keep_old(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
-    slot.old_surface_of = static_cast<std::int32_t>(old_[i].use.probe);
+    slot.old_surface_of = static_cast<std::int32_t>(faded(i).use.probe);
     slot.old_in_fade = 0;
     if (slot.old_listed) return;
     slot.old_listed = true;
     fading_olds_[fading_olds_size_++] = i;
+}
+
+// What is felt becomes what fades out; its successor, if it is the same surface, goes on from its state.
+void SceneCore::turn(std::uint32_t i, bool same) noexcept {
+    slots_[i].current ^= 1;
+    if (!same) return;
+    const Record& from = faded(i);
+    Record& to = felt(i);
+    static_cast<RecordHead&>(to) = from;
+    std::memcpy(to.state, from.state, kind_ops()[from.kind].state_size);
+    if (from.rough) rough(owner(i, false)) = rough(owner(i, true));
 }
 
 void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) noexcept {
@@ -72,32 +83,35 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
         group.edited = group.fades = true;
         group.fade_time = std::max(group.fade_time, fade_time(judged));
     };
+    const bool listed = same && !slots_[i].bounded;  // among those that are always asked
     if (was) {
         // It may be sent to the other side of the probe: then it must know where that was.
-        if (same && slots_[i].bounded && !(slots_[i].near && now_[i].inside))
-            prime(now_[i], groups_[now_[i].use.probe]);
+        if (same && slots_[i].bounded && !(slots_[i].near && felt(i).inside))
+            prime(felt(i), groups_[felt(i).use.probe]);
         release_old(i);
-        copy(now_[i], old_[i]);
-        if (old_[i].rough) rough(owner_of(i, true)) = rough(owner_of(i, false));
-        forget_surface(i);
+        if (!listed) forget_surface(i);
+        turn(i, same);
     }
     if (is) {
-        renew(i, same ? &old_[i] : nullptr);
-        groups_[now_[i].use.probe].edited = true;
-        if (!now_[i].recovers) note(now_[i]);
-        place_surface(i);
+        renew(i, same ? &faded(i) : nullptr);
+        groups_[felt(i).use.probe].edited = true;
+        if (!felt(i).recovers) note(felt(i));
+        if (!listed || kind_ops()[felt(i).kind].bound(felt(i))) {
+            if (listed) leave(always_, always_size_, i, &Slot::always_place);
+            place_surface(i);
+        }
     }
     if (was) {
         // One that brings its own changes in does so in place of the cross-fade; but it cannot bring in its
         // absence.
-        const bool stays = is && now_[i].use.probe == old_[i].use.probe;
+        const bool stays = is && felt(i).use.probe == faded(i).use.probe;
         if (!stays) {
-            note(old_[i]);
-        } else if (old_[i].recovers && !now_[i].recovers) {
-            note(now_[i]);
+            note(faded(i));
+        } else if (faded(i).recovers && !felt(i).recovers) {
+            note(felt(i));
         }
-        groups_[old_[i].use.probe].edited = true;
-        if (!(stays && now_[i].recovers)) keep_old(i);
+        groups_[faded(i).use.probe].edited = true;
+        if (!(stays && felt(i).recovers)) keep_old(i);
     }
     if (is && !was) join(surfaces_, surfaces_size_, i);
     if (was && !is) leave(surfaces_, surfaces_size_, i);
@@ -108,25 +122,25 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
 void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same) noexcept {
     Slot& slot = slots_[i];
     Record previous;
-    if (was) copy(now_[i], previous);
+    if (was) copy(felt(i), previous);
     if (is) renew(i, same ? &previous : nullptr);
     if (is && !was) join(effects_, effects_size_, i);
     if (was && !is) leave(effects_, effects_size_, i);
-    if (is != was || previous.kind != now_[i].kind || now_[i].kind == kind_of<Spring>) effects_edited_ = true;
+    if (is != was || previous.kind != felt(i).kind || felt(i).kind == kind_of<Spring>) effects_edited_ = true;
 
     Record& fading = previous;
-    if (same && kind_ops()[slot.kind].carry(fading, now_[i])) {
+    if (same && kind_ops()[slot.kind].carry(fading, felt(i))) {
         // All that changed moves by itself. A fade in progress goes on, its old end moving along.
-        if (slot.from == Slot::From::record && slot.carries) kind_ops()[slot.kind].carry(old_[i], now_[i]);
+        if (slot.from == Slot::From::record && slot.carries) kind_ops()[slot.kind].carry(faded(i), felt(i));
         return;
     }
-    const double time = settle_ ? 0 : fade_time(is ? now_[i] : previous);
+    const double time = settle_ ? 0 : fade_time(is ? felt(i) : previous);
     if (slot.from != Slot::From::none) {  // overtaken: on from the wrench of this moment
         slot.frozen = slot.last;
         start_effect_fade(i, Slot::From::frozen, time);
     } else if (was) {
         release_old(i);
-        copy(fading, old_[i]);
+        copy(fading, faded(i));
         slot.carries = same;
         start_effect_fade(i, Slot::From::record, time);
     } else {
@@ -137,13 +151,18 @@ void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same) noe
 void SceneCore::take_slot(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
     slot.changed = false;
+    const std::uint64_t words = slot.words;
+    slot.words = 0;
     const bool was = slot.felt, is = slot.present;
     if (!was && !is) return;
     const bool same = was && is && slot.felt_generation == slot.generation;
     if (is) kind_ops()[slot.kind].prepare(&raw_[i * max_params], limits_, prepared_.data());
-    if (same && kind_ops()[slot.kind].unchanged(prepared_.data(), now_[i])) return;
+    // With other words than recovery's it is another surface: at worst one that is felt as the same, since
+    // both are clamped.
+    const bool perhaps_same = same && (words & ~kind_ops()[slot.kind].recovery_words) == 0;
+    if (perhaps_same && kind_ops()[slot.kind].unchanged(prepared_.data(), felt(i))) return;
 
-    const bool was_surface = was && kind_ops()[now_[i].kind].surface;
+    const bool was_surface = was && kind_ops()[felt(i).kind].surface;
     const bool is_surface = is && kind_ops()[slot.kind].surface;
     if (was_surface && is && !is_surface) {
         change_surface(i, true, false, false);
@@ -175,10 +194,10 @@ void SceneCore::take_placements() noexcept {
     }
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
         Slot& slot = slots_[effects_[e]];
-        const Group& group = groups_[now_[effects_[e]].use.probe];
+        const Group& group = groups_[felt(effects_[e]).use.probe];
         if (!group.replaced) continue;
         if (slot.collapsed) {
-            Record& r = now_[effects_[e]];
+            Record& r = felt(effects_[e]);
             slot.last = at_hand(kind_ops()[r.kind].evaluate(r, group.probe, 0), group);
             effects_edited_ = true;
         }

@@ -1,7 +1,6 @@
 #pragma once
 // What Scene is made of. One slot per handle; each slot has the parameters as sent (`raw`), the record that
-// is felt
-// (`now`) and the record that is being faded out (`old`). Calls from outside write raw parameters only; the
+// is felt (`now`) and the record that is being faded out (`old`). Calls from outside write raw parameters only; the
 // next evaluate takes all of them together:
 //
 //   add, update, remove -> raw, `changed` list          (checked, nothing felt yet)
@@ -68,22 +67,22 @@ struct Record : RecordHead {
     alignas(16) std::byte params[max_params] = {};
 };
 
-/// Names a record: slot and which of its two. A bridge is the plane that stands for an interrupted fade.
+/// Names a record: each slot has two, which change roles whenever its surface changes. A bridge is the plane
+/// that stands for an interrupted fade.
 using Owner = std::uint32_t;
 inline constexpr Owner bridge_owner = 0xffffffff;
-constexpr Owner owner_of(std::uint32_t slot, bool old) {
-    return slot * 2 + (old ? 1 : 0);
-}
 
 struct Slot {
     // As the application left it.
     bool present = false;
     bool changed = false;
+    std::uint64_t words = 0;  // of its parameters that differ from those that were taken last
     std::uint32_t generation = 0;
     Kind kind = 0;
     Use use;
     // As it is felt.
     bool felt = false;
+    std::uint8_t current = 0;  // which of its two records is the one that is felt
     bool renewed = false;  // while changes are taken: this slot's is one of them
     std::uint32_t felt_generation = 0;
     std::int32_t old_surface_of = -1;  // the probe whose fading set has `old`
@@ -210,6 +209,7 @@ struct KindOps {
     // They are the bytes that are felt; another recovery alone is noted for the change that it will belong
     // to.
     bool (*unchanged)(std::byte* prepared, Record& now) noexcept = nullptr;
+    std::uint64_t recovery_words = 0;  // see changed_words
     // Parameters and what follows from them; not state and use. `rough` only where the record says so.
     void (*install)(const std::byte* prepared, const Limits&, Record& out, Rough& rough) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&) noexcept = nullptr;
@@ -224,7 +224,10 @@ struct KindOps {
     void (*evaluate_all)(SceneCore&, std::span<const std::uint32_t> slots, double dt,
                          Wrench& sum) noexcept = nullptr;
 };
-std::span<const KindOps> kind_ops() noexcept;
+extern const std::array<KindOps, Representations::size> all_ops;
+inline const std::array<KindOps, Representations::size>& kind_ops() noexcept {
+    return all_ops;
+}
 
 Limits sane_limits(Limits limits) noexcept;
 /// As long as the kind's parameters and state are.
@@ -239,7 +242,7 @@ class SceneCore {
     static Verdict check_params(Kind kind, const void* params, std::size_t bytes) noexcept;
     Verdict check_add(Handle, Kind, const void* params, std::size_t bytes, const Use&) const noexcept;
     Verdict check_update(Handle, Kind, const void* params, std::size_t bytes) const noexcept;
-    void write(std::uint32_t slot, const void* params, std::size_t bytes) noexcept;
+    void write(std::uint32_t i, const void* params, std::size_t bytes) noexcept;
     void mark(std::uint32_t slot) noexcept;
     void clear() noexcept;
 
@@ -248,6 +251,7 @@ class SceneCore {
     void take_slot(std::uint32_t slot) noexcept;
     void renew(std::uint32_t slot, const Record* previous) noexcept;
     void keep_old(std::uint32_t slot) noexcept;
+    void turn(std::uint32_t slot, bool same) noexcept;
     void change_surface(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void change_effect(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void release_old(std::uint32_t slot) noexcept;
@@ -263,10 +267,17 @@ class SceneCore {
     void build(ContactSet& set, const Group& group, Arena& into, std::span<const Owner> owners) noexcept;
     void end_fade(Group& group) noexcept;
     void release(Group& group) noexcept;
-    Record& record(Owner owner) noexcept { return (owner & 1 ? old_ : now_)[owner >> 1]; }
+    Owner owner(std::uint32_t slot, bool old) const noexcept {
+        return slot * 2 + (slots_[slot].current ^ (old ? 1u : 0u));
+    }
+    bool fades_out(Owner owner) const noexcept { return (owner & 1) != slots_[owner >> 1].current; }
+    Record& record(Owner owner) noexcept { return records_[owner]; }
+    const Record& record(Owner owner) const noexcept { return records_[owner]; }
+    Record& felt(std::uint32_t slot) noexcept { return records_[owner(slot, false)]; }
+    const Record& felt(std::uint32_t slot) const noexcept { return records_[owner(slot, false)]; }
+    Record& faded(std::uint32_t slot) noexcept { return records_[owner(slot, true)]; }
     Rough& rough(Owner owner) noexcept { return rough_[owner]; }
     const Rough& rough(Owner owner) const noexcept { return rough_[owner]; }
-    const Record& record(Owner owner) const noexcept { return (owner & 1 ? old_ : now_)[owner >> 1]; }
 
     // scene_near.cpp
     void place_surface(std::uint32_t slot) noexcept;   // in Reach, or among those that are always asked
@@ -321,7 +332,7 @@ class SceneCore {
     std::vector<Slot> slots_;
     std::vector<std::byte> raw_;                                // max_params each
     alignas(16) std::array<std::byte, max_params> prepared_{};  // of the slot that is being taken
-    std::vector<Record> now_, old_;
+    std::vector<Record> records_;                               // by Owner: two a slot
     std::vector<Rough> rough_;  // by Owner
     std::vector<std::uint32_t> changed_;
     std::uint32_t changed_size_ = 0;

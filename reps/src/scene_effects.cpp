@@ -22,7 +22,7 @@ void SceneCore::start_effect_fade(std::uint32_t i, Slot::From from, double time)
 
 // A spring that nobody asks about, that has no state of its own at the moment and that no fade scales.
 bool SceneCore::may_collapse(std::uint32_t i) const noexcept {
-    const Record& r = now_[i];
+    const Record& r = felt(i);
     if (r.kind != kind_of<Spring> || r.use.feedback != 0 || slots_[i].from != Slot::From::none ||
         weights_move_)
         return false;
@@ -38,7 +38,7 @@ void SceneCore::list_effects() noexcept {
     std::array<std::uint32_t, Representations::size + 1> next{};
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
         const std::uint32_t i = effects_[e];
-        const Record& r = now_[i];
+        const Record& r = felt(i);
         slots_[i].collapsed = may_collapse(i);
         if (slots_[i].collapsed) {
             groups_[r.use.probe].springs.add(
@@ -52,7 +52,7 @@ void SceneCore::list_effects() noexcept {
     for (std::size_t k = 0; k < Representations::size; ++k) next[k + 1] += next[k];
     kind_begin_ = next;
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
-        if (!slots_[effects_[e]].collapsed) by_kind_[next[now_[effects_[e]].kind]++] = effects_[e];
+        if (!slots_[effects_[e]].collapsed) by_kind_[next[felt(effects_[e]).kind]++] = effects_[e];
     }
     active_kinds_size_ = 0;
     for (Kind k = 0; k < Representations::size; ++k) {
@@ -76,14 +76,14 @@ void SceneCore::advance_effect_fades(double dt, Wrench& sum) noexcept {
             slot.from = Slot::From::none;
             slot.gain = 1;
             slot.remnant = slot.last = Wrench{};
-            effects_edited_ = effects_edited_ || now_[i].kind == kind_of<Spring>;
+            effects_edited_ = effects_edited_ || felt(i).kind == kind_of<Spring>;
             fading_[f] = fading_[--fading_size_];
             continue;
         }
         slot.gain = slot.elapsed / slot.time;
         slot.remnant = Wrench{};
         if (slot.from == Slot::From::record) {
-            Record& old = old_[i];
+            Record& old = faded(i);
             const Group& group = groups_[old.use.probe];
             slot.remnant = ((1 - slot.gain) * old.weight) *
                            at_hand(kind_ops()[old.kind].evaluate(old, group.probe, dt), group);

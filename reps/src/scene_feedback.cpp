@@ -43,12 +43,12 @@ Vector3d point_of(const Group& group) noexcept {
 }
 
 void surface_feedback(const SceneCore& core, std::uint32_t i, Feedback& out) noexcept {
-    const Record& r = core.now_[i];
+    const Record& r = core.felt(i);
     const Group& group = core.groups_[r.use.probe];
     const ContactSet& set = group.now;
     const std::uint32_t first = core.slots_[i].member;
     out.stiffness = r.stiffness;
-    if (r.rough) out.tangential_stiffness = core.rough(owner_of(i, false)).law.stiffness;
+    if (r.rough) out.tangential_stiffness = core.rough(core.owner(i, false)).law.stiffness;
     if (group.fading) out.flags |= Feedback::fading;
     if (core.slots_[i].bounded && !core.slots_[i].near) return;
     if (first == SceneCore::gone || set.count + set.summed == 0) return;
@@ -101,7 +101,7 @@ double Scene::stiffness_sum() const noexcept {
         }
         sum += k;
     }
-    for (std::uint32_t e = 0; e < impl_->effects_size_; ++e) sum += impl_->now_[impl_->effects_[e]].stiffness;
+    for (std::uint32_t e = 0; e < impl_->effects_size_; ++e) sum += impl_->felt(impl_->effects_[e]).stiffness;
     return sum;
 }
 
@@ -112,7 +112,7 @@ std::size_t Scene::feedback(std::span<Feedback> out) const noexcept {
         for (std::uint32_t e = 0; e < size; ++e) {
             const std::uint32_t i = (*list)[e];
             const Slot& slot = impl_->slots_[i];
-            const Record& r = impl_->now_[i];
+            const Record& r = impl_->felt(i);
             if (r.use.feedback == 0) continue;
             if (n == out.size()) return n;
             Feedback& f = out[n++];

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "clamped.hpp"
+#include "ranges.hpp"
 #include "scene_core.hpp"
 
 namespace knurl::detail {
@@ -149,7 +150,7 @@ struct Ops {
                              Wrench& sum) noexcept {
         if constexpr (Effect<R>) {
             for (const std::uint32_t i : slots) {
-                Record& r = scene.now_[i];
+                Record& r = scene.felt(i);
                 Slot& slot = scene.slots_[i];
                 const Group& group = scene.groups_[r.use.probe];
                 const Wrench w =
@@ -175,6 +176,14 @@ constexpr std::uint32_t contacts_of() {
     }
 }
 
+template <class R>
+constexpr std::uint64_t recovery_words_of() {
+    for (const Field& field : Describe<R>::fields) {
+        if (field.name == "recovery") return words_of(field);
+    }
+    return 0;
+}
+
 template <class... R>
 constexpr auto table(TypeList<R...>) {
     return std::array<KindOps, sizeof...(R)>{KindOps{.surface = Surface<R>,
@@ -183,6 +192,7 @@ constexpr auto table(TypeList<R...>) {
                                                      .state_size = sizeof(typename R::State),
                                                      .prepare = &Ops<R>::prepare,
                                                      .unchanged = &Ops<R>::unchanged,
+                                                     .recovery_words = recovery_words_of<R>(),
                                                      .install = &Ops<R>::install,
                                                      .adopt = &Ops<R>::adopt_new,
                                                      .settle = &Ops<R>::settle_now,
@@ -196,12 +206,8 @@ constexpr auto table(TypeList<R...>) {
                                                      .evaluate_all = &Ops<R>::evaluate_all}...};
 }
 
-constexpr auto all_ops = table(Representations{});
-
 }  // namespace
 
-std::span<const KindOps> kind_ops() noexcept {
-    return all_ops;
-}
+constinit const std::array<KindOps, Representations::size> all_ops = table(Representations{});
 
 }  // namespace knurl::detail

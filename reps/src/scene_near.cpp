@@ -17,7 +17,7 @@ constexpr std::uint32_t many = 64, few = 16;
 
 void SceneCore::place_surface(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
-    const Record& r = now_[i];
+    const Record& r = felt(i);
     const std::optional<Bound> ball = kind_ops()[r.kind].bound(r);
     slot.near = slot.near && ball.has_value();
     slot.bounded = ball.has_value();
@@ -33,7 +33,7 @@ void SceneCore::forget_surface(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
     if (!slot.bounded) return leave(always_, always_size_, i, &Slot::always_place);
     reach_.drop(i);
-    const std::uint32_t probe = now_[i].use.probe;
+    const std::uint32_t probe = felt(i).use.probe;
     Group& group = groups_[probe];
     group.near.margin = -1;
     slot.bounded = false;
@@ -83,7 +83,7 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
 
     std::uint32_t size = 0;
     for (std::uint32_t k = 0; k < found; ++k) {
-        if (now_[near_[k]].use.probe == probe) near_[size++] = near_[k];
+        if (felt(near_[k]).use.probe == probe) near_[size++] = near_[k];
     }
     // One that holds the probe from however deep has no bound at the moment.
     for (std::uint32_t k = 0; k < near.size; ++k) slots_[near.slots[k]].near = false;
@@ -91,8 +91,8 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     for (std::uint32_t k = 0; k < near.size; ++k) {
         const std::uint32_t i = near.slots[k];
         const Slot& slot = slots_[i];
-        if (slot.near || !slot.bounded || !slot.felt || slot.renewed || now_[i].use.probe != probe) continue;
-        if (!kind_ops()[now_[i].kind].bound(now_[i])) near_[size++] = i;
+        if (slot.near || !slot.bounded || !slot.felt || slot.renewed || felt(i).use.probe != probe) continue;
+        if (!kind_ops()[felt(i).kind].bound(felt(i))) near_[size++] = i;
     }
     std::sort(near_.begin(), near_.begin() + size);
     const bool same =
@@ -104,7 +104,7 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
 
     for (std::uint32_t k = 0; k < size; ++k) {
         if (!std::binary_search(near.slots.begin(), near.slots.begin() + near.size, near_[k]))
-            now_[near_[k]].inside = false;
+            felt(near_[k]).inside = false;
     }
     std::copy(near_.begin(), near_.begin() + size, near.slots.begin());
     near.size = size;

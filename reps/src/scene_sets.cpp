@@ -47,7 +47,7 @@ void SceneCore::begin_fade(Group& group, std::uint32_t probe) noexcept {
         if (!slot.renewed) continue;
         if (slot.old_in_fade == 0 && slot.old_surface_of == static_cast<std::int32_t>(probe))
             slot.old_in_fade = group.fade;
-        const Record& now = now_[changed_[c]];
+        const Record& now = felt(changed_[c]);
         if (slot.felt && kind_ops()[now.kind].surface && now.use.probe == probe && !now.recovers)
             slot.new_in_fade = group.fade;
     }
@@ -67,7 +67,7 @@ std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
         const std::uint32_t i = fading_olds_[f];
         if (slots_[i].old_surface_of != static_cast<std::int32_t>(probe)) continue;
         if (group.bounded > 0) {
-            const std::optional<Bound> ball = kind_ops()[old_[i].kind].bound(old_[i]);
+            const std::optional<Bound> ball = kind_ops()[faded(i).kind].bound(faded(i));
             const double within = group.near.margin + group.placement.radius;
             const double far = within + 1e-12 * (group.near.at.lpNorm<1>() + within);
             if (ball && (ball->center - group.near.at).norm() > ball->radius * (1 + 1e-12) + far) {
@@ -75,13 +75,13 @@ std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
                 continue;
             }
         }
-        scratch_[n++] = owner_of(i, true);
+        scratch_[n++] = owner(i, true);
     }
     const auto take = [&](std::uint32_t i) {
-        if (slots_[i].new_in_fade != group.fade) scratch_[n++] = owner_of(i, false);
+        if (slots_[i].new_in_fade != group.fade) scratch_[n++] = owner(i, false);
     };
     for (std::uint32_t k = 0; k < always_size_; ++k) {
-        if (now_[always_[k]].use.probe == probe) take(always_[k]);
+        if (felt(always_[k]).use.probe == probe) take(always_[k]);
     }
     for (std::uint32_t k = 0; k < group.near.size; ++k) take(group.near.slots[k]);
     return n;
@@ -90,9 +90,9 @@ std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
 std::uint32_t SceneCore::list_now(const Group& group, std::uint32_t probe) noexcept {
     std::uint32_t n = 0;
     for (std::uint32_t k = 0; k < always_size_; ++k) {
-        if (now_[always_[k]].use.probe == probe) scratch_[n++] = owner_of(always_[k], false);
+        if (felt(always_[k]).use.probe == probe) scratch_[n++] = owner(always_[k], false);
     }
-    for (std::uint32_t k = 0; k < group.near.size; ++k) scratch_[n++] = owner_of(group.near.slots[k], false);
+    for (std::uint32_t k = 0; k < group.near.size; ++k) scratch_[n++] = owner(group.near.slots[k], false);
     return n;
 }
 
@@ -189,7 +189,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const Owner o = owners[i];
         if (level_[i] == none) {
-            if (o != bridge_owner && !(o & 1)) slots_[o >> 1].member = gone;
+            if (o != bridge_owner && !fades_out(o)) slots_[o >> 1].member = gone;
             continue;
         }
         std::uint32_t& place = level_[i] == summed ? next_sum : next[level_[i]];

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "ranges.hpp"
 #include "scene_core.hpp"
 
 namespace knurl::detail {
@@ -16,8 +17,7 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
     const std::size_t n = capacity_.representations;
     slots_.resize(n);
     raw_.resize(n * max_params);
-    now_.resize(n);
-    old_.resize(n);
+    records_.resize(2 * n);
     rough_.resize(2 * n);
     changed_.resize(n);
     groups_.resize(capacity_.probes);
@@ -82,7 +82,11 @@ Verdict SceneCore::check_update(Handle handle, Kind kind, const void* params,
         slots_[handle.slot].generation != handle.generation || slots_[handle.slot].kind != kind) {
         return {Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
     }
-    return check_params(kind, params, bytes);
+    if (bytes != kinds()[kind].size) return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
+    // What stands in the slot is legal: only what differs from it needs to be looked at.
+    const std::uint64_t words =
+        changed_words(&raw_[handle.slot * max_params], static_cast<const std::byte*>(params), bytes);
+    return words == 0 ? Verdict{} : kinds()[kind].validate_change(params, words);
 }
 
 void SceneCore::mark(std::uint32_t slot) noexcept {
@@ -91,11 +95,16 @@ void SceneCore::mark(std::uint32_t slot) noexcept {
     changed_[changed_size_++] = slot;
 }
 
-void SceneCore::write(std::uint32_t slot, const void* params, std::size_t bytes) noexcept {
-    std::byte* raw = &raw_[slot * max_params];
-    if (slots_[slot].felt && std::memcmp(raw, params, bytes) == 0) return;  // as it was asked for last
+void SceneCore::write(std::uint32_t i, const void* params, std::size_t bytes) noexcept {
+    std::byte* raw = &raw_[i * max_params];
+    Slot& slot = slots_[i];
+    if (slot.felt && slot.felt_generation == slot.generation) {
+        const std::uint64_t words = changed_words(raw, static_cast<const std::byte*>(params), bytes);
+        if (words == 0) return;  // as it was asked for last
+        slot.words |= words;
+    }
     std::memcpy(raw, params, bytes);
-    mark(slot);
+    mark(i);
 }
 
 void SceneCore::join(std::vector<std::uint32_t>& list, std::uint32_t& size, std::uint32_t slot,
@@ -165,6 +174,10 @@ Verdict Scene::update(Handle handle, Kind kind, const void* params, std::size_t 
     if (const Verdict verdict = impl_->check_update(handle, kind, params, bytes); !verdict) return verdict;
     impl_->write(handle.slot, params, bytes);
     return {};
+}
+
+void Scene::update_checked(Handle handle, const void* params, std::size_t bytes) noexcept {
+    impl_->write(handle.slot, params, bytes);
 }
 
 Verdict Scene::remove(Handle handle) noexcept {

@@ -110,19 +110,22 @@ void two_probes_three_planes_four_springs(benchmark::State& state) {
     run(state, scene);
 }
 
-void batch_of_1000_updates(benchmark::State& state) {
+// Every one of N planes is updated, and all take effect in the next cycle.
+void batch_of_updates(benchmark::State& state) {
+    const auto n = static_cast<std::uint32_t>(state.range(0));
     Scene scene({.representations = 1024, .probes = 1}, {});
-    for (std::uint32_t i = 0; i < 1000; ++i)
+    for (std::uint32_t i = 0; i < n; ++i)
         (void)scene.add({i, 1}, Plane{.offset = -0.1, .stiffness = 1000});
     Hand hand;
     scene.evaluate(hand(), dt);
     double offset = -0.1;
     for (auto _ : state) {
         offset = offset > -0.1 ? -0.1 : -0.09;
-        for (std::uint32_t i = 0; i < 1000; ++i)
+        for (std::uint32_t i = 0; i < n; ++i)
             (void)scene.update({i, 1}, Plane{.offset = offset, .stiffness = 1000});
         benchmark::DoNotOptimize(scene.evaluate(hand(), dt));
     }
+    state.SetItemsProcessed(state.iterations() * n);
 }
 
 /// N spheres in a cube of 0.2 m, so large that about three are near (within half a radius) and one of them
@@ -176,7 +179,7 @@ BENCHMARK(plane_updated_every_cycle);
 BENCHMARK(planes_out_of_reach)->Arg(16)->Arg(64)->Arg(256)->Arg(1000);
 BENCHMARK(springs)->Arg(1)->Arg(6)->Arg(64)->Arg(1000);
 BENCHMARK(two_probes_three_planes_four_springs);
-BENCHMARK(batch_of_1000_updates);
+BENCHMARK(batch_of_updates)->Arg(10)->Arg(100)->Arg(1000);
 
 }  // namespace
 

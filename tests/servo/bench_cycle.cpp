@@ -68,11 +68,13 @@ struct Rig {
     std::vector<std::unique_ptr<OfflineClaim>> claims;
     Nanoseconds now = 0;
 
-    explicit Rig(int claim_count, std::string_view device = "premium15")
+    explicit Rig(int claim_count, std::string_view device = "premium15", std::uint32_t representations = 128)
         : arm(device), servo(arm, clock, segment.data(), options()) {
         for (int i = 0; i < claim_count; ++i) {
             ClaimTerms terms;
             terms.limits = limits_for(arm.link(), 1000, terms.frame);
+            terms.capacity.representations = representations;
+            if (representations > 128) terms.capacity.batch_bytes = protocol::max_batch_bytes;
             claims.push_back(std::make_unique<OfflineClaim>(terms));
             servo.adopt(&claims.back()->servo_side());
             step();
@@ -193,7 +195,7 @@ BENCHMARK(cycle_with_all_features)->Iterations(100'000);
 
 /// The cycle that takes a batch of updates, less the client's own work.
 void cycle_that_takes_updates(benchmark::State& state) {
-    Rig rig(1);
+    Rig rig(1, "premium15", 1024);
     OfflineClaim& claim = *rig.claims[0];
     std::vector<Handle> handles;
     for (int i = 0; i < state.range(0); ++i) {

@@ -105,7 +105,7 @@ void Intake::apply_entries(Claim::Impl& claim, const protocol::BatchHeader& head
             return true;
         }
         claim.slots[entry.handle.slot].version = entry.version;
-        claim.scene.update(entry.handle, entry.kind, params, entry.bytes);
+        claim.scene.update_checked(entry.handle, params, entry.bytes);
         return true;
     });
 }

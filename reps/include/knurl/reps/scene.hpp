@@ -77,6 +77,8 @@ class Scene {
     Verdict add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) noexcept;
     Verdict check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) const noexcept;
     Verdict update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
+    /// `update` of what check_update has accepted since the last add or remove: not checked again.
+    void update_checked(Handle handle, const void* params, std::size_t bytes) noexcept;
     Verdict remove(Handle handle) noexcept;
     void clear() noexcept;  // removes all, at once, with no fade
 
