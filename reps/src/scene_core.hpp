@@ -1,7 +1,7 @@
 #pragma once
 // What Scene is made of. One slot per handle; each slot has the parameters as sent (`raw`), the record that
-// is felt (`now`) and the record that is being faded out (`old`). Calls from outside write raw parameters only; the
-// next evaluate takes all of them together:
+// is felt (`now`) and the record that is being faded out (`old`). Calls from outside write raw parameters
+// only; the next evaluate takes all of them together:
 //
 //   add, update, remove -> raw, `changed` list          (checked, nothing felt yet)
 //   evaluate -> take_changes: now -> old, raw -> now    (one change of the set, one cross-fade)
@@ -76,14 +76,14 @@ struct Slot {
     // As the application left it.
     bool present = false;
     bool changed = false;
-    std::uint64_t words = 0;  // of its parameters that differ from those that were taken last
+    std::uint64_t words = 0;  // of its parameters that differ from those taken last; 0: not known
     std::uint32_t generation = 0;
     Kind kind = 0;
     Use use;
     // As it is felt.
     bool felt = false;
     std::uint8_t current = 0;  // which of its two records is the one that is felt
-    bool renewed = false;  // while changes are taken: this slot's is one of them
+    bool renewed = false;      // while changes are taken: this slot's is one of them
     std::uint32_t felt_generation = 0;
     std::int32_t old_surface_of = -1;  // the probe whose fading set has `old`
     std::uint32_t place = 0;           // in the list of surfaces or effects
@@ -333,7 +333,7 @@ class SceneCore {
     std::vector<std::byte> raw_;                                // max_params each
     alignas(16) std::array<std::byte, max_params> prepared_{};  // of the slot that is being taken
     std::vector<Record> records_;                               // by Owner: two a slot
-    std::vector<Rough> rough_;  // by Owner
+    std::vector<Rough> rough_;                                  // by Owner
     std::vector<std::uint32_t> changed_;
     std::uint32_t changed_size_ = 0;
     bool moved_ = false;  // a probe's placement changed

@@ -101,7 +101,7 @@ void SceneCore::write(std::uint32_t i, const void* params, std::size_t bytes) no
     if (slot.felt && slot.felt_generation == slot.generation) {
         const std::uint64_t words = changed_words(raw, static_cast<const std::byte*>(params), bytes);
         if (words == 0) return;  // as it was asked for last
-        slot.words |= words;
+        slot.words = slot.changed ? 0 : words;
     }
     std::memcpy(raw, params, bytes);
     mark(i);

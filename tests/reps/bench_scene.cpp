@@ -114,8 +114,7 @@ void two_probes_three_planes_four_springs(benchmark::State& state) {
 void batch_of_updates(benchmark::State& state) {
     const auto n = static_cast<std::uint32_t>(state.range(0));
     Scene scene({.representations = 1024, .probes = 1}, {});
-    for (std::uint32_t i = 0; i < n; ++i)
-        (void)scene.add({i, 1}, Plane{.offset = -0.1, .stiffness = 1000});
+    for (std::uint32_t i = 0; i < n; ++i) (void)scene.add({i, 1}, Plane{.offset = -0.1, .stiffness = 1000});
     Hand hand;
     scene.evaluate(hand(), dt);
     double offset = -0.1;

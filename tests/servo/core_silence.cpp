@@ -127,7 +127,8 @@ TEST(Silence, OfflineThereIsNone) {
 }
 
 TEST(Silence, TheMeasuredIntervalSetsWhatAutomaticRecoveryMeans) {
-    // 20 % of the interval within 2 to 50 ms: how many cycles a change takes to reach the hand.
+    // 20 % of the interval within 2 to 50 ms, and at most the interval: how many cycles a change takes to
+    // reach the hand.
     const auto cycles_of_fade = [](int interval) {
         ServoOptions options = live_options();
         options.rise_speed = 1e9;
@@ -145,6 +146,7 @@ TEST(Silence, TheMeasuredIntervalSetsWhatAutomaticRecoveryMeans) {
     };
     EXPECT_NEAR(cycles_of_fade(50), 10, 1);
     EXPECT_NEAR(cycles_of_fade(5), 2, 1);
+    EXPECT_EQ(cycles_of_fade(1), 1);
     EXPECT_NEAR(cycles_of_fade(200), 40, 2);
     EXPECT_NEAR(cycles_of_fade(1000), 50, 2);
 }

@@ -16,7 +16,7 @@ struct Method {
     enum class Kind { force, plane, cap };
     Kind kind = Kind::plane;
     bool predicted = false;  // asked where the hand will be (the client library's safe form)
-    double recovery = 0;     // s; knurl::automatic: 20 % of the update interval, within 2-50 ms
+    double recovery = 0;     // s; knurl::automatic: knurl::automatic_fade of the update interval
     knurl::PlaneUpdate update = knurl::PlaneUpdate::fade;
     bool passivity = false;  // with a passivity controller (Hannaford & Ryu 2002)
     double slew = 0;         // N/s, limit on the force; 0: none

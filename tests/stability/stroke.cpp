@@ -98,7 +98,7 @@ Figures stroke(const Conditions& conditions, double stiffness, unsigned seed, un
     Tip tip(c, start);
 
     Application application(c, stiffness, chance.phase);
-    const double automatic = std::clamp(0.2 * c.interval(), 2e-3, 50e-3);
+    const double automatic = knurl::automatic_fade(c.interval());
     knurl::Scene scene({.representations = 4, .probes = 1},
                        {.max_force = c.peak_force, .period = c.period()});
     scene.set_fade({.automatic = automatic, .rise_speed = 0.1});

@@ -137,7 +137,7 @@ FadePolicy Servo::Impl::fade_for(const Claim::Impl& claim) const noexcept {
     if (options.automatic_recovery > 0)
         policy.automatic = options.automatic_recovery;
     else if (interval > 0)
-        policy.automatic = std::clamp(0.2 * interval, 2e-3, 50e-3);
+        policy.automatic = automatic_fade(interval);
     return policy;
 }
 

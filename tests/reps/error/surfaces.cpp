@@ -130,7 +130,7 @@ class Felt {
         : path_(&path),
           said_(std::move(said)),
           scene_({.representations = 4, .probes = 1}, {.max_force = strongest}) {
-        scene_.set_fade({.automatic = std::clamp(0.2 / rate, 2e-3, 50e-3)});
+        scene_.set_fade({.automatic = automatic_fade(1 / rate)});
     }
     Vector3d next() {
         if (cycle_ == cycles) cycle_ = 0, next_ = 0;

@@ -13,7 +13,7 @@
 
 namespace knurl {
 
-/// `recovery = automatic`: 20 % of the measured update interval, within 2-50 ms.
+/// `recovery = automatic`: automatic_fade of the measured update interval (limits.hpp).
 inline constexpr double automatic = -1;
 
 struct Field {

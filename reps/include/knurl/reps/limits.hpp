@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 namespace knurl {
@@ -17,5 +18,12 @@ struct Limits {
     double period = 1e-3;                                            // s, the servo's nominal dt
     double resolution = 3e-5;                                        // m, the encoders' at the tip; 0: exact
 };
+
+/// Over how long a change reaches the hand where nobody says (s), by the interval between updates: 20 % of
+/// it, within 2 to 50 ms; but never longer than the interval itself, or the hand would feel the past for
+/// ever.
+inline double automatic_fade(double interval) noexcept {
+    return std::min(interval, std::clamp(0.2 * interval, 2e-3, 50e-3));
+}
 
 }  // namespace knurl

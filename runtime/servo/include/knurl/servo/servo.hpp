@@ -20,7 +20,7 @@ struct ServoOptions {
     bool start_active = false;      // active at once with gain 1, claims too: offline evaluation
     bool clamp_stiffness = true;    // false only warns: stability sweeps
     double rise_speed = 0.1;        // m/s, FadePolicy::rise_speed; infinity offline
-    double automatic_recovery = 0;  // s; 0: 20 % of the measured update interval within 2-50 ms
+    double automatic_recovery = 0;  // s; 0: automatic_fade of the measured update interval
 };
 
 /// k_max = b/(T/2 + tau), or as measured (Colgate & Brown 1994 for the form), device frame.
