@@ -22,8 +22,9 @@ using namespace std::chrono_literals;
 
 class ServoProcess {
   public:
-    explicit ServoProcess(std::vector<std::string> arguments = {"--device", "sim:cartesian3"})
-        : arguments_(std::move(arguments)) {
+    explicit ServoProcess(std::vector<std::string> arguments = {"--device", "sim:cartesian3"},
+                          std::string program = KNURLD)
+        : program_(std::move(program)), arguments_(std::move(arguments)) {
         std::string name = (std::filesystem::temp_directory_path() / "knurl-client-XXXXXX").string();
         if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test: " + name);
         folder_ = name;
@@ -49,10 +50,10 @@ class ServoProcess {
         const int log = ::open((folder_ / "log").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
         ::dup2(log, STDOUT_FILENO);
         ::dup2(log, STDERR_FILENO);
-        std::vector<char*> words{const_cast<char*>(KNURLD)};
+        std::vector<char*> words{program_.data()};
         for (std::string& word : arguments_) words.push_back(word.data());
         words.push_back(nullptr);
-        ::execv(KNURLD, words.data());
+        ::execv(program_.c_str(), words.data());
         ::_exit(127);
     }
     /// Ends it with this signal; on return it is gone.
@@ -72,6 +73,7 @@ class ServoProcess {
     std::filesystem::path socket() const { return folder_ / "default.sock"; }
 
   private:
+    std::string program_;
     std::vector<std::string> arguments_;
     std::filesystem::path folder_;
     pid_t pid_ = -1;

@@ -52,6 +52,7 @@ name = "left"
 address = "sim:premium15"
 hand = "stroke.csv"
 seed = 7
+rate = 4000
 
 [[device]]
 name = "right"
@@ -85,6 +86,7 @@ workspace_margin = 1.1
     EXPECT_EQ(config.devices[0].address, "sim:premium15");
     EXPECT_EQ(config.devices[0].hand_file, "stroke.csv");
     EXPECT_EQ(config.devices[0].seed, 7u);
+    EXPECT_EQ(config.devices[0].rate, 4000);
     const SupervisorLimits& limits = config.devices[1].limits;
     EXPECT_EQ(limits.peak_force, 2);
     EXPECT_EQ(limits.continuous_force, 1);
@@ -220,6 +222,15 @@ TEST(CommandLine, WinsOverTheFile) {
     EXPECT_EQ(both.devices[0].address, "sim:premium15");
     EXPECT_EQ(both.devices[1].name, "");
     EXPECT_EQ(both.devices[1].hand_file, "h.csv");
+}
+
+TEST(CommandLine, ADevicesOptionsMayHoldAnEqualsSign) {
+    const DaemonConfig config =
+        told({"--device", "sim:premium15,grip=0.5", "--device", "left=sim:premium15,grip=1"});
+    EXPECT_EQ(config.devices[0].name, "");
+    EXPECT_EQ(config.devices[0].address, "sim:premium15,grip=0.5");
+    EXPECT_EQ(config.devices[1].name, "left");
+    EXPECT_EQ(config.devices[1].address, "sim:premium15,grip=1");
 }
 
 TEST(CommandLine, MistakesAreOneLine) {

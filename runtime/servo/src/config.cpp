@@ -146,10 +146,12 @@ DeviceConfig read_device(const toml::table& table, const std::string& path) {
             device.hand_file = read.text(node, name);
         else if (name == "seed")
             device.seed = static_cast<std::uint64_t>(read.whole(node, ranges::seed));
+        else if (name == "rate")
+            device.rate = read.number(node, ranges::rate);
         else if (name == "limits")
             device.limits = read_limits(read.table(node, name), path);
         else
-            throw read.unknown(key, "name, address, hand, seed, limits");
+            throw read.unknown(key, "name, address, hand, seed, rate, limits");
     }
     if (device.address.empty()) {
         throw ConfigError(fmt::format(
@@ -222,7 +224,8 @@ void require_name(std::string_view name, std::string_view where) {
 DeviceConfig parse_device_argument(std::string_view argument) {
     DeviceConfig device;
     const std::size_t equals = argument.find('=');
-    if (equals != std::string_view::npos) {
+    // Behind the colon "=" is an option's: sim:premium15,grip=0.5.
+    if (equals < argument.find(':')) {
         device.name = argument.substr(0, equals);
         require_name(device.name, "--device: name");
         argument.remove_prefix(equals + 1);
@@ -266,12 +269,14 @@ void check(const DaemonConfig& config) {
                         "servo), or 0 for no real time at all",
                         config.priority, ranges::lowest_priority, ranges::priority.high));
     }
-    const double longest = ranges::spin_share / config.rate;
+    double fastest = config.rate;
+    for (const DeviceConfig& device : config.devices) fastest = std::max(fastest, device.rate);
+    const double longest = ranges::spin_share / fastest;
     if (config.spin > longest) {
         throw ConfigError(
             fmt::format("spin = {:g} s; allowed at {:g} Hz: up to {:g} s, half of the period (a real-time "
                         "thread that never sleeps is stopped by the kernel)",
-                        config.spin, config.rate, longest));
+                        config.spin, fastest, longest));
     }
     if (config.devices.empty()) {
         throw ConfigError("no device; write --device sim:premium15, or [[device]] in the --config file");
@@ -330,6 +335,7 @@ std::string config_help() {
     line("[[device]] address", "\"sim:premium15\"");
     line("[[device]] hand", "motion of a simulated hand, CSV t,x,y,z[,qw,qx,qy,qz]");
     line("[[device]] seed", "of a simulated device's noise");
+    line("[[device]] rate", "of this device's loop, if not the servo's");
     for (const LimitKey& key : limit_keys) {
         const bool of_device = key.member == &SupervisorLimits::peak_force ||
                                key.member == &SupervisorLimits::continuous_force ||

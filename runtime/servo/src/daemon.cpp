@@ -6,6 +6,7 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -127,6 +128,7 @@ struct Station {
     Station(const DeviceConfig& stated, const DaemonConfig& daemon) : config(stated) {
         device = drivers::open_device(config.address, {.hand_file = config.hand_file, .seed = config.seed});
         const drivers::LinkConfig& link = device->link();
+        if (config.rate == 0) config.rate = daemon.rate;
         if (config.name.empty()) {
             config.name = link.name;
             require_name(config.name, "the profile's name");
@@ -147,12 +149,12 @@ struct Station {
         info.renders_torque = link.renders_torque ? 1 : 0;
         info.senses_orientation = link.senses_orientation ? 1 : 0;
         info.servo_pid = static_cast<std::uint32_t>(getpid());
-        info.rate = daemon.rate;
+        info.rate = config.rate;
         info.workspace_centre = {link.workspace_centre[0], link.workspace_centre[1],
                                  link.workspace_centre[2]};
         info.workspace_radius = link.workspace_radius;
         info.peak_force = peak_force();
-        info.max_stiffness = max_stiffness(link, daemon.rate);
+        info.max_stiffness = max_stiffness(link, config.rate);
         info.damping = link.damping;
         info.lag = link.lag;
         timespec now{};
@@ -175,7 +177,7 @@ struct Station {
         if (thread) thread->join();
     }
 
-    std::string description(double rate) const {
+    std::string description() const {
         const drivers::LinkConfig& link = device->link();
         const double impulse = peak_force() * longest_hold;
         std::string rule;
@@ -188,9 +190,10 @@ struct Station {
                 "more than the 0.1 N s for a device without a watchdog; limits.peak_force = {:g} keeps it",
                 impulse_bound / longest_hold);
         }
-        return fmt::format("  {}: {}, k_max {:.0f} N/m, peak {:g} N; held for {:g} ms that is {:.3g} N s, {}",
-                           config.name, config.address, max_stiffness(link, rate), peak_force(),
-                           longest_hold * 1e3, impulse, rule);
+        return fmt::format(
+            "  {}: {} at {:g} Hz, k_max {:.0f} N/m, peak {:g} N; held for {:g} ms that is {:.3g} N s, {}",
+            config.name, config.address, config.rate, max_stiffness(link, config.rate), peak_force(),
+            longest_hold * 1e3, impulse, rule);
     }
 };
 
@@ -244,15 +247,24 @@ std::string lateness_line(const DaemonConfig& config, int cpu, bool polling) {
     return fmt::format("{}, spin {:g} us", line, config.spin * 1e6);
 }
 
-ServoOptions servo_options(const DaemonConfig& config, const DeviceConfig& device) {
+ServoOptions servo_options(const DeviceConfig& device) {
     ServoOptions options;
-    options.rate = config.rate;
+    options.rate = device.rate;
     options.supervisor = device.limits;
     return options;
 }
 
 int below(int priority, int by) {
     return priority == 0 ? 0 : priority - by;
+}
+
+/// Of the loops that share a CPU the faster one goes first (rate-monotonic: Liu & Layland 1973).
+int loop_priority(const DaemonConfig& config, const std::vector<std::unique_ptr<Station>>& stations,
+                  const Station& station) {
+    std::set<double> faster;
+    for (const auto& other : stations)
+        if (other->config.rate > station.config.rate) faster.insert(other->config.rate);
+    return below(config.priority, static_cast<int>(faster.size()));
 }
 
 }  // namespace
@@ -288,15 +300,15 @@ int run_daemon(const DaemonConfig& config) {
     for (std::size_t i = 0; i < stations.size(); ++i) {
         Station& station = *stations[i];
         station.servo = std::make_unique<Servo>(*station.device, station.clock, station.segment.data(),
-                                                servo_options(config, station.config));
+                                                servo_options(station.config));
         station.loop = std::make_unique<Loop>(
             *station.servo, waker, station.counters(), guardian.acts(i),
-            LoopOptions{.rate = config.rate, .spin = static_cast<Nanoseconds>(config.spin * 1e9)});
+            LoopOptions{.rate = station.config.rate, .spin = static_cast<Nanoseconds>(config.spin * 1e9)});
         hosted.push_back({.name = station.config.name,
                           .link = station.device->link(),
                           .servo = *station.servo,
                           .segment = station.segment,
-                          .rate = config.rate});
+                          .rate = station.config.rate});
     }
     lock_memory(missing);
     Broker broker({.servo_name = config.name,
@@ -321,14 +333,15 @@ int run_daemon(const DaemonConfig& config) {
         become_real_time(below(config.priority, broker_below_servo), "knurl-broker", missing);
         for (const auto& station : stations) {
             station->thread = std::make_unique<Thread>(
-                ThreadOptions{.name = "knurl-servo", .priority = config.priority, .cpu = cpu},
+                ThreadOptions{
+                    .name = "knurl-servo", .priority = loop_priority(config, stations, *station), .cpu = cpu},
                 [loop = station->loop.get()] { loop->run(); }, missing);
         }
 
         say(fmt::format("knurld {}: servo \"{}\" at {}, pid {}, guardian {}", KNURL_VERSION, config.name,
                         door.path(), getpid(), guardian.pid()));
-        say(fmt::format("  {:g} Hz on CPU {}, {}", config.rate, cpu, lateness));
-        for (const auto& station : stations) say(station->description(config.rate));
+        say(fmt::format("  on CPU {}, {}", cpu, lateness));
+        for (const auto& station : stations) say(station->description());
         for (const std::string& line : missing.report()) complain(line);
         say("knurld: ready");
 

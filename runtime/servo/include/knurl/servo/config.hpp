@@ -17,6 +17,7 @@ struct DeviceConfig {
     std::string address;    // "sim:premium15"
     std::string hand_file;  // motion of a simulated hand; empty: it rests at the centre
     std::uint64_t seed = 1;
+    double rate = 0;          // Hz, of its own loop; 0: the servo's
     SupervisorLimits limits;  // tightened, never widened
 };
 
@@ -27,9 +28,10 @@ enum class Idle {
 
 struct DaemonConfig {
     std::string name = "default";  // of the servo: clients connect to "knurl:NAME"
-    double rate = 1000;            // Hz
+    double rate = 1000;            // Hz, of the devices that say nothing else
     int cpu = -1;                  // the servo threads' and the waker's; -1: the last one that we may use
-    int priority = 80;  // SCHED_FIFO, of the servo threads; waker 20 and broker 30 below; 0: not real time
+    int priority = 80;  // SCHED_FIFO, of the fastest servo thread, slower ones below it; waker 20 and broker
+                        // 30 below; 0: not real time
     Idle idle = Idle::sleep;
     double spin = 0;                // s: the last part of each sleep is spun instead
     double guardian_stall = 20e-3;  // s without a cycle after which the guardian zeroes the device

@@ -1,0 +1,130 @@
+// Several hands on one servo: each has its own loop, claims and faults.
+
+#include <fstream>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "../servo/probe_device.hpp"
+#include "servo_process.hpp"
+
+namespace {
+
+using namespace knurl;
+using namespace client_test;
+
+/// A file that goes with the test.
+class File {
+  public:
+    explicit File(const std::string& text) {
+        const int fd = ::mkstemp(path_.data());
+        if (fd < 0 || ::write(fd, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+            throw std::runtime_error("no file for the test");
+        ::close(fd);
+    }
+    ~File() { ::unlink(path_.c_str()); }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    const std::string& path() const { return path_; }
+
+  private:
+    std::string path_ = (std::filesystem::temp_directory_path() / "knurl-hands-XXXXXX").string();
+};
+
+/// Pushes with this force, also while nobody speaks to this hand, and waits until all of it is sent.
+void feel(Claim& hand, const Vec3& force) {
+    hand.add(ConstantForce{.force = force, .recovery = 0}, {.on_silence = OnSilence::hold});
+    hand.arm();
+    read_until(hand, [&](const HandReport& report) {
+        return is_active(report) && std::abs(report.sent_force.x - force.x) < 1e-9;
+    });
+}
+
+/// The report that comes so many cycles after the newest.
+HandReport after(Claim& hand, std::uint64_t cycles) {
+    while (!hand.latest()) hand.commit();
+    const std::uint64_t now = hand.latest()->cycle;
+    return read_until(hand, [&](const HandReport& report) { return report.cycle > now + cycles; });
+}
+
+/// Nanoseconds between the deadlines of neighbouring cycles.
+double period_of(Claim& hand) {
+    const HandReport first = read_until(hand, is_active);
+    const HandReport later =
+        read_until(hand, [&](const HandReport& r) { return r.cycle > first.cycle + 50; });
+    return static_cast<double>(later.deadline_ns - first.deadline_ns) /
+           static_cast<double>(later.cycle - first.cycle);
+}
+
+TEST(Hands, two_of_one_application_feel_each_its_own_at_its_own_rate) {
+    const File config(R"(
+[[device]]
+name = "left"
+address = "sim:cartesian3"
+[[device]]
+name = "right"
+address = "sim:premium15"
+rate = 2000
+)");
+    ServoProcess servo({"--config", config.path()});
+    Client client = connect();
+    Claim left = client.claim("left"), right = client.claim("right");
+    EXPECT_EQ(left.device().rate, 1000);
+    EXPECT_EQ(right.device().rate, 2000);
+    EXPECT_EQ(right.device().profile, "premium15");
+    feel(left, {0.25, 0, 0});
+    feel(right, {-0.5, 0, 0});
+    EXPECT_NEAR(after(left, 0).sent_force.x, 0.25, 1e-9);
+    // Deadlines begin anew only after a stall of the machine, which makes the mean longer, not another rate.
+    EXPECT_NEAR(period_of(left), 1e6, 0.3e6);
+    EXPECT_NEAR(period_of(right), 0.5e6, 0.15e6);
+}
+
+TEST(Hands, of_two_applications_one_may_end) {
+    ServoProcess servo({"--device", "left=sim:cartesian3", "--device", "right=sim:cartesian3,mass=0.2"});
+    Client mine = connect();
+    Claim left = mine.claim("left");
+    feel(left, {0.25, 0, 0});
+    {
+        Client other = connect();
+        Claim right = other.claim("right");
+        feel(right, {-0.5, 0, 0});
+        EXPECT_NEAR(after(left, 0).sent_force.x, 0.25, 1e-9);
+    }
+    const HandReport later = after(left, 200);
+    EXPECT_EQ(later.state, DeviceState::active);
+    EXPECT_NEAR(later.sent_force.x, 0.25, 1e-9);
+    EXPECT_NO_THROW(mine.claim("right"));
+}
+
+TEST(Hands, one_that_hangs_does_not_hold_up_the_other) {
+    const File device(std::string(sizeof(test::ProbeRecord), 0));
+    const int fd = ::open(device.path().c_str(), O_RDWR | O_CLOEXEC);
+    auto* const record = static_cast<test::ProbeRecord*>(
+        ::mmap(nullptr, sizeof(test::ProbeRecord), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0));
+    ::close(fd);
+    ASSERT_NE(static_cast<void*>(record), MAP_FAILED);
+    {
+        ServoProcess servo({"--device", "left=sim:cartesian3", "--device", "right=probe:" + device.path()},
+                           KNURLD_PROBE);
+        Client client = connect();
+        Claim left = client.claim("left"), right = client.claim("right");
+        feel(left, {0.25, 0, 0});
+        feel(right, {-0.5, 0, 0});
+
+        record->hang = 1;
+        const HandReport later = after(left, 500);
+        EXPECT_EQ(later.state, DeviceState::active);
+        EXPECT_NEAR(later.sent_force.x, 0.25, 1e-9);
+        EXPECT_GE(record->zeroings, 1u) << "the guardian looked after the other";
+
+        record->hang = 0;
+        read_until(right, [](const HandReport& r) { return is_active(r) && r.sent_force.x < -0.49; });
+        EXPECT_EQ(after(left, 0).faults, 0u);
+    }
+    ::munmap(record, sizeof(test::ProbeRecord));
+}
+
+}  // namespace
