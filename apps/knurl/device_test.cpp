@@ -1,0 +1,168 @@
+// knurl device test ADDRESS: what a device does, beside what it says about itself.
+
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <knurl/drivers/registry.hpp>
+
+#include "../measure/measure.hpp"
+#include "device_trial.hpp"
+#include "servo_view.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+using nlohmann::json;
+
+double percentile(std::vector<double> samples, double p) {
+    if (samples.empty()) return 0;
+    std::sort(samples.begin(), samples.end());
+    return samples[std::min(samples.size() - 1,
+                            static_cast<std::size_t>(p * static_cast<double>(samples.size())))];
+}
+
+void print_text(const Trial& trial) {
+    const RestTrial& rest = trial.rest;
+    fmt::print("{}{}{}\n", trial.link.name, trial.link.serial.empty() ? "" : " ", trial.link.serial);
+    if (!trial.link.description.empty()) fmt::print("  {}\n", trial.link.description);
+    fmt::print("  homing           {}\n", trial.homing.seconds == 0
+                                              ? "not needed, or done before"
+                                              : fmt::format("done after {:.1f} s", trial.homing.seconds));
+    fmt::print("  rate             {:.1f} new samples a second of {:g} asked for; {} stale, {} bad\n",
+               rest.sample_rate, trial.rate, rest.stale, rest.bad);
+    if (!rest.lateness.empty()) {
+        fmt::print("  lateness         p50 {:.0f}, p99 {:.0f}, max {:.0f} us{}\n",
+                   percentile(rest.lateness, 0.5) * 1e6, percentile(rest.lateness, 0.99) * 1e6,
+                   percentile(rest.lateness, 1) * 1e6,
+                   trial.real_time ? "" : " (no right to real time: as an ordinary process)");
+        fmt::print("  read and write   p50 {:.1f}, p99 {:.1f}, max {:.1f} us\n",
+                   percentile(rest.transfer, 0.5) * 1e6, percentile(rest.transfer, 0.99) * 1e6,
+                   percentile(rest.transfer, 1) * 1e6);
+    }
+    std::string counts;
+    for (const double c : rest.counts_apart) counts += fmt::format("{}{:.0f}", counts.empty() ? "" : ", ", c);
+    fmt::print("  noise at rest    {:.1f} um rms, {:.1f} um at most; joints wander by {} counts\n",
+               rest.tip_noise * 1e6, rest.tip_apart * 1e6, counts);
+    if (trial.pushes.empty()) {
+        fmt::print("  force            it takes none\n");
+        return;
+    }
+    for (const PushTrial& push : trial.pushes) {
+        fmt::print("  push along {}     {:.0f} degrees off, {:.3f} kg moved", axis_name(push),
+                   std::acos(std::clamp(push.cosine, -1.0, 1.0)) * 180 / M_PI, push.mass);
+        if (push.size > 0) fmt::print(", {:.2f} x the model's force", push.size);
+        fmt::print(", friction {:.2f} N, begins after {:.2f} ms\n", push.friction, push.delay * 1e3);
+    }
+    fmt::print("  stiffest wall    {:.0f} N/m{}, b / (T/2 + tau) promises {:.0f}\n", trial.wall.stiffness,
+               trial.wall.bounded ? " or more" : "", trial.wall.predicted);
+}
+
+json to_json(const Trial& trial, const std::vector<std::string>& found) {
+    const RestTrial& rest = trial.rest;
+    json pushes = json::array();
+    for (const PushTrial& push : trial.pushes) {
+        pushes.push_back({{"axis", axis_name(push)},
+                          {"cosine", push.cosine},
+                          {"mass", push.mass},
+                          {"friction", push.friction},
+                          {"delay", push.delay},
+                          {"size", push.size > 0 ? json(push.size) : json()}});
+    }
+    const auto spread = [](const std::vector<double>& s) -> json {
+        if (s.empty()) return nullptr;
+        return {{"p50", percentile(s, 0.5)}, {"p99", percentile(s, 0.99)}, {"max", percentile(s, 1)}};
+    };
+    const measure::Machine machine = measure::this_machine();
+    return {
+        {"device", trial.link.name},
+        {"serial", trial.link.serial},
+        {"machine", {{"processor", machine.processor}, {"kernel", machine.kernel}, {"date", machine.date}}},
+        {"rate", trial.rate},
+        {"real_time", trial.real_time},
+        {"homing", trial.homing.seconds},
+        {"rest",
+         {{"sample_rate", rest.sample_rate},
+          {"fresh", rest.fresh},
+          {"stale", rest.stale},
+          {"bad", rest.bad},
+          {"tip_rms", rest.tip_noise},
+          {"tip_max", rest.tip_apart},
+          {"joint_counts", rest.counts_apart},
+          {"lateness", spread(rest.lateness)},
+          {"read_and_write", spread(rest.transfer)}}},
+        {"pushes", pushes},
+        {"wall",
+         {{"stiffness", trial.wall.stiffness},
+          {"predicted", trial.wall.predicted},
+          {"at_least", trial.wall.bounded}}},
+        {"findings", found}};
+}
+
+struct TestOptions {
+    std::string address;
+    TrialOptions trial;
+    bool as_json = false;
+};
+
+/// A device that a servo runs has a name; what opens it is its address.
+void require_address(const std::string& address) {
+    if (address.find(':') != std::string::npos) return;
+    for (const ServoView& servo : look_at_all()) {
+        for (const DeviceView& device : servo.devices) {
+            if (address == device.info.name) {
+                throw UsageError(fmt::format(
+                    "\"{}\" is run by the servo \"{}\" (pid {}); end that, then: knurl device test {}",
+                    address, servo.name, servo.pid, device.info.address));
+            }
+        }
+    }
+    std::string known;
+    for (const drivers::Driver& driver : drivers::drivers())
+        known += (known.empty() ? "" : ", ") + driver.scheme + ":" + driver.help;
+    throw UsageError(fmt::format("\"{}\" is no address; write one of {}", address, known));
+}
+
+int test(const TestOptions& options) {
+    require_address(options.address);
+    if (options.trial.virtual_time && !options.address.starts_with("sim:"))
+        throw UsageError("--virtual is for simulated devices: a real one has only this time");
+    const std::unique_ptr<drivers::Device> device = drivers::open_device(options.address);
+    const Trial trial = try_device(*device, options.trial, [&](const std::string& line) {
+        if (!options.as_json) fmt::print(stderr, "{} ...\n", line);
+    });
+    const std::vector<std::string> found = findings(trial);
+    if (options.as_json) {
+        fmt::print("{}\n", to_json(trial, found).dump(2));
+    } else {
+        print_text(trial);
+        for (const std::string& line : found) fmt::print("  ! {}\n", line);
+        if (found.empty()) fmt::print("  as it should be\n");
+    }
+    return found.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_device_test(CLI::App& device, Run& run) {
+    auto* verb =
+        device.add_subcommand("test", "Tries a device: noise, rate, force, stiffest wall. It moves!");
+    auto options = std::make_shared<TestOptions>();
+    verb->add_option("ADDRESS", options->address, "as for knurld --device: sim:premium15,grip=0")->required();
+    verb->add_option("--rate", options->trial.rate, "Hz (1000)")->check(CLI::Range(500.0, 20000.0));
+    verb->add_option("--push", options->trial.push, "N, the larger push (1)")->check(CLI::Range(0.1, 5.0));
+    verb->add_option("--homing-time", options->trial.homing_time, "s to wait for homing (60)")
+        ->check(CLI::Range(1.0, 600.0));
+    verb->add_flag("--virtual", options->trial.virtual_time, "a simulated device as fast as it computes");
+    verb->add_flag("--json", options->as_json, "the same for programs (SI units)");
+    verb->footer(
+        "The device must hang or rest freely, nobody's hand on it; no servo may hold it.\n"
+        "Exit code 1: something is not as its description says.");
+    verb->callback([&run, options] { run = [options] { return test(*options); }; });
+}
+
+}  // namespace knurl::cli

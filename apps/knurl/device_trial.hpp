@@ -1,0 +1,74 @@
+#pragma once
+// What a device does when nobody but this program holds it: rest, small pushes, a wall. SI units, device
+// frame.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <knurl/drivers/device.hpp>
+
+namespace knurl::cli {
+
+struct TrialOptions {
+    double rate = 1000;         // Hz
+    bool virtual_time = false;  // a simulated device, as fast as it computes
+    double homing_time = 60;    // s to wait for it
+    double push = 1;            // N, the larger of the two pushes; half of it is the other
+};
+
+struct HomingTrial {
+    bool done = false;
+    double seconds = 0;  // 0: it was calibrated from the start
+};
+
+struct RestTrial {
+    std::uint64_t cycles = 0, fresh = 0, stale = 0, bad = 0;
+    double sample_rate = 0;            // Hz, of fresh samples
+    std::vector<double> lateness;      // s, of each cycle's begin; empty on a virtual clock
+    std::vector<double> transfer;      // s, of read and write together; likewise
+    std::vector<double> counts_apart;  // per joint: between its lowest and highest reading
+    double tip_noise = 0;              // m rms about the mean
+    double tip_apart = 0;              // m, largest distance from the mean
+};
+
+/// From pushes both ways along one axis, so that gravity, drift and a slanted friction fall out.
+struct PushTrial {
+    Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+    double cosine = 0;    // 1, between the push and the way that the tip went
+    double mass = 0;      // kg that moved: (F2 - F1) / (a2 - a1)
+    double friction = 0;  // N of dry friction: F1 - m a1
+    double delay = 0;     // s from the write to the motion's begin: everything late, tau
+    double size = 0;      // 1, the acceleration over the model's (LinkConfig::apparent_mass); 0: not known
+};
+
+struct WallTrial {
+    double stiffness = 0;  // N/m, the largest at which the ringing of a knock dies away
+    double predicted = 0;  // N/m, b / (T/2 + tau) by LinkConfig
+    bool bounded = false;  // the search ended at its upper bound: it may be stiffer
+};
+
+struct Trial {
+    drivers::LinkConfig link;
+    double rate = 0;
+    bool real_time = false;
+    HomingTrial homing;
+    RestTrial rest;
+    std::vector<PushTrial> pushes;
+    WallTrial wall;
+};
+
+/// Runs all of it. `say`: one line about what comes next. Throws std::runtime_error: unplugged, too fast,
+/// not homed, out of its workspace; the motors are at zero then.
+Trial try_device(drivers::Device& device, const TrialOptions& options,
+                 const std::function<void(const std::string&)>& say);
+
+/// "x", "y" or "z".
+std::string axis_name(const PushTrial& push);
+
+/// What is not as it should be, and what to do about it: one line each.
+std::vector<std::string> findings(const Trial& trial);
+
+}  // namespace knurl::cli

@@ -1,0 +1,126 @@
+// `knurl device test`: finds what a device does, and what is wrong with one that does otherwise than it says.
+
+#include "../../apps/knurl/device_trial.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <knurl/drivers/registry.hpp>
+
+#include "program.hpp"
+
+namespace knurl::test {
+namespace {
+
+using cli::Trial;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A simulated device without a hand, changed by what may be wrong with one.
+class Broken final : public drivers::Device {
+  public:
+    double effort = 1;        // what the motors make of an effort
+    double moves_back = 1;    // -1: joint 0's encoder counts the wrong way
+    std::uint64_t stale = 0;  // one of so many samples does not come; 0: all do
+
+    explicit Broken(const std::string& options = "")
+        : inner_(drivers::open_device("sim:cartesian3,grip=0,coulomb=0" + options)) {}
+    const drivers::LinkConfig& link() const noexcept override { return inner_->link(); }
+    const drivers::Mechanism& mechanism() const noexcept override { return inner_->mechanism(); }
+    drivers::ReadStatus read(drivers::Nanoseconds now, drivers::JointSample& sample) noexcept override {
+        const drivers::ReadStatus status = inner_->read(now, sample);
+        sample.position[0] *= moves_back;
+        return stale != 0 && ++reads_ % stale == 0 ? drivers::ReadStatus::stale : status;
+    }
+    bool write(drivers::Nanoseconds now, const drivers::JointEfforts& efforts) noexcept override {
+        drivers::JointEfforts made = efforts;
+        for (double& e : made) e *= effort;
+        return inner_->write(now, made);
+    }
+    void make_safe() noexcept override {}
+
+  private:
+    std::unique_ptr<drivers::Device> inner_;
+    std::uint64_t reads_ = 0;
+};
+
+Trial tried(drivers::Device& device) {
+    return cli::try_device(device, {.virtual_time = true}, [](const std::string&) {});
+}
+
+TEST(DeviceTest, FindsMassFrictionDelayAndStiffestWall) {
+    for (const double damping : {0.2, 1.0}) {
+        Broken device(fmt::format(",damping={}", damping));
+        const Trial trial = tried(device);
+        EXPECT_THAT(cli::findings(trial), IsEmpty());
+        EXPECT_EQ(trial.rest.sample_rate, 1000);
+        for (const cli::PushTrial& push : trial.pushes) {
+            EXPECT_NEAR(push.cosine, 1, 1e-3);
+            EXPECT_NEAR(push.mass, device.link().apparent_mass, 0.05 * device.link().apparent_mass);
+            EXPECT_NEAR(push.delay, device.link().lag, 0.5e-3);
+            EXPECT_LT(push.friction, 0.02);
+        }
+        EXPECT_NEAR(trial.wall.stiffness, trial.wall.predicted, 0.15 * trial.wall.predicted);
+        EXPECT_NEAR(trial.wall.predicted, damping / (0.5e-3 + device.link().lag), 1e-6);
+    }
+    const auto rubbing = drivers::open_device("sim:premium15,grip=0,coulomb=0.1");
+    for (const cli::PushTrial& push : tried(*rubbing).pushes) EXPECT_NEAR(push.friction, 0.1, 0.05);
+}
+
+TEST(DeviceTest, AnEncoderThatCountsBackwardsIsFound) {
+    Broken device;
+    device.moves_back = -1;
+    try {
+        const Trial trial = tried(device);
+        EXPECT_THAT(cli::findings(trial), Contains(HasSubstr("moves it the other way")));
+    } catch (const std::runtime_error& error) {  // pushed away from where it is held, it runs off
+        EXPECT_THAT(error.what(), HasSubstr("faster than"));
+    }
+}
+
+TEST(DeviceTest, MotorsThatPushTwiceAsHardAreFound) {
+    Broken device;
+    device.effort = 2;
+    EXPECT_THAT(cli::findings(tried(device)), Contains(HasSubstr("times as strong as it should be")));
+}
+
+TEST(DeviceTest, MissingSamplesAreCounted) {
+    Broken device;
+    device.stale = 4;
+    const Trial trial = tried(device);
+    EXPECT_EQ(trial.rest.sample_rate, 750);
+    EXPECT_THAT(cli::findings(trial), Contains(HasSubstr("only 75.0 %")));
+}
+
+TEST(DeviceTest, TheProgramSaysItAsTextAndAsJson) {
+    const Outcome text = knurl({"device", "test", "sim:premium15,grip=0", "--virtual"});
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_THAT(text.out, HasSubstr("stiffest wall"));
+    EXPECT_THAT(text.out, HasSubstr("as it should be"));
+    const auto json =
+        nlohmann::json::parse(knurl({"device", "test", "sim:premium15,grip=0", "--virtual", "--json"}).out);
+    EXPECT_EQ(json.at("device"), "premium15");
+    EXPECT_EQ(json.at("pushes").size(), 3u);
+    EXPECT_TRUE(json.at("findings").empty());
+}
+
+TEST(DeviceTest, MistakesAreOneLineThatSaysWhatToDo) {
+    const Home home;
+    const Outcome unknown = knurl({"device", "test", "left"});
+    EXPECT_EQ(unknown.code, 2);
+    EXPECT_THAT(unknown.err, HasSubstr("\"left\" is no address; write one of sim:"));
+    const Outcome real_time = knurl({"device", "test", "motion:x", "--virtual"});
+    EXPECT_EQ(real_time.code, 2);
+    EXPECT_THAT(real_time.err, HasSubstr("simulated devices"));
+    const Servo servo({"--device", "left=sim:premium15"});
+    const Outcome held = knurl({"device", "test", "left"});
+    EXPECT_EQ(held.code, 2);
+    EXPECT_THAT(held.err, HasSubstr("is run by the servo \"default\""));
+    EXPECT_THAT(held.err, HasSubstr("knurl device test sim:premium15"));
+}
+
+}  // namespace
+}  // namespace knurl::test
