@@ -103,7 +103,7 @@ int print_text(const std::vector<ServoView>& servos) {
     }
     if (alive == 0) {
         fmt::print("no servo is running (looked in {}); start one with: knurld --device sim:premium15\n",
-                   protocol::runtime_directory());
+                   fmt::join(protocol::servo_directories(), " and "));
     }
     return 0;
 }

@@ -151,26 +151,27 @@ ServoView ServoWatch::look() const {
 
 std::vector<ServoView> look_at_all() {
     std::vector<ServoView> views;
-    const std::string directory = protocol::runtime_directory();
-    std::error_code none;
-    for (const auto& file : std::filesystem::directory_iterator(directory, none)) {
-        if (file.path().extension() != ".sock") continue;
-        const std::string socket = file.path().string();
-        try {
-            views.push_back(ServoWatch(socket).look());
-        } catch (const std::runtime_error& error) {
-            ServoView view{.name = name_of(socket),
-                           .socket = socket,
-                           .problem = error.what(),
-                           .dead = false,
-                           .pid = 0,
-                           .devices = {}};
-            view.dead = view.problem.find("Connection refused") != std::string::npos;
-            views.push_back(std::move(view));
+    for (const std::string& directory : protocol::servo_directories()) {
+        std::error_code none;
+        for (const auto& file : std::filesystem::directory_iterator(directory, none)) {
+            if (file.path().extension() != ".sock") continue;
+            const std::string socket = file.path().string();
+            try {
+                views.push_back(ServoWatch(socket).look());
+            } catch (const std::runtime_error& error) {
+                ServoView view{.name = name_of(socket),
+                               .socket = socket,
+                               .problem = error.what(),
+                               .dead = false,
+                               .pid = 0,
+                               .devices = {}};
+                view.dead = view.problem.find("Connection refused") != std::string::npos;
+                views.push_back(std::move(view));
+            }
         }
-    }
-    if (none && none != std::errc::no_such_file_or_directory) {
-        throw std::runtime_error(directory + ": cannot be read: " + none.message());
+        if (none && none != std::errc::no_such_file_or_directory) {
+            throw std::runtime_error(directory + ": cannot be read: " + none.message());
+        }
     }
     std::sort(views.begin(), views.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
     return views;

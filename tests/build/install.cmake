@@ -20,6 +20,17 @@ if(NOT EXISTS ${prefix}/include/knurl/client/client.hpp)
     message(FATAL_ERROR "the client's header is not installed")
 endif()
 
+# The service names the program where it lies, and the rules and the group are there.
+file(READ ${prefix}/lib/systemd/system/knurld.service unit)
+if(NOT unit MATCHES "ExecStart=${prefix}/bin/knurld --config /etc/knurl/knurld.toml")
+    message(FATAL_ERROR "the unit starts something else:\n${unit}")
+endif()
+foreach(file lib/udev/rules.d/70-knurl.rules lib/sysusers.d/knurl.conf share/knurl/knurld.toml)
+    if(NOT EXISTS ${prefix}/${file})
+        message(FATAL_ERROR "${file} is not installed")
+    endif()
+endforeach()
+
 run("configure" ${CMAKE_COMMAND} -S ${SOURCE}/outside -B ${WORK}/by-cmake -G ${GENERATOR}
     -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${FLAGS}" -DCMAKE_PREFIX_PATH=${prefix})
 run("build" ${CMAKE_COMMAND} --build ${WORK}/by-cmake)

@@ -211,7 +211,7 @@ class LocalLink final : public Link {
 
 std::unique_ptr<Link> connect_local(const std::string& servo, const std::string& client_name,
                                     std::chrono::milliseconds answer_time) {
-    const std::string path = protocol::socket_path(servo);
+    const std::string path = protocol::servo_socket(servo);
     if (const auto reason = forbidden(path)) throw Error(Error::Kind::permission, *reason);
     shm::UniqueFd socket;
     try {

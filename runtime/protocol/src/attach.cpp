@@ -42,12 +42,16 @@ std::uint64_t wire_hash() noexcept {
     return hash;
 }
 
+namespace {
+constexpr const char* system_directory = "/run/knurl";
+}
+
 std::string runtime_directory() {
     if (const char* stated = environment("KNURL_RUNTIME_DIR")) {
         return stated;
     }
     if (geteuid() == 0) {
-        return "/run/knurl";
+        return system_directory;
     }
     if (const char* session = environment("XDG_RUNTIME_DIR")) {
         return std::string(session) + "/knurl";
@@ -59,6 +63,23 @@ std::string runtime_directory() {
 
 std::string socket_path(const std::string& servo_name) {
     return runtime_directory() + "/" + servo_name + ".sock";
+}
+
+std::vector<std::string> servo_directories() {
+    if (environment("KNURL_RUNTIME_DIR") != nullptr || geteuid() == 0) return {runtime_directory()};
+    std::vector<std::string> found;
+    if (environment("XDG_RUNTIME_DIR") != nullptr) found.push_back(runtime_directory());
+    found.emplace_back(system_directory);
+    return found;
+}
+
+std::string servo_socket(const std::string& servo_name) {
+    const std::vector<std::string> directories = servo_directories();
+    for (const std::string& directory : directories) {
+        const std::string path = directory + "/" + servo_name + ".sock";
+        if (access(path.c_str(), F_OK) == 0) return path;
+    }
+    return directories.front() + "/" + servo_name + ".sock";
 }
 
 std::string state_directory() {
