@@ -3,11 +3,14 @@
 #include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/sim_device.hpp>
 
+#include "falcon/device.hpp"
+
 namespace knurl::drivers {
 
 std::vector<Driver>& drivers() {
     static std::vector<Driver> all = {
         sim_driver(),
+        falcon::driver(),
     };
     return all;
 }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <knurl/drivers/cartesian.hpp>
+#include <knurl/drivers/delta.hpp>
 #include <knurl/drivers/pose_mechanism.hpp>
 #include <knurl/drivers/serial_chain.hpp>
 #include <knurl/drivers/sim_profile.hpp>
@@ -270,9 +271,10 @@ TEST(Mechanisms, HaveNoPoseForJointsThatAreNotFinite) {
     const SerialChain chain({.rows = {{.a = 1}, {.a = 1}, {.a = 1}}});
     const Cartesian cartesian;
     const PoseMechanism free;
+    const Delta delta(falcon_delta());
     for (const Mechanism* mechanism :
-         {static_cast<const Mechanism*>(&chain), static_cast<const Mechanism*>(&cartesian),
-          static_cast<const Mechanism*>(&free)}) {
+         {static_cast<const Mechanism*>(&delta), static_cast<const Mechanism*>(&chain),
+          static_cast<const Mechanism*>(&cartesian), static_cast<const Mechanism*>(&free)}) {
         JointArray q = {0.1, 0.2, 0.3, 1};
         TipPose pose;
         Jacobian jacobian;

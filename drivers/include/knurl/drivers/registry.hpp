@@ -16,6 +16,7 @@ struct OpenOptions {
     std::string
         hand_file;  // motion of a simulated hand (t,x,y,z[,qw,qx,qy,qz]); empty: it rests at the centre
     std::uint64_t seed = 1;
+    int io_priority = 0;  // SCHED_FIFO of a driver's own threads; 0: ordinary
 };
 
 struct Driver {

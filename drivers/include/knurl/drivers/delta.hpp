@@ -1,0 +1,98 @@
+#pragma once
+// Stamper's delta: three legs that let a platform slide along x, y and z but never turn (Novint Falcon).
+
+#include <array>
+#include <numbers>
+
+#include <knurl/drivers/mechanism.hpp>
+
+namespace knurl::drivers {
+
+/// Figures of the mechanism, in the letters of R. E. Stamper, "A Three Degree of Freedom Parallel Manipulator
+/// with Only Translational Degrees of Freedom", University of Maryland 1997. Leg i stands in a plane turned
+/// by leg[i] about z; in it u points outwards, w along z, and v across. Each crank of length a turns by theta
+/// from u towards w; at its end hangs a parallelogram of length b between two bars of length d and e.
+struct DeltaTable {
+    std::array<double, 3> leg = {};  // rad, where each leg stands about z
+    double r = 0;                    // m, from the base's centre to a crank's axis, along u
+    double s = 0;                    // m, likewise across it, along v
+    double a = 0;                    // m, the crank
+    double b = 0;                    // m, the parallelogram
+    double c = 0;                    // m, from the platform's centre to a leg's end, along u
+    double d = 0, e = 0;             // m, the bars between the parallelogram and its hinges
+    double f = 0;                    // m, from the platform's centre to a leg's end, along v
+    Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  // the delta's own frame in the device frame
+};
+
+/// The Novint Falcon. Its own frame (base at the identity): z points from its body to the hand and is 0.125 m
+/// in the middle of its workspace, y up. Figures as in libnifalcon's kinematics; nothing was measured here.
+inline DeltaTable falcon_delta() {
+    constexpr double degrees = std::numbers::pi / 180;
+    return {.leg = {105 * degrees, -15 * degrees, -135 * degrees},
+            .r = 0.040,
+            .s = -0.02309,
+            .a = 0.060,
+            .b = 0.1025,
+            .c = 0.01443,
+            .d = 0.01125,
+            .e = 0.01125,
+            .f = -0.025};
+}
+inline constexpr double falcon_centre = 0.125;  // m, z of the middle of its workspace in its own frame
+/// rad a count: 320 lines x 4, geared by 0.110 m / 0.01425 m. Count 0 of a homed axis is at 35 degrees.
+inline constexpr double falcon_radians_per_count = 2 * std::numbers::pi / (320 * 4) * 0.01425 / 0.110;
+inline constexpr double falcon_zero = 35 * std::numbers::pi / 180;  // rad
+
+/// Joints are the three cranks' angles theta. With h = sqrt(b^2 - v^2) and L = d + e + h, a leg is closed
+/// where
+///     (u - a cos theta)^2 + (w - a sin theta)^2 = L^2,
+/// so that the platform lies on three tori. That has no closed form to solve for the platform. With v small
+/// beside b they are nearly spheres of radius b + d + e, and those have one: it is off by 1 mm as a mean
+/// and 3 mm at most over the Falcon's workspace. `forward` begins there and takes Newton steps, two or three
+/// until nothing changes and one evaluation more for the Jacobian: no memory of the pose before, so the same
+/// joints give the same bits, and it cannot drift into the mechanism's other assembly. drivers/README.md
+/// compares it with starts from the last pose.
+class Delta final : public Mechanism {
+  public:
+    static constexpr int most_steps = 8;      // of Newton's method; 4 are the worst seen
+    static constexpr double enough = 1e-13;   // of b + d + e: a shorter step ends it
+    static constexpr double singular = 1e-3;  // of |n1||n2||n3|: less is "the legs do not hold the platform"
+
+    /// Throws std::runtime_error: lengths that are not finite, not positive (a, b) or longer than 10 m, two
+    /// legs at the same angle.
+    explicit Delta(const DeltaTable& table);
+
+    int joints() const noexcept override { return 3; }
+
+    /// False if a joint is not finite, the legs do not meet, or they do not hold the platform (singular).
+    bool forward(std::span<const double> joints, TipPose& pose, Jacobian& jacobian) const noexcept override;
+
+    /// The cranks that bring the platform to a position in the device frame (m), each bent outwards. False,
+    /// and joints as they were, if a leg does not reach. Closed form, Stamper section 3.
+    bool inverse(const Eigen::Vector3d& position, std::span<double, 3> joints) const noexcept;
+
+    // The parts of `forward`, for whoever compares them. Positions are in the delta's own frame.
+
+    using Cranks = std::array<Eigen::Vector2d, 3>;  // a (cos theta, sin theta) of each leg, m
+    Cranks cranks(std::span<const double, 3> joints) const noexcept;
+    /// Where three spheres of radius b + d + e about the cranks' ends meet; if they do not, the point nearest
+    /// to it in their plane of symmetry. Closed form.
+    Eigen::Vector3d three_spheres(const Cranks& ends) const noexcept;
+    /// One Newton step from `position`: what is to be added to it, and J = d(position)/d(theta) there. False
+    /// if a leg is not defined there or the three do not hold the platform.
+    bool step(const Cranks& ends, const Eigen::Vector3d& position, Eigen::Vector3d& change,
+              Eigen::Matrix3d& jacobian) const noexcept;
+
+  private:
+    struct Leg {
+        double cosine, sine;  // of its angle about z
+    };
+    double a_, b_, bars_, enough_;  // m; bars_ = d + e; enough_ the step that ends it
+    double outwards_, across_;      // m, c - r and f - s: only these differences matter
+    double side_;                   // +1 or -1: on which side of the cranks' ends the platform hangs
+    std::array<Leg, 3> legs_;
+    Eigen::Matrix3d base_rotation_;
+    Eigen::Vector3d base_position_;
+};
+
+}  // namespace knurl::drivers

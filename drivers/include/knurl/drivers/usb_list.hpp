@@ -1,0 +1,30 @@
+#pragma once
+// Which of the USB devices that Knurl can drive are plugged in. Opens none of them: what it says is in sysfs.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace knurl::drivers {
+
+struct UsbDevice {
+    std::uint16_t vendor = 0, product = 0;
+    std::string scheme;       // of the driver: "falcon"
+    std::string name;         // as the device calls itself: "FALCON HAPTIC"
+    std::string serial;       // empty: has none
+    std::string port;         // bus and ports, "1-1.2": stays the same until it is plugged in elsewhere
+    std::string node;         // "/dev/bus/usb/001/004"
+    bool accessible = false;  // this user may open the node
+
+    /// What opens it: "falcon:SERIAL", or "falcon:port=1-1.2" where it has no serial number.
+    std::string address() const;
+};
+
+/// All that some driver of this build knows, in order of port. Throws std::runtime_error if USB itself cannot
+/// be looked at.
+std::vector<UsbDevice> usb_devices();
+
+/// The udev rule that lets the user at the seat open the node.
+std::string udev_rule(const UsbDevice& device);
+
+}  // namespace knurl::drivers

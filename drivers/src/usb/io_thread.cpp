@@ -1,0 +1,351 @@
+#include "usb/io_thread.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <stdexcept>
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+namespace knurl::drivers::usb {
+
+namespace {
+
+Nanoseconds monotonic() noexcept {
+    timespec t{};
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * Nanoseconds{1'000'000'000} + t.tv_nsec;
+}
+
+}  // namespace
+
+IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priority)
+    : wanted_(std::move(wanted)),
+      protocol_(std::move(protocol)),
+      endpoints_(protocol_->endpoints()),
+      poke_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (poke_ < 0) throw std::runtime_error(std::string("usb: eventfd: ") + std::strerror(errno));
+    std::array<std::uint8_t, packet_bytes> zero{};
+    const std::size_t length = protocol_->pack({}, zero);
+    zero_line_.emplace(endpoints_.out, std::span(zero.data(), length));
+    for (auto& [list, n] : {std::pair{&in_, transfers_in}, std::pair{&out_, transfers_out}})
+        for (int i = 0; i < n; ++i) {
+            list->push_back(std::make_unique<Transfer>());
+            list->back()->owner = this;
+            list->back()->block = libusb_alloc_transfer(0);
+            if (list->back()->block == nullptr) throw std::bad_alloc();
+        }
+    waits_.reserve(16);
+    try {
+        open();
+        info_ = session_->info();
+        // Plugged in again, it is this very one that is waited for.
+        if (wanted_.serial.empty()) wanted_.serial = info_.serial;
+        if (wanted_.serial.empty()) wanted_.port = info_.port;
+    } catch (...) {
+        session_.reset();
+        for (auto* list : {&in_, &out_})
+            for (const auto& transfer : *list) libusb_free_transfer(transfer->block);
+        ::close(poke_);
+        throw;
+    }
+    seen_session_ = number_;
+
+    pthread_attr_t attributes;
+    pthread_attr_init(&attributes);
+    pthread_attr_setstacksize(&attributes, stack_bytes);
+    sigset_t all, before;  // signals are the program's business
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int error = pthread_create(
+        &thread_, &attributes,
+        [](void* self) -> void* {
+            static_cast<IoThread*>(self)->live();
+            return nullptr;
+        },
+        this);
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    pthread_attr_destroy(&attributes);
+    if (error != 0) throw std::runtime_error(std::string("usb: no thread: ") + std::strerror(error));
+    pthread_setname_np(thread_, "knurl-usb");
+    const sched_param real_time{.sched_priority = priority};
+    if (priority > 0) pthread_setschedparam(thread_, SCHED_FIFO, &real_time);
+}
+
+IoThread::~IoThread() {
+    stop_.store(true, std::memory_order_relaxed);
+    poke();
+    pthread_join(thread_, nullptr);
+    for (auto* list : {&in_, &out_})
+        for (const auto& transfer : *list) libusb_free_transfer(transfer->block);
+    ::close(poke_);
+}
+
+// ------------------------------------------------------------------------------------------------ the cycle
+
+ReadStatus IoThread::take(Reading& reading) noexcept {
+    if (!begun_) {
+        begun_ = true;
+        awake_.store(true, std::memory_order_release);
+        poke();
+    }
+    seen_acts_ = zero_line_->acts();
+    // Pairs with the release in open(): a number that is odd comes with its first reading.
+    const std::uint64_t session = session_number_.load(std::memory_order_acquire);
+    if (session != seen_session_) {
+        seen_session_ = session;
+        return ReadStatus::unplugged;
+    }
+    if ((session & 1U) == 0) return ReadStatus::unplugged;
+    Reading next;
+    const std::uint64_t garbage = garbage_.load(std::memory_order_relaxed);
+    const bool more_garbage = garbage != seen_garbage_;
+    seen_garbage_ = garbage;
+    if (!readings_.take(next) || next.session != session)
+        return more_garbage ? ReadStatus::bad : ReadStatus::stale;
+    reading = next;
+    return ReadStatus::ok;
+}
+
+bool IoThread::send(Orders orders) noexcept {
+    orders.session = seen_session_;
+    orders.acts = seen_acts_;
+    newest_orders_.publish(orders);
+    poke();
+    return (seen_session_ & 1U) != 0 && session_number_.load(std::memory_order_acquire) == seen_session_;
+}
+
+void IoThread::make_safe() noexcept {
+    zero_line_->zero();
+    if (!zero_line_->forked()) poke();
+}
+
+IoCounts IoThread::counts() const noexcept {
+    return {.readings = readings_count_.load(std::memory_order_relaxed),
+            .sent = sent_.load(std::memory_order_relaxed),
+            .missed = missed_.load(std::memory_order_relaxed),
+            .garbage = garbage_.load(std::memory_order_relaxed),
+            .errors = errors_.load(std::memory_order_relaxed),
+            .openings = (session_number_.load(std::memory_order_relaxed) + 1) / 2};
+}
+
+void IoThread::poke() noexcept {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t n = write(poke_, &one, sizeof one);
+}
+
+// ---------------------------------------------------------------------------------------------- the thread
+
+void IoThread::open() {
+    session_.emplace(context_, context_.find(wanted_), endpoints_.interface, stop_);
+    reading_ = {};
+    protocol_->start(*session_, reading_);
+    zero_line_->hold(session_->node());
+    waits_.clear();
+    waits_.push_back({.fd = poke_, .events = POLLIN, .revents = 0});
+    for (const libusb_pollfd& wait : context_.descriptors())
+        waits_.push_back({.fd = wait.fd, .events = wait.events, .revents = 0});
+    gone_ = halted_ = owed_ = false;
+    errors_in_row_ = 0;
+    orders_ = {};
+    ++number_;
+    reading_.session = number_;
+    reading_.at = monotonic();
+    readings_.publish(reading_);
+    readings_count_.fetch_add(1, std::memory_order_relaxed);
+    session_number_.store(number_, std::memory_order_release);
+}
+
+/// Ends what is in flight, says zero if anybody is there to hear it, and closes.
+void IoThread::close() noexcept {
+    ++number_;
+    session_number_.store(number_, std::memory_order_release);
+    for (auto* list : {&in_, &out_})
+        for (const auto& transfer : *list)
+            if (transfer->active) libusb_cancel_transfer(transfer->block);
+    constexpr int patience = 100;  // of 10 ms
+    for (int i = 0; i < patience && any_active(); ++i) {
+        timeval slice{.tv_sec = 0, .tv_usec = 10'000};
+        libusb_handle_events_timeout_completed(context_.get(), &slice, nullptr);
+    }
+    zero_line_->let_go();
+    if (!gone_ && endpoints_.out != 0) {
+        std::array<std::uint8_t, packet_bytes> packet{};
+        const std::size_t length = protocol_->pack({}, packet);
+        int moved = 0;
+        constexpr unsigned timeout_ms = 50;
+        const auto send = endpoints_.interrupt ? libusb_interrupt_transfer : libusb_bulk_transfer;
+        send(session_->handle(), endpoints_.out, packet.data(), static_cast<int>(length), &moved, timeout_ms);
+    }
+    session_.reset();
+}
+
+void IoThread::live() noexcept {
+    while (!awake_.load(std::memory_order_acquire) && !stop_.load(std::memory_order_relaxed)) wait(-1);
+    while (!stop_.load(std::memory_order_relaxed)) {
+        if (session_) {
+            converse();
+            close();
+            continue;
+        }
+        try {
+            open();
+        } catch (const std::exception&) {
+            // Not there, not ready, or its rights not set yet: the cycle sees "unplugged", and we look again.
+            session_.reset();
+            wait(search_ms);
+        }
+    }
+    if (session_) close();
+}
+
+bool IoThread::any_active() const noexcept {
+    const auto active = [](const auto& transfer) { return transfer->active; };
+    return std::ranges::any_of(in_, active) || std::ranges::any_of(out_, active);
+}
+
+/// Until something happens, and then lets libusb see to it.
+void IoThread::wait(int timeout_ms) noexcept {
+    if (!session_) {  // the list of descriptors is that of an opened node
+        timeval slice{.tv_sec = 0, .tv_usec = timeout_ms * 1000};
+        libusb_handle_events_timeout_completed(context_.get(), &slice, nullptr);
+        return;
+    }
+    if (poll(waits_.data(), waits_.size(), timeout_ms) <= 0) return;
+    if ((waits_[0].revents & POLLIN) != 0) {
+        std::uint64_t pokes = 0;
+        [[maybe_unused]] const ssize_t n = read(poke_, &pokes, sizeof pokes);
+    }
+    if (std::any_of(waits_.begin() + 1, waits_.end(), [](const pollfd& fd) { return fd.revents != 0; })) {
+        timeval at_once{};
+        libusb_handle_events_timeout_completed(context_.get(), &at_once, nullptr);
+    }
+}
+
+void IoThread::converse() noexcept {
+    for (const auto& transfer : in_) ask(*transfer);
+    last_order_ = monotonic();
+    std::uint64_t acts = zero_line_->acts();
+    constexpr int silence_ms = static_cast<int>(silence / 1'000'000);
+    while (!gone_ && !stop_.load(std::memory_order_relaxed)) {
+        wait(silence_ms);
+        if (halted_) clear_halts();
+        const bool fresh = newest_orders_.take(orders_);
+        const Nanoseconds now = monotonic();
+        const bool silent = !fresh && now - last_order_ >= silence;
+        if (silent) orders_ = {};
+        if (fresh || silent) last_order_ = now;
+        const bool made_safe = acts != zero_line_->acts();
+        acts = zero_line_->acts();
+        if (fresh || silent || made_safe || owed_) transmit(fresh);
+    }
+}
+
+// The race with make_safe in another process, while this one is stopped anywhere:
+//
+//   guardian: ++acts (rel) ─sb─> sends zero
+//   here:     acts (acq) ─sb─> pack ─sb─> submit ─sb─> acts (acq) again: changed? then a zero follows at once
+//
+// Orders carry the count that the cycle saw when it read the sample that they answer; older ones are zero.
+// Stopped between the first look and the submission, an old effort goes out after the guardian's zero when
+// the process is let go on, and the second look makes a zero follow it.
+void IoThread::transmit(bool fresh) noexcept {
+    if (endpoints_.out == 0) return;
+    for (int i = 0; i < transfers_out; ++i) {
+        const auto free = std::ranges::find_if(out_, [](const auto& transfer) { return !transfer->active; });
+        owed_ = free == out_.end();
+        if (owed_) {  // the newest goes when one of them is done
+            if (fresh) missed_.fetch_add(1, std::memory_order_relaxed);
+            return;
+        }
+        const std::uint64_t acts = zero_line_->acts();
+        Orders now = orders_;
+        if (now.session != number_ || now.acts != acts) now.efforts = {};
+        Transfer& transfer = **free;
+        const std::size_t length = protocol_->pack(now, transfer.bytes);
+        submit(transfer, endpoints_.out, length, on_out);
+        if (transfer.active) sent_.fetch_add(1, std::memory_order_relaxed);
+        if (zero_line_->acts() == acts) return;
+    }
+}
+
+void IoThread::submit(Transfer& transfer, std::uint8_t endpoint, std::size_t length,
+                      libusb_transfer_cb_fn done) noexcept {
+    const auto fill = endpoints_.interrupt ? libusb_fill_interrupt_transfer : libusb_fill_bulk_transfer;
+    fill(transfer.block, session_->handle(), endpoint, transfer.bytes.data(), static_cast<int>(length), done,
+         &transfer, 0);
+    const int code = libusb_submit_transfer(transfer.block);
+    transfer.active = code == 0;
+    if (code == 0) return;
+    gone_ = gone_ || code == LIBUSB_ERROR_NO_DEVICE || ++errors_in_row_ > most_errors;
+    errors_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void IoThread::ask(Transfer& transfer) noexcept {
+    submit(transfer, endpoints_.in, packet_bytes, on_in);
+}
+
+void IoThread::received(Transfer& transfer) noexcept {
+    const auto length = static_cast<std::size_t>(std::max(transfer.block->actual_length, 0));
+    const Heard heard = protocol_->hear(std::span(transfer.bytes.data(), length), reading_);
+    if (heard.garbage > 0)
+        garbage_.fetch_add(static_cast<std::uint64_t>(heard.garbage), std::memory_order_relaxed);
+    errors_in_row_ = 0;
+    if (!heard.reading) return;
+    reading_.at = monotonic();
+    readings_.publish(reading_);
+    readings_count_.fetch_add(1, std::memory_order_relaxed);
+}
+
+/// It did not go well: why, and what that means.
+void IoThread::ended(Transfer& transfer) noexcept {
+    switch (transfer.block->status) {
+        case LIBUSB_TRANSFER_CANCELLED:
+            return;
+        case LIBUSB_TRANSFER_NO_DEVICE:
+            gone_ = true;
+            return;
+        case LIBUSB_TRANSFER_STALL:
+            halted_ = true;
+            break;
+        default:
+            break;
+    }
+    errors_.fetch_add(1, std::memory_order_relaxed);
+    gone_ = gone_ || ++errors_in_row_ > most_errors;
+}
+
+void IoThread::clear_halts() noexcept {
+    halted_ = false;
+    libusb_clear_halt(session_->handle(), endpoints_.in);
+    if (endpoints_.out != 0) libusb_clear_halt(session_->handle(), endpoints_.out);
+    for (const auto& transfer : in_)
+        if (!transfer->active && !gone_) ask(*transfer);
+}
+
+void IoThread::on_in(libusb_transfer* block) {
+    Transfer& transfer = *static_cast<Transfer*>(block->user_data);
+    IoThread& self = *transfer.owner;
+    transfer.active = false;
+    if (block->status == LIBUSB_TRANSFER_COMPLETED)
+        self.received(transfer);
+    else
+        self.ended(transfer);
+    const bool closing = (self.number_ & 1U) == 0;
+    if (block->status != LIBUSB_TRANSFER_CANCELLED && !self.gone_ && !self.halted_ && !closing)
+        self.ask(transfer);
+}
+
+void IoThread::on_out(libusb_transfer* block) {
+    Transfer& transfer = *static_cast<Transfer*>(block->user_data);
+    transfer.active = false;
+    if (block->status == LIBUSB_TRANSFER_COMPLETED)
+        transfer.owner->errors_in_row_ = 0;
+    else
+        transfer.owner->ended(transfer);
+}
+
+}  // namespace knurl::drivers::usb

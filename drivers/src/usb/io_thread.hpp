@@ -1,0 +1,136 @@
+#pragma once
+// Owns an opened device, libusb's context and the thread on which all of libusb runs. The cycle meets
+// neither: it takes the newest reading and leaves the newest orders.
+//
+//   cycle:  read <── Newest<Reading> ──┐                 ┌── transfer in flight <── device
+//           write ── Newest<Orders> ───┴── I/O thread ───┴── transfer in flight ──> device
+//                └─ eventfd ("there is something to send")
+//
+// One thread per device, not one for all: starting a device takes seconds and waits, when it is plugged in
+// again as well, and the other hand's transfers must not; a device that floods its thread floods nobody
+// else's.
+//
+// Every write() is one packet, sent at once; packets in are asked for all the time. Without a write for
+// `silence` the thread sends zero itself (the cycle has stopped, the process lives). Nothing is sent or asked
+// for before the first take(): a guardian is forked until then, from a process whose threads hold no lock.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <libusb.h>
+#include <poll.h>
+#include <pthread.h>
+
+#include "usb/newest.hpp"
+#include "usb/protocol.hpp"
+#include "usb/zero_line.hpp"
+
+namespace knurl::drivers::usb {
+
+struct IoCounts {
+    std::uint64_t readings = 0;  // from the device
+    std::uint64_t sent = 0;      // packets to it
+    std::uint64_t missed = 0;    // orders that found every packet in flight, and were replaced or sent later
+    std::uint64_t garbage = 0;
+    std::uint64_t errors = 0;  // transfers that failed
+    std::uint64_t openings = 0;
+};
+
+class IoThread {
+  public:
+    static constexpr Nanoseconds silence = 10'000'000;  // ns without a write until zero is sent, and again
+    static constexpr int transfers_in = 3;              // asked for at any time
+    static constexpr int transfers_out = 2;             // in flight at most
+    static constexpr int most_errors = 64;              // in a row: it is closed and opened again
+    static constexpr int search_ms = 50;                // between looks for a device that is gone
+    static constexpr std::size_t stack_bytes = 512 << 10;
+
+    /// Finds, opens and starts the device; throws std::runtime_error with the way out. `priority`: SCHED_FIFO
+    /// of the thread, 0: ordinary; one that it may not have is left alone.
+    IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priority);
+    /// Sends zero, gives the device back to the kernel.
+    ~IoThread();
+    IoThread(const IoThread&) = delete;
+    IoThread& operator=(const IoThread&) = delete;
+
+    // For the cycle: no wait, no allocation, no libusb. One thread at a time.
+
+    /// ok: `reading` is newer than the one before. bad: garbage came instead. unplugged: also once after a
+    /// device that was gone and is back between two calls.
+    ReadStatus take(Reading& reading) noexcept;
+    /// Efforts and flags; false: the device is gone. Orders for a device that has been plugged in again since
+    /// the last take, or been made safe since, are zero.
+    bool send(Orders orders) noexcept;
+    /// In a forked copy as well.
+    void make_safe() noexcept;
+
+    /// As it was first opened.
+    const UsbDevice& info() const { return info_; }
+    IoCounts counts() const noexcept;
+
+  private:
+    struct Transfer {
+        IoThread* owner = nullptr;
+        libusb_transfer* block = nullptr;
+        bool active = false;
+        std::array<std::uint8_t, packet_bytes> bytes = {};
+    };
+
+    void open();
+    void close() noexcept;
+    void live() noexcept;
+    void converse() noexcept;
+    void transmit(bool fresh) noexcept;
+    void submit(Transfer& transfer, std::uint8_t endpoint, std::size_t length,
+                libusb_transfer_cb_fn done) noexcept;
+    void ask(Transfer& transfer) noexcept;
+    void received(Transfer& transfer) noexcept;
+    void ended(Transfer& transfer) noexcept;
+    void clear_halts() noexcept;
+    void wait(int timeout_ms) noexcept;
+    void poke() noexcept;
+    bool any_active() const noexcept;
+    static void on_in(libusb_transfer* block);
+    static void on_out(libusb_transfer* block);
+
+    Wanted wanted_;
+    std::unique_ptr<Protocol> protocol_;
+    Endpoints endpoints_;
+    UsbDevice info_;
+    int poke_ = -1;  // eventfd
+    std::atomic<bool> stop_ = false;
+    Context context_;
+    std::optional<ZeroLine> zero_line_;
+    std::optional<Session> session_;
+    std::vector<pollfd> waits_;
+    std::vector<std::unique_ptr<Transfer>> in_, out_;
+    pthread_t thread_ = {};
+
+    // The thread's.
+    Reading reading_;
+    Orders orders_;
+    Nanoseconds last_order_ = 0;
+    std::uint64_t number_ = 0;  // of this opening; even: it is closed
+    bool owed_ = false;         // orders came while every packet was in flight
+    bool gone_ = false;
+    bool halted_ = false;
+    int errors_in_row_ = 0;
+
+    // Between the two.
+    Newest<Reading> readings_;
+    Newest<Orders> newest_orders_;
+    std::atomic<std::uint64_t> session_number_ =
+        0;                             // odd: there is a device. Release after its first reading.
+    std::atomic<bool> awake_ = false;  // the cycle has begun
+    std::atomic<std::uint64_t> readings_count_ = 0, sent_ = 0, missed_ = 0, garbage_ = 0, errors_ = 0;
+
+    // The cycle's.
+    std::uint64_t seen_session_ = 0, seen_acts_ = 0, seen_garbage_ = 0;
+    bool begun_ = false;
+};
+
+}  // namespace knurl::drivers::usb

@@ -1,0 +1,41 @@
+#pragma once
+// Newest wins, between two threads: one publishes, one takes, neither ever waits. A triple buffer: each side
+// owns a slot and `middle_` names the third and says whether it is fresh. (shm/ has the same between
+// processes, over mapped memory; the modules do not include each other.)
+//
+//   publisher: write back ─sb─> exchange(middle) ══sw══> exchange(middle) ─sb─> taker reads front
+//   taker: last read of old front ─sb─> exchange(middle) ══sw══> exchange(middle) ─sb─> publisher reuses it
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace knurl::drivers::usb {
+
+template <class T>
+class Newest {
+  public:
+    void publish(const T& value) noexcept {
+        slots_[back_] = value;
+        back_ = middle_.exchange(back_ | fresh, std::memory_order_acq_rel) & index;  // pairs with take
+    }
+
+    /// False: nothing new since the last one taken.
+    bool take(T& value) noexcept {
+        if ((middle_.load(std::memory_order_relaxed) & fresh) == 0) return false;
+        front_ = middle_.exchange(front_, std::memory_order_acq_rel) & index;  // pairs with publish
+        value = slots_[front_];
+        return true;
+    }
+
+  private:
+    static constexpr std::uint32_t index = 3, fresh = 4;
+
+    std::array<T, 3> slots_ = {};
+    alignas(64) std::atomic<std::uint32_t> middle_ = 1;
+    alignas(64) std::uint32_t back_ = 0;   // the publisher's
+    alignas(64) std::uint32_t front_ = 2;  // the taker's
+};
+
+}  // namespace knurl::drivers::usb

@@ -1,0 +1,373 @@
+#include "bus.hpp"
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <sstream>
+#include <stdexcept>
+
+#include <linux/usbdevice_fs.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace knurl::drivers::usb_emulator {
+
+namespace {
+
+constexpr const char* preload = "libumockdev-preload.so.0";
+constexpr long frame_ns = 1'000'000;
+
+/// USB 2.0, table 9-8 to 9-13: one configuration, one interface.
+std::vector<std::uint8_t> descriptors(const Identity& identity) {
+    const auto low = [](unsigned word) { return static_cast<std::uint8_t>(word & 0xff); };
+    const auto high = [](unsigned word) { return static_cast<std::uint8_t>(word >> 8); };
+    const unsigned total = 9 + 9 + 7 * static_cast<unsigned>(identity.endpoints.size());
+    std::vector<std::uint8_t> bytes = {18,
+                                       1,
+                                       0,
+                                       2,
+                                       0,
+                                       0,
+                                       0,
+                                       64,
+                                       low(identity.vendor),
+                                       high(identity.vendor),
+                                       low(identity.product),
+                                       high(identity.product),
+                                       0,
+                                       1,
+                                       1,
+                                       2,
+                                       3,
+                                       1,
+                                       9,
+                                       2,
+                                       low(total),
+                                       high(total),
+                                       1,
+                                       1,
+                                       0,
+                                       0x80,
+                                       50,
+                                       9,
+                                       4,
+                                       0,
+                                       0,
+                                       low(static_cast<unsigned>(identity.endpoints.size())),
+                                       identity.interface_class,
+                                       0,
+                                       0,
+                                       0};
+    for (const std::uint8_t endpoint : identity.endpoints)
+        for (const int byte : {7, 5, int{endpoint}, identity.interrupt_endpoints ? 3 : 2, 64, 0, 1})
+            bytes.push_back(static_cast<std::uint8_t>(byte));
+    return bytes;
+}
+
+std::string hex(const std::vector<std::uint8_t>& bytes) {
+    std::string text;
+    for (const std::uint8_t byte : bytes) {
+        char pair[3];
+        std::snprintf(pair, sizeof pair, "%02X", byte);
+        text += pair;
+    }
+    return text;
+}
+
+void check(GError* error, const char* what) {
+    if (error == nullptr) return;
+    const std::string why = std::string(what) + ": " + error->message;
+    g_error_free(error);
+    throw std::runtime_error(why);
+}
+
+/// What a call's pointer points to, as its number says.
+std::size_t argument_bytes(unsigned long request) {
+    switch (request) {
+        case USBDEVFS_RESET:
+        case USBDEVFS_DISCARDURB:
+        case USBDEVFS_GET_SPEED:
+            return 0;
+        case USBDEVFS_SUBMITURB:
+            return offsetof(usbdevfs_urb, iso_frame_desc);
+        default:
+            return _IOC_SIZE(request);
+    }
+}
+
+UMockdevIoctlData* resolve(UMockdevIoctlData* data, std::size_t offset, std::size_t bytes) {
+    GError* error = nullptr;
+    UMockdevIoctlData* found =
+        bytes == 0 ? nullptr : umockdev_ioctl_data_resolve(data, offset, bytes, &error);
+    if (error != nullptr) g_error_free(error);  // the caller has died: its memory is nobody's any more
+    return found;
+}
+
+/// Milliseconds of a synchronous call; 0 is for ever.
+std::uint64_t give_up(std::uint64_t frame, unsigned timeout_ms) {
+    return timeout_ms == 0 ? 0 : frame + timeout_ms + 1;
+}
+
+std::unique_ptr<Urb> synchronous(UsbfsNode::Call& call, std::uint64_t frame) {
+    auto urb = std::make_unique<Urb>();
+    if (call.request == USBDEVFS_BULK) {
+        const auto& bulk = *reinterpret_cast<usbdevfs_bulktransfer*>(call.argument->data);
+        urb->type = USBDEVFS_URB_TYPE_BULK;
+        urb->endpoint = static_cast<std::uint8_t>(bulk.ep);
+        urb->length = bulk.len;
+        urb->give_up_at = give_up(frame, bulk.timeout);
+        urb->buffer = resolve(call.argument, offsetof(usbdevfs_bulktransfer, data), bulk.len);
+    }
+    if (urb->buffer == nullptr) return nullptr;
+    urb->waiting = UMOCKDEV_IOCTL_CLIENT(g_object_ref(call.client));
+    return urb;
+}
+
+std::unique_ptr<Urb> submitted(UsbfsNode::Call& call) {
+    const auto& block = *reinterpret_cast<usbdevfs_urb*>(call.argument->data);
+    auto urb = std::make_unique<Urb>();
+    urb->block = umockdev_ioctl_data_ref(call.argument);
+    urb->address = call.argument->client_addr;
+    urb->type = block.type;
+    urb->endpoint = block.endpoint;
+    urb->length = static_cast<std::size_t>(block.buffer_length);
+    urb->buffer = resolve(call.argument, offsetof(usbdevfs_urb, buffer), urb->length);
+    if (urb->length > 0 && urb->buffer == nullptr) return nullptr;
+    return urb;
+}
+
+}  // namespace
+
+void start_under_umockdev(int, char** argv) {
+    prctl(PR_SET_TIMERSLACK, 1UL);  // the preload yields with usleep(0): 50 us each with the ordinary slack
+    const char* loaded = std::getenv("LD_PRELOAD");
+    if (loaded != nullptr && std::strstr(loaded, preload) != nullptr) return;
+    const std::string both =
+        loaded != nullptr && *loaded != 0 ? std::string(loaded) + ":" + preload : preload;
+    setenv("LD_PRELOAD", both.c_str(), 1);
+    // The sanitizer wants to be first; behind the preload it works as well.
+    const char* asan = std::getenv("ASAN_OPTIONS");
+    setenv("ASAN_OPTIONS",
+           ((asan != nullptr ? std::string(asan) + ":" : "") + "verify_asan_link_order=0").c_str(), 1);
+    execv("/proc/self/exe", argv);
+    std::perror("cannot start again under umockdev");
+    std::exit(1);
+}
+
+Bus::Bus() : testbed_(umockdev_testbed_new()), handler_(umockdev_ioctl_base_new()) {
+    if (umockdev_in_mock_environment() == FALSE)  // caches its answer: not before there is a testbed
+        throw std::runtime_error("umockdev's preload is missing: call start_under_umockdev in main()");
+    g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(on_ioctl), this);
+    g_signal_connect(handler_, "client-connected", G_CALLBACK(on_connected), this);
+    thread_ = std::thread([this] { run(); });
+}
+
+Bus::~Bus() {
+    stop_ = true;
+    thread_.join();
+    while (!sockets_.empty()) unplug(sockets_.begin()->first);
+    g_object_unref(handler_);
+    g_object_unref(testbed_);  // ends umockdev's worker: no call comes any more
+}
+
+std::string Bus::real_path(const std::string& node) const {
+    char* root = umockdev_testbed_get_root_dir(testbed_);
+    const std::string path = root + node;
+    g_free(root);
+    return path;
+}
+
+std::string Bus::plug(std::shared_ptr<Model> model, const Plug& plug) {
+    int address = 0;
+    {
+        const std::lock_guard lock(mutex_);
+        if (sockets_.contains(plug.port)) throw std::runtime_error("there is something in port " + plug.port);
+        address = next_address_;
+        next_address_ = next_address_ % 120 + 1;
+        model->power_on();
+    }
+    const Identity& identity = model->identity();
+    char name[32];
+    std::snprintf(name, sizeof name, "bus/usb/001/%03d", address);
+    const std::string node = std::string("/dev/") + name;
+    std::ostringstream text;
+    text << "P: /devices/usb1/" << plug.port << "\nN: " << name
+         << "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\n"
+         << "E: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM=" << name + 12 << "\nE: DEVNAME=" << node << "\n"
+         << "A: busnum=1\\n\nA: devnum=" << address << "\\n\nA: speed=12\\n\nA: bConfigurationValue=1\\n\n"
+         << "A: product=" << identity.name << "\\n\n";
+    if (!plug.serial.empty()) text << "A: serial=" << plug.serial << "\\n\n";
+    text << "H: descriptors=" << hex(descriptors(identity)) << "\n";
+
+    GError* error = nullptr;
+    // First the handler: an opener that finds the node without one would talk to the FIFO.
+    umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler_, &error);
+    check(error, "attach_ioctl");
+    umockdev_testbed_add_from_string(testbed_, text.str().c_str(), &error);
+    check(error, "add_from_string");
+    auto usbfs = std::make_unique<UsbfsNode>(std::move(model), address, real_path(node));
+    const std::string syspath = "/sys/devices/usb1/" + plug.port;
+    {
+        const std::lock_guard lock(mutex_);
+        sockets_[plug.port] = {node, syspath, std::move(usbfs)};
+    }
+    umockdev_testbed_uevent(testbed_, syspath.c_str(), "add");
+    return node;
+}
+
+Bus::Socket& Bus::at(const std::string& port) {
+    const auto found = sockets_.find(port);
+    if (found == sockets_.end()) throw std::runtime_error("nothing is in port " + port);
+    return found->second;
+}
+
+void Bus::unplug(const std::string& port) {
+    Socket socket;
+    {
+        const std::lock_guard lock(mutex_);
+        const auto found = sockets_.find(port);
+        if (found == sockets_.end()) return;
+        socket = std::move(found->second);
+        sockets_.erase(found);
+        socket.usbfs->unplug();
+        pulled_.push_back(std::move(socket.usbfs));
+    }
+    umockdev_testbed_uevent(testbed_, socket.syspath.c_str(), "remove");
+    umockdev_testbed_detach_ioctl(testbed_, socket.node.c_str(), nullptr);
+    ::unlink(real_path(socket.node).c_str());
+    umockdev_testbed_remove_device(testbed_, socket.syspath.c_str());
+}
+
+void Bus::unplug_soon(const std::string& port) {
+    unplug_soon_.push_back(port);
+}
+
+void Bus::freeze(bool frozen) {
+    const std::lock_guard lock(mutex_);
+    frozen_ = frozen;
+    for (auto& [port, socket] : sockets_)
+        if (!frozen) socket.usbfs->serve(frame());
+}
+
+void Bus::wait_until_quiet() {
+    constexpr timespec pause{.tv_sec = 0, .tv_nsec = 5 * frame_ns};
+    for (std::uint64_t before = calls() - 1; before != calls();) {
+        before = calls();
+        nanosleep(&pause, nullptr);
+    }
+}
+
+void Bus::hold_by_another(const std::string& port, bool held) {
+    const std::lock_guard lock(mutex_);
+    at(port).usbfs->hold_by_another(held);
+}
+
+std::string Bus::bound_driver(const std::string& port) {
+    const std::lock_guard lock(mutex_);
+    return at(port).usbfs->bound_driver();
+}
+
+int Bus::claims(const std::string& port) {
+    const std::lock_guard lock(mutex_);
+    return at(port).usbfs->claims();
+}
+
+bool Bus::wait(std::uint64_t frames, const std::function<bool()>& true_now) {
+    std::unique_lock lock(mutex_);
+    const std::uint64_t end = frame() + frames;
+    frame_passed_.wait(lock, [&] { return frame() >= end || true_now(); });
+    return true_now();
+}
+
+gboolean Bus::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer bus) {
+    static_cast<Bus*>(bus)->handle(client);
+    return TRUE;
+}
+
+void Bus::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer bus) {
+    g_signal_connect(client, "notify::connected", G_CALLBACK(on_gone), bus);
+}
+
+void Bus::on_gone(UMockdevIoctlClient* client, GParamSpec*, gpointer self) {
+    Bus& bus = *static_cast<Bus*>(self);
+    const std::lock_guard lock(bus.mutex_);
+    const auto found = bus.clients_.find(client);
+    if (found == bus.clients_.end()) return;
+    UsbfsNode* const node = found->second;
+    node->closed(client);
+    bus.clients_.erase(found);
+    for (const auto& [other, of] : bus.clients_)
+        if (of == node) return;
+    std::erase_if(bus.pulled_, [node](const auto& pulled) { return pulled.get() == node; });
+}
+
+UsbfsNode* Bus::node_of(UMockdevIoctlClient* client) {
+    if (const auto known = clients_.find(client); known != clients_.end()) return known->second;
+    const std::string node = umockdev_ioctl_client_get_devnode(client);
+    for (auto& [port, socket] : sockets_)
+        if (socket.node == node) return clients_[client] = socket.usbfs.get();
+    return nullptr;
+}
+
+void Bus::handle(UMockdevIoctlClient* client) {
+    UsbfsNode::Call call;
+    call.client = client;
+    call.request = umockdev_ioctl_client_get_request(client);
+    UMockdevIoctlData* pointer = umockdev_ioctl_client_get_arg(client);
+    std::memcpy(&call.value, pointer->data, sizeof call.value);
+    const std::size_t bytes = argument_bytes(call.request);
+    call.argument = resolve(pointer, 0, bytes);
+    Result result{.value = -1, .error = EFAULT};
+    if (bytes == 0 || call.argument != nullptr) {
+        if (call.request == USBDEVFS_SUBMITURB) call.urb = submitted(call);
+        if (call.request == USBDEVFS_BULK) call.urb = synchronous(call, frame());
+        const bool whole =
+            call.urb != nullptr || (call.request != USBDEVFS_SUBMITURB && call.request != USBDEVFS_BULK);
+        const std::lock_guard lock(mutex_);
+        calls_.fetch_add(1, std::memory_order_acq_rel);
+        UsbfsNode* node = node_of(client);
+        if (whole)
+            result =
+                node == nullptr ? Result{.value = -1, .error = ENODEV} : node->call(call, frame(), frozen_);
+    }
+    if (!result.later) umockdev_ioctl_client_complete(client, result.value, result.error);
+    if (call.argument != nullptr) g_object_unref(call.argument);
+}
+
+void Bus::run() {
+    timespec due{};
+    clock_gettime(CLOCK_MONOTONIC, &due);
+    while (!stop_) {
+        // No catching up: a frame that a busy machine missed never was.
+        timespec now{};
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        due.tv_nsec += frame_ns;
+        if (due.tv_nsec >= 1'000'000'000) {
+            due.tv_nsec -= 1'000'000'000;
+            ++due.tv_sec;
+        }
+        if (now.tv_sec > due.tv_sec || (now.tv_sec == due.tv_sec && now.tv_nsec > due.tv_nsec)) due = now;
+        clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+        std::vector<std::string> pull;
+        {
+            const std::lock_guard lock(mutex_);
+            if (!frozen_) {
+                const std::uint64_t frame = frame_.fetch_add(1, std::memory_order_acq_rel) + 1;
+                for (auto& [port, socket] : sockets_) {
+                    socket.usbfs->model().frame(frame);
+                    socket.usbfs->serve(frame);
+                }
+            }
+            pull.swap(unplug_soon_);
+        }
+        frame_passed_.notify_all();
+        for (const std::string& port : pull) unplug(port);
+    }
+}
+
+}  // namespace knurl::drivers::usb_emulator
