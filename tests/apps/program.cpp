@@ -107,6 +107,10 @@ Servo::~Servo() {
     ::waitpid(pid_, nullptr, 0);
 }
 
+std::string knurl_program() {
+    return KNURL_PROGRAM;
+}
+
 Outcome knurl(std::vector<std::string> words) {
     words.insert(words.begin(), KNURL_PROGRAM);
     return run(words);

@@ -16,6 +16,8 @@ struct Outcome {
 
 /// Runs a program to its end.
 Outcome run(const std::vector<std::string>& words);
+/// Where `knurl` is.
+std::string knurl_program();
 /// `knurl WORDS...`
 Outcome knurl(std::vector<std::string> words);
 

@@ -1,0 +1,154 @@
+// knurl devices: what is plugged in, what is in the way, and the command that mends it.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <knurl/drivers/registry.hpp>
+#include <knurl/drivers/usb_list.hpp>
+
+#include "servo_view.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+using drivers::UsbDevice;
+using nlohmann::json;
+
+/// Where Knurl's rules are installed; empty: nowhere.
+std::string installed_rules() {
+    for (const char* folder : {"/etc/udev/rules.d", "/run/udev/rules.d", "/usr/local/lib/udev/rules.d",
+                               "/usr/lib/udev/rules.d", "/lib/udev/rules.d"}) {
+        const std::filesystem::path file = std::filesystem::path(folder) / "70-knurl.rules";
+        std::error_code none;
+        if (std::filesystem::exists(file, none)) return file.string();
+    }
+    return "";
+}
+
+struct Seen {
+    UsbDevice device;
+    std::string held_by;  // "left of knurl:default (pid 12)"
+    std::string problem;  // empty: ready
+    std::string mend;     // the command
+};
+
+std::string holder(const UsbDevice& device, const std::vector<ServoView>& servos) {
+    for (const ServoView& servo : servos) {
+        for (const DeviceView& view : servo.devices) {
+            const std::string_view address = view.info.address;
+            const bool named = !device.serial.empty() && view.info.serial == device.serial;
+            const bool by_port = address.find("port=" + device.port) != std::string_view::npos;
+            if (address.starts_with(device.scheme + ":") && (named || by_port))
+                return fmt::format("{} of knurl:{} (pid {})", view.info.name, servo.name, servo.pid);
+        }
+    }
+    return "";
+}
+
+/// One rule for this kind of device, without the package.
+std::string install_rule(const UsbDevice& device) {
+    return fmt::format(
+        "echo '{}' | sudo tee /etc/udev/rules.d/70-knurl.rules && sudo udevadm control --reload && sudo "
+        "udevadm "
+        "trigger",
+        drivers::udev_rule(device));
+}
+
+Seen look(const UsbDevice& device, const std::vector<ServoView>& servos) {
+    Seen seen{.device = device, .held_by = holder(device, servos), .problem = {}, .mend = {}};
+    if (device.accessible || !seen.held_by.empty()) return seen;
+    const std::string rules = installed_rules();
+    if (rules.empty()) {
+        seen.problem = "no right to open it: there is no udev rule for it";
+        seen.mend = install_rule(device);
+    } else {
+        seen.problem = fmt::format("no right to open it, though {} is there", rules);
+        seen.mend = "sudo usermod --append --groups haptics $USER (then log in again), or plug it in again";
+    }
+    return seen;
+}
+
+void print_text(const std::vector<Seen>& plugged, const std::string& no_usb) {
+    if (!no_usb.empty()) {
+        fmt::print("USB cannot be looked at: {}\n", no_usb);
+    } else if (plugged.empty()) {
+        fmt::print("nothing that Knurl drives is plugged into USB\n");
+    }
+    for (const Seen& seen : plugged) {
+        fmt::print("{}  {} at {} ({}): {}\n", seen.device.address(),
+                   seen.device.name.empty() ? seen.device.scheme : seen.device.name, seen.device.port,
+                   seen.device.node,
+                   !seen.problem.empty()  ? seen.problem
+                   : seen.held_by.empty() ? "ready"
+                                          : "run as " + seen.held_by);
+        if (!seen.mend.empty()) fmt::print("  mend it: {}\n", seen.mend);
+        if (seen.device.scheme == "falcon" && seen.held_by.empty() && seen.problem.empty()) {
+            fmt::print(
+                "  since it got power it may need its firmware, which is Novint's and not part of Knurl: {},"
+                "firmware=nvent_firmware.bin\n",
+                seen.device.address());
+        }
+    }
+    fmt::print("drivers of this build, for knurld --device:\n");
+    for (const drivers::Driver& driver : drivers::drivers())
+        fmt::print("  {}:{}\n", driver.scheme, driver.help);
+    if (!plugged.empty() && plugged.front().problem.empty())
+        fmt::print("try one: knurl device test {}\n", plugged.front().device.address());
+}
+
+int list(bool as_json) {
+    std::vector<UsbDevice> found;
+    std::string no_usb;
+    try {
+        found = drivers::usb_devices();
+    } catch (const std::runtime_error& error) {
+        no_usb = error.what();
+    }
+    const std::vector<ServoView> servos = look_at_all();
+    std::vector<Seen> plugged;
+    for (const UsbDevice& device : found) plugged.push_back(look(device, servos));
+    if (!as_json) {
+        print_text(plugged, no_usb);
+        return 0;
+    }
+    json devices = json::array();
+    for (const Seen& seen : plugged) {
+        devices.push_back({{"address", seen.device.address()},
+                           {"driver", seen.device.scheme},
+                           {"name", seen.device.name},
+                           {"serial", seen.device.serial},
+                           {"port", seen.device.port},
+                           {"node", seen.device.node},
+                           {"vendor", seen.device.vendor},
+                           {"product", seen.device.product},
+                           {"accessible", seen.device.accessible},
+                           {"held_by", seen.held_by},
+                           {"problem", seen.problem},
+                           {"mend", seen.mend}});
+    }
+    json known = json::array();
+    for (const drivers::Driver& driver : drivers::drivers())
+        known.push_back({{"scheme", driver.scheme}, {"help", driver.help}});
+    fmt::print("{}\n", json{{"devices", devices}, {"drivers", known}, {"usb_problem", no_usb}}.dump(
+                           2, ' ', false, json::error_handler_t::replace));
+    return 0;
+}
+
+}  // namespace
+
+void add_devices(CLI::App& program, Run& run) {
+    auto* verb = program.add_subcommand(
+        "devices", "What is plugged in, what is in the way (rights, firmware), and what mends it");
+    auto as_json = std::make_shared<bool>(false);
+    verb->add_flag("--json", *as_json, "the same for programs");
+    verb->footer("Opens no device. Nothing plugged in is an answer too: exit code 0.");
+    verb->callback([&run, as_json] { run = [as_json] { return list(*as_json); }; });
+}
+
+}  // namespace knurl::cli

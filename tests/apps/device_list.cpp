@@ -1,0 +1,102 @@
+// `knurl devices`: what is plugged in, what is in the way, and the command that mends it. On a bus that
+// umockdev plays.
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "program.hpp"
+
+namespace knurl::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+// A root hub and a Falcon, as sysfs and the descriptors have them.
+constexpr const char* bus = R"(P: /devices/pci0000:00/0000:00:14.0/usb1
+N: bus/usb/001/001
+E: DEVNAME=/dev/bus/usb/001/001
+E: DEVTYPE=usb_device
+E: SUBSYSTEM=usb
+E: BUSNUM=001
+E: DEVNUM=001
+A: busnum=1
+A: devnum=1
+A: idVendor=1d6b
+A: idProduct=0002
+A: speed=480
+A: bConfigurationValue=1
+H: descriptors=12010002090001406b1d020006060302010109021900010100e0000904000001090000000705810304000c
+
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-2
+N: bus/usb/001/004
+E: DEVNAME=/dev/bus/usb/001/004
+E: DEVTYPE=usb_device
+E: SUBSYSTEM=usb
+E: BUSNUM=001
+E: DEVNUM=004
+A: busnum=1
+A: devnum=4
+A: idVendor=0403
+A: idProduct=cb48
+A: product=FALCON HAPTIC
+A: serial=FALCON01
+A: speed=12
+A: bConfigurationValue=1
+H: descriptors=1201100100000008030448cb0006010203010902200001010080320904000002ffffff020705810240000007050202400000
+)";
+
+/// Runs it on that bus.
+Outcome on_the_bus(const std::string& text, const std::string& words) {
+    const Folder folder;
+    return run({"/usr/bin/env", "umockdev-run", "-d", folder.file("bus", text), "--", "/bin/sh", "-c",
+                knurl_program() + " " + words});
+}
+
+/// The same as nobody, to whom the node is read-only.
+Outcome as_nobody(const std::string& words) {
+    const Folder folder;
+    std::filesystem::permissions(folder.path(""), std::filesystem::perms(0755));
+    const std::string program =
+        folder.path("knurl");  // the folder that it was built in may be closed to nobody
+    std::filesystem::copy_file(knurl_program(), program);
+    return run({"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "/usr/bin/env", "umockdev-run", "-d",
+                folder.file("bus", bus), "--", "/bin/sh", "-c",
+                "chmod 444 $UMOCKDEV_DIR/dev/bus/usb/001/004 && " + program + " " + words});
+}
+
+TEST(Devices, WhatIsPluggedInIsListedWithItsAddress) {
+    const Outcome text = on_the_bus(bus, "devices");
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_THAT(text.out, HasSubstr("falcon:FALCON01  FALCON HAPTIC at 1-2 (/dev/bus/usb/001/004): ready"));
+    EXPECT_THAT(text.out, HasSubstr("firmware=")) << "what it may need next";
+    const json list = json::parse(on_the_bus(bus, "devices --json").out).at("devices");
+    ASSERT_EQ(list.size(), 1u);
+    EXPECT_EQ(list[0].at("address"), "falcon:FALCON01");
+    EXPECT_EQ(list[0].at("problem"), "");
+}
+
+TEST(Devices, WithoutTheRightToOpenItSaysWhatGivesIt) {
+    if (geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
+    const Outcome text = as_nobody("devices");
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_THAT(text.out, HasSubstr("no right to open it"));
+    EXPECT_THAT(text.out, testing::AnyOf(HasSubstr("ATTR{idVendor}==\"0403\", ATTR{idProduct}==\"cb48\""),
+                                         HasSubstr("usermod --append --groups haptics")));
+    EXPECT_THAT(text.out, Not(HasSubstr("ready")));
+}
+
+TEST(Devices, NothingPluggedInIsAnAnswer) {
+    const Outcome text = on_the_bus("", "devices");
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_THAT(text.out, HasSubstr("nothing that Knurl drives is plugged into USB"));
+    EXPECT_THAT(text.out, HasSubstr("sim:"));
+}
+
+}  // namespace
+}  // namespace knurl::test
