@@ -4,6 +4,7 @@
 #include <knurl/drivers/sim_device.hpp>
 
 #include "falcon/device.hpp"
+#include "spacemouse/device.hpp"
 
 namespace knurl::drivers {
 
@@ -11,6 +12,7 @@ std::vector<Driver>& drivers() {
     static std::vector<Driver> all = {
         sim_driver(),
         falcon::driver(),
+        spacemouse::driver(),
     };
     return all;
 }

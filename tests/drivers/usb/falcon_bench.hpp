@@ -17,6 +17,7 @@
 
 #include <knurl/drivers/delta.hpp>
 #include <knurl/drivers/registry.hpp>
+#include <knurl/drivers/usb_list.hpp>
 
 #include "bus.hpp"
 #include "falcon_model.hpp"
