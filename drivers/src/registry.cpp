@@ -5,6 +5,7 @@
 
 #include "falcon/device.hpp"
 #include "spacemouse/device.hpp"
+#include "wooden/device.hpp"
 
 namespace knurl::drivers {
 
@@ -13,6 +14,7 @@ std::vector<Driver>& drivers() {
         sim_driver(),
         falcon::driver(),
         spacemouse::driver(),
+        wooden::driver(),
     };
     return all;
 }

@@ -4,6 +4,7 @@
 
 #include "falcon/device.hpp"
 #include "spacemouse/device.hpp"
+#include "wooden/device.hpp"
 #include "usb/session.hpp"
 
 namespace knurl::drivers {
@@ -28,6 +29,7 @@ std::vector<UsbDevice> usb_devices() {
     };
     add(falcon::ids, "falcon");
     add(spacemouse::ids, "spacemouse");
+    add(wooden::ids, "wooden");
     std::ranges::sort(all, {}, &UsbDevice::port);
     return all;
 }
