@@ -4,6 +4,8 @@
 #include <knurl/drivers/sim_device.hpp>
 
 #include "falcon/device.hpp"
+#include "spacemouse/device.hpp"
+#include "wooden/device.hpp"
 
 namespace knurl::drivers {
 
@@ -11,6 +13,8 @@ std::vector<Driver>& drivers() {
     static std::vector<Driver> all = {
         sim_driver(),
         falcon::driver(),
+        spacemouse::driver(),
+        wooden::driver(),
     };
     return all;
 }

@@ -1,13 +1,24 @@
 // Forward kinematics + Jacobian + J^T F, as a servo's cycle does them. Inputs change each time.
+//   knurl_bench_kinematics [Google Benchmark's options]
+//   knurl_bench_kinematics --error FILE.json     the delta's run time against error;
+//   scripts/plot_kinematics.py
 
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
 #include <numbers>
 
 #include <benchmark/benchmark.h>
+#include <nlohmann/json.hpp>
 
+#include <knurl/drivers/delta.hpp>
 #include <knurl/drivers/serial_chain.hpp>
 #include <knurl/drivers/sim_profile.hpp>
+
+#include "delta_error.hpp"
+#include "measure.hpp"
 
 namespace {
 
@@ -59,6 +70,10 @@ void cartesian(benchmark::State& state) {
     const SimProfile profile = sim_profile("cartesian3");
     cycle(state, *profile.mechanism, profile.centre);
 }
+void delta(benchmark::State& state) {
+    const Delta falcon(falcon_delta());
+    cycle(state, falcon, {0.48, 0.48, 0.48});
+}
 /// The reference beside them: three sines and cosines.
 void three_sincos(benchmark::State& state) {
     double x = 0.1;
@@ -72,12 +87,52 @@ void three_sincos(benchmark::State& state) {
     }
 }
 
+int write_errors(const char* path, const knurl::measure::Machine& machine) {
+    nlohmann::ordered_json json =
+        nlohmann::ordered_json::parse(knurl::measure::to_json({.machine = machine, .results = {}}));
+    json["points"] = nlohmann::ordered_json::array();
+    for (const DeltaPoint& point : delta_run_time_against_error()) {
+        std::printf("%4.2f m/s  %-20s %d steps  %6.1f ns  worst %.2g m  median %.2g m%s\n", point.speed,
+                    point.start.c_str(), point.steps, point.ns, point.worst, point.median,
+                    point.knurl ? "  <- Knurl" : "");
+        json["points"].push_back({{"start", point.start},
+                                  {"speed", point.speed},
+                                  {"steps", point.steps},
+                                  {"ns", point.ns},
+                                  {"worst", point.worst},
+                                  {"median", point.median},
+                                  {"knurl", point.knurl}});
+    }
+    std::ofstream out(path);
+    out << json.dump(1) << "\n";
+    if (!out.flush()) {
+        std::fprintf(stderr,
+                     "knurl_bench_kinematics: %s: cannot be written; check the folder and the space left\n",
+                     path);
+        return 1;
+    }
+    return 0;
+}
+
 BENCHMARK(three_sincos);
 BENCHMARK(cartesian);
 BENCHMARK(three_axes);
 BENCHMARK(six_axes);
 BENCHMARK(seven_axes);
+BENCHMARK(delta);
 
 }  // namespace
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+    const knurl::measure::Machine machine = knurl::measure::this_machine();
+    std::fprintf(stderr, "%s, %u CPUs, Linux %s, load %s; %s, %s\n", machine.processor.c_str(), machine.cpus,
+                 machine.kernel.c_str(), machine.load.c_str(), machine.build.c_str(), machine.date.c_str());
+    if (argc == 3 && std::strcmp(argv[1], "--error") == 0) {
+        return write_errors(argv[2], machine);
+    }
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
+        return 2;
+    }
+    benchmark::RunSpecifiedBenchmarks();
+}

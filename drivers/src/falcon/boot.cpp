@@ -13,7 +13,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint8_t endpoint_in = 0x81, endpoint_out = 0x02, vendor_out = 0x40;
+constexpr std::uint8_t vendor_out = 0x40;
 constexpr std::uint16_t dtr_high = 0x0101, dtr_low = 0x0100, rts_low = 0x0200;
 constexpr std::uint16_t baud_9600 = 0x4138, baud_boot = 0x15, baud_run = 0x2;
 constexpr std::uint16_t eight_n_one = 8;
@@ -32,14 +32,14 @@ std::vector<std::uint8_t> hear(usb::Session& session, std::size_t most, millisec
         const auto left = std::chrono::duration_cast<milliseconds>(end - Clock::now());
         if (left.count() <= 0) break;
         std::array<std::uint8_t, 64> packet{};
-        const std::size_t n = session.read(endpoint_in, packet, left);
+        const std::size_t n = session.read(packet, left);
         for (std::size_t i = status_bytes; i < n; ++i) heard.push_back(packet[i]);
     }
     return heard;
 }
 
 bool say(usb::Session& session, std::span<const std::uint8_t> bytes) {
-    return session.write(endpoint_out, bytes, echo_patience) == bytes.size();
+    return session.write(bytes, echo_patience) == bytes.size();
 }
 
 /// The ROM's monitor answers.
@@ -75,7 +75,7 @@ std::string boot(usb::Session& session, const Firmware& firmware) {
     ftdi(session, Ftdi::modem, rts_low);
     ftdi(session, Ftdi::modem, dtr_low);
     ftdi(session, Ftdi::modem, dtr_high);
-    if (!greet(session)) return "its boot ROM does not answer";
+    if (!greet(session)) return rom_is_silent;
 
     ftdi(session, Ftdi::modem, dtr_low);
     ftdi(session, Ftdi::baud, baud_boot);

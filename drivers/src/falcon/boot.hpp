@@ -9,6 +9,7 @@
 namespace knurl::drivers::falcon {
 
 inline constexpr int boot_attempts = 5;
+inline constexpr const char* rom_is_silent = "its boot ROM does not answer";
 
 /// FTDI, AN232B-04 and the Linux driver ftdi_sio: bmRequestType 0x40, wIndex 0.
 enum class Ftdi : std::uint8_t { reset = 0, modem = 1, flow = 2, baud = 3, data = 4, event = 6, latency = 9 };

@@ -24,11 +24,10 @@ bool Protocol::run(usb::Session& session, usb::Reading& first, int attempts) {
     for (int i = 0; i < attempts; ++i) {
         std::array<std::uint8_t, usb::packet_bytes> packet{};
         const std::size_t length = pack({}, packet);
-        if (session.write(endpoints().out, std::span(packet.data(), length), answer_patience) != length)
-            return false;
+        if (session.write(std::span(packet.data(), length), answer_patience) != length) return false;
         const auto end = std::chrono::steady_clock::now() + answer_patience;
         while (std::chrono::steady_clock::now() < end) {
-            const std::size_t n = session.read(endpoints().in, packet, answer_patience);
+            const std::size_t n = session.read(packet, answer_patience);
             if (hear(std::span(packet.data(), n), first).reading) return true;
         }
     }
@@ -44,11 +43,12 @@ void Protocol::start(usb::Session& session, usb::Reading& first) {
     std::string why;
     for (int attempt = 0; attempt < boot_attempts; ++attempt) {
         why = boot(session, *firmware_);
+        if (why == rom_is_silent) break;  // it has been asked often enough
         if (!why.empty()) continue;
         if (run(session, first, asks_booted)) return;
         why = "the firmware was loaded (sha256 " + firmware_->sha256 + ") and does not answer";
     }
-    throw std::runtime_error(who + " did not boot in " + std::to_string(boot_attempts) + " attempts: " + why +
+    throw std::runtime_error(who + " does not boot: " + why +
                              "; unplug it, check its power supply, plug it in again");
 }
 

@@ -19,7 +19,6 @@ class Protocol final : public usb::Protocol {
     Protocol(std::optional<Firmware> firmware, bool event_character)
         : firmware_(std::move(firmware)), event_character_(event_character) {}
 
-    usb::Endpoints endpoints() const override { return {.interface = 0, .in = 0x81, .out = 0x02}; }
     void start(usb::Session& session, usb::Reading& first) override;
     std::size_t pack(const usb::Orders& orders,
                      std::span<std::uint8_t, usb::packet_bytes> packet) noexcept override;

@@ -1,15 +1,20 @@
 // "premium15,grip=0.5,tremor=0.2" -> SimProfile.
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+
+#include <knurl/drivers/arm_file.hpp>
 
 #include "sim/profiles.hpp"
 
 namespace knurl::drivers {
 
 namespace {
+
+constexpr std::string_view arm_prefix = "arm=";
 
 struct Option {
     std::string_view name;
@@ -42,12 +47,21 @@ constexpr Option options[] = {
     {"coulomb", "N", 0, 5, "dry friction at the tip", [](SimProfile& p, double v) { p.coulomb = v; }},
     {"gravity", "m/s^2", 0, 20, "along -z, not compensated", [](SimProfile& p, double v) { p.gravity = v; }},
     {"quantum", "m", 1e-9, 1e-2, "an encoder's count at the tip; 0: continuous",
-     [](SimProfile& p, double v) { p.quantum = v; }, true},
+     [](SimProfile& p, double v) {
+         p.quantum = v;
+         p.radians_per_count = {};
+     },
+     true},
     {"lag", "Hz", 10, 20000, "corner of the actuators' lag; 0: none",
      [](SimProfile& p, double v) { p.lag = v; }, true},
     {"dac", "bits", 2, 24, "resolution of the efforts; 0: continuous",
      [](SimProfile& p, double v) { p.dac_bits = std::round(v); }, true},
-    {"limit", "N", 0.1, 50, "peak force at the tip", [](SimProfile& p, double v) { p.peak_force = v; }},
+    {"limit", "N", 0.1, 50, "peak force at the tip",
+     [](SimProfile& p, double v) {
+         for (double& effort : p.effort_limit) effort *= v / p.peak_force;
+         p.continuous_force = std::min(p.continuous_force, v);
+         p.peak_force = v;
+     }},
     {"watchdog", "s", 1e-3, 10, "motors go off after so long without a write; 0: has none",
      [](SimProfile& p, double v) { p.watchdog = v; }, true},
 };
@@ -103,11 +117,14 @@ void apply(std::string_view item, std::string_view address, SimProfile& profile,
 
 SimProfile sim_profile(std::string_view address) {
     const auto comma = address.find(',');
+    const std::string_view name = address.substr(0, comma);
     SimProfile profile;
-    if (!make_named_profile(address.substr(0, comma), profile)) {
-        throw std::runtime_error("no simulated device \"" + std::string(address.substr(0, comma)) +
-                                 "\"; there are " +
-                                 listed(sim_profile_names(), [](const std::string& name) { return name; }));
+    if (name.starts_with(arm_prefix)) {
+        profile = sim_profile_of(find_arm(std::string(name.substr(arm_prefix.size()))));
+    } else if (!make_named_profile(name, profile)) {
+        throw std::runtime_error("no simulated device \"" + std::string(name) + "\"; there are " +
+                                 listed(sim_profile_names(), [](const std::string& known) { return known; }) +
+                                 ", and arm=FILE.toml");
     }
     bool normal_given = false;
     for (auto at = comma; at != std::string_view::npos;) {

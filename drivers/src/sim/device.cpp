@@ -5,11 +5,9 @@
 #include <span>
 #include <stdexcept>
 
-#include <Eigen/Cholesky>
-
+#include <knurl/drivers/reach.hpp>
 #include <knurl/drivers/sim_device.hpp>
 
-#include "rotation_vector.hpp"
 #include "sim/arm.hpp"
 #include "sim/hand.hpp"
 
@@ -30,43 +28,14 @@ bool during(std::int64_t at, std::int64_t reads, std::uint64_t read) {
     return at >= 0 && read >= static_cast<std::uint64_t>(at) && read < static_cast<std::uint64_t>(at + reads);
 }
 
-/// The joints that bring the tip to where a motion starts (and turn it so, if both know orientation), by
-/// damped Newton steps from the profile's centre. Only at start.
-JointArray reach(const SimProfile& profile, const Motion& motion) {
-    constexpr int steps = 300;
-    constexpr double longest = 0.02;  // m and, times ten, rad in one step
+/// The joints that bring the tip to where a motion starts (and turn it so, if both know orientation). Only at
+/// start.
+JointArray start_of(const SimProfile& profile, const Motion& motion) {
     const MotionRow& start = motion.rows().front();
-    const bool turned = motion.has_orientation() && profile.renders_torque;
-    JointArray q = profile.centre;
-    TipPose pose;
-    Jacobian jacobian;
-    for (int step = 0; step < steps; ++step) {
-        if (!profile.mechanism->forward({q.data(), static_cast<std::size_t>(profile.joints)}, pose,
-                                        jacobian)) {
-            break;
-        }
-        Eigen::Matrix<double, 6, 1> miss = Eigen::Matrix<double, 6, 1>::Zero();
-        miss.head<3>() = start.position - pose.position;
-        if (turned) {
-            miss.tail<3>() = rotation_vector(pose.orientation, start.orientation) * 0.1;
-            jacobian.bottomRows<3>() *= 0.1;
-        } else {
-            jacobian.bottomRows<3>().setZero();
-        }
-        if (miss.norm() < 1e-12) {
-            return q;
-        }
-        miss *= std::min(1.0, longest / miss.norm());
-        const Eigen::Matrix<double, 6, 6> square =
-            jacobian * jacobian.transpose() + 1e-12 * Eigen::Matrix<double, 6, 6>::Identity();
-        const Eigen::Matrix<double, 8, 1> change = jacobian.transpose() * square.ldlt().solve(miss);
-        for (std::size_t i = 0; i < static_cast<std::size_t>(profile.joints); ++i) {
-            q[i] += change[static_cast<Eigen::Index>(i)];
-        }
-    }
-    if ((start.position - pose.position).norm() < 1e-9 &&
-        (!turned || pose.orientation.angularDistance(start.orientation) < 1e-6)) {
-        return q;
+    std::optional<Eigen::Quaterniond> turned;
+    if (motion.has_orientation() && profile.senses_orientation) turned = start.orientation;
+    if (const auto joints = reach(*profile.mechanism, profile.centre, start.position, turned)) {
+        return *joints;
     }
     throw std::runtime_error(profile.name + " cannot reach the start of the hand's motion, " +
                              std::to_string(start.position.x()) + "," + std::to_string(start.position.y()) +
@@ -78,18 +47,24 @@ LinkConfig describe(const SimProfile& p) {
     LinkConfig link;
     link.name = p.name;
     link.description = p.description;
-    link.sensed_joints = link.actuated_joints = p.joints;
-    link.senses_orientation = link.renders_torque = p.renders_torque;
+    link.sensed_joints = p.joints;
+    link.actuated_joints = p.joints - p.passive_joints;
+    link.senses_orientation = p.senses_orientation;
+    link.renders_torque = p.renders_torque;
     for (std::size_t i = 0; i < static_cast<std::size_t>(p.joints); ++i) {
-        link.radians_per_count.push_back(p.quantum / p.lever[i]);
-        link.effort_limit.push_back(p.peak_force * p.largest_lever[i]);
+        const double stated = p.radians_per_count[i];
+        link.radians_per_count.push_back(stated > 0 ? stated : p.quantum / p.lever[i]);
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(link.actuated_joints); ++i) {
+        const double stated = p.effort_limit[i];
+        link.effort_limit.push_back(stated > 0 ? stated : p.peak_force * p.largest_lever[i]);
     }
     link.workspace_radius = p.workspace_radius;
     link.peak_force = p.peak_force;
-    link.continuous_force = p.peak_force / 2;
+    link.continuous_force = p.continuous_force > 0 ? p.continuous_force : p.peak_force / 2;
     link.peak_torque = p.peak_torque;
     link.damping = p.damping;
-    if (p.renders_torque) link.rotational_damping = p.rotational_damping;
+    if (p.senses_orientation) link.rotational_damping = p.rotational_damping;
     link.lag = p.lag > 0 ? 1 / (2 * std::numbers::pi * p.lag) : 0;
     link.grip_damping = p.hand.grip * p.hand.damping;
     link.apparent_mass = p.mass;
@@ -132,7 +107,7 @@ struct SimDevice::Body {
     /// The tip where the hand's motion starts, else where it is.
     MotionSample placed(const std::optional<Motion>& motion) {
         if (motion) {
-            arm.place(reach(profile, *motion), {});
+            arm.place(start_of(profile, *motion), {});
         }
         return tip();
     }
@@ -330,7 +305,7 @@ bool SimDevice::write(Nanoseconds, const JointEfforts& efforts) noexcept {
     ++body.state.writes;
     body.written = body.simulated;
     body.asleep = false;
-    const auto joints = static_cast<std::size_t>(body.profile.joints);
+    const auto joints = static_cast<std::size_t>(body.link.actuated_joints);
     const std::span<const double> asked(efforts.data(), joints);
     if (!std::all_of(asked.begin(), asked.end(), [](double effort) { return std::isfinite(effort); })) {
         ++body.state.refused_efforts;

@@ -1,16 +1,20 @@
 #include "sim/profiles.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include <knurl/drivers/arm_file.hpp>
 #include <knurl/drivers/cartesian.hpp>
-#include <knurl/drivers/serial_chain.hpp>
+#include <knurl/drivers/delta.hpp>
+#include <knurl/drivers/reach.hpp>
 
 namespace knurl::drivers {
 
 namespace {
 
 constexpr double degrees = std::numbers::pi / 180;
+constexpr double least_lever = 1e-3;  // m/rad: of an axis that only turns the tip
 
 SimProfile cartesian3() {
     SimProfile p;
@@ -21,24 +25,18 @@ SimProfile cartesian3() {
     return p;
 }
 
-/// The PHANToM Premium 1.5 without its wrist. Link lengths: Cavusoglu, Feygin & Tendick, "A Critical Study of
-/// the Mechanical and Electrical Properties of the PHANToM Haptic Interface", Presence 11(6), 2002. Its
-/// parallelogram measures both arm angles from the base. Dynamics are those of every profile here, not the
-/// real arm's.
+/// The PHANToM Premium 1.5 without its wrist: rows and coupling of arms/premium15.toml. Dynamics are those of
+/// every profile here, not the real arm's (arm=premium15 has those).
 SimProfile premium15() {
-    constexpr double upper = 0.215, fore = 0.170;  // m
+    SerialChainTable table = find_arm("premium15").table;
+    const double upper = table.rows[1].a, fore = table.rows[2].a;  // m
     // Upper arm 20 degrees above the horizontal, forearm straight down: 0.22 m from the shoulder, half-way
     // between stretched (0.385) and folded (0.045). The device frame's origin is the tip in this posture; x
     // points away from the base, z up.
     constexpr double arm = 20 * degrees, forearm = 0;
     const double reach = upper * std::cos(arm) + fore * std::sin(forearm);
     const double height = upper * std::sin(arm) - fore * std::cos(forearm);
-
-    SerialChainTable table;
-    table.rows = {{.alpha = 90 * degrees}, {.a = upper}, {.theta = -90 * degrees, .a = fore}};
-    table.coupling = Eigen::Matrix3d{{1, 0, 0}, {0, 1, 0}, {0, -1, 1}};
     table.base.translation() = Eigen::Vector3d(-reach, 0, -height);
-    table.position_only = true;
 
     SimProfile p;
     p.name = "premium15";
@@ -54,39 +52,26 @@ SimProfile premium15() {
     return p;
 }
 
-/// Six axes with invented figures, to exercise orientation and torque: no such device exists.
-SimProfile generic6() {
-    constexpr double upper = 0.25, fore = 0.20, tool = 0.03;      // m
-    constexpr double arm = 30 * degrees, forearm = 15 * degrees;  // of the forearm from straight down
-    SerialChainTable table;
-    table.rows = {{.alpha = 90 * degrees}, {.a = upper},
-                  {.alpha = 90 * degrees}, {.d = fore, .alpha = -90 * degrees},
-                  {.alpha = 90 * degrees}, {.d = tool}};
-    table.coupling = Eigen::MatrixXd::Identity(6, 6);
-    table.coupling(2, 1) = -1;
+/// The Novint Falcon's mechanism and encoders, its centre at the origin, turned so that x points from its
+/// body to the hand and z up. Dynamics are those of every profile here.
+SimProfile falcon() {
+    DeltaTable table = falcon_delta();
+    table.base.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+    table.base.translation() = -falcon_centre * Eigen::Vector3d::UnitX();
+    const auto delta = std::make_shared<Delta>(table);
 
     SimProfile p;
-    p.name = "generic6";
-    p.description = "simulated: six axes with torque; all figures are invented";
-    p.joints = 6;
-    p.renders_torque = true;
-    p.centre = {0, arm, forearm, 0, 75 * degrees, 0};
-    // Where the tip is in that posture becomes the device frame's origin; the axes stay the base's.
-    TipPose pose;
-    Jacobian jacobian;
-    SerialChain(table).forward(p.centre, pose, jacobian);
-    table.base.translation() = -pose.position;
-    p.mechanism = std::make_shared<SerialChain>(table);
-    p.lever = {0.25, upper, fore, 0.06, 0.06, 0.06, 1, 1};
-    p.largest_lever = {0.45, 0.30, 0.25, 0.06, 0.06, 0.06, 1, 1};
-    p.least[4] = 15 * degrees;  // the wrist is singular when stretched
-    p.greatest[4] = 165 * degrees;
-    p.mass = 0.25;
-    p.rotational_inertia = 2e-4;
-    p.joint_inertia = 1e-4;
-    p.rotational_damping = 2e-3;
-    p.peak_torque = 0.3;
-    p.stop_radius = 0.13;
+    p.name = "falcon";
+    p.description = "simulated: the Novint Falcon's mechanism and encoders, dynamics invented";
+    p.mechanism = delta;
+    p.joints = 3;
+    delta->inverse(Eigen::Vector3d::Zero(), std::span(p.centre).first<3>());
+    p.radians_per_count = every_joint(falcon_radians_per_count);
+    p.workspace_radius = 0.05;
+    p.stop_radius = 0.052;  // a millimetre or two further the legs begin to run out
+    p.peak_force = 8;
+    set_levers(p);
+    p.quantum = falcon_radians_per_count * p.lever[0];
     return p;
 }
 
@@ -95,14 +80,46 @@ struct Named {
     SimProfile (*make)();
 };
 
-constexpr Named profiles[] = {{"cartesian3", cartesian3}, {"premium15", premium15}, {"generic6", generic6}};
+// Arms from files come after these.
+constexpr Named profiles[] = {{"cartesian3", cartesian3}, {"premium15", premium15}, {"falcon", falcon}};
 
 }  // namespace
+
+void set_levers(SimProfile& profile) {
+    const Mechanism& mechanism = *profile.mechanism;
+    const auto joints = static_cast<std::size_t>(profile.joints);
+    TipPose pose;
+    Jacobian jacobian;
+    const auto lever = [&](std::size_t joint) {
+        return jacobian.col(static_cast<Eigen::Index>(joint)).head<3>().norm();
+    };
+    mechanism.forward({profile.centre.data(), joints}, pose, jacobian);
+    for (std::size_t i = 0; i < joints; ++i) {
+        profile.lever[i] = profile.largest_lever[i] = std::max(lever(i), least_lever);
+    }
+    // The middle and the edge of the workspace, along the 26 directions of a cube's faces, edges and corners.
+    for (int k = 0; k < 27; ++k) {
+        const Eigen::Vector3d way(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        for (const double distance : {0.5, 1.0}) {
+            const Eigen::Vector3d position = distance * profile.workspace_radius * way.normalized();
+            const auto there = reach(mechanism, profile.centre, position);
+            if (!there || !mechanism.forward({there->data(), joints}, pose, jacobian)) continue;
+            for (std::size_t i = 0; i < joints; ++i) {
+                profile.largest_lever[i] = std::max(profile.largest_lever[i], lever(i));
+            }
+        }
+    }
+}
 
 std::vector<std::string> sim_profile_names() {
     std::vector<std::string> names;
     for (const Named& profile : profiles) {
         names.emplace_back(profile.name);
+    }
+    for (const std::string& arm : shipped_arms()) {
+        if (std::find(names.begin(), names.end(), arm) == names.end()) {
+            names.push_back(arm);
+        }
     }
     return names;
 }
@@ -114,7 +131,12 @@ bool make_named_profile(std::string_view name, SimProfile& profile) {
             return true;
         }
     }
-    return false;
+    const std::vector<std::string> arms = shipped_arms();
+    if (std::find(arms.begin(), arms.end(), name) == arms.end()) {
+        return false;
+    }
+    profile = sim_profile_of(find_arm(std::string(name)));
+    return true;
 }
 
 }  // namespace knurl::drivers

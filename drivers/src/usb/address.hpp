@@ -35,7 +35,7 @@ class Address {
     Wanted wanted_;
     std::string what_;
     std::vector<Option> options_;
-    std::vector<std::string> known_ = {"port"};
+    std::vector<std::string> known_;
     std::string taken_;
 };
 

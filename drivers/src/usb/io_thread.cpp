@@ -25,12 +25,10 @@ Nanoseconds monotonic() noexcept {
 IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priority)
     : wanted_(std::move(wanted)),
       protocol_(std::move(protocol)),
-      endpoints_(protocol_->endpoints()),
       poke_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (poke_ < 0) throw std::runtime_error(std::string("usb: eventfd: ") + std::strerror(errno));
     std::array<std::uint8_t, packet_bytes> zero{};
-    const std::size_t length = protocol_->pack({}, zero);
-    zero_line_.emplace(endpoints_.out, std::span(zero.data(), length));
+    zero_line_.emplace(std::span(zero.data(), protocol_->takes_efforts() ? protocol_->pack({}, zero) : 0));
     for (auto& [list, n] : {std::pair{&in_, transfers_in}, std::pair{&out_, transfers_out}})
         for (int i = 0; i < n; ++i) {
             list->push_back(std::make_unique<Transfer>());
@@ -42,6 +40,7 @@ IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priori
     try {
         open();
         info_ = session_->info();
+        first_ = reading_;
         // Plugged in again, it is this very one that is waited for.
         if (wanted_.serial.empty()) wanted_.serial = info_.serial;
         if (wanted_.serial.empty()) wanted_.port = info_.port;
@@ -115,7 +114,7 @@ bool IoThread::send(Orders orders) noexcept {
     orders.acts = seen_acts_;
     newest_orders_.publish(orders);
     poke();
-    return (seen_session_ & 1U) != 0 && session_number_.load(std::memory_order_acquire) == seen_session_;
+    return there();
 }
 
 void IoThread::make_safe() noexcept {
@@ -140,10 +139,10 @@ void IoThread::poke() noexcept {
 // ---------------------------------------------------------------------------------------------- the thread
 
 void IoThread::open() {
-    session_.emplace(context_, context_.find(wanted_), endpoints_.interface, stop_);
+    session_.emplace(context_, context_.find(wanted_), protocol_->interface(), stop_);
     reading_ = {};
     protocol_->start(*session_, reading_);
-    zero_line_->hold(session_->node());
+    zero_line_->hold(session_->node(), session_->out());
     waits_.clear();
     waits_.push_back({.fd = poke_, .events = POLLIN, .revents = 0});
     for (const libusb_pollfd& wait : context_.descriptors())
@@ -172,13 +171,14 @@ void IoThread::close() noexcept {
         libusb_handle_events_timeout_completed(context_.get(), &slice, nullptr);
     }
     zero_line_->let_go();
-    if (!gone_ && endpoints_.out != 0) {
+    if (!gone_ && protocol_->takes_efforts()) {
         std::array<std::uint8_t, packet_bytes> packet{};
         const std::size_t length = protocol_->pack({}, packet);
         int moved = 0;
         constexpr unsigned timeout_ms = 50;
-        const auto send = endpoints_.interrupt ? libusb_interrupt_transfer : libusb_bulk_transfer;
-        send(session_->handle(), endpoints_.out, packet.data(), static_cast<int>(length), &moved, timeout_ms);
+        const auto send = session_->interrupt() ? libusb_interrupt_transfer : libusb_bulk_transfer;
+        send(session_->handle(), session_->out(), packet.data(), static_cast<int>(length), &moved,
+             timeout_ms);
     }
     session_.reset();
 }
@@ -229,7 +229,7 @@ void IoThread::converse() noexcept {
     for (const auto& transfer : in_) ask(*transfer);
     last_order_ = monotonic();
     std::uint64_t acts = zero_line_->acts();
-    constexpr int silence_ms = static_cast<int>(silence / 1'000'000);
+    const int silence_ms = protocol_->takes_efforts() ? static_cast<int>(silence / 1'000'000) : -1;
     while (!gone_ && !stop_.load(std::memory_order_relaxed)) {
         wait(silence_ms);
         if (halted_) clear_halts();
@@ -253,7 +253,7 @@ void IoThread::converse() noexcept {
 // Stopped between the first look and the submission, an old effort goes out after the guardian's zero when
 // the process is let go on, and the second look makes a zero follow it.
 void IoThread::transmit(bool fresh) noexcept {
-    if (endpoints_.out == 0) return;
+    if (!protocol_->takes_efforts()) return;
     for (int i = 0; i < transfers_out; ++i) {
         const auto free = std::ranges::find_if(out_, [](const auto& transfer) { return !transfer->active; });
         owed_ = free == out_.end();
@@ -266,7 +266,7 @@ void IoThread::transmit(bool fresh) noexcept {
         if (now.session != number_ || now.acts != acts) now.efforts = {};
         Transfer& transfer = **free;
         const std::size_t length = protocol_->pack(now, transfer.bytes);
-        submit(transfer, endpoints_.out, length, on_out);
+        submit(transfer, session_->out(), length, on_out);
         if (transfer.active) sent_.fetch_add(1, std::memory_order_relaxed);
         if (zero_line_->acts() == acts) return;
     }
@@ -274,7 +274,7 @@ void IoThread::transmit(bool fresh) noexcept {
 
 void IoThread::submit(Transfer& transfer, std::uint8_t endpoint, std::size_t length,
                       libusb_transfer_cb_fn done) noexcept {
-    const auto fill = endpoints_.interrupt ? libusb_fill_interrupt_transfer : libusb_fill_bulk_transfer;
+    const auto fill = session_->interrupt() ? libusb_fill_interrupt_transfer : libusb_fill_bulk_transfer;
     fill(transfer.block, session_->handle(), endpoint, transfer.bytes.data(), static_cast<int>(length), done,
          &transfer, 0);
     const int code = libusb_submit_transfer(transfer.block);
@@ -285,7 +285,7 @@ void IoThread::submit(Transfer& transfer, std::uint8_t endpoint, std::size_t len
 }
 
 void IoThread::ask(Transfer& transfer) noexcept {
-    submit(transfer, endpoints_.in, packet_bytes, on_in);
+    submit(transfer, session_->in(), packet_bytes, on_in);
 }
 
 void IoThread::received(Transfer& transfer) noexcept {
@@ -320,8 +320,8 @@ void IoThread::ended(Transfer& transfer) noexcept {
 
 void IoThread::clear_halts() noexcept {
     halted_ = false;
-    libusb_clear_halt(session_->handle(), endpoints_.in);
-    if (endpoints_.out != 0) libusb_clear_halt(session_->handle(), endpoints_.out);
+    libusb_clear_halt(session_->handle(), session_->in());
+    if (protocol_->takes_efforts()) libusb_clear_halt(session_->handle(), session_->out());
     for (const auto& transfer : in_)
         if (!transfer->active && !gone_) ask(*transfer);
 }

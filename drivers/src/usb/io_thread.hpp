@@ -68,8 +68,14 @@ class IoThread {
     /// In a forked copy as well.
     void make_safe() noexcept;
 
-    /// As it was first opened.
+    /// False: the device is gone. What send() says as well.
+    bool there() const noexcept {
+        return (seen_session_ & 1U) != 0 && session_number_.load(std::memory_order_acquire) == seen_session_;
+    }
+
+    /// As it was first opened, and what it said first.
     const UsbDevice& info() const { return info_; }
+    const Reading& first() const { return first_; }
     IoCounts counts() const noexcept;
 
   private:
@@ -99,8 +105,8 @@ class IoThread {
 
     Wanted wanted_;
     std::unique_ptr<Protocol> protocol_;
-    Endpoints endpoints_;
     UsbDevice info_;
+    Reading first_;
     int poke_ = -1;  // eventfd
     std::atomic<bool> stop_ = false;
     Context context_;

@@ -3,6 +3,8 @@
 #include <knurl/drivers/usb_list.hpp>
 
 #include "falcon/device.hpp"
+#include "spacemouse/device.hpp"
+#include "wooden/device.hpp"
 #include "usb/session.hpp"
 
 namespace knurl::drivers {
@@ -26,6 +28,8 @@ std::vector<UsbDevice> usb_devices() {
         for (const usb::Found& found : context.list(ids, scheme)) all.push_back(found.info);
     };
     add(falcon::ids, "falcon");
+    add(spacemouse::ids, "spacemouse");
+    add(wooden::ids, "wooden");
     std::ranges::sort(all, {}, &UsbDevice::port);
     return all;
 }

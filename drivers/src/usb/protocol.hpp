@@ -37,19 +37,13 @@ struct Heard {
     int garbage = 0;       // times that something did not make sense
 };
 
-struct Endpoints {
-    int interface = 0;
-    std::uint8_t in = 0x81;
-    std::uint8_t out = 0;  // 0: takes no efforts
-    bool interrupt = false;
-};
-
 /// All of it runs on one thread, the opener's or the I/O thread.
 class Protocol {
   public:
     virtual ~Protocol() = default;
 
-    virtual Endpoints endpoints() const = 0;
+    virtual int interface() const { return 0; }
+    virtual bool takes_efforts() const { return true; }
     /// Brings a freshly opened device to where it takes packets, with its motors at zero, and has a first
     /// reading of it. May wait. Throws std::runtime_error: what is wrong and what to do.
     virtual void start(Session& session, Reading& first) = 0;

@@ -154,13 +154,21 @@ Session::Session(Context& context, Found found, int interface, const std::atomic
                                      "); end it: sudo fuser -v " + device.node + " says which it is");
         throw std::runtime_error("cannot claim " + device.node + ": " + libusb_strerror(code));
     }
+    find_endpoints();
+}
+
+void Session::find_endpoints() {
     libusb_config_descriptor* configuration = nullptr;
-    if (libusb_get_active_config_descriptor(found_.device.get(), &configuration) == 0) {
+    if (libusb_get_active_config_descriptor(found_.device.get(), &configuration) != 0) return;
+    if (interface_ < configuration->bNumInterfaces) {
         const libusb_interface_descriptor& first = configuration->interface[interface_].altsetting[0];
-        interrupt_ = first.bNumEndpoints > 0 && (first.endpoint[0].bmAttributes &
-                                                 LIBUSB_TRANSFER_TYPE_MASK) == LIBUSB_TRANSFER_TYPE_INTERRUPT;
-        libusb_free_config_descriptor(configuration);
+        for (const libusb_endpoint_descriptor& one : std::span(first.endpoint, first.bNumEndpoints)) {
+            std::uint8_t& which = (one.bEndpointAddress & LIBUSB_ENDPOINT_IN) != 0 ? in_ : out_;
+            if (which == 0) which = one.bEndpointAddress;
+            interrupt_ = (one.bmAttributes & LIBUSB_TRANSFER_TYPE_MASK) == LIBUSB_TRANSFER_TYPE_INTERRUPT;
+        }
     }
+    libusb_free_config_descriptor(configuration);
 }
 
 Session::~Session() {
@@ -196,13 +204,12 @@ std::size_t Session::transfer(std::uint8_t endpoint, std::uint8_t* bytes, std::s
     return static_cast<std::size_t>(moved);
 }
 
-std::size_t Session::write(std::uint8_t endpoint, std::span<const std::uint8_t> bytes, Milliseconds timeout) {
-    return transfer(endpoint, const_cast<std::uint8_t*>(bytes.data()), bytes.size(),
-                    timeout);  // only read from
+std::size_t Session::write(std::span<const std::uint8_t> bytes, Milliseconds timeout) {
+    return transfer(out_, const_cast<std::uint8_t*>(bytes.data()), bytes.size(), timeout);  // only read from
 }
 
-std::size_t Session::read(std::uint8_t endpoint, std::span<std::uint8_t> bytes, Milliseconds timeout) {
-    return transfer(endpoint, bytes.data(), bytes.size(), timeout);
+std::size_t Session::read(std::span<std::uint8_t> bytes, Milliseconds timeout) {
+    return transfer(in_, bytes.data(), bytes.size(), timeout);
 }
 
 }  // namespace knurl::drivers::usb

@@ -80,17 +80,22 @@ class Session {
     libusb_device_handle* handle() const { return handle_; }
     /// The node's descriptor: the open file that holds the interface, whichever process has it.
     int node() const { return node_; }
+    /// The interface's endpoints, as it describes them; out is 0 if there is none.
+    std::uint8_t in() const { return in_; }
+    std::uint8_t out() const { return out_; }
+    bool interrupt() const { return interrupt_; }  // else bulk
 
     // These wait; they throw Unplugged, or std::runtime_error for anything else but running out of time.
     using Milliseconds = std::chrono::milliseconds;
     void control(std::uint8_t type, std::uint8_t request, std::uint16_t value, std::uint16_t index);
     /// Returns the number of bytes taken before time ran out.
-    std::size_t write(std::uint8_t endpoint, std::span<const std::uint8_t> bytes, Milliseconds timeout);
-    std::size_t read(std::uint8_t endpoint, std::span<std::uint8_t> bytes, Milliseconds timeout);
+    std::size_t write(std::span<const std::uint8_t> bytes, Milliseconds timeout);
+    std::size_t read(std::span<std::uint8_t> bytes, Milliseconds timeout);
     /// Throws Unplugged if somebody wants to stop.
     void go_on() const;
 
   private:
+    void find_endpoints();
     void check(int code, const char* doing) const;
     std::size_t transfer(std::uint8_t endpoint, std::uint8_t* bytes, std::size_t count, Milliseconds timeout);
 
@@ -99,6 +104,7 @@ class Session {
     const std::atomic<bool>& stop_;
     libusb_device_handle* handle_ = nullptr;
     int node_ = -1;
+    std::uint8_t in_ = 0, out_ = 0;
     bool interrupt_ = false;
 };
 

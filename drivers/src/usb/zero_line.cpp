@@ -66,8 +66,8 @@ int take(int socket) noexcept {
 
 }  // namespace
 
-ZeroLine::ZeroLine(std::uint8_t endpoint, std::span<const std::uint8_t> zero_packet)
-    : endpoint_(endpoint), length_(std::min(zero_packet.size(), packet_.size())), made_by_(getpid()) {
+ZeroLine::ZeroLine(std::span<const std::uint8_t> zero_packet)
+    : length_(std::min(zero_packet.size(), packet_.size())), made_by_(getpid()) {
     std::copy_n(zero_packet.begin(), length_, packet_.begin());
     if (socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0, ends_) != 0) throw failed("socketpair");
     void* memory = mmap(nullptr, page, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
@@ -91,8 +91,9 @@ bool ZeroLine::forked() const noexcept {
     return getpid() != made_by_;
 }
 
-void ZeroLine::hold(int node) noexcept {
+void ZeroLine::hold(int node, std::uint8_t endpoint) noexcept {
     let_go();
+    endpoint_ = endpoint;
     node_ = node;
     if (!first_) give(ends_[0], node);
     first_ = false;
@@ -115,7 +116,7 @@ void ZeroLine::take_newest() noexcept {
 
 bool ZeroLine::zero() noexcept {
     shared_->fetch_add(1, std::memory_order_release);
-    if (endpoint_ == 0 || !forked()) return true;
+    if (length_ == 0 || !forked()) return true;
     take_newest();
     for (int i = 0; i < tries; ++i) {
         usbdevfs_bulktransfer transfer{.ep = endpoint_,

@@ -26,14 +26,15 @@ namespace knurl::drivers::usb {
 
 class ZeroLine {
   public:
-    /// Throws std::runtime_error. `endpoint` 0: the device takes no efforts.
-    ZeroLine(std::uint8_t endpoint, std::span<const std::uint8_t> zero_packet);
+    /// Throws std::runtime_error. An empty packet: the device takes no efforts.
+    explicit ZeroLine(std::span<const std::uint8_t> zero_packet);
     ~ZeroLine();
     ZeroLine(const ZeroLine&) = delete;
     ZeroLine& operator=(const ZeroLine&) = delete;
 
-    /// This is the node now. By the thread that opened it; `node` stays libusb's.
-    void hold(int node) noexcept;
+    /// This is the node now, and where it takes efforts (at the same endpoint every time). By the thread that
+    /// opened it; `node` stays libusb's.
+    void hold(int node, std::uint8_t endpoint) noexcept;
     /// It is closed.
     void let_go() noexcept;
 
@@ -56,7 +57,7 @@ class ZeroLine {
     static constexpr unsigned patience_ms = 2;  // a packet takes a frame or two
     static constexpr int tries = 2;
 
-    std::uint8_t endpoint_;
+    std::uint8_t endpoint_ = 0;
     std::array<std::uint8_t, 64> packet_ = {};
     std::size_t length_;
     pid_t made_by_;

@@ -23,8 +23,12 @@ Trouble Hand::read(Nanoseconds now) noexcept {
     const ReadStatus status = device_.read(now, next);
     stale = false;
     has_pose = false;
-    if (status == ReadStatus::unplugged) {
+    // A device is there once it has said where it is: until its first good sample nothing is known of it, and what
+    // was known before it was unplugged (its homing as well) no longer holds.
+    if (status == ReadStatus::unplugged || (!connected && status != ReadStatus::ok)) {
         connected = false;
+        sample.calibrated = false;
+        if (status == ReadStatus::bad) ++bad_samples;
         restart();
         return {.unplugged = true};
     }
@@ -47,6 +51,8 @@ Trouble Hand::read(Nanoseconds now) noexcept {
         has_pose = known_;
         return gap > stale_limit ? bad(fault::bad_samples) : Trouble{};
     }
+    // Homing has just found where the encoders count from: what they said before is no place to have come from.
+    if (next.calibrated && !sample.calibrated) restart();
     if (!trusting_ && impossible(next, since_sample)) {
         const Trouble trouble = bad(fault::encoder_jump);
         // It stays there: from now on that is where the joints are, once the fault has been reset.

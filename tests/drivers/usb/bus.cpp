@@ -277,6 +277,11 @@ int Bus::claims(const std::string& port) {
     return at(port).usbfs->claims();
 }
 
+std::size_t Bus::in_flight(const std::string& port) {
+    const std::lock_guard lock(mutex_);
+    return at(port).usbfs->in_flight();
+}
+
 bool Bus::wait(std::uint64_t frames, const std::function<bool()>& true_now) {
     std::unique_lock lock(mutex_);
     const std::uint64_t end = frame() + frames;

@@ -60,6 +60,8 @@ class Bus {
     std::string bound_driver(const std::string& port);
     /// How many openers hold an interface.
     int claims(const std::string& port);
+    /// Requests that somebody waits for.
+    std::size_t in_flight(const std::string& port);
     /// Where the node really is, in the mocked tree.
     std::string real_path(const std::string& node) const;
 

@@ -17,6 +17,7 @@
 
 #include <knurl/drivers/delta.hpp>
 #include <knurl/drivers/registry.hpp>
+#include <knurl/drivers/usb_list.hpp>
 
 #include "bus.hpp"
 #include "falcon_model.hpp"
@@ -90,7 +91,7 @@ inline std::shared_ptr<Falcon> falcon_at_centre(bool running = true, bool homed 
 /// The cycle of a servo, as fast as the bus's frames: reads, lets `efforts` decide, writes.
 template <class Efforts>
 void cycles(Bus& bus, Device& device, int n, Efforts&& efforts) {
-    Nanoseconds now = 0;
+    static Nanoseconds now = 0;  // of the servo's clock, which never goes back
     for (int i = 0; i < n; ++i) {
         JointSample sample;
         const ReadStatus status = device.read(now += millisecond, sample);

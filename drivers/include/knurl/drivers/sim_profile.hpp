@@ -47,12 +47,16 @@ struct SimProfile {
     std::string description;
     std::shared_ptr<const Mechanism> mechanism;
     int joints = 0;
+    int passive_joints = 0;  // of those, the last ones: encoders without motors
+    bool senses_orientation = false;
     bool renders_torque = false;
 
     // Posture and gearing, per joint.
     JointArray centre = {};             // rad (m), the tip in the middle of the workspace
     JointArray lever = every_joint(1);  // m/rad that the tip moves there: encoder step = quantum / lever
     JointArray largest_lever = every_joint(1);  // m/rad anywhere: effort limit = peak_force * largest_lever
+    JointArray radians_per_count = {};          // (m) as stated; 0: quantum / lever
+    JointArray effort_limit = {};               // N m (N) as stated; 0: peak_force * largest_lever
     JointArray least = every_joint(-std::numeric_limits<double>::infinity());  // rad, joint stops
     JointArray greatest = every_joint(std::numeric_limits<double>::infinity());
 
@@ -72,19 +76,20 @@ struct SimProfile {
     double joint_stop_damping = 0.02;  // N m s/rad
 
     // Sensing and actuation.
-    double quantum = 30e-6;   // m at the tip, one encoder count; 0: continuous
-    double lag = 300;         // Hz, corner of the actuators' first-order lag; 0: none
-    double dac_bits = 12;     // 0: continuous
-    double peak_force = 8.5;  // N
-    double peak_torque = 0;   // N m
-    double watchdog = 0;      // s without a write until the motors go off; 0: has none
+    double quantum = 30e-6;       // m at the tip, one encoder count; 0: continuous
+    double lag = 300;             // Hz, corner of the actuators' first-order lag; 0: none
+    double dac_bits = 12;         // 0: continuous
+    double peak_force = 8.5;      // N
+    double continuous_force = 0;  // N; 0: half of peak_force
+    double peak_torque = 0;       // N m
+    double watchdog = 0;          // s without a write until the motors go off; 0: has none
 
     SimHand hand;
     std::uint64_t seed = 1;  // of the tremor
 };
 
-/// "premium15" or "premium15,grip=0.5,tremor=0.2". Throws std::runtime_error that names the known profiles,
-/// or the known options and their ranges.
+/// "premium15" or "premium15,grip=0.5,tremor=0.2"; "arm=NAME" or "arm=FILE.toml" for an arm from a file.
+/// Throws std::runtime_error that names the known profiles, or the known options and their ranges.
 SimProfile sim_profile(std::string_view address);
 
 std::vector<std::string> sim_profile_names();
