@@ -41,9 +41,7 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     now.use = slot.use;
     if (!previous) {
         now.weight = 1;
-        now.asked = 0;
-        now.born = cycle_;
-        now.inside = true;  // the first time it is asked wherever the probe is
+        now.asked = last_timed_;  // there is nothing before that to catch up with
         if (now.rough) rough(owner_of(i, false)).shift.setZero();
     }
     ops.adopt(now, previous, groups_[now.use.probe].probe);
@@ -74,8 +72,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     };
     if (was) {
         // It may be sent to the other side of the probe: then it must know where that was.
-        if (same && slots_[i].bounded && !(slots_[i].near && now_[i].inside))
-            prime(now_[i], groups_[now_[i].use.probe]);
+        if (same && now_[i].asked < last_timed_) prime(now_[i], groups_[now_[i].use.probe]);
         release_old(i);
         copy(now_[i], old_[i]);
         if (old_[i].rough) rough(owner_of(i, true)) = rough(owner_of(i, false));

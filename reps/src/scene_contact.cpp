@@ -9,6 +9,10 @@ namespace knurl::detail {
 
 using Eigen::Vector3d;
 
+namespace {
+constexpr int widenings = 64;
+}
+
 // Surfaces that do not stand still say where they are. In both sets of a fade there may be the same one: its
 // state advances once. Returns the worst violation.
 double SceneCore::ask(ContactSet& set, const Group& group, double dt, double worst) noexcept {
@@ -25,12 +29,12 @@ double SceneCore::ask(ContactSet& set, const Group& group, double dt, double wor
         std::uint32_t i = moving.member;
         Record& r = record(a.owner[i]);
         // One that holds the probe from however deep has no ball at the moment.
-        if (out && (!r.inside || kind_ops()[r.kind].bound(r))) {
-            if (dt > 0) r.inside = moving.inside = false;
+        if (out && kind_ops()[r.kind].bound(r)) {
+            if (dt > 0) moving.inside = false;
             continue;
         }
         moving.inside = true;
-        if (!r.inside) prime(r, group);
+        if (r.asked < last_timed_) prime(r, group);
         const bool held = r.use.on_silence == OnSilence::hold && silence_ > 0;
         const double step = r.asked == cycle_ || held ? 0 : dt;
         evaluated_ += r.asked != cycle_;
@@ -150,7 +154,8 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
 
     const Layer* top = solve(set, group, worst);
     // What is out of reach of the probe might hold the proxy, which is as far from it as the contact is deep.
-    for (int round = 0; set.left_out && set.layer[0].solution.dx.norm() > set.slack && round < 4; ++round) {
+    for (int round = 0; set.left_out && set.layer[0].solution.dx.norm() > set.slack && round < widenings;
+         ++round) {
         set.slack = 2 * set.layer[0].solution.dx.norm();
         worst = ask(set, group, dt, standing);
         top = solve(set, group, worst);
@@ -204,7 +209,7 @@ bool SceneCore::near_falls_short() noexcept {
 }
 
 void SceneCore::evaluate_contacts(double dt, Wrench& sum) noexcept {
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < widenings; ++round) {
         for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
             Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
             evaluate_set(group.now, group, dt);
