@@ -10,8 +10,20 @@ namespace knurl::detail {
 using Eigen::Vector3d;
 
 namespace {
+
+// Each widening at least doubles how far is asked, so this many suffice from nanometres to any scene's size.
 constexpr int widenings = 64;
+
+// How far the proxy lies from the probe (m). Not the first layer's alone: one that contradicts itself gives way,
+// and may lie nearer than a harder one, which does not.
+double proxy_distance(const ContactSet& set) noexcept {
+    double square = 0;
+    for (std::uint32_t j = 0; j < set.layers; ++j)
+        square = std::max(square, set.layer[j].solution.dx.squaredNorm());
+    return std::sqrt(square);
 }
+
+}  // namespace
 
 // Surfaces that do not stand still say where they are. In both sets of a fade there may be the same one: its
 // state advances once. Returns the worst violation.
@@ -154,13 +166,14 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
 
     const Layer* top = solve(set, group, worst);
     // What is out of reach of the probe might hold the proxy, which is as far from it as the contact is deep.
-    for (int round = 0; set.left_out && set.layer[0].solution.dx.norm() > set.slack && round < widenings;
-         ++round) {
-        set.slack = 2 * set.layer[0].solution.dx.norm();
+    double far = proxy_distance(set);
+    for (int round = 0; set.left_out && far > set.slack && round < widenings; ++round) {
+        set.slack = 2 * far;
         worst = ask(set, group, dt, standing);
         top = solve(set, group, worst);
+        far = proxy_distance(set);
     }
-    set.slack = 1.25 * set.layer[0].solution.dx.norm();
+    set.slack = 1.25 * far;
     const double elastic = set.force.norm();
     double felt = elastic;
     set.elastic = elastic;
