@@ -76,13 +76,14 @@ struct Hold {
     bool slipped;
 };
 
-Hold follow(const Box::State& state, const Vector3d& y, const Vector3d& half) noexcept {
+// A step that ends out of reach (of the ball of `bound`) has led past the box, however it went there.
+Hold follow(const Box::State& state, const Vector3d& y, const Vector3d& half, double radius) noexcept {
     if (state.face != 0) {
         const Face face(state.face);
         if (face.holds(y, half)) return {state.face, false};
         return {0, face.depth(y, half) >= 0};
     }
-    if (state.met) {
+    if (state.met && y.norm() <= half.norm() + radius) {
         const std::uint32_t face = face_entered(to_eigen(state.last), y, half);
         if (face != 0) return Face(face).holds(y, half) ? Hold{face, false} : Hold{0, true};
     }
@@ -163,7 +164,7 @@ void adopt(const Box& params, const Box* previous, Box::State& state, const Prob
 Contact contact(const Box& params, Box::State& state, const Probe& probe, double dt) noexcept {
     const Seen seen = see(params, state, probe, dt);
     Hold hold{};
-    if (params.side == Side::outside) hold = follow(state, seen.y, to_eigen(params.half_size));
+    if (params.side == Side::outside) hold = follow(state, seen.y, to_eigen(params.half_size), probe.radius);
     const Contact out = params.side == Side::outside
                             ? solid(params, seen, probe.radius, hold)
                             : wall(params, seen, probe, nearest_wall(params, seen, probe));

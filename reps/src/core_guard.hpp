@@ -20,26 +20,35 @@ namespace knurl {
 struct Facing {
     Eigen::Vector3d normal;  // unit
     double height;           // m
+    std::uint32_t part = 1;  // of the solid (1, 2, ...) whose normal this is
 };
 
-/// `natural` by the nearest surface; `limit` (m) half way to the core, both for the solid as large as the
-/// probe makes it; over(normal) the height over the solid's tangent plane that faces that way. Time that does
-/// not pass (dt = 0) leaves no trace in `core`.
+/// `natural` by the nearest surface; `limit` (m) half way to the core there; over(normal, part) the height
+/// over the tangent plane of that part that faces that way, but not below that plane's -limit. All for the
+/// solid as large as the probe makes it. Time that does not pass (dt = 0) leaves no trace in `core`.
 template <class Over>
-Facing guarded(const Facing& natural, double limit, Core& core, double dt, Over&& over) noexcept {
+Facing guarded_part(const Facing& natural, double limit, Core& core, double dt, Over&& over) noexcept {
     Eigen::Vector3d kept = to_eigen(core.normal);
-    bool deep = core.deep != 0 && natural.height < 0;
-    if (!deep && natural.height < -limit) {
-        deep = true;
+    std::uint32_t deep = natural.height < 0 ? core.deep : 0;
+    if (deep == 0 && natural.height < -limit) {
+        deep = natural.part;
         kept = natural.normal;
     }
-    const Facing now = deep ? Facing{kept, std::max(over(kept), -limit)} : natural;
+    const Facing now = deep != 0 ? Facing{kept, over(kept, deep), deep} : natural;
     if (dt > 0) {
         // Out of contact nothing is remembered, so a surface that was not asked there answers the same.
         core.normal = natural.height < 0 ? to_plain(now.normal) : Vec3{};
         core.deep = deep;
     }
     return now;
+}
+
+/// A solid of one part.
+template <class Over>
+Facing guarded(const Facing& natural, double limit, Core& core, double dt, Over&& over) noexcept {
+    return guarded_part(natural, limit, core, dt, [&](const Eigen::Vector3d& normal, std::uint32_t) {
+        return std::max(over(normal), -limit);
+    });
 }
 
 /// A direction. On the core there is none: last cycle's then, and where that is none (0 0 0) a fixed one

@@ -29,6 +29,7 @@ class HalfPlaneOutline {
     bool holds(const Vector3d& q, double reach) const noexcept {
         return beyond(q) <= rounding * (reach + std::abs(edge_offset_));
     }
+    bool reaches(const Vector3d&, double) const noexcept { return true; }
     Vector3d away(const Vector3d& q) const noexcept { return height(q) * normal_ + beyond(q) * edge_; }
 
   private:

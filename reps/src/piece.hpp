@@ -3,8 +3,9 @@
 //
 //   normal()          unit, towards the front
 //   height(q)         m, of q over its plane
-//   holds(q, reach)   the foot of q lies within the piece, up to the rounding of coordinates as large as
-//   reach (m) away(q)           m, from the nearest point of the piece to q, where the foot lies outside
+//   holds(q, reach)   the foot of q lies within the piece, up to the rounding of coordinates up to `reach` (m)
+//   reaches(q, r)     a probe of radius r at q meets the ball around the piece (of `bound`)
+//   away(q)           m, from the nearest point of the piece to q, where the foot lies outside
 //
 // With a probe of radius r the piece is a thin plate with rounded edges until the centre has crossed it:
 // height |p - x| - r along p - x, x the piece's nearest point. After that it is -|h| - r along the normal of
@@ -41,7 +42,8 @@ inline bool can_enter(std::int32_t from, Sides sides) noexcept {
 }
 
 template <class Outline>
-Step follow(const Outline& outline, Sides sides, const PieceState& state, const Vector3d& q) noexcept {
+Step follow(const Outline& outline, Sides sides, const PieceState& state, const Vector3d& q,
+            double radius) noexcept {
     const double height = outline.height(q), reach = q.lpNorm<1>();
     Step now{.q = q,
              .height = height,
@@ -56,6 +58,7 @@ Step follow(const Outline& outline, Sides sides, const PieceState& state, const 
         return now;
     }
     if (!state.met || now.side == state.side || now.let_go == LetGo::from_behind) return now;
+    if (!outline.reaches(q, radius)) return now;  // it has led past the piece, whichever way
     // The path of this cycle crosses the plane; where?
     const Vector3d last = to_eigen(state.last);
     const double before = outline.height(last);
@@ -77,8 +80,8 @@ Contact contact(const Piece& params, const Outline& outline, PieceState& state, 
                 double dt) noexcept {
     constexpr double nothing = std::numeric_limits<double>::infinity();
     move_on(state.motion, dt);
-    Step now =
-        follow(outline, params.sides, state, probe.position - state.motion.time * to_eigen(params.velocity));
+    const Vector3d q = probe.position - state.motion.time * to_eigen(params.velocity);
+    Step now = follow(outline, params.sides, state, q, probe.radius);
     Vector3d normal = (now.touched != 0 ? now.touched : now.side) * outline.normal();
     double height = now.touched * now.height - probe.radius;
     if (now.touched == 0) {

@@ -35,6 +35,16 @@ Vector3d centre(const Vertices& vertices) noexcept {
     return first + sum / vertices.count;
 }
 
+Bound ball_around(const Vertices& vertices) noexcept {
+    Bound ball{.center = centre(vertices)};
+    double square = 0;
+    for (std::uint32_t i = 0; i < vertices.count; ++i) {
+        square = std::max(square, (to_eigen(vertices.at[i]) - ball.center).squaredNorm());
+    }
+    ball.radius = std::sqrt(square);
+    return ball;
+}
+
 class PolygonOutline {
   public:
     explicit PolygonOutline(const Polygon& polygon) noexcept
@@ -42,6 +52,11 @@ class PolygonOutline {
 
     const Vector3d& normal() const noexcept { return normal_; }
     double height(const Vector3d& q) const noexcept { return normal_.dot(q - to_eigen(vertices_.at[0])); }
+
+    bool reaches(const Vector3d& q, double radius) const noexcept {
+        const Bound ball = ball_around(vertices_);
+        return (q - ball.center).norm() <= ball.radius + radius;
+    }
 
     bool holds(const Vector3d& q, double reach) const noexcept {
         for (std::uint32_t i = 0; i < vertices_.count; ++i) {
@@ -151,13 +166,9 @@ Contact contact(const Polygon& params, PieceState& state, const Probe& probe, do
 
 std::optional<Bound> bound(const Polygon& params, const PieceState& state) noexcept {
     if (state.touched != 0) return std::nullopt;
-    const Vector3d middle = centre(params.vertices);
-    double square = 0;
-    for (std::uint32_t i = 0; i < params.vertices.count; ++i) {
-        square = std::max(square, (to_eigen(params.vertices.at[i]) - middle).squaredNorm());
-    }
-    return Bound{.center = middle + state.motion.time * to_eigen(params.velocity),
-                 .radius = std::sqrt(square)};
+    Bound ball = ball_around(params.vertices);
+    ball.center += state.motion.time * to_eigen(params.velocity);
+    return ball;
 }
 
 void out_of_reach(const Polygon&, PieceState& state) noexcept {

@@ -20,7 +20,7 @@ Limits sane_limits(Limits limits) noexcept {
 void SceneCore::place_probes(const Probe& hand) noexcept {
     for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
         Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        if (time_passed_) group.before = group.probe.position;
+        if (last_timed_ + 1 == cycle_) group.before = group.probe.position;
         group.probe = hand;
         group.probe.radius = group.placement.radius;
         if (group.placement.offset == Vec3{}) {
@@ -144,8 +144,7 @@ Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     Wrench sum;
     if (core.contacts_used_ != 0) core.evaluate_contacts(dt, sum);
     if (core.effects_size_ > 0 || core.fading_size_ > 0) core.evaluate_effects(dt, sum);
-    core.time_passed_ = dt > 0;
-    core.met_ = core.met_ || core.time_passed_;
+    if (dt > 0) core.last_timed_ = core.cycle_;
     // The field tables keep every product finite; this is the last word all the same.
     if (!sum.force.allFinite() || !sum.torque.allFinite()) return {};
     return sum;

@@ -41,9 +41,7 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     now.use = slot.use;
     if (!previous) {
         now.weight = 1;
-        now.asked = 0;
-        now.born = cycle_;
-        now.inside = true;  // the first time it is asked wherever the probe is
+        now.asked = last_timed_;  // there is nothing before that to catch up with
     }
     if (now.rough && !(previous && previous->rough)) rough(owner(i, false)).shift.setZero();
     ops.adopt(now, previous, groups_[now.use.probe].probe);
@@ -86,8 +84,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     const bool listed = same && !slots_[i].bounded;  // among those that are always asked
     if (was) {
         // It may be sent to the other side of the probe: then it must know where that was.
-        if (same && slots_[i].bounded && !(slots_[i].near && felt(i).inside))
-            prime(felt(i), groups_[felt(i).use.probe]);
+        if (same && felt(i).asked < last_timed_) prime(felt(i), groups_[felt(i).use.probe]);
         release_old(i);
         if (!listed) forget_surface(i);
         turn(i, same);

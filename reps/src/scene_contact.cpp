@@ -9,6 +9,22 @@ namespace knurl::detail {
 
 using Eigen::Vector3d;
 
+namespace {
+
+// Each widening at least doubles how far is asked, so this many suffice from nanometres to any scene's size.
+constexpr int widenings = 64;
+
+// How far the proxy lies from the probe (m). Not the first layer's alone: one that contradicts itself gives way,
+// and may lie nearer than a harder one, which does not.
+double proxy_distance(const ContactSet& set) noexcept {
+    double square = 0;
+    for (std::uint32_t j = 0; j < set.layers; ++j)
+        square = std::max(square, set.layer[j].solution.dx.squaredNorm());
+    return std::sqrt(square);
+}
+
+}  // namespace
+
 // Surfaces that do not stand still say where they are. In both sets of a fade there may be the same one: its
 // state advances once. Returns the worst violation.
 double SceneCore::ask(ContactSet& set, const Group& group, double dt, double worst) noexcept {
@@ -25,12 +41,12 @@ double SceneCore::ask(ContactSet& set, const Group& group, double dt, double wor
         std::uint32_t i = moving.member;
         Record& r = record(a.owner[i]);
         // One that holds the probe from however deep has no ball at the moment.
-        if (out && (!r.inside || kind_ops()[r.kind].bound(r))) {
-            if (dt > 0) r.inside = moving.inside = false;
+        if (out && kind_ops()[r.kind].bound(r)) {
+            if (dt > 0) moving.inside = false;
             continue;
         }
         moving.inside = true;
-        if (!r.inside) prime(r, group);
+        if (r.asked < last_timed_) prime(r, group);
         const bool held = r.use.on_silence == OnSilence::hold && silence_ > 0;
         const double step = r.asked == cycle_ || held ? 0 : dt;
         evaluated_ += r.asked != cycle_;
@@ -150,12 +166,14 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
 
     const Layer* top = solve(set, group, worst);
     // What is out of reach of the probe might hold the proxy, which is as far from it as the contact is deep.
-    for (int round = 0; set.left_out && set.layer[0].solution.dx.norm() > set.slack && round < 4; ++round) {
-        set.slack = 2 * set.layer[0].solution.dx.norm();
+    double far = proxy_distance(set);
+    for (int round = 0; set.left_out && far > set.slack && round < widenings; ++round) {
+        set.slack = 2 * far;
         worst = ask(set, group, dt, standing);
         top = solve(set, group, worst);
+        far = proxy_distance(set);
     }
-    set.slack = 1.25 * set.layer[0].solution.dx.norm();
+    set.slack = 1.25 * far;
     const double elastic = set.force.norm();
     double felt = elastic;
     set.elastic = elastic;
@@ -204,7 +222,7 @@ bool SceneCore::near_falls_short() noexcept {
 }
 
 void SceneCore::evaluate_contacts(double dt, Wrench& sum) noexcept {
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < widenings; ++round) {
         for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
             Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
             evaluate_set(group.now, group, dt);

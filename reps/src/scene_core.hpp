@@ -44,13 +44,12 @@ struct RecordHead {
     bool summed = false;    // its force is added, not solved with the others
     bool rough = false;     // there is something to feel along it: see Rough
     bool textured = false;
-    bool inside = false;     // a bounded one: the probe was within its ball when it was last looked at
-    std::uint64_t born = 0;  // the cycle that added it
     Use use;
-    double weight = 1;        // by silence: 1 in full, 0 faded away
-    double stiffness = 0;     // N/m
-    HalfSpace plane;          // of a surface that stands still
-    std::uint64_t asked = 0;  // the cycle in which it was asked: again in the same one, it is with dt = 0
+    double weight = 1;     // by silence: 1 in full, 0 faded away
+    double stiffness = 0;  // N/m
+    HalfSpace plane;       // of a surface that stands still
+    // The cycle in which it was asked, or as if it had been: again in the same one, it is with dt = 0.
+    std::uint64_t asked = 0;
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface
 };
 
@@ -139,7 +138,7 @@ struct Moving {
     double x = 0, y = 0, z = 0;  // m, center of the ball
     double reach = 0;            // m, from there to the probe's center; infinity: always asked
     std::uint32_t member = 0;    // its first
-    bool inside = true;          // the probe was within the ball when it was last looked at
+    bool inside = true;          // it was asked when it was last looked at
 };
 
 struct Arena {
@@ -323,8 +322,7 @@ class SceneCore {
     bool weights_move_ = false;  // silent, or not yet back at full weight
     bool settle_ = false;
     std::uint64_t cycle_ = 0;
-    bool met_ = false;          // there was a cycle in which time passed
-    bool time_passed_ = false;  // ... the last one
+    std::uint64_t last_timed_ = 0;  // the last cycle in which time passed
     std::uint32_t evaluated_ = 0;
     std::uint32_t size_ = 0;
     std::array<std::uint32_t, Representations::size> counts_{};

@@ -58,17 +58,17 @@ bool SceneCore::near_left() noexcept {
     return left;
 }
 
-// A surface whose ball the probe enters was out of reach in the last cycle, so its state is made what it
-// would be had it been asked then: no path before that, and the probe where it was.
+// A surface that was not asked in the last cycle that took time was out of reach then. Its state is made what
+// it would be had it been asked: no path before that cycle, and the probe where it was in it.
 void SceneCore::prime(Record& r, const Group& group) noexcept {
     const KindOps& ops = kind_ops()[r.kind];
-    r.inside = true;
+    if (!ops.bound(r)) return;  // not skipped, but without stiffness
     ops.out_of_reach(r);
-    if (!met_ || r.born == cycle_) return;  // one that is new has no past
     Probe then = group.probe;
     then.position = group.before;
     std::array<Contact, max_contacts> unused;
     ops.contact(r, then, limits_.period, unused);
+    r.asked = last_timed_;
 }
 
 void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
@@ -102,10 +102,6 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
         sets_edited_ = true;  // they are to be asked whether they are near now
     if (same) return;
 
-    for (std::uint32_t k = 0; k < size; ++k) {
-        if (!std::binary_search(near.slots.begin(), near.slots.begin() + near.size, near_[k]))
-            felt(near_[k]).inside = false;
-    }
     std::copy(near_.begin(), near_.begin() + size, near.slots.begin());
     near.size = size;
     sets_edited_ = true;

@@ -13,7 +13,9 @@ void SceneCore::make_bridge(Group& group) noexcept {
     const double force = group.force.norm();
     double k = 0;
     for (const ContactSet* set : {&group.now, &group.old}) {
-        if (set->layers > 0) k = std::max(k, set->layer[set->layers - 1].stiffness);
+        for (std::uint32_t j = 0; j < set->layers; ++j) {  // of those that push: the others may be far away
+            if (!set->layer[j].solution.dx.isZero(0)) k = std::max(k, set->layer[j].stiffness);
+        }
     }
     if (k == 0 && force > 0)
         k = std::min(unlimited_stiffness, limits_.max_stiffness);  // summed planes: no layer
@@ -212,12 +214,8 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
             Moving& moving = into.moving[into.moving_used++];
             moving = {.reach = std::numeric_limits<double>::infinity(), .member = at};
             if (const std::optional<Bound> ball = kind_ops()[record(o).kind].bound(record(o))) {
-                moving = {ball->center.x(),
-                          ball->center.y(),
-                          ball->center.z(),
-                          ball->radius + group.probe.radius,
-                          at,
-                          record(o).inside};
+                moving = {ball->center.x(), ball->center.y(), ball->center.z(),
+                          ball->radius + group.probe.radius, at};
                 // Larger by what the rounding of coordinates may hide.
                 moving.reach += 1e-12 * (moving.reach + ball->center.lpNorm<1>());
             }

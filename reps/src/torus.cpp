@@ -30,10 +30,13 @@ struct Section {
         return section.x() * radial + section.z() * axis;
     }
 
-    // From a point of the circle: `radius` from the axis; negative: on its other side.
+    // From the circle.
     struct Away {
         double x, z, length;
-        Vector3d normal() const noexcept { return {x / length, 0, z / length}; }
+        Vector3d normal(const Core& core) const noexcept {
+            if (length > 1e-100) return {x / length, 0, z / length};
+            return core.normal == Vec3{} ? Vector3d::UnitZ() : to_eigen(core.normal);
+        }
     };
     Away away(double radius) const noexcept {
         const double x = from_axis - radius;
@@ -41,17 +44,53 @@ struct Section {
     }
 };
 
-Contact nearest(const Torus& params, const Section& at, Core& core, const Probe& probe, double dt) noexcept {
+// A probe of radius r sees a tube of the size t = tube + r. Where t > radius = R it plugs the hole: the
+// section's disc and its mirror image about (-R, 0) overlap, and of the axis only what lies beyond the seats
+// (0, +-s), s^2 = t^2 - R^2, is free. A probe whose foot on its own disc would lie beyond the axis, in the
+// other disc, has the seat as the nearest free point instead. (The feet of both discs as two planes would
+// meet nearly anywhere along the axis: they face each other.) Of the tube the normal in the section is kept,
+// of a seat the world's: near the axis the section turns at once.
+constexpr std::uint32_t tube_part = 1, seat_part = 2;
+
+struct Seat {
+    double along;  // m, of both seats from the centre; 0: there are none
+    Seat(double size, double radius) noexcept
+        : along(size > radius ? std::sqrt((size - radius) * (size + radius)) : 0) {}
+    double over(const Section& at, const Vector3d& normal) const noexcept {
+        const double rises = normal.dot(at.axis), to = std::copysign(along, rises);
+        return normal.dot(at.from_axis * at.radial) + rises * (at.along - to);
+    }
+    // Half way on the straight line from the seat to the middle plane, where the other seat becomes the
+    // nearest.
+    double limit(const Section& at, const Vector3d& normal) const noexcept {
+        return along / (2 * std::abs(normal.dot(at.axis)));
+    }
+};
+
+Facing facing(const Section& at, const Section::Away& away, const Seat& seat, const Torus& params,
+              double size, const Core& core) noexcept {
+    if (seat.along > 0 && params.radius * away.length + size * away.x < 0) {
+        const double side = std::copysign(1.0, at.along), to = side * seat.along - at.along;
+        const double depth = std::sqrt(to * to + at.from_axis * at.from_axis);
+        const Vector3d out = to * at.axis - at.from_axis * at.radial;
+        return {depth > 1e-100 ? Vector3d(out / depth) : Vector3d(side * at.axis), -depth, seat_part};
+    }
+    return {away.normal(core), away.length - size, tube_part};
+}
+
+Contact solid(const Torus& params, const Section& at, Core& core, const Probe& probe, double dt) noexcept {
+    const double size = params.tube + probe.radius;
     const Section::Away away = at.away(params.radius);
-    const Vector3d normal = away.length > 1e-100    ? away.normal()
-                            : core.normal == Vec3{} ? Vector3d::UnitZ()
-                                                    : to_eigen(core.normal);
-    if (params.side == Side::inside)
-        return contact_of(params, at.world(-normal), room(params.tube, probe) - away.length);
-    const double reach = params.tube + probe.radius;
-    const Facing now = guarded({normal, away.length - reach}, reach / 2, core, dt,
-                               [&](const Vector3d& n) { return n.x() * away.x + n.z() * away.z - reach; });
-    return contact_of(params, at.world(now.normal), now.height);
+    const Seat seat(size, params.radius);
+    const Facing natural = facing(at, away, seat, params, size, core);
+    const double limit = natural.part == seat_part ? seat.limit(at, natural.normal) : size / 2;
+    const Facing now = guarded_part(natural, limit, core, dt, [&](const Vector3d& n, std::uint32_t part) {
+        if (part == seat_part) return std::max(seat.over(at, n), -seat.limit(at, n));
+        return std::max(n.x() * away.x + n.z() * away.z - size, -size / 2);
+    });
+    if (now.part == tube_part) return contact_of(params, at.world(now.normal), now.height);
+    if (dt > 0 && core.deep == 0) core.normal = Vec3{};  // no section's, and there is no doubt about it
+    return contact_of(params, now.normal, now.height);
 }
 
 }  // namespace
@@ -72,19 +111,10 @@ void adopt(const Torus& params, const Torus* previous, Torus::State& state, cons
 }
 
 Contact contact(const Torus& params, Torus::State& state, const Probe& probe, double dt) noexcept {
-    return nearest(params, Section(params, state, probe, dt), state.core, probe, dt);
-}
-
-std::uint32_t contacts(const Torus& params, Torus::State& state, const Probe& probe, double dt,
-                       std::span<Contact> out) noexcept {
-    if (out.empty()) return 0;
     const Section at(params, state, probe, dt);
-    out[0] = nearest(params, at, state.core, probe, dt);
-    const double reach = params.tube + probe.radius;
-    if (params.side == Side::inside || reach <= params.radius || out.size() < 2) return 1;
-    const Section::Away far = at.away(-params.radius);
-    out[1] = contact_of(params, at.world(far.normal()), far.length - reach);
-    return 2;
+    if (params.side == Side::outside) return solid(params, at, state.core, probe, dt);
+    const Section::Away away = at.away(params.radius);
+    return contact_of(params, at.world(-away.normal(state.core)), room(params.tube, probe) - away.length);
 }
 
 std::optional<Bound> bound(const Torus& params, const Torus::State& state) noexcept {

@@ -19,6 +19,7 @@ namespace {
 struct Nearest {
     long double height;  // of p, less the probe's radius
     Long normal;
+    bool deep = false;  // beyond half way through a hole that the probe plugs
 };
 
 Long axis_of(const auto& s) {
@@ -45,8 +46,15 @@ Nearest reference(const Capsule& s, const Long& p, double probe) {
 Nearest reference(const Torus& s, const Long& p, double probe) {
     const bool inside = s.side == Side::inside;
     const Long q = p - exact(s.center), flat = q - axis_of(s).dot(q) * axis_of(s);
-    return from_point(p, exact(s.center) + s.radius * flat.normalized(),
-                      s.tube + (inside ? -1.0L : 1.0L) * probe, inside);
+    const Long circle = s.radius * flat.normalized();
+    const long double size = s.tube + (inside ? -1.0L : 1.0L) * probe;
+    const Long foot = circle + size * (q - circle).normalized();
+    if (inside || (foot + circle).norm() >= size)
+        return from_point(p, exact(s.center) + circle, size, inside);
+    // The foot lies in the tube on the other side: free is the axis beyond the point where both circles meet.
+    const long double along = axis_of(s).dot(q), seat = std::sqrt(size * size - circle.squaredNorm());
+    const Long out = std::copysign(seat, along) * axis_of(s) - q;
+    return {-out.norm(), out.normalized(), std::abs(along) < seat / 2};
 }
 Nearest reference(const Cylinder& s, const Long& p, double probe) {
     const bool inside = s.side == Side::inside;
@@ -144,7 +152,7 @@ TYPED_TEST(Solids, HeightAndNormalAreThoseOfTheNearestPointOfTheSurface) {
         const Vector p = some_point(rng, s);
         const Nearest want = reference(s, p.cast<long double>(), probe);
         const double core = inside ? least_radius(s) - probe : least_radius(s) + probe;
-        if (!inside && want.height < -core / 2) continue;  // kept from there on: below
+        if (want.deep || (!inside && want.height < -core / 2)) continue;  // kept from there on: below
         const Contact c = Asked<TypeParam>(s)(p, probe);
         const double entering = std::max({to_eigen(s.center).norm(), p.norm(), largest(s)});
         ASSERT_NEAR(c.height, static_cast<double>(want.height), 1e-14 * entering)
@@ -406,7 +414,9 @@ TYPED_TEST(Solids, AProbeWithARadiusMakesTheSolidLargerAndTheHollowSmaller) {
     for (int round = 0; round < 1000; ++round) {
         TypeParam s = random_solid<TypeParam>(rng, 0.02);
         if (round % 2) s.side = Side::inside;
-        const double probe = uniform(rng, 0, 0.9) * least_radius(s);
+        double probe = uniform(rng, 0, 0.9) * least_radius(s);
+        if constexpr (requires { s.tube; })
+            probe = std::min(probe, 0.9 * (s.radius - s.tube));  // passes the hole
         const Vector p = some_point(rng, s);
         if (reference(s, p.cast<long double>(), 0).height < 0) continue;
         EXPECT_NEAR(Asked<TypeParam>(s)(p, probe).height, Asked<TypeParam>(s)(p).height - probe, 1e-16);
@@ -543,20 +553,31 @@ TEST(Torus, WithoutAHoleIsRefused) {
               "leaves no hole in the ring; give less than radius");
 }
 
-TEST(Torus, AProbeThatPlugsTheHoleTouchesBothSides) {
+// Where a ball larger than the hole comes to rest in it: both circles' nearest point, 0.012^2 = 0.01^2 +
+// seat^2.
+TEST(Torus, AProbeThatPlugsTheHoleIsDrawnBackToItsSeatOnTheAxis) {
     Asked<Torus> ring({.radius = 0.01, .tube = 0.002});
-    Contact out[2];
-    for (const double x : {-1e-4, -1e-12, 0.0, 1e-12, 1e-4}) {
-        Probe probe = at({x, 0, 0.005});
-        probe.radius = 0.01;
-        ASSERT_EQ(contacts(ring.params, ring.state, probe, dt, out), 2u);
-        EXPECT_LT(out[1].height, 0);
-        EXPECT_NEAR(out[0].height, out[1].height, 3e-4);
-        EXPECT_LE((out[0].normal + out[1].normal).head<2>().norm(), 0.03) << "they hold it in the middle";
-        EXPECT_GT(out[0].normal.z(), 0.4);
+    const double seat = std::sqrt(0.012 * 0.012 - 0.01 * 0.01);
+    for (const double side : {1.0, -1.0}) {
+        for (const double x : {-1e-3, -1e-12, 0.0, 1e-12, 1e-3}) {
+            const Vector p(x, 0, side * 0.005), to = Vector(0, 0, side * seat) - p;
+            const Contact c = ring({x, 0, side * 0.02}, 0.01), in = ring(p, 0.01);
+            EXPECT_GT(c.height, 0);
+            EXPECT_NEAR(in.height, -to.norm(), 1e-15);
+            EXPECT_LE((in.normal - to.normalized()).norm(), 1e-12);
+        }
     }
-    Probe small = at({0, 0, 0});
-    small.radius = 0.007;
-    EXPECT_EQ(contacts(ring.params, ring.state, small, dt, out), 1u);
-    EXPECT_GT(out[0].height, 0) << "it goes through";
+    EXPECT_GT(ring({0, 0, 0}, 0.007).height, 0) << "a smaller one goes through";
+}
+
+TEST(Torus, AProbeThatIsPushedThroughTheHoleThatItPlugsIsHeldFromHalfWayOn) {
+    Asked<Torus> ring({.radius = 0.01, .tube = 0.002});
+    const double seat = std::sqrt(0.012 * 0.012 - 0.01 * 0.01);
+    ring({1e-6, 0, 0.01}, 0.01);
+    for (double z = seat - 1e-4; z > -seat; z -= 1e-4) {
+        const Contact c = ring({1e-6, 0, z}, 0.01);
+        EXPECT_GT(c.normal.z(), 0.9) << "back to where it came from, at " << z;
+        EXPECT_NEAR(c.height, -std::min(seat - z, seat / 2), 1e-7) << z;
+    }
+    EXPECT_GE(ring({1e-6, 0, -seat - 1e-4}, 0.01).height, 0) << "through";
 }

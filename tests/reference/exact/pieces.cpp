@@ -30,6 +30,8 @@ Piece polygon(const std::vector<V>& corners, bool both_sides) {
         p.point += (Real(1) / static_cast<Real>(corners.size())) * corners[i];
     }
     p.normal = unit(area);
+    p.ball = 0;
+    for (const V& corner : corners) p.ball = std::max(p.ball, length(corner - p.point));
     return p;
 }
 
@@ -95,7 +97,7 @@ std::optional<Foot> PieceTouch::step(const Piece& piece, const V& probe, Real ra
         const Real before = dot(last - piece.point, piece.normal);
         if ((before > 0) != (height > 0) && (before > 0 || piece.both_sides)) {
             const V through = last + before / (before - height) * (probe - last);
-            if (decide(piece.margin(through))) {
+            if (decide(piece.margin(through)) && decide(piece.ball + radius - length(probe - piece.point))) {
                 if (decide(piece.margin(probe))) {
                     touched_ = before > 0 ? 1 : -1, slipped_ = false;
                 } else {
@@ -178,7 +180,8 @@ std::optional<Foot> BoxTouch::step(const Box& box, const V& probe, Real radius) 
             doubt = std::min({doubt, std::fabs(leaves - enters) * way, std::fabs(enters) * way,
                               std::fabs(1 - enters) * way});
         }
-        if (face >= 0 && enters <= leaves && enters >= 0 && enters <= 1) {
+        if (face >= 0 && enters <= leaves && enters >= 0 && enters <= 1 &&
+            decide(length(box.half) + radius - length(q))) {
             if (over_face(face)) {
                 axis_ = face, sign_ = sign, slipped_ = false;
             } else {

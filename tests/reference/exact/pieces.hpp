@@ -15,6 +15,7 @@ struct Piece {
     V edge;                  // of a half-plane: unit, in the plane, out of the face ...
     Real edge_offset = 0;    // ... whose points have edge . x <= edge_offset
     bool both_sides = false;
+    Real ball = INFINITY;  // m, about `point`: a step that ends farther away has led past the piece
 
     bool over(const V& x) const;    // whether x lies above or below the face
     V nearest(const V& x) const;    // the face's nearest point

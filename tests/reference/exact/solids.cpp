@@ -80,20 +80,47 @@ std::vector<Foot> SolidTouch::step(const Solid& s, const V& probe, Real radius) 
             return dot(n, q) - s.half_length * std::fabs(dot(n, axis)) - reach;
         })};
     }
-    // A ring keeps its normal in the plane through the axis in which the probe lies: {outwards, along the
-    // axis}.
-    const Real x = rho - s.radius;
-    const V section = distance > 0 ? (1 / distance) * V{x, z, 0} : V{0, 1, 0};
-    Foot foot = guarded({section, distance - reach, clear}, reach,
-                        [&](const V& n) { return n.x * x + n.y * z - reach; });
-    foot.normal = foot.normal.x * out + foot.normal.y * axis;
-    feet.push_back(foot);
-    if (reach <= s.radius) return feet;
-    // The probe plugs the hole: the far side of the ring is there as well.
-    const V across_ = q + s.radius * out;
-    const Real far = length(across_);
-    feet.push_back({unit(across_), far - reach, std::min(far, rho)});
-    return feet;
+    return {ring(s, rho, z, reach, out, axis)};
+}
+
+/// In the plane through the axis and the probe: {outwards, along the axis}. Free is what lies outside of the
+/// disc about (R, 0) and of its mirror image; the nearest free point is the foot on the disc, or where the
+/// two circles meet.
+Foot SolidTouch::ring(const Solid& s, Real rho, Real z, Real reach, const V& out, const V& axis) {
+    const Real x = rho - s.radius, distance = length({x, z, 0}), limit = reach / 2;
+    const V normal = distance > 0 ? (1 / distance) * V{x, z, 0} : V{0, 1, 0};
+    Foot foot{normal, distance - reach, std::min(distance, rho)};
+    bool seated = false;
+    Real most = limit;
+    const Real seat = reach > s.radius ? std::sqrt(reach * reach - s.radius * s.radius) : 0;
+    const Real above = z < 0 ? -1 : 1;
+    if (seat > 0) {
+        if (seat < 1e-3L * reach) doubt = 0;  // it moves by rounding / this share
+        const V at = V{s.radius, 0, 0} + reach * normal;
+        seated = length(at + V{s.radius, 0, 0}) < reach;  // in the other disc
+    }
+    if (seated) {
+        doubt = std::min(doubt, std::fabs(z));
+        const V way{-rho, above * seat - z, 0};
+        foot = {unit(way), -length(way), length(way)};
+        most = length(way) * (seat / 2) / std::fabs(way.y);  // there z has half the seat's height
+    }
+    const Real depth = -foot.height;
+    doubt = std::min({doubt, std::fabs(depth), std::fabs(depth - most)});
+    const V world = foot.normal.x * out + foot.normal.y * axis;
+    deep_ = deep_ && depth > 0;
+    if (!deep_ && depth > most) {
+        deep_ = true, on_seat_ = seated, clear_ = foot.clear;
+        normal_ = seated ? world : foot.normal;
+    }
+    if (!deep_) return {world, foot.height, foot.clear};
+    if (on_seat_) {  // stands still in the world, since near the axis the section turns at once
+        const Real rises = dot(normal_, axis), side = rises < 0 ? -1 : 1;
+        const Real height = rho * dot(normal_, out) + rises * (z - side * seat);
+        return {normal_, std::max(height, -seat / (2 * std::fabs(rises))), clear_};
+    }
+    const Real height = normal_.x * x + normal_.y * z - reach;
+    return {normal_.x * out + normal_.y * axis, std::max(height, -limit), std::min(clear_, rho)};
 }
 
 }  // namespace exact

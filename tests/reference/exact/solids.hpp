@@ -24,9 +24,10 @@ class SolidTouch {
   private:
     template <class Over>
     Foot guarded(const Foot& foot, Real core, Over&& over);
+    Foot ring(const Solid& s, Real rho, Real z, Real reach, const V& out, const V& axis);
     V normal_;
     Real clear_ = INFINITY;
-    bool deep_ = false;
+    bool deep_ = false, on_seat_ = false;
 };
 
 }  // namespace exact

@@ -18,7 +18,7 @@ enum class Side : std::uint32_t {
 /// that it had.
 struct Core {
     Vec3 normal = {};        // the contact's while it touches, else 0 0 0
-    std::uint32_t deep = 0;  // 1: kept
+    std::uint32_t deep = 0;  // the part of the solid (1, 2, ...) whose normal is kept; 0: none is
     std::uint32_t reserved = 0;
 };
 

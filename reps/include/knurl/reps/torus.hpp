@@ -1,9 +1,9 @@
 #pragma once
-// A ring, or the room in its tube: a sphere about the nearest point of the circle within.
+// A ring, or the room in its tube: a sphere about the nearest point of the circle within. A probe too large
+// for the hole plugs it: there it comes no farther than to one point of the axis on either side.
 
 #include <cstddef>
 #include <optional>
-#include <span>
 
 #include <knurl/reps/concepts.hpp>
 #include <knurl/reps/material.hpp>
@@ -28,7 +28,6 @@ struct Torus {
     Texture texture = {};
 
     using State = SolidState;
-    static constexpr std::uint32_t max_contacts = 2;
 };
 
 template <>
@@ -47,9 +46,6 @@ struct Describe<Torus> {
 Torus prepared(Torus params, const Limits& limits) noexcept;
 void adopt(const Torus& params, const Torus* previous, Torus::State& state, const Probe& probe) noexcept;
 Contact contact(const Torus& params, Torus::State& state, const Probe& probe, double dt) noexcept;
-/// A probe too large for the hole touches the far side as well.
-std::uint32_t contacts(const Torus& params, Torus::State& state, const Probe& probe, double dt,
-                       std::span<Contact> out) noexcept;
 std::optional<Bound> bound(const Torus& params, const Torus::State& state) noexcept;
 void out_of_reach(const Torus& params, Torus::State& state) noexcept;
 

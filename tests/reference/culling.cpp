@@ -1,0 +1,254 @@
+// Skipping changes nothing: a scene of bounded surfaces against the same scene in which each is asked in
+// every cycle. A surface with a velocity has no bound; one of 1e-300 m/s moves it nowhere.
+
+#include <algorithm>
+#include <array>
+
+#include "judge.hpp"
+
+using namespace judge;
+
+namespace {
+
+template <class R>
+void any_material(Rng& rng, R& r) {
+    r.stiffness = rng.of(400, 800, 800, 1500);
+    r.damping = rng.one_in(3) ? 2 : 0;
+    r.recovery = rng.of(-1, 0, 0.002, 0.02);
+}
+
+knurl::Box any_box(Rng& rng, const Vector& p, double size) {
+    const Eigen::Quaterniond q = rng.orientation();
+    knurl::Box box{
+        .center = knurl::to_plain(p),
+        .orientation = {q.w(), q.x(), q.y(), q.z()},
+        .half_size = {rng.uniform(0.1, 1) * size, rng.uniform(0.1, 1) * size, rng.uniform(0.1, 1) * size}};
+    any_material(rng, box);
+    return box;
+}
+
+knurl::Polygon any_polygon(Rng& rng, const Vector& p, double size) {
+    knurl::Polygon polygon;
+    const Vector n = rng.direction(), u = rng.across(n), v = n.cross(u);
+    polygon.vertices.count = static_cast<std::uint32_t>(rng.between(3, 8));
+    for (std::uint32_t i = 0; i < 8; ++i) {
+        const double angle = 2 * M_PI * i / polygon.vertices.count;
+        const Vector x = p + size * (std::cos(angle) * u + std::sin(angle) * v);
+        polygon.vertices.at[i] = i < polygon.vertices.count ? knurl::to_plain(x) : knurl::Vec3{};
+    }
+    polygon.sides = rng.one_in(2) ? knurl::Sides::both : knurl::Sides::front;
+    any_material(rng, polygon);
+    return polygon;
+}
+
+template <class R>
+R placed(Rng& rng, R r, const Vector& p) {
+    r.center = knurl::to_plain(p);
+    any_material(rng, r);
+    return r;
+}
+
+/// The scene as it is, and the one in which nothing is out of reach.
+struct Pair {
+    Scene skipping, asking;
+    explicit Pair(const Scene::Capacity& capacity)
+        : skipping(capacity, limits()), asking(capacity, limits()) {}
+    static Limits limits() { return {.max_stiffness = 2000, .max_force = 20}; }
+
+    template <class R>
+    bool add(Handle h, R surface, std::uint32_t probe) {
+        const bool one = bool(skipping.add(h, surface, {.probe = probe}));
+        surface.velocity = {1e-300, 0, 0};
+        return one && bool(asking.add(h, surface, {.probe = probe}));
+    }
+    template <class R>
+    bool update(Handle h, R surface) {
+        const bool one = bool(skipping.update(h, surface));
+        surface.velocity = {1e-300, 0, 0};
+        return one && bool(asking.update(h, surface));
+    }
+    bool remove(Handle h) { return bool(skipping.remove(h)) && bool(asking.remove(h)); }
+};
+
+struct Slot {
+    int kind = -1;  // none
+    std::uint32_t generation = 0;
+};
+
+struct World {
+    static constexpr double cube = 0.1;  // m, half of it
+    Rng& rng;
+    Pair pair;
+    std::vector<Slot> slots;
+    std::uint32_t probes;
+
+    World(Rng& r, std::uint32_t surfaces)
+        : rng(r), pair({surfaces, 3}), slots(surfaces), probes(static_cast<std::uint32_t>(r.between(1, 3))) {}
+
+    Vector anywhere() {
+        return {rng.uniform(-cube, cube), rng.uniform(-cube, cube), rng.uniform(-cube, cube)};
+    }
+    double any_size() { return rng.one_in(10) ? rng.uniform(0.01, 0.05) : rng.uniform(0.001, 0.01); }
+
+    template <class Act>
+    bool act_with(int kind, const Vector& p, Act&& act) {
+        switch (kind) {
+            case 0:
+                return act(any_box(rng, p, any_size()));
+            case 1:
+                return act(any_polygon(rng, p, any_size()));
+            case 2:
+                return act(placed(rng,
+                                  knurl::Capsule{.axis = knurl::to_plain(rng.direction()),
+                                                 .half_length = any_size(),
+                                                 .radius = any_size()},
+                                  p));
+            case 3:
+                return act(placed(rng,
+                                  knurl::Cylinder{.axis = knurl::to_plain(rng.direction()),
+                                                  .radius = any_size(),
+                                                  .half_length = any_size()},
+                                  p));
+            case 4: {
+                const double ring = any_size();
+                return act(placed(rng,
+                                  knurl::Torus{.axis = knurl::to_plain(rng.direction()),
+                                               .radius = ring,
+                                               .tube = rng.uniform(0.1, 0.9) * ring},
+                                  p));
+            }
+            default:
+                return act(placed(rng, knurl::Sphere{.radius = any_size()}, p));
+        }
+    }
+    static constexpr int kinds = 8;  // more spheres than others
+
+    bool put(std::uint32_t i, const Vector& p) {
+        Slot& s = slots[i];
+        if (s.kind < 0) {
+            s.kind = rng.between(0, kinds - 1);
+            ++s.generation;
+            const std::uint32_t probe =
+                static_cast<std::uint32_t>(rng.between(0, static_cast<int>(probes) - 1));
+            return act_with(s.kind, p, [&](const auto& surface) {
+                return pair.add({i, s.generation}, surface, probe);
+            });
+        }
+        return act_with(s.kind, p, [&](const auto& surface) {
+            return pair.update({i, s.generation}, surface);
+        });
+    }
+    bool take(std::uint32_t i) {
+        Slot& s = slots[i];
+        if (s.kind < 0) return true;
+        s.kind = -1;
+        return pair.remove({i, s.generation});
+    }
+};
+
+bool contradicts(const Scene& scene) {
+    std::array<knurl::Feedback, 2048> feedback;
+    const std::size_t n = scene.feedback(feedback);
+    return std::any_of(feedback.begin(), feedback.begin() + n,
+                       [](const knurl::Feedback& f) { return (f.flags & knurl::Feedback::infeasible) != 0; });
+}
+
+struct Figures {
+    std::uint64_t exact = 0, cycles = 0, felt = 0, skipped = 0, asked = 0;
+};
+
+void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures) {
+    Rng& rng = c.rng;
+    World w(rng, surfaces);
+    for (std::uint32_t i = 0; i < w.probes; ++i) {
+        const knurl::ProbePlacement placement{
+            .offset = knurl::to_plain(i == 0 ? Vector(0, 0, 0) : Vector(0.03 * rng.direction())),
+            .radius = rng.one_in(2) ? 0 : rng.uniform(0, 0.008)};
+        c.require(
+            bool(w.pair.skipping.place_probe(i, placement)) && bool(w.pair.asking.place_probe(i, placement)),
+            "placed");
+    }
+    for (std::uint32_t i = 0; i < surfaces; ++i) {
+        if (!rng.one_in(5)) c.require(w.put(i, w.anywhere()), "added");
+    }
+    w.pair.skipping.settle();
+    w.pair.asking.settle();
+    if (rng.one_in(2)) w.pair.skipping.index();
+
+    Probe hand = at(w.anywhere());
+    Vector velocity = rng.scale(0.01, 1) * rng.direction();
+    for (int i = 0; i < cycles; ++i) {
+        const double dt = rng.one_in(20) ? rng.of(1e-6, 0.01) : 1e-3;
+        if (rng.one_in(50)) velocity = rng.scale(0.001, 2) * rng.direction();
+        if (rng.one_in(300)) {
+            hand.position = w.anywhere();  // a teleport
+        } else {
+            hand.position += 1e-3 * velocity;
+        }
+        for (int j = 0; j < 3; ++j) {
+            if (std::abs(hand.position[j]) > World::cube)
+                velocity[j] = -std::copysign(velocity[j], hand.position[j]);
+        }
+        hand.velocity = hand.smooth_velocity = velocity;
+        if (rng.one_in(3))
+            hand.orientation = (hand.orientation * Eigen::Quaterniond(1, 0.001, 0, 0)).normalized();
+        if (rng.one_in(4)) {
+            // Near the hand as often as anywhere: what moves under it matters.
+            const Vector p = rng.one_in(2) ? w.anywhere() : Vector(hand.position + 0.01 * rng.direction());
+            const std::uint32_t which =
+                static_cast<std::uint32_t>(rng.between(0, static_cast<int>(surfaces) - 1));
+            c.require(rng.one_in(4) ? w.take(which) : w.put(which, p), "changed");
+        }
+        if (rng.one_in(2000)) w.pair.skipping.index();
+        const Wrench want = w.pair.asking.evaluate(hand, dt), got = w.pair.skipping.evaluate(hand, dt);
+        ++figures.cycles;
+        figures.felt += want.force.norm() > 0;
+        figures.skipped += w.pair.skipping.evaluated();
+        figures.asked += w.pair.asking.evaluated();
+        c.require(finite(got), "finite");
+        // Planes that contradict each other give way by up to 1e-11 m more than they must.
+        const bool exactly = !contradicts(w.pair.asking) && !contradicts(w.pair.skipping);
+        if (exactly) ++figures.exact;
+        if (rng.one_in(20)) {
+            const double apart = (w.pair.skipping.evaluate(hand, 0).force - got.force).norm();
+            c.say("apart %g\n", apart);
+            c.require(apart <= (exactly ? 1e-10 : 1e-6), "the same without time");
+        }
+        if (c.replayed() && (got.force - want.force).norm() > 1e-9) {
+            std::printf("cycle %d dt %g at %g %g %g exactly %d\n", i, dt, hand.position.x(), hand.position.y(), hand.position.z(), exactly);
+            std::vector<knurl::Feedback> a(surfaces), b(surfaces);
+            const std::size_t n = w.pair.skipping.feedback(a), m = w.pair.asking.feedback(b);
+            std::printf("  %zu %zu reports\n", n, m);
+            for (std::size_t j = 0; j < n; ++j) {
+                const auto& f = a[j].wrench.force; const auto& g = b[j].wrench.force;
+                if (f.norm()>0||g.norm()>0 ) 
+                    std::printf("  slot %u kind %d: %g %g %g flags %u against %g %g %g flags %u (slot %u)\n", a[j].handle.slot, w.slots[a[j].handle.slot].kind, f.x(), f.y(), f.z(), a[j].flags, g.x(), g.y(), g.z(), b[j].flags, b[j].handle.slot);
+            }
+        }
+        c.compare(got.force, real(want.force), exactly ? 2000 * 0.3L : 1e4L * 2000 * 0.3L);
+        c.compare(got.torque, real(want.torque), exactly ? 2000 * 0.09L : 1e4L * 2000 * 0.09L);
+        if (!(c.worst() <= bound)) return;
+    }
+}
+
+}  // namespace
+
+TEST(Culling, AnswersAsIfEverySurfaceWereAsked) {
+    Figures figures;
+    // A million cycles in the long form.
+    run(
+        "culling, 40 surfaces", 40, [&](Case& c) { judge_culling(c, 40, 500, figures); }, bound, 1000);
+    run(
+        "culling, 300 surfaces", 20, [&](Case& c) { judge_culling(c, 300, 1000, figures); }, bound, 400);
+    run(
+        "culling, 2000 surfaces", 4, [&](Case& c) { judge_culling(c, 2000, 500, figures); }, bound, 100);
+    std::printf(
+        "%llu cycles, felt in %llu, contradicting in %llu; asked %.1f a cycle instead of %.1f\n",
+        static_cast<unsigned long long>(figures.cycles), static_cast<unsigned long long>(figures.felt),
+        static_cast<unsigned long long>(figures.cycles - figures.exact),
+        double(figures.skipped) / double(figures.cycles), double(figures.asked) / double(figures.cycles));
+    if (figures.cycles > 10'000) {
+        EXPECT_GT(figures.felt * 10, figures.cycles) << "a test that hardly touches anything";
+        EXPECT_LT(figures.skipped * 5, figures.asked) << "a test in which hardly anything is skipped";
+    }
+}
