@@ -249,11 +249,11 @@ TEST(Culling, AnswersAsIfEverySurfaceWereAsked) {
     Figures figures;
     // A million cycles in the long form.
     run(
-        "culling, 40 surfaces", 40, [&](Case& c) { judge_culling(c, 40, 500, figures); }, bound, 1000);
+        "culling, 40 surfaces", 25, [&](Case& c) { judge_culling(c, 40, 500, figures); }, bound, 1100);
     run(
-        "culling, 300 surfaces", 20, [&](Case& c) { judge_culling(c, 300, 1000, figures); }, bound, 400);
+        "culling, 300 surfaces", 12, [&](Case& c) { judge_culling(c, 300, 1000, figures); }, bound, 400);
     run(
-        "culling, 2000 surfaces", 4, [&](Case& c) { judge_culling(c, 2000, 500, figures); }, bound, 100);
+        "culling, 2000 surfaces", 3, [&](Case& c) { judge_culling(c, 2000, 500, figures); }, bound, 100);
     std::printf(
         "%llu cycles, felt in %llu, contradicting in %llu; asked %.1f a cycle instead of %.1f\n",
         static_cast<unsigned long long>(figures.cycles), static_cast<unsigned long long>(figures.felt),
