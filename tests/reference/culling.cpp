@@ -7,6 +7,7 @@
 #include "judge.hpp"
 
 using namespace judge;
+using knurl::Feedback;
 
 namespace {
 
@@ -146,16 +147,32 @@ struct World {
     }
 };
 
-bool contradicts(const Scene& scene) {
-    std::array<knurl::Feedback, 2048> feedback;
+bool has_flag(const Scene& scene, std::uint32_t flag) {
+    std::array<Feedback, 2048> feedback;
     const std::size_t n = scene.feedback(feedback);
     return std::any_of(feedback.begin(), feedback.begin() + n,
-                       [](const knurl::Feedback& f) { return (f.flags & knurl::Feedback::infeasible) != 0; });
+                       [&](const Feedback& f) { return (f.flags & flag) != 0; });
 }
 
 struct Figures {
     std::uint64_t exact = 0, cycles = 0, felt = 0, skipped = 0, asked = 0;
 };
+
+/// Of a case that is run again: which surfaces differ.
+void tell(const World& w, int cycle, double dt, const Probe& hand) {
+    std::printf("cycle %d dt %g at %g %g %g\n", cycle, dt, hand.position.x(), hand.position.y(),
+                hand.position.z());
+    std::vector<Feedback> one(w.slots.size()), other(w.slots.size());
+    const std::size_t n = w.pair.skipping.feedback(one);
+    w.pair.asking.feedback(other);
+    for (std::size_t j = 0; j < n; ++j) {
+        const Vector f = one[j].wrench.force, g = other[j].wrench.force;
+        if (f.isZero(0) && g.isZero(0)) continue;
+        std::printf("  slot %u kind %d: %g %g %g flags %u against %g %g %g flags %u\n", one[j].handle.slot,
+                    w.slots[one[j].handle.slot].kind, f.x(), f.y(), f.z(), one[j].flags, g.x(), g.y(), g.z(),
+                    other[j].flags);
+    }
+}
 
 void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures) {
     Rng& rng = c.rng;
@@ -177,6 +194,7 @@ void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures
 
     Probe hand = at(w.anywhere());
     Vector velocity = rng.scale(0.01, 1) * rng.direction();
+    bool loosely = false;
     for (int i = 0; i < cycles; ++i) {
         const double dt = rng.one_in(20) ? rng.of(1e-6, 0.01) : 1e-3;
         if (rng.one_in(50)) velocity = rng.scale(0.001, 2) * rng.direction();
@@ -206,27 +224,21 @@ void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures
         figures.skipped += w.pair.skipping.evaluated();
         figures.asked += w.pair.asking.evaluated();
         c.require(finite(got), "finite");
-        // Planes that contradict each other give way by up to 1e-11 m more than they must.
-        const bool exactly = !contradicts(w.pair.asking) && !contradicts(w.pair.skipping);
-        if (exactly) ++figures.exact;
-        if (rng.one_in(20)) {
-            const double apart = (w.pair.skipping.evaluate(hand, 0).force - got.force).norm();
-            c.say("apart %g\n", apart);
-            c.require(apart <= (exactly ? 1e-10 : 1e-6), "the same without time");
-        }
-        if (c.replayed() && (got.force - want.force).norm() > 1e-9) {
-            std::printf("cycle %d dt %g at %g %g %g exactly %d\n", i, dt, hand.position.x(), hand.position.y(), hand.position.z(), exactly);
-            std::vector<knurl::Feedback> a(surfaces), b(surfaces);
-            const std::size_t n = w.pair.skipping.feedback(a), m = w.pair.asking.feedback(b);
-            std::printf("  %zu %zu reports\n", n, m);
-            for (std::size_t j = 0; j < n; ++j) {
-                const auto& f = a[j].wrench.force; const auto& g = b[j].wrench.force;
-                if (f.norm()>0||g.norm()>0 ) 
-                    std::printf("  slot %u kind %d: %g %g %g flags %u against %g %g %g flags %u (slot %u)\n", a[j].handle.slot, w.slots[a[j].handle.slot].kind, f.x(), f.y(), f.z(), a[j].flags, g.x(), g.y(), g.z(), b[j].flags, b[j].handle.slot);
-            }
-        }
-        c.compare(got.force, real(want.force), exactly ? 2000 * 0.3L : 1e4L * 2000 * 0.3L);
-        c.compare(got.torque, real(want.torque), exactly ? 2000 * 0.09L : 1e4L * 2000 * 0.09L);
+        // Planes that contradict each other give way by up to 1e-11 m more than they must, wherever the
+        // solver came from; where they all but face each other, by 0.01 degrees, that moves the proxy by 6e-8
+        // m.
+        // What it was is faded out.
+        loosely = has_flag(w.pair.asking, Feedback::infeasible) ||
+                  has_flag(w.pair.skipping, Feedback::infeasible) ||
+                  (loosely && has_flag(w.pair.asking, Feedback::fading));
+        figures.exact += !loosely;
+        constexpr Real stiffest = 2000, size = 0.3L, loose = 2e5L;
+        const Real force = stiffest * size * (loosely ? loose : 1);
+        if (c.replayed() && (got.force - want.force).norm() > 1e-9) tell(w, i, dt, hand);
+        c.require(!(want.force.norm() > 1e-3) || got.force.norm() > 0, "no contact is missed");
+        c.compare(got.force, real(want.force), force);
+        c.compare(got.torque, real(want.torque), size * force);
+        if (rng.one_in(20)) c.compare(w.pair.skipping.evaluate(hand, 0).force, real(got.force), force);
         if (!(c.worst() <= bound)) return;
     }
 }
@@ -237,11 +249,11 @@ TEST(Culling, AnswersAsIfEverySurfaceWereAsked) {
     Figures figures;
     // A million cycles in the long form.
     run(
-        "culling, 40 surfaces", 40, [&](Case& c) { judge_culling(c, 40, 500, figures); }, bound, 1000);
+        "culling, 40 surfaces", 25, [&](Case& c) { judge_culling(c, 40, 500, figures); }, bound, 1100);
     run(
-        "culling, 300 surfaces", 20, [&](Case& c) { judge_culling(c, 300, 1000, figures); }, bound, 400);
+        "culling, 300 surfaces", 12, [&](Case& c) { judge_culling(c, 300, 1000, figures); }, bound, 400);
     run(
-        "culling, 2000 surfaces", 4, [&](Case& c) { judge_culling(c, 2000, 500, figures); }, bound, 100);
+        "culling, 2000 surfaces", 3, [&](Case& c) { judge_culling(c, 2000, 500, figures); }, bound, 100);
     std::printf(
         "%llu cycles, felt in %llu, contradicting in %llu; asked %.1f a cycle instead of %.1f\n",
         static_cast<unsigned long long>(figures.cycles), static_cast<unsigned long long>(figures.felt),

@@ -35,11 +35,6 @@ Vector any_origin(Rng& rng) {
     return rng.of(0, 0.1, 0.1, 10, 1e6) * rng.direction();
 }
 
-exact::V capped(const exact::V& v, Real most) {
-    const Real size = exact::length(v);
-    return size > most ? most / size * v : v;
-}
-
 /// One effect alone, as soon as it is there.
 template <class R>
 Wrench felt(Case& c, const R& effect, const Probe& hand, const Limits& limits) {
@@ -83,7 +78,7 @@ Real largest_of(const exact::Matrix& m) {
 }  // namespace
 
 TEST(Fields, Taylor) {
-    run("taylor", 60'000, [](Case& c) {
+    run("taylor", 40'000, [](Case& c) {
         Rng& rng = c.rng;
         const Limits limits = any_device(rng);
         knurl::Taylor t;
@@ -104,13 +99,13 @@ TEST(Fields, Taylor) {
         const Real reach = std::max(exact::length(real(hand.position)), exact::length(real(t.origin)));
         const Real j = largest_of(want_of.jacobian) + 50, size = exact::length(real(t.force)) + j * t.radius;
         // The edge is 7.5 / radius steep.
-        c.compare(felt(c, t, hand, limits).force, capped(want.force, limits.max_force),
+        c.compare(felt(c, t, hand, limits).force, exact::capped(want.force, limits.max_force),
                   size + (j + 7.5L * size / t.radius) * reach);
     });
 }
 
 TEST(Fields, Taylor6) {
-    run("taylor6", 40'000, [](Case& c) {
+    run("taylor6", 20'000, [](Case& c) {
         Rng& rng = c.rng;
         const Limits limits = any_device(rng);
         knurl::Taylor6 t;
@@ -151,8 +146,8 @@ TEST(Fields, Taylor6) {
         const Real ratio = std::max(metres * metres, 1 / (metres * metres));
         const Real scale = (size + (j + 7.5L * size / t.radius) * reach + 7.5L * size / t.angle) * ratio;
         const Wrench got = felt(c, t, hand, limits);
-        c.compare(got.force, capped(want.force, limits.max_force), scale);
-        c.compare(got.torque, capped(want.torque, limits.max_torque), scale);
+        c.compare(got.force, exact::capped(want.force, limits.max_force), scale);
+        c.compare(got.torque, exact::capped(want.torque, limits.max_torque), scale);
     });
 }
 
@@ -166,9 +161,9 @@ TEST(Fields, ViscosityGravityAndConstantForce) {
         const exact::Device device = device_of(limits);
         const Real b = std::min(Real(v.damping), device.damping()),
                    r = std::min(Real(v.angular_damping), device.angular_damping());
-        c.compare(got.force, capped(-b * real(hand.velocity), limits.max_force),
+        c.compare(got.force, exact::capped(-b * real(hand.velocity), limits.max_force),
                   b * exact::length(real(hand.velocity)));
-        c.compare(got.torque, capped(-r * real(hand.angular_velocity), limits.max_torque),
+        c.compare(got.torque, exact::capped(-r * real(hand.angular_velocity), limits.max_torque),
                   r * exact::length(real(hand.angular_velocity)));
     });
     run("gravity, constant force", 30'000, [](Case& c) {
@@ -178,12 +173,14 @@ TEST(Fields, ViscosityGravityAndConstantForce) {
         const knurl::Gravity g{.acceleration = knurl::to_plain(rng.scale(0.1, 100) * rng.direction()),
                                .mass = rng.scale(1e-3, 1)};
         const exact::V weight = Real(g.mass) * real(g.acceleration);
-        c.compare(felt(c, g, hand, limits).force, capped(weight, limits.max_force), exact::length(weight));
+        c.compare(felt(c, g, hand, limits).force, exact::capped(weight, limits.max_force),
+                  exact::length(weight));
         const knurl::ConstantForce f{.force = knurl::to_plain(rng.scale(0.1, 100) * rng.direction()),
                                      .torque = knurl::to_plain(rng.scale(0.1, 100) * rng.direction())};
         const Wrench got = felt(c, f, hand, limits);
-        c.compare(got.force, capped(real(f.force), limits.max_force), exact::length(real(f.force)));
-        c.compare(got.torque, capped(real(f.torque), limits.max_torque), exact::length(real(f.torque)));
+        c.compare(got.force, exact::capped(real(f.force), limits.max_force), exact::length(real(f.force)));
+        c.compare(got.torque, exact::capped(real(f.torque), limits.max_torque),
+                  exact::length(real(f.torque)));
     });
 }
 
@@ -215,7 +212,7 @@ TEST(Fields, Magnet) {
         const Real steep = m.radius > 0 ? Real(m.max_force) / std::sqrt(q * q + e * e) : 0;
         const Real speed = exact::length(real(hand.velocity));
         c.compare(
-            felt(c, m, hand, limits).force, capped(want, limits.max_force),
+            felt(c, m, hand, limits).force, exact::capped(want, limits.max_force),
             (m.stiffness + falls + steep) * reach + m.damping * speed * (1 + reach * falls / m.max_force));
     });
 }
@@ -240,7 +237,7 @@ TEST(Fields, Constraint) {
         const exact::V want = exact::constraint(static_cast<exact::Held>(shape), real(k.origin),
                                                 real(k.direction), stiffness, b, tip_of(hand));
         const Real reach = std::max(exact::length(real(hand.position)), exact::length(real(k.origin)));
-        c.compare(felt(c, k, hand, limits).force, capped(want, limits.max_force),
+        c.compare(felt(c, k, hand, limits).force, exact::capped(want, limits.max_force),
                   stiffness * reach + b * exact::length(real(hand.velocity)));
     });
 }

@@ -169,6 +169,12 @@ inline std::vector<exact::Touch> touches_of(const std::vector<knurl::Plane>& pla
     return out;
 }
 
+inline void add_all(Case& c, Scene& scene, const std::vector<knurl::Plane>& planes) {
+    for (std::uint32_t i = 0; i < planes.size(); ++i) {
+        c.require(bool(scene.add({i, 1}, planes[i])), "a legal plane is taken");
+    }
+}
+
 /// m: the largest length that enters, coordinates included.
 inline Real reach_of(const std::vector<knurl::Plane>& planes, const exact::V& probe,
                      const exact::Push& push) {

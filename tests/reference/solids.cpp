@@ -64,8 +64,7 @@ void follow(Case& c, R& surface, exact::Solid solid, const Setting& s) {
             }
             const exact::Push push = exact::push(touches, {});
             c.say("  heights %Lg %Lg\n", feet[0].height, feet[1].height);
-            const Real size = exact::length(push.force), most = limits.max_force;
-            const exact::V want = size > most ? most / size * push.force : push.force;
+            const exact::V want = exact::capped(push.force, limits.max_force);
             c.compare_within(
                 known ? got.force : Vector(got.force.norm(), 0, 0),
                 known ? want : exact::V{exact::length(want), 0, 0},

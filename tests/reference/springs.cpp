@@ -23,7 +23,7 @@ double any_reach(Rng& rng) {
     return rng.one_in(10) ? 1e6 : (rng.one_in(4) ? rng.scale(1e-6, 10) : 0.1);
 }
 
-Spring any_spring(Rng& rng, const Probe& hand, double reach) {
+Spring any_spring(Rng& rng, const Probe& hand) {
     Spring s;
     if (rng.one_in(2)) s.attach = knurl::to_plain(rng.scale(1e-4, 0.1) * rng.direction());
     const Vector end = hand.position + hand.orientation * knurl::to_eigen(s.attach);
@@ -33,7 +33,6 @@ Spring any_spring(Rng& rng, const Probe& hand, double reach) {
     if (rng.one_in(2)) s.rest_length = rng.one_in(4) ? length : rng.scale(1e-6, 0.3);
     s.stiffness = rng.one_in(10) ? rng.scale(1e-6, 1e6) : rng.uniform(1, 3000);
     if (rng.one_in(2)) s.damping = rng.scale(0.01, 20);
-    (void)reach;
     return s;
 }
 
@@ -50,12 +49,8 @@ Want want_of(const Spring& s, const exact::V& anchor, Real rest_length, const Pr
     const exact::Tip tip = tip_of(hand);
     exact::Twist f =
         exact::spring({anchor, real(s.attach), rest_length, k, s.damping}, tip, device_of(limits));
-    const Real size = exact::length(f.force);
-    if (size > limits.max_force) {
-        f.force = limits.max_force / size * f.force;  // the torque has a limit of its own
-    }
-    const Real moment = exact::length(f.torque);
-    if (moment > limits.max_torque) f.torque = limits.max_torque / moment * f.torque;
+    f.force = exact::capped(f.force, limits.max_force);  // the torque has a limit of its own
+    f.torque = exact::capped(f.torque, limits.max_torque);
     const exact::V arm = exact::turned(tip.orientation, real(s.attach));
     Want w{f.force, f.torque};
     w.reach = std::max({exact::length(anchor), exact::length(tip.position), exact::length(arm), rest_length});
@@ -84,7 +79,7 @@ TEST(Springs, AgreeWithTheirFormula) {
         if (rng.one_in(2)) limits.mass = rng.uniform(0.05, 0.3), limits.lag = rng.uniform(0, 2e-3);
         const double reach = any_reach(rng);
         const Probe hand = any_hand(rng, reach);
-        Spring s = any_spring(rng, hand, reach);
+        Spring s = any_spring(rng, hand);
         if (rng.one_in(20)) s.stiffness = infinity;
         Scene scene({2, 1}, limits);
         c.require(bool(scene.add({0, 1}, s, {.feedback = static_cast<std::uint32_t>(rng.between(0, 1))})),
@@ -105,7 +100,7 @@ TEST(Springs, TheirEndsMoveLinearlyAndArrive) {
         Rng& rng = c.rng;
         const double reach = any_reach(rng);
         Probe hand = any_hand(rng, reach);
-        Spring s = any_spring(rng, hand, reach);
+        Spring s = any_spring(rng, hand);
         s.damping = 0;
         Scene scene({2, 1}, {});
         c.require(bool(scene.add({0, 1}, s)), "added");
@@ -156,17 +151,16 @@ TEST(Springs, ManyOnSeveralProbesActAsTheirSum) {
         for (int i = 0; i < many; ++i) {
             const std::uint32_t on = static_cast<std::uint32_t>(rng.between(0, static_cast<int>(probes) - 1));
             const exact::V arm = exact::turned(real(hand.orientation), offset[on]);
-            Spring s = any_spring(rng, hand, reach);
+            Spring s = any_spring(rng, hand);
             if (rng.one_in(2)) s.rest_length = 0;  // those that ask for no feedback collapse
             const knurl::Use use{.probe = on, .feedback = rng.one_in(3) ? 1u : 0u};
             c.require(bool(scene.add({static_cast<std::uint32_t>(i), 1}, s, use)), "added");
-            // A probe on the hand: its position in exact arithmetic, as a spring with a longer arm.
-            Spring reaching = s;
+            // On a probe of the hand: as a spring with a longer arm.
             const exact::V attach = real(s.attach) + offset[on];
             exact::Tip tip = tip_of(hand);
             const exact::Twist one =
                 exact::spring({real(s.anchor), attach, s.rest_length, s.stiffness, s.damping}, tip, {});
-            const Want want = want_of(reaching, real(s.anchor), s.rest_length, hand, {});
+            const Want want = want_of(s, real(s.anchor), s.rest_length, hand, {});
             force += one.force;
             torque += one.torque;
             const exact::V end = tip.position + exact::turned(tip.orientation, attach);

@@ -47,7 +47,9 @@ TEST(SolidBox, IsFeltAsItsSixFacesAreOnStrokesInAndOut) {
         const int axis = between(rng, 0, 2), sign = between(rng, 0, 1) ? 1 : -1;
         for (int i = 0; i < 40; ++i) {
             Vector y = any_in(rng, half - Vector::Constant(radius), 0.99);  // not where edges are
-            const double depth = i % 8 < 4 ? -uniform(rng, 0, 0.02) : uniform(rng, 0, 1.9) * half[axis];
+            // First to where that face's ball still reaches, then as deep as it goes.
+            const double in = i % 8 == 4 ? 5e-4 : 1.9 * half[axis];
+            const double depth = i % 8 < 4 ? -uniform(rng, 0, 0.02) : uniform(rng, 0, in);
             y[axis] = sign * (half[axis] - depth);
             const Vector p = exactly.world(y);
             const Vector whole = force_of(solid.at(p, radius));

@@ -67,8 +67,9 @@ TEST(SolidBox, IsEnteredByTheFaceThatThePathPassesAndHoldsByItHoweverDeep) {
                 if (!holds()) axis = -1;
             } else {
                 const ExactBox::Hit hit = exactly.entry(last, y);
-                margin = hit.margin;
-                axis = hit.axis, sign = hit.sign;
+                const Real past = y.norm() - exactly.half.norm();  // then the path has led past the box
+                margin = std::min(hit.margin, std::abs(past));
+                axis = past > 0 ? -1 : hit.axis, sign = hit.sign;
                 if (axis >= 0 && !holds()) axis = -1;
             }
             last = y;
@@ -102,8 +103,17 @@ TEST(SolidBox, PokedThroughItsMiddleAndOutAtTheBackItStillPushesBack) {
             ASSERT_EQ(felt.normal, Vector(0, 0, 1));
         }
         EXPECT_NEAR(solid.at({0.001, 0.002, half + 0.001}).height, 0.001, 1e-15);
-        EXPECT_NEAR(solid.at({0.001, 0.002, half - 5}).height, -5, 1e-12);  // and in a single cycle
+        EXPECT_NEAR(solid.at({0.001, 0.002, half - 0.02}).height, -0.02, 1e-15);  // and in a single cycle
     }
+}
+
+TEST(SolidBox, AStepThatEndsFartherAwayThanItIsLargeHasLedPastIt) {
+    Touchable solid(brick());
+    const double ball = to_eigen(brick().half_size).norm();
+    solid.at({0, 0, 5});
+    EXPECT_GT(solid.at({0, 0, -1.01 * ball}).height, 0);
+    solid.at({0, 0, 5});
+    EXPECT_LT(solid.at({0, 0, -0.99 * ball}).height, -ball) << "held by the face that it passed";
 }
 
 TEST(SolidBox, SlidOffItsEdgeWhilePressedItLetsGoOnceAndForGood) {

@@ -101,7 +101,9 @@ TYPED_TEST(Pieces, NothingTunnelsAtAnySpeedNorPopsOutHoweverDeep) {
         const auto place = [&](double height) { return exactly.over(this->rng, third, from * height); };
         piece.at(place(scale(this->rng, 1e-9, 100)));
         for (int i = 0; i < 10; ++i) {
-            const double depth = scale(this->rng, 1e-9, 100);
+            // From however far, to where it is still within the piece's ball; from then on to anywhere.
+            const auto reach = static_cast<double>(std::min<Real>(0.9 * exactly.ball, 100));
+            const double depth = scale(this->rng, 1e-9, i == 0 ? reach : 100);
             const Contact felt = piece.at(place(-depth));
             ASSERT_NEAR(felt.height, -depth, 1e-12 * 101) << "seed " << this->seed << " round " << round;
             ASSERT_LE((exact(felt.normal) - from * exactly.normal).norm(), 1e-9);
@@ -136,6 +138,16 @@ TEST(Piece, SeenFirstFromBehindAPieceIsNotTouched) {
     EXPECT_NEAR(piece.at({0, 0, -1e-3}).height, -1e-3, 1e-15);  // ... and from then on it cannot go back
 }
 
+TEST(Piece, AStepThatEndsFartherAwayThanThePieceIsLargeHasLedPastIt) {
+    const double ball = 0.02 * std::sqrt(2.0);  // around the square
+    for (const double depth : {0.9 * ball, 1.1 * ball}) {
+        Touchable piece(square(Sides::both));
+        piece.at({0, 0, 5});  // however far away the step began
+        EXPECT_NEAR(piece.at({0, 0, -depth}).height, depth < ball ? -depth : depth, 1e-15);
+        EXPECT_EQ(piece.state.touched, depth < ball ? 1 : 0);
+    }
+}
+
 TEST(Piece, ThePathMustCrossThePieceNotItsPlaneBeside) {
     Touchable piece(square(Sides::both));
     piece.at({0.03, 0, 0.01});
@@ -148,6 +160,7 @@ TEST(Piece, TheFootLeavesSidewaysAndThePieceLetsGo) {
     for (const double depth : {5e-4, 2e-3, 0.1}) {
         Touchable piece(square());
         piece.at({0.019, 0, 1e-3});
+        EXPECT_NEAR(piece.at({0.019, 0, -1e-4}).height, -1e-4, 1e-15);
         EXPECT_NEAR(piece.at({0.019, 0, -depth}).height, -depth, 1e-15);
         EXPECT_NEAR(piece.at({0.01999999, 0, -depth}).height, -depth, 1e-15);
         EXPECT_GT(piece.at({0.02000001, 0, -depth}).height, 0);

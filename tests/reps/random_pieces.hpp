@@ -50,6 +50,7 @@ struct Exact {
     std::vector<Vec> corners;  // polygon
     Vec edge;                  // half-plane: unit, outwards; origin lies on it
     Vec middle;                // of a half-plane: on its edge
+    Real ball = INFINITY;      // m, about `middle`, around it
     Real largest = 0;          // m, coordinate that enters
 
     explicit Exact(const Polygon& polygon) {
@@ -70,6 +71,8 @@ struct Exact {
         origin = corners[0];
         middle = Vec::Zero();
         for (const Vec& corner : corners) middle += corner / static_cast<Real>(corners.size());
+        ball = 0;
+        for (const Vec& corner : corners) ball = std::max(ball, (corner - middle).norm());
     }
     explicit Exact(const HalfPlane& raw) {
         const Vec n = exact(raw.normal), e = exact(raw.edge);
@@ -130,6 +133,12 @@ struct Expected {
         Vec normal;
         Real height = 0;
     };
+    // A step that ends farther away has led past it.
+    bool reached(const Vec& p, Real radius) {
+        const Real over = piece.ball + radius - (p - piece.middle).norm();
+        clear = std::min(clear, std::abs(over));
+        return over > 0;
+    }
     Felt at(const Vec& p, Real radius) {
         const Real h = piece.height(p), in = piece.inside(p);
         clear = std::min({std::abs(h), std::abs(in), std::abs((p - piece.nearest(p)).norm() - radius)});
@@ -137,7 +146,7 @@ struct Expected {
         if (touched != 0) {
             if (side != touched && in < 0) let_go = slipped;
             if (side == touched || in < 0) touched = 0;
-        } else if (met && piece.height(last) * h < 0 && let_go != from_behind) {
+        } else if (met && piece.height(last) * h < 0 && let_go != from_behind && reached(p, radius)) {
             const int from = -side;
             const Real before = std::abs(piece.height(last)), share = before / (before + std::abs(h));
             const Real crossing = piece.inside(last + share * (p - last));

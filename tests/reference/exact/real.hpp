@@ -56,8 +56,10 @@ inline V across(const V& n) {
 inline bool finite(const V& a) {
     return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
-inline Real largest(const V& a) {
-    return std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)});
+/// No longer than `most`, in the same direction.
+inline V capped(const V& a, Real most) {
+    const Real size = length(a);
+    return size > most ? most / size * a : a;
 }
 
 /// A rotation as a quaternion of any length.
