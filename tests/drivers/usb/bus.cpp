@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include <linux/usbdevice_fs.h>
+#include <pthread.h>
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -205,9 +206,10 @@ std::string Bus::plug(std::shared_ptr<Model> model, const Plug& plug) {
     text << "H: descriptors=" << hex(descriptors(identity)) << "\n";
 
     GError* error = nullptr;
-    // First the handler: an opener that finds the node without one would talk to the FIFO. It stays when the plug is
-    // pulled: the preload ends a program that is just opening the node otherwise.
-    if (attached_.insert(node).second) umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler_, &error);
+    // First the handler: an opener that finds the node without one would talk to the FIFO. It stays when the
+    // plug is pulled: the preload ends a program that is just opening the node otherwise.
+    if (attached_.insert(node).second)
+        umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler_, &error);
     check(error, "attach_ioctl");
     umockdev_testbed_add_from_string(testbed_, text.str().c_str(), &error);
     check(error, "add_from_string");
@@ -329,6 +331,12 @@ UsbfsNode* Bus::node_of(UMockdevIoctlClient* client) {
 }
 
 void Bus::handle(UMockdevIoctlClient* client) {
+    // umockdev's worker stands in for the kernel, which a busy machine does not hold up either. Where it may.
+    thread_local const int promoted = [] {
+        const sched_param real_time{.sched_priority = 60};
+        return pthread_setschedparam(pthread_self(), SCHED_FIFO, &real_time);
+    }();
+    static_cast<void>(promoted);
     UsbfsNode::Call call;
     call.client = client;
     call.request = umockdev_ioctl_client_get_request(client);

@@ -5,6 +5,7 @@
 //   guardian: makes the device safe when the servo has died, or when a byte comes from stdin (in the place of
 //   the servo's stall watch), and says so: "safe"
 
+#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -20,6 +21,8 @@
 namespace {
 
 using knurl::drivers::Nanoseconds;
+
+volatile std::sig_atomic_t stopped = 0;
 
 Nanoseconds now() {
     timespec t{};
@@ -56,15 +59,15 @@ int main(int, char** argv) {
     if (guardian == 0) guard(*device, servo);
     std::printf("ready %d\n", static_cast<int>(guardian));
 
-    double push = 0.1;  // N m
-    Nanoseconds due = now(), last = due;
+    std::signal(SIGCONT, [](int) { stopped = 1; });
+    Nanoseconds due = now();
     for (;;) {
         due += 1'000'000;
         const timespec until{.tv_sec = due / 1'000'000'000, .tv_nsec = due % 1'000'000'000};
         clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
         const Nanoseconds t = now();
-        if (t - last > 20'000'000) push = 0;
-        last = due = t;
+        due = t;
+        const double push = stopped != 0 ? 0.05 : 0.1;  // N m
         knurl::drivers::JointSample sample;
         device->read(t, sample);
         device->write(t, {push, push, push});
