@@ -16,12 +16,15 @@
 
 #include "allocations.hpp"
 #include "example_device.hpp"
+#include "falcon_bench.hpp"
 #include "shared_sim.hpp"
+#include "spacemouse_model.hpp"
+#include "wooden_model.hpp"
 
 namespace knurl::drivers {
 namespace {
 
-constexpr Nanoseconds millisecond = 1'000'000;
+using usb_emulator::millisecond;
 
 example::Board board;
 
@@ -36,6 +39,21 @@ std::string shared_address() {
     return process.address();
 }
 
+/// One of each on an emulated bus, plugged in before any of them is opened.
+void plug_in_everything() {
+    using namespace usb_emulator;
+    static Bus bus;
+    static const bool once = [] {
+        bus.plug(falcon_at_centre(), {.port = "1-1", .serial = "FALCON01"});
+        const auto wooden = std::make_shared<WoodenModel>();
+        bus.plug(wooden, {.port = "1-2", .serial = "POLHEM1"});
+        bus.locked([&] { wooden->counts = {0, 2171, 3011}; });  // in the middle of its workspace
+        bus.plug(std::make_shared<SpaceMouseModel>(true), {.port = "1-3", .serial = ""});
+        return true;
+    }();
+    static_cast<void>(once);
+}
+
 /// Every driver of this build, those of the tests as well; for each scheme what to open.
 std::map<std::string, std::vector<std::string>> addresses() {
     static const bool once = [] {
@@ -44,7 +62,8 @@ std::map<std::string, std::vector<std::string>> addresses() {
         return true;
     }();
     static_cast<void>(once);
-    return {{"sim", sim_profile_names()}, {"slider", {"bench"}}, {"shared-sim", {""}}};
+    return {{"sim", sim_profile_names()}, {"slider", {"bench"}},   {"shared-sim", {""}},
+            {"falcon", {"FALCON01"}},     {"wooden", {"POLHEM1"}}, {"spacemouse", {""}}};
 }
 
 std::vector<std::string> everything() {
@@ -61,6 +80,7 @@ std::unique_ptr<Device> open(const std::string& address) {
     if (address == "motion") {
         return std::make_unique<MotionDevice>(parse_motion("0,0,0,0\n1,0.1,0,0\n", "m"));
     }
+    plug_in_everything();
     return open_device(address == "shared-sim:" ? shared_address() : address);
 }
 

@@ -328,6 +328,39 @@ TEST(Samples, UnpluggedIsAFaultAndPluggedInAgainIsIdle) {
     EXPECT_TRUE(active.device.force().isZero(0));
 }
 
+TEST(Samples, ADeviceIsThereOnceItHasSaidWhereItIs) {
+    Active active;
+    active.device.status = ReadStatus::unplugged;
+    run(active.servo, 2);
+    ASSERT_EQ(active.state(), DeviceState::disconnected);
+    // Plugged in again, its driver has no sample for a while, or garbage.
+    active.device.status = ReadStatus::stale;
+    run(active.servo, 100);
+    active.device.status = ReadStatus::bad;
+    run(active.servo, 100);
+    EXPECT_EQ(active.state(), DeviceState::disconnected);
+    EXPECT_EQ(active.faults(), fault::unplugged) << "that nothing has come yet is no fault besides";
+    active.device.calibrated = false;
+    active.device.status = ReadStatus::ok;
+    run(active.servo, 1);
+    EXPECT_EQ(active.state(), DeviceState::idle);
+    active.claim.arm();
+    run(active.servo, 100);
+    EXPECT_EQ(active.state(), DeviceState::idle) << "its homing was before it was unplugged";
+}
+
+TEST(Samples, HomingMayMoveTheEncodersAtOnce) {
+    Active active;
+    active.device.calibrated = false;
+    run(active.servo, 5);
+    active.device.calibrated = true;
+    active.device.tip.x() += 0.05;
+    run(active.servo, 1);
+    EXPECT_EQ(active.faults(), 0u);
+    EXPECT_EQ(active.servo.count(Count::bad_samples), 0u);
+    EXPECT_TRUE(vec(active.servo.servo().last().velocity).isZero(0)) << "it was no motion";
+}
+
 TEST(Samples, AWriteThatFindsNoDeviceIsAFaultInTheSameCycle) {
     Active active;
     active.device.there = false;

@@ -4,8 +4,8 @@
 
 #include "falcon/device.hpp"
 #include "spacemouse/device.hpp"
-#include "wooden/device.hpp"
 #include "usb/session.hpp"
+#include "wooden/device.hpp"
 
 namespace knurl::drivers {
 

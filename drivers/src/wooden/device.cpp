@@ -24,9 +24,12 @@ std::int32_t unwrapped(std::int32_t raw, std::int32_t before) {
 class WoodenHaptics final : public Device {
   public:
     /// `home`: rad, where the axes are at this moment; none: where the controller's counters say.
-    WoodenHaptics(usb::Wanted wanted, const ArmFile& arm, const std::optional<std::array<double, motors>>& home,
-                  double damping, double lag, int priority)
-        : io_(std::move(wanted), std::make_unique<Protocol>(), priority), mechanism_(arm.table), link_(link_of(arm)) {
+    WoodenHaptics(usb::Wanted wanted, const ArmFile& arm,
+                  const std::optional<std::array<double, motors>>& home, double damping, double lag,
+                  int priority)
+        : io_(std::move(wanted), std::make_unique<Protocol>(), priority),
+          mechanism_(arm.table),
+          link_(link_of(arm)) {
         link_.name = "wooden";
         link_.serial = io_.info().serial;
         std::ostringstream text;
@@ -36,7 +39,8 @@ class WoodenHaptics final : public Device {
         link_.damping = damping;
         link_.lag = lag;
         link_.continuous_force = link_.continuous_force > 0 ? link_.continuous_force : link_.peak_force / 2;
-        for (std::size_t i = 0; i < motors; ++i) effort_per_milliampere_[i] = arm.axes[i].effort_per_count.value_or(0);
+        for (std::size_t i = 0; i < motors; ++i)
+            effort_per_milliampere_[i] = arm.axes[i].effort_per_count.value_or(0);
         reading_ = io_.first();
         if (home)
             for (std::size_t i = 0; i < motors; ++i)
@@ -70,7 +74,8 @@ class WoodenHaptics final : public Device {
             over = std::max(over, std::abs(effort) / link_.effort_limit[i]);
         }
         usb::Orders orders;
-        for (std::size_t i = 0; i < motors; ++i)  // together, so that the force at the tip keeps its direction
+        for (std::size_t i = 0; i < motors;
+             ++i)  // together, so that the force at the tip keeps its direction
             orders.efforts[i] = static_cast<std::int16_t>(std::lround(milliamperes[i] / over));
         return io_.send(orders);
     }
@@ -108,7 +113,8 @@ std::array<double, motors> degrees(const std::string& text) {
 }
 
 std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) {
-    usb::Address address({.scheme = "wooden", .kind = "WoodenHaptics", .ids = {std::begin(ids), std::end(ids)}}, what);
+    usb::Address address(
+        {.scheme = "wooden", .kind = "WoodenHaptics", .ids = {std::begin(ids), std::end(ids)}}, what);
     const std::string arm_name = address.text("arm");
     const std::string home = address.text("home");
     const double damping = address.number("damping", 0.2, 0.01, 20, "N s/m");
@@ -120,8 +126,10 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
                                  ") has not three driven axes, as the controller does");
     for (const ArmAxis& axis : arm.axes)
         if (!axis.radians_per_count || !axis.effort_limit || !axis.effort_per_count)
-            throw std::runtime_error("wooden: " + arm.path + " does not say counts_per_turn, effort_limit and "
-                                     "effort_per_count (N m per mA) of axis \"" + axis.name + "\"");
+            throw std::runtime_error("wooden: " + arm.path +
+                                     " does not say counts_per_turn, effort_limit and "
+                                     "effort_per_count (N m per mA) of axis \"" +
+                                     axis.name + "\"");
     std::optional<std::array<double, motors>> at;
     if (!home.empty()) at = degrees(home);
     return std::make_unique<WoodenHaptics>(address.wanted(), arm, at, damping, lag, options.io_priority);

@@ -24,11 +24,14 @@ class Protocol final : public usb::Protocol {
             const std::size_t n = session.read(packet, patience);
             if (hear(std::span(packet.data(), n), first).reading) return;
         }
-        throw std::runtime_error(session.info().address() + " does not answer as a Polhem controller does; any Teensy with "
-                                 "RawHID looks the same on USB: name another with wooden:SERIAL, or load its program");
+        throw std::runtime_error(
+            session.info().address() +
+            " does not answer as a Polhem controller does; any Teensy with "
+            "RawHID looks the same on USB: name another with wooden:SERIAL, or load its program");
     }
 
-    std::size_t pack(const usb::Orders& orders, std::span<std::uint8_t, usb::packet_bytes> packet) noexcept override {
+    std::size_t pack(const usb::Orders& orders,
+                     std::span<std::uint8_t, usb::packet_bytes> packet) noexcept override {
         std::ranges::fill(packet, std::uint8_t{0});
         for (std::size_t i = 0; i < motors; ++i) {
             const auto word = static_cast<std::uint16_t>(orders.efforts[i]);

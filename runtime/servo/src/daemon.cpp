@@ -126,7 +126,9 @@ struct Station {
     std::unique_ptr<Thread> thread;
 
     Station(const DeviceConfig& stated, const DaemonConfig& daemon) : config(stated) {
-        device = drivers::open_device(config.address, {.hand_file = config.hand_file, .seed = config.seed});
+        const int io_priority = daemon.priority == 0 ? 0 : daemon.priority + io_above_servo;
+        device = drivers::open_device(
+            config.address, {.hand_file = config.hand_file, .seed = config.seed, .io_priority = io_priority});
         const drivers::LinkConfig& link = device->link();
         if (config.rate == 0) config.rate = daemon.rate;
         if (config.name.empty()) {

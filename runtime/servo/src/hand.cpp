@@ -23,8 +23,8 @@ Trouble Hand::read(Nanoseconds now) noexcept {
     const ReadStatus status = device_.read(now, next);
     stale = false;
     has_pose = false;
-    // A device is there once it has said where it is: until its first good sample nothing is known of it, and what
-    // was known before it was unplugged (its homing as well) no longer holds.
+    // A device is there once it has said where it is: until its first good sample nothing is known of it, and
+    // what was known before it was unplugged (its homing as well) no longer holds.
     if (status == ReadStatus::unplugged || (!connected && status != ReadStatus::ok)) {
         connected = false;
         sample.calibrated = false;
@@ -51,7 +51,8 @@ Trouble Hand::read(Nanoseconds now) noexcept {
         has_pose = known_;
         return gap > stale_limit ? bad(fault::bad_samples) : Trouble{};
     }
-    // Homing has just found where the encoders count from: what they said before is no place to have come from.
+    // Homing has just found where the encoders count from: what they said before is no place to have come
+    // from.
     if (next.calibrated && !sample.calibrated) restart();
     if (!trusting_ && impossible(next, since_sample)) {
         const Trouble trouble = bad(fault::encoder_jump);

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include <linux/usbdevice_fs.h>
+#include <pthread.h>
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -205,8 +206,10 @@ std::string Bus::plug(std::shared_ptr<Model> model, const Plug& plug) {
     text << "H: descriptors=" << hex(descriptors(identity)) << "\n";
 
     GError* error = nullptr;
-    // First the handler: an opener that finds the node without one would talk to the FIFO.
-    umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler_, &error);
+    // First the handler: an opener that finds the node without one would talk to the FIFO. It stays when the
+    // plug is pulled: the preload ends a program that is just opening the node otherwise.
+    if (attached_.insert(node).second)
+        umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler_, &error);
     check(error, "attach_ioctl");
     umockdev_testbed_add_from_string(testbed_, text.str().c_str(), &error);
     check(error, "add_from_string");
@@ -238,7 +241,6 @@ void Bus::unplug(const std::string& port) {
         pulled_.push_back(std::move(socket.usbfs));
     }
     umockdev_testbed_uevent(testbed_, socket.syspath.c_str(), "remove");
-    umockdev_testbed_detach_ioctl(testbed_, socket.node.c_str(), nullptr);
     ::unlink(real_path(socket.node).c_str());
     umockdev_testbed_remove_device(testbed_, socket.syspath.c_str());
 }
@@ -296,19 +298,28 @@ gboolean Bus::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer
 
 void Bus::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer bus) {
     g_signal_connect(client, "notify::connected", G_CALLBACK(on_gone), bus);
+    g_object_weak_ref(G_OBJECT(client), on_freed, bus);
 }
 
-void Bus::on_gone(UMockdevIoctlClient* client, GParamSpec*, gpointer self) {
-    Bus& bus = *static_cast<Bus*>(self);
-    const std::lock_guard lock(bus.mutex_);
-    const auto found = bus.clients_.find(client);
-    if (found == bus.clients_.end()) return;
+void Bus::on_gone(UMockdevIoctlClient* client, GParamSpec*, gpointer bus) {
+    static_cast<Bus*>(bus)->forget(client);
+}
+
+// A client may be freed without having said that it closed, and the next one lie at the same address.
+void Bus::on_freed(gpointer bus, GObject* client) {
+    static_cast<Bus*>(bus)->forget(reinterpret_cast<UMockdevIoctlClient*>(client));
+}
+
+void Bus::forget(UMockdevIoctlClient* client) {
+    const std::lock_guard lock(mutex_);
+    const auto found = clients_.find(client);
+    if (found == clients_.end()) return;
     UsbfsNode* const node = found->second;
     node->closed(client);
-    bus.clients_.erase(found);
-    for (const auto& [other, of] : bus.clients_)
+    clients_.erase(found);
+    for (const auto& [other, of] : clients_)
         if (of == node) return;
-    std::erase_if(bus.pulled_, [node](const auto& pulled) { return pulled.get() == node; });
+    std::erase_if(pulled_, [node](const auto& pulled) { return pulled.get() == node; });
 }
 
 UsbfsNode* Bus::node_of(UMockdevIoctlClient* client) {
@@ -320,6 +331,12 @@ UsbfsNode* Bus::node_of(UMockdevIoctlClient* client) {
 }
 
 void Bus::handle(UMockdevIoctlClient* client) {
+    // umockdev's worker stands in for the kernel, which a busy machine does not hold up either. Where it may.
+    thread_local const int promoted = [] {
+        const sched_param real_time{.sched_priority = 60};
+        return pthread_setschedparam(pthread_self(), SCHED_FIFO, &real_time);
+    }();
+    static_cast<void>(promoted);
     UsbfsNode::Call call;
     call.client = client;
     call.request = umockdev_ioctl_client_get_request(client);

@@ -15,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -86,6 +87,8 @@ class Bus {
     static gboolean on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer bus);
     static void on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer bus);
     static void on_gone(UMockdevIoctlClient* client, GParamSpec*, gpointer bus);
+    static void on_freed(gpointer bus, GObject* client);
+    void forget(UMockdevIoctlClient* client);
     void handle(UMockdevIoctlClient* client);
     UsbfsNode* node_of(UMockdevIoctlClient* client);
     Socket& at(const std::string& port);
@@ -99,6 +102,7 @@ class Bus {
     std::vector<std::unique_ptr<UsbfsNode>> pulled_;  // openers may still ask them
     std::map<UMockdevIoctlClient*, UsbfsNode*> clients_;
     std::vector<std::string> unplug_soon_;
+    std::set<std::string> attached_;  // nodes that have had a handler
     int next_address_ = 2;
     bool frozen_ = false;
     std::atomic<std::uint64_t> frame_ = 0, calls_ = 0;

@@ -18,6 +18,7 @@ namespace knurl::servo {
 /// SCHED_FIFO priorities relative to the servo's (80): everything that a cycle does not need waits for it.
 inline constexpr int waker_below_servo = 20;
 inline constexpr int broker_below_servo = 30;
+inline constexpr int io_above_servo = 1;        // short bursts, whose bytes the next cycle waits for
 inline constexpr int guardian_above_servo = 5;  // mostly asleep; it must run when the servo hangs
 
 /// All memory is locked, so stacks are set explicitly. Sanitizers need more, and lock nothing.

@@ -1,0 +1,238 @@
+// What can go wrong on a cable, and what the cycle then sees. SAFETY's rows "device unplugged" and "USB
+// time-out, short or garbage packets" end in the servo (ReadStatus -> Hand -> Supervisor); here is the
+// driver's half: every fault shows as what it is, and no effort outlives it.
+
+#include <cstdlib>
+#include <random>
+
+#include "falcon_bench.hpp"
+
+namespace knurl::drivers {
+namespace {
+
+using namespace usb_emulator;
+
+class FaultsOfAFalcon : public testing::Test {
+  protected:
+    Bus bus_;
+    std::shared_ptr<Falcon> falcon_ = falcon_at_centre();
+    static constexpr JointEfforts push = {0.1, 0.1, 0.1};
+    static constexpr std::array<int, 3> pushed = {-1000, -1000, -1000};
+    Nanoseconds now_ = 0;
+
+    std::unique_ptr<Device> open() { return open_device("falcon:FALCON01,low_pass=0"); }
+    void SetUp() override { bus_.plug(falcon_, {.serial = "FALCON01"}); }
+
+    /// One cycle.
+    ReadStatus step(Device& device, const JointEfforts& efforts) {
+        const ReadStatus status = device.read(now_ += millisecond, sample_);
+        device.write(now_, efforts);
+        const std::uint64_t frame = bus_.frame();
+        bus_.wait(1, [&] { return bus_.frame() > frame; });
+        return status;
+    }
+    /// Cycles until a read says so; false after so many.
+    bool until(Device& device, ReadStatus wanted, int most = 3000, const JointEfforts& efforts = {}) {
+        for (int i = 0; i < most; ++i)
+            if (step(device, efforts) == wanted) return true;
+        return false;
+    }
+    bool pushes(Device& device) {
+        for (int i = 0; i < 500; ++i) {
+            step(device, push);
+            if (bus_.locked([&] { return falcon_->motors() == pushed; })) return true;
+        }
+        return false;
+    }
+
+    JointSample sample_;
+};
+
+TEST_F(FaultsOfAFalcon, GarbageIsBadAndTheSampleBeforeItStays) {
+    const auto device = open();
+    ASSERT_TRUE(until(*device, ReadStatus::ok));
+    const JointSample before = sample_;
+    bus_.locked([&] { falcon_->faults.garbage_replies = 1 << 20; });
+    EXPECT_TRUE(until(*device, ReadStatus::bad));
+    int bad = 0;
+    for (int i = 0; i < 200; ++i) {
+        const ReadStatus status = step(*device, {});
+        EXPECT_TRUE(status == ReadStatus::bad || status == ReadStatus::stale);
+        bad += status == ReadStatus::bad ? 1 : 0;
+    }
+    EXPECT_GE(bad, 10) << "as many as the servo faults at";
+    EXPECT_EQ(sample_.position, before.position);
+    bus_.locked([&] { falcon_->faults.garbage_replies = 0; });
+    EXPECT_TRUE(until(*device, ReadStatus::ok));
+}
+
+TEST_F(FaultsOfAFalcon, ShortPacketsAreBad) {
+    const auto device = open();
+    ASSERT_TRUE(until(*device, ReadStatus::ok));
+    bus_.locked([&] { falcon_->faults.short_packets = 20; });
+    EXPECT_TRUE(until(*device, ReadStatus::bad));
+    EXPECT_TRUE(until(*device, ReadStatus::ok));
+}
+
+TEST_F(FaultsOfAFalcon, FragmentsAreNoFault) {
+    falcon_->faults.fragment = 5;
+    const auto device = open();
+    ASSERT_TRUE(until(*device, ReadStatus::ok));
+    for (int i = 0; i < 300; ++i) EXPECT_NE(step(*device, {}), ReadStatus::bad);
+    EXPECT_TRUE(until(*device, ReadStatus::ok));
+}
+
+TEST_F(FaultsOfAFalcon, SilenceIsStale) {
+    const auto device = open();
+    ASSERT_TRUE(until(*device, ReadStatus::ok));
+    bus_.locked([&] { falcon_->faults.silent = true; });
+    ASSERT_TRUE(until(*device, ReadStatus::stale));
+    step(*device, {});
+    step(*device, {});
+    for (int i = 0; i < 100; ++i) EXPECT_EQ(step(*device, {}), ReadStatus::stale);
+    bus_.locked([&] { falcon_->faults.silent = false; });
+    EXPECT_TRUE(until(*device, ReadStatus::ok));
+}
+
+TEST_F(FaultsOfAFalcon, OrdersDoNotPileUpBeforeADeviceThatTakesNone) {
+    const auto device = open();
+    ASSERT_TRUE(until(*device, ReadStatus::ok));
+    bus_.locked([&] { falcon_->faults.stuck = true; });
+    for (int i = 0; i < 200; ++i) step(*device, {0.001 * (i + 1), 0, 0});
+    std::size_t before = 0;
+    bus_.locked([&] {
+        before = falcon_->requests().size();
+        falcon_->faults.stuck = false;
+    });
+    // The two that were in flight, then the newest: nothing of what lies between.
+    ASSERT_TRUE(bus_.wait(2000, [&] { return falcon_->requests().size() >= before + 3; }));
+    bus_.locked([&] {
+        const auto& requests = falcon_->requests();
+        EXPECT_LT(-requests[before].motors[0], 1000);
+        EXPECT_LT(-requests[before + 1].motors[0], 1000);
+        const int third = -requests[before + 2].motors[0];
+        EXPECT_TRUE(third == 2000 || third == 0) << third << " (0: the cycle has been silent for 10 ms)";
+    });
+}
+
+TEST_F(FaultsOfAFalcon, AnEncoderThatSlipsIsReportedAsItIs) {
+    const auto device = open();
+    ASSERT_TRUE(until(*device, ReadStatus::ok));
+    const double before = sample_.position[0];
+    bus_.locked([&] { falcon_->slip(0, 400); });
+    for (int i = 0; i < 200 && sample_.position[0] == before; ++i) step(*device, {});
+    EXPECT_NEAR(sample_.position[0] - before, 400 * falcon_radians_per_count, 1e-9)
+        << "to reject it is the servo's";
+}
+
+TEST_F(FaultsOfAFalcon, UnpluggedIsSeenAndPluggedInAgainItIsFoundWithMotorsAtZero) {
+    const auto device = open();
+    ASSERT_TRUE(pushes(*device));
+    bus_.unplug("1-1");
+    ASSERT_TRUE(until(*device, ReadStatus::unplugged, 500, push));
+    EXPECT_FALSE(device->write(now_, push));
+    EXPECT_FALSE(sample_.calibrated);
+
+    const auto stranger = falcon_at_centre();
+    bus_.plug(stranger, {.port = "1-1", .serial = "FALCON02"});
+    std::size_t heard = 0;
+    bus_.locked([&] { heard = falcon_->requests().size(); });
+    bus_.plug(falcon_, {.port = "1-3", .serial = "FALCON01"});
+    ASSERT_TRUE(until(*device, ReadStatus::ok, 5000)) << "by its serial number, wherever it is";
+    EXPECT_TRUE(sample_.calibrated);
+    EXPECT_TRUE(stranger->requests().empty());
+    for (int i = 0; i < 50; ++i) step(*device, {});
+    bus_.locked([&] {
+        for (std::size_t i = heard; i < falcon_->requests().size(); ++i)
+            EXPECT_TRUE(falcon_->requests()[i].is_zero()) << "nothing of what was ordered before";
+    });
+    EXPECT_TRUE(pushes(*device));
+}
+
+TEST_F(FaultsOfAFalcon, GoneAndBackBetweenTwoReadsIsStillSaid) {
+    const auto device = open();
+    ASSERT_TRUE(pushes(*device));
+    bus_.unplug("1-1");
+    bus_.plug(falcon_, {.serial = "FALCON01"});
+    // Until it has been opened again, which takes no read.
+    std::size_t heard = 0;
+    bus_.locked([&] { heard = falcon_->requests().size(); });
+    ASSERT_TRUE(bus_.wait(5000, [&] { return falcon_->requests().size() > heard + 3; }));
+    EXPECT_EQ(step(*device, push), ReadStatus::unplugged);
+    EXPECT_TRUE(until(*device, ReadStatus::ok));
+}
+
+TEST_F(FaultsOfAFalcon, AFalconThatLostItsFirmwareWithThePowerIsBootedAgain) {
+    bus_.unplug("1-1");
+    const TemporaryFile firmware(made_up_firmware());
+    falcon_ = falcon_at_centre(false);
+    bus_.plug(falcon_, {.serial = "FALCON01"});
+    const auto device = open_device("falcon:,low_pass=0,firmware=" + firmware.path());
+    ASSERT_TRUE(pushes(*device));
+    bus_.unplug("1-1");
+    ASSERT_TRUE(until(*device, ReadStatus::unplugged));
+    bus_.plug(falcon_, {.serial = "FALCON01"});
+    ASSERT_TRUE(until(*device, ReadStatus::ok, 10000));
+    EXPECT_EQ(bus_.locked([&] { return falcon_->boots(); }), 2);
+}
+
+// The long form: KNURL_USB_UNPLUGS=1000 (scripts/usb).
+TEST_F(FaultsOfAFalcon, ThePlugMayBePulledInTheMiddleOfAnyTransfer) {
+    const char* asked = std::getenv("KNURL_USB_UNPLUGS");
+    const int times = asked != nullptr ? std::atoi(asked) : 50;
+    const unsigned seed = 20240607;
+    std::mt19937 random(seed);
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    bus_.unplug("1-1");
+    int closed_at_once = 0;
+    std::shared_ptr<Falcon> previous;
+    for (int i = 0; i < times; ++i) {
+        falcon_ = falcon_at_centre();
+        const bool stuck = random() % 3 == 0;  // with packets on their way to it
+        bus_.plug(falcon_, {.serial = "FALCON01"});
+        const auto device = open();
+        const auto cycles = static_cast<int>(random() % 6);
+        for (int k = 0; k < cycles; ++k) step(*device, push);
+        if (stuck) bus_.locked([&] { falcon_->faults.stuck = true; });
+        for (int k = 0; k < 2; ++k) {
+            device->read(now_ += millisecond, sample_);
+            device->write(now_, push);
+        }
+        bus_.unplug("1-1");
+        if (random() % 4 == 0) {  // and the program ends as well
+            ++closed_at_once;
+            continue;
+        }
+        ASSERT_TRUE(until(*device, ReadStatus::unplugged, 5000)) << "time " << i;
+        if (random() % 4 != 0) continue;
+        falcon_ = falcon_at_centre();
+        bus_.plug(falcon_, {.serial = "FALCON01"});
+        ASSERT_TRUE(until(*device, ReadStatus::ok, 5000)) << "time " << i;
+        bus_.unplug("1-1");
+    }
+    std::printf("%d times unplugged, %d of them closed at once\n", times, closed_at_once);
+}
+
+TEST_F(FaultsOfAFalcon, OneThatFailsLeavesTheOtherAlone) {
+    const auto other = falcon_at_centre();
+    bus_.plug(other, {.port = "1-2", .serial = "FALCON02"});
+    const auto failing = open();
+    const auto working = open_device("falcon:FALCON02,low_pass=0");
+    ASSERT_TRUE(until(*failing, ReadStatus::ok));
+    ASSERT_TRUE(until(*working, ReadStatus::ok));
+    bus_.locked([&] { falcon_->faults = {.garbage_replies = 100, .stuck = true}; });
+    int fresh = 0;
+    for (int i = 0; i < 200; ++i) {
+        if (i == 100) bus_.unplug("1-1");
+        failing->read(now_, sample_);
+        failing->write(now_, push);
+        const ReadStatus status = step(*working, push);
+        EXPECT_TRUE(status == ReadStatus::ok || status == ReadStatus::stale);
+        fresh += status == ReadStatus::ok ? 1 : 0;
+    }
+    EXPECT_GT(fresh, 20);
+    EXPECT_EQ(bus_.locked([&] { return other->motors(); }), pushed);
+}
+
+}  // namespace
+}  // namespace knurl::drivers

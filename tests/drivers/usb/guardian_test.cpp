@@ -1,0 +1,203 @@
+// The servo is killed or stopped with force on; its guardian, a forked process that holds the node, zeroes
+// the device. The servo is a process of its own here (servo_process.cpp), the bus and its clock are ours.
+
+#include <csignal>
+#include <cstring>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+
+#include "falcon_bench.hpp"
+#include "usb/zero_line.hpp"
+
+namespace knurl::drivers {
+namespace {
+
+using namespace usb_emulator;
+
+/// The process, and its guardian.
+class Servo {
+  public:
+    explicit Servo(const std::string& address) {
+        int in[2], out[2];
+        if (pipe2(in, O_CLOEXEC) != 0 || pipe2(out, O_CLOEXEC) != 0) throw std::runtime_error("pipe");
+        posix_spawn_file_actions_t actions;
+        posix_spawn_file_actions_init(&actions);
+        posix_spawn_file_actions_adddup2(&actions, in[0], STDIN_FILENO);
+        posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+        std::string program = KNURL_USB_SERVO, what = address;
+        char* arguments[] = {program.data(), what.data(), nullptr};
+        const int error = posix_spawn(&pid_, program.c_str(), &actions, nullptr, arguments, environ);
+        posix_spawn_file_actions_destroy(&actions);
+        close(in[0]);
+        close(out[1]);
+        if (error != 0) throw std::runtime_error(std::strerror(error));
+        ask_ = in[1];
+        hear_ = fdopen(out[0], "r");
+    }
+    ~Servo() {
+        // First the guardian, while its servo lives: killed inside a call to the mock, that would leave it
+        // half an exchange.
+        close(ask_);
+        if (guardian_ >= 0) {
+            pollfd gone{.fd = guardian_, .events = POLLIN, .revents = 0};
+            poll(&gone, 1, -1);
+            close(guardian_);
+        }
+        end();
+        std::fclose(hear_);
+    }
+    Servo(const Servo&) = delete;
+    Servo& operator=(const Servo&) = delete;
+
+    bool ready() {
+        int guardian = 0;
+        if (std::sscanf(line().c_str(), "ready %d", &guardian) != 1) return false;
+        guardian_ = static_cast<int>(syscall(SYS_pidfd_open, guardian, 0));
+        return guardian_ >= 0;
+    }
+    std::string line() {
+        char text[128] = {};
+        return std::fgets(text, sizeof text, hear_) != nullptr ? text : "";
+    }
+    void tell_guardian() { ASSERT_EQ(write(ask_, "z", 1), 1); }
+    void signal(int number) { kill(pid_, number); }
+    void end() {
+        if (pid_ > 0) {
+            kill(pid_, SIGKILL);
+            waitpid(pid_, nullptr, 0);
+        }
+        pid_ = -1;
+    }
+    pid_t pid() const { return pid_; }
+
+  private:
+    pid_t pid_ = -1;
+    int guardian_ = -1;  // pidfd
+    int ask_ = -1;
+    FILE* hear_ = nullptr;
+};
+
+constexpr std::array<int, 3> pushed = {-1000, -1000, -1000};
+constexpr std::uint64_t promised = 5;  // ms of the bus's clock
+
+class GuardianOfAFalcon : public testing::Test {
+  protected:
+    void SetUp() override {
+        bus_.plug(falcon_, {.serial = "FALCON01"});
+        servo_ = std::make_unique<Servo>("falcon:FALCON01,low_pass=0");
+        ASSERT_TRUE(servo_->ready());
+        ASSERT_TRUE(bus_.wait(10000, [&] { return falcon_->motors() == pushed; }));
+    }
+
+    /// Until the servo waits for the bus, with efforts on their way. Killed inside a call to the mock, it
+    /// would leave half an exchange in the socket that its guardian shares: a matter of the mock, not of a
+    /// kernel.
+    void let_it_run_dry() {
+        bus_.locked([&] { falcon_->faults.stuck = true; });
+        for (int i = 0; i < 2000 && bus_.in_flight("1-1") < 5; ++i) bus_.wait_until_quiet();
+        ASSERT_EQ(bus_.in_flight("1-1"), 5U) << "three requests for packets, two packets of efforts";
+        bus_.freeze(true);
+        bus_.wait_until_quiet();
+    }
+    /// From now on the bus's clock runs.
+    std::uint64_t run_on() {
+        std::size_t before = 0;
+        bus_.locked([&] {
+            falcon_->faults.stuck = false;
+            before = falcon_->requests().size();
+        });
+        bus_.freeze(false);
+        bus_.locked([&] {
+            EXPECT_EQ(falcon_->requests().size(), before + 2) << "what was on its way arrives first";
+            EXPECT_EQ(falcon_->motors(), pushed);
+        });
+        return bus_.frame();
+    }
+    void expect_zero_in_time(std::uint64_t since) {
+        const bool zero = bus_.wait(1000, [&] { return falcon_->motors() == std::array<int, 3>{}; });
+        EXPECT_TRUE(zero);
+        const std::uint64_t frame = bus_.locked([&] { return falcon_->requests().back().frame; });
+        std::printf("zero after %d ms of the bus's clock\n", static_cast<int>(frame - since));
+        EXPECT_LE(frame - since, promised);
+    }
+
+    Bus bus_;
+    std::shared_ptr<Falcon> falcon_ = falcon_at_centre();
+    std::unique_ptr<Servo> servo_;
+};
+
+TEST_F(GuardianOfAFalcon, ZeroesItWhenTheServoIsKilled) {
+    let_it_run_dry();
+    servo_->signal(SIGKILL);
+    const std::uint64_t since = run_on();
+    expect_zero_in_time(since);
+    servo_->end();
+    EXPECT_EQ(servo_->line(), "safe\n");
+}
+
+TEST_F(GuardianOfAFalcon, ZeroesItWhenTheServoStandsStillAndNothingOldFollowsWhenItGoesOn) {
+    let_it_run_dry();
+    servo_->signal(SIGSTOP);
+    int status = 0;
+    waitpid(servo_->pid(), &status, WUNTRACED);
+    ASSERT_TRUE(WIFSTOPPED(status));
+    servo_->tell_guardian();
+    const std::uint64_t since = run_on();
+    expect_zero_in_time(since);
+    EXPECT_EQ(servo_->line(), "safe\n");
+    const std::size_t zeroed = bus_.locked([&] { return falcon_->requests().size(); });
+    servo_->signal(SIGCONT);
+    // The efforts that it had ordered before it was stopped come to nothing. What it pushes once it has read
+    // again is the servo's affair: it has seen the guardian's act.
+    ASSERT_TRUE(bus_.wait(5000, [&] { return falcon_->motors() == std::array<int, 3>{-500, -500, -500}; }));
+    bus_.locked([&] {
+        for (std::size_t i = zeroed; i < falcon_->requests().size(); ++i)
+            EXPECT_GE(falcon_->requests()[i].motors[0], -500) << "packet " << i - zeroed;
+    });
+}
+
+TEST(ZeroLine, AForkedCopySendsToTheNodeThatWasOpenedLast) {
+    const auto node = [](const char* name) { return memfd_create(name, MFD_CLOEXEC); };
+    const auto is = [](int a, int b) {
+        struct stat one {
+        }, other{};
+        return fstat(a, &one) == 0 && fstat(b, &other) == 0 && one.st_ino == other.st_ino;
+    };
+    const std::uint8_t packet[4] = {};
+    usb::ZeroLine line(packet);
+    const int first = node("first"), second = node("second"), third = node("third");
+    line.hold(first, 2);
+    int to_child[2];
+    ASSERT_EQ(pipe(to_child), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        char byte = 0;
+        const bool inherited = line.forked() && is(line.node(), first);
+        if (read(to_child[0], &byte, 1) != 1) _exit(2);
+        line.take_newest();
+        // A memfd takes no such call: that fails, and it is counted where the other process sees it.
+        const bool counted = !line.zero() && line.acts() == 1;
+        _exit(inherited && is(line.node(), third) && counted ? 0 : 1);
+    }
+    line.let_go();  // unplugged, and plugged in twice
+    line.hold(second, 2);
+    line.let_go();
+    line.hold(third, 2);
+    EXPECT_EQ(write(to_child[1], "x", 1), 1);
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    EXPECT_EQ(line.acts(), 1U);
+    EXPECT_FALSE(line.forked());
+    for (const int fd : {first, second, third, to_child[0], to_child[1]}) close(fd);
+}
+
+}  // namespace
+}  // namespace knurl::drivers

@@ -1,0 +1,75 @@
+// A servo in small, for the test of the guardian: opens the device at argv[1], forks its guardian, then
+// cycles at 1 kHz with a constant effort until it is killed. Stopped for longer than 20 ms it pushes no more,
+// as a servo does.
+//   to the test (stdout):  "ready GUARDIAN-PID"
+//   guardian: makes the device safe when the servo has died, or when a byte comes from stdin (in the place of
+//   the servo's stall watch), and says so: "safe"
+
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+
+#include <poll.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <knurl/drivers/registry.hpp>
+
+namespace {
+
+using knurl::drivers::Nanoseconds;
+
+volatile std::sig_atomic_t stopped = 0;
+
+Nanoseconds now() {
+    timespec t{};
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * Nanoseconds{1'000'000'000} + t.tv_nsec;
+}
+
+[[noreturn]] void guard(knurl::drivers::Device& device, int servo) {
+    const sched_param real_time{.sched_priority = 50};
+    sched_setscheduler(0, SCHED_FIFO, &real_time);  // where it may
+    for (;;) {
+        pollfd waits[2] = {{.fd = servo, .events = POLLIN, .revents = 0},
+                           {.fd = STDIN_FILENO, .events = POLLIN, .revents = 0}};
+        poll(waits, 2, -1);
+        char byte = 0;
+        const bool asked = (waits[1].revents & POLLIN) != 0 && read(STDIN_FILENO, &byte, 1) == 1;
+        const bool dead = waits[0].revents != 0;
+        if (asked || dead) {
+            device.make_safe();
+            std::puts("safe");
+        }
+        if (dead || (!asked && waits[1].revents != 0)) _exit(0);
+    }
+}
+
+}  // namespace
+
+int main(int, char** argv) {
+    prctl(PR_SET_TIMERSLACK, 1UL);
+    std::setvbuf(stdout, nullptr, _IOLBF, 0);
+    const auto device = knurl::drivers::open_device(argv[1]);
+    const int servo = static_cast<int>(syscall(SYS_pidfd_open, getpid(), 0));
+    const pid_t guardian = fork();
+    if (guardian == 0) guard(*device, servo);
+    std::printf("ready %d\n", static_cast<int>(guardian));
+
+    std::signal(SIGCONT, [](int) { stopped = 1; });
+    Nanoseconds due = now();
+    for (;;) {
+        due += 1'000'000;
+        const timespec until{.tv_sec = due / 1'000'000'000, .tv_nsec = due % 1'000'000'000};
+        clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+        const Nanoseconds t = now();
+        due = t;
+        const double push = stopped != 0 ? 0.05 : 0.1;  // N m
+        knurl::drivers::JointSample sample;
+        device->read(t, sample);
+        device->write(t, {push, push, push});
+    }
+}
