@@ -212,7 +212,9 @@ Ray ray(const CheckedArm& arm, const Vector3d& way) {
     for (double distance = 0; distance < farthest; distance += step) {
         if (advance(distance)) continue;
         found.stop = stop;
-        for (double half = step / 2; half > 1e-5; half /= 2) advance(found.length + half);
+        for (double half = step / 2; half > 1e-5; half /= 2) {
+            if (!advance(found.length + half)) found.stop = stop;
+        }
         break;
     }
     return found;

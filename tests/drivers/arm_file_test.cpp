@@ -166,6 +166,8 @@ TEST(ShippedArms, OmniIsThePublishedUrdf) {
         EXPECT_LT((pose.position - turned * (urdf(q).wrist - urdf(omni.centre).wrist)).norm(), 1e-15);
         EXPECT_LT((pose.orientation * Vector3d::UnitZ() - turned * urdf(q).stylus).norm(), 1e-15);
     }
+    // Counts of the protocol at the links of the URDF are the data sheet's 450 dpi.
+    EXPECT_NEAR(link_of(omni).radians_per_count[1] * 0.134, 25.4e-3 / 450, 0.5e-6);
     EXPECT_NEAR(omni.axes[1].limits.least, 0.23 - 0.24, 1e-12);
     EXPECT_NEAR(omni.axes[4].limits.least, -2.07 - 0.85, 1e-12);
     EXPECT_NEAR(omni.axes[4].limits.greatest, 0.23 - 0.85, 1e-12);
