@@ -232,6 +232,16 @@ TEST(ArmFile, WhatItSaysIsWhatTheDeviceSays) {
     EXPECT_EQ(found->value, "0.04 N");
 }
 
+TEST(ArmFile, TheExampleOfTheReadmeIsRead) {
+    std::ifstream file(KNURL_DRIVERS_README);
+    std::string text((std::istreambuf_iterator<char>(file)), {});
+    const std::string fence = "```toml\n";
+    const auto begin = text.find(fence) + fence.size();
+    const ArmFile arm = parse_arm(text.substr(begin, text.find("```", begin) - begin), "README.md");
+    EXPECT_EQ(arm.name, "mine");
+    EXPECT_EQ(arm.axes[0].effort_per_count, 4e-4);
+}
+
 TEST(ArmFile, DegreesAndRadiansAreTheSameArm) {
     const ArmFile degrees = parse_arm(good, "mine.toml");
     const ArmFile radians = parse_arm(with("alpha_deg = 90", "alpha = 1.5707963267948966"), "mine.toml");
