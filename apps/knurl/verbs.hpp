@@ -17,6 +17,7 @@ void add_eval(CLI::App& program, Run& run);
 void add_latency(CLI::App& program, Run& run);
 void add_devices(CLI::App& program, Run& run);
 void add_device(CLI::App& program, Run& run);
+void add_device_check(CLI::App& device, Run& run);
 void add_device_test(CLI::App& device, Run& run);
 
 /// What the command line asks for makes no sense: exit code 2.
