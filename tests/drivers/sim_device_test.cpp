@@ -184,7 +184,7 @@ TEST(SimAddress, SaysWhatItDoesNotKnow) {
     }
     EXPECT_NE(refusal("sim:cartesian3,").find("no option \"\"; there are grip, hand,"), std::string::npos);
     EXPECT_NE(refusal("sim:cartesian3,stiffness=3").find("no option \"stiffness\""), std::string::npos);
-    EXPECT_NE(refusal("falcon:0").find("no device \"falcon:0\"; write one of sim:cartesian3"),
+    EXPECT_NE(refusal("omega:0").find("no device \"omega:0\"; write one of sim:cartesian3"),
               std::string::npos);
     EXPECT_NE(refusal("premium15").find("write one of sim:"), std::string::npos);
     EXPECT_NE(refusal("").find("write one of sim:"), std::string::npos);

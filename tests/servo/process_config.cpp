@@ -273,7 +273,7 @@ TEST(CommandLine, WhatCannotStartSaysWhyAndLeavesNothingBehind) {
     const test::Home home;
     const std::pair<std::vector<std::string>, const char*> mistakes[] = {
         {{"--device", "sim:nonesuch"}, "nonesuch"},
-        {{"--device", "falcon:0x"}, "sim:"},
+        {{"--device", "omega:0x"}, "sim:"},
         {{"--device", "sim:premium15", "--device", "sim:premium15"}, "two devices are called \"premium15\""},
         {{"--device", "sim:premium15", "--cpu", "1000"}, "this process may use"},
         {{"--device", "sim:premium15", "--hand", "no-such.csv"}, "no-such.csv"},
