@@ -72,7 +72,8 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     };
     if (was) {
         // It may be sent to the other side of the probe: then it must know where that was.
-        if (same && now_[i].asked < last_timed_) prime(now_[i], groups_[now_[i].use.probe]);
+        if (same && slots_[i].bounded && now_[i].asked < last_timed_)
+            prime(now_[i], groups_[now_[i].use.probe]);
         release_old(i);
         copy(now_[i], old_[i]);
         if (old_[i].rough) rough(owner_of(i, true)) = rough(owner_of(i, false));
