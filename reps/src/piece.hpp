@@ -3,9 +3,9 @@
 //
 //   normal()          unit, towards the front
 //   height(q)         m, of q over its plane
-//   holds(q, reach)   the foot of q lies within the piece, up to the rounding of coordinates up to `reach`
-//   (m) reaches(q, r)     a probe of radius r at q meets the ball around the piece (of `bound`) away(q) m,
-//   from the nearest point of the piece to q, where the foot lies outside
+//   holds(q, reach)   the foot of q lies within the piece, but for rounding of coordinates of that size (m)
+//   reaches(q, r)     a probe of radius r at q meets the ball around the piece (of `bound`)
+//   away(q)           m, from the nearest point of the piece to q, where the foot lies outside
 //
 // With a probe of radius r the piece is a thin plate with rounded edges until the centre has crossed it:
 // height |p - x| - r along p - x, x the piece's nearest point. After that it is -|h| - r along the normal of
