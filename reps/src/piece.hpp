@@ -3,7 +3,7 @@
 //
 //   normal()          unit, towards the front
 //   height(q)         m, of q over its plane
-//   holds(q, reach)   the foot of q lies within the piece, up to the rounding of coordinates up to `reach` (m)
+//   holds(q, reach)   the foot of q lies within the piece, but for rounding of coordinates of that size (m)
 //   reaches(q, r)     a probe of radius r at q meets the ball around the piece (of `bound`)
 //   away(q)           m, from the nearest point of the piece to q, where the foot lies outside
 //

@@ -14,8 +14,8 @@ namespace {
 // Each widening at least doubles how far is asked, so this many suffice from nanometres to any scene's size.
 constexpr int widenings = 64;
 
-// How far the proxy lies from the probe (m). Not the first layer's alone: one that contradicts itself gives way,
-// and may lie nearer than a harder one, which does not.
+// How far the proxy lies from the probe (m). Not the first layer's alone: one that contradicts itself gives
+// way, and may lie nearer than a harder one, which does not.
 double proxy_distance(const ContactSet& set) noexcept {
     double square = 0;
     for (std::uint32_t j = 0; j < set.layers; ++j)

@@ -99,8 +99,8 @@ inline exact::Turn real(const knurl::Quat& q) {
 /// What one case found, while it runs.
 class Case {
   public:
-    Case(std::string kind, std::uint64_t seed, bool replayed)
-        : rng(mix(kind, seed)), kind_(std::move(kind)), seed_(seed), replayed_(replayed) {}
+    Case(const std::string& kind, std::uint64_t seed, bool replayed)
+        : rng(mix(kind, seed)), replayed_(replayed) {}
 
     Rng rng;
 
@@ -148,8 +148,6 @@ class Case {
     }
     void note(Real relative) { worst_ = std::max(worst_, relative); }
 
-    std::string kind_;
-    std::uint64_t seed_;
     bool replayed_, counts_ = true;
     Real worst_ = 0;
     std::string why_;

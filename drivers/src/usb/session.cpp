@@ -98,8 +98,8 @@ Found Context::find(const Wanted& wanted) const {
     });
     if (fitting.size() == 1) return fitting.front();
     if (all.empty())
-        throw std::runtime_error("no " + wanted.kind + " is plugged in (USB " + wanted.scheme +
-                                 "); is it powered?");
+        throw std::runtime_error("no " + wanted.kind +
+                                 " is plugged in; is it powered? `knurl devices` shows what is");
     if (fitting.empty())
         throw std::runtime_error("no " + wanted.kind + " \"" + wanted.serial +
                                  (wanted.port.empty() ? "" : "\" in port \"" + wanted.port) +
