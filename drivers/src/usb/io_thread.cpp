@@ -22,35 +22,42 @@ Nanoseconds monotonic() noexcept {
 
 }  // namespace
 
+IoThread::Poke::Poke() : fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (fd_ < 0) throw std::runtime_error(std::string("usb: eventfd: ") + std::strerror(errno));
+}
+
+IoThread::Poke::~Poke() {
+    ::close(fd_);
+}
+
+void IoThread::Poke::set() const noexcept {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t n = write(fd_, &one, sizeof one);
+}
+
+void IoThread::Poke::take() const noexcept {
+    std::uint64_t pokes = 0;
+    [[maybe_unused]] const ssize_t n = read(fd_, &pokes, sizeof pokes);
+}
+
 IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priority)
-    : wanted_(std::move(wanted)),
-      protocol_(std::move(protocol)),
-      poke_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-    if (poke_ < 0) throw std::runtime_error(std::string("usb: eventfd: ") + std::strerror(errno));
+    : wanted_(std::move(wanted)), protocol_(std::move(protocol)) {
     std::array<std::uint8_t, packet_bytes> zero{};
     zero_line_.emplace(std::span(zero.data(), protocol_->takes_efforts() ? protocol_->pack({}, zero) : 0));
     for (auto& [list, n] : {std::pair{&in_, transfers_in}, std::pair{&out_, transfers_out}})
         for (int i = 0; i < n; ++i) {
             list->push_back(std::make_unique<Transfer>());
             list->back()->owner = this;
-            list->back()->block = libusb_alloc_transfer(0);
-            if (list->back()->block == nullptr) throw std::bad_alloc();
+            list->back()->block.reset(libusb_alloc_transfer(0));
+            if (!list->back()->block) throw std::bad_alloc();
         }
     waits_.reserve(16);
-    try {
-        open();
-        info_ = session_->info();
-        first_ = reading_;
-        // Plugged in again, it is this very one that is waited for.
-        if (wanted_.serial.empty()) wanted_.serial = info_.serial;
-        if (wanted_.serial.empty()) wanted_.port = info_.port;
-    } catch (...) {
-        session_.reset();
-        for (auto* list : {&in_, &out_})
-            for (const auto& transfer : *list) libusb_free_transfer(transfer->block);
-        ::close(poke_);
-        throw;
-    }
+    open();
+    info_ = session_->info();
+    first_ = reading_;
+    // Plugged in again, it is this very one that is waited for.
+    if (wanted_.serial.empty()) wanted_.serial = info_.serial;
+    if (wanted_.serial.empty()) wanted_.port = info_.port;
     seen_session_ = number_;
 
     pthread_attr_t attributes;
@@ -76,11 +83,8 @@ IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priori
 
 IoThread::~IoThread() {
     stop_.store(true, std::memory_order_relaxed);
-    poke();
+    poke_.set();
     pthread_join(thread_, nullptr);
-    for (auto* list : {&in_, &out_})
-        for (const auto& transfer : *list) libusb_free_transfer(transfer->block);
-    ::close(poke_);
 }
 
 // ------------------------------------------------------------------------------------------------ the cycle
@@ -89,7 +93,7 @@ ReadStatus IoThread::take(Reading& reading) noexcept {
     if (!begun_) {
         begun_ = true;
         awake_.store(true, std::memory_order_release);
-        poke();
+        poke_.set();
     }
     seen_acts_ = zero_line_->acts();
     // Pairs with the release in open(): a number that is odd comes with its first reading.
@@ -113,13 +117,13 @@ bool IoThread::send(Orders orders) noexcept {
     orders.session = seen_session_;
     orders.acts = seen_acts_;
     newest_orders_.publish(orders);
-    poke();
+    poke_.set();
     return there();
 }
 
 void IoThread::make_safe() noexcept {
     zero_line_->zero();
-    if (!zero_line_->forked()) poke();
+    if (!zero_line_->forked()) poke_.set();
 }
 
 IoCounts IoThread::counts() const noexcept {
@@ -131,11 +135,6 @@ IoCounts IoThread::counts() const noexcept {
             .openings = (session_number_.load(std::memory_order_relaxed) + 1) / 2};
 }
 
-void IoThread::poke() noexcept {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const ssize_t n = write(poke_, &one, sizeof one);
-}
-
 // ---------------------------------------------------------------------------------------------- the thread
 
 void IoThread::open() {
@@ -144,7 +143,7 @@ void IoThread::open() {
     protocol_->start(*session_, reading_);
     zero_line_->hold(session_->node(), session_->out());
     waits_.clear();
-    waits_.push_back({.fd = poke_, .events = POLLIN, .revents = 0});
+    waits_.push_back({.fd = poke_.fd(), .events = POLLIN, .revents = 0});
     for (const libusb_pollfd& wait : context_.descriptors())
         waits_.push_back({.fd = wait.fd, .events = wait.events, .revents = 0});
     gone_ = halted_ = owed_ = false;
@@ -164,7 +163,7 @@ void IoThread::close() noexcept {
     session_number_.store(number_, std::memory_order_release);
     for (auto* list : {&in_, &out_})
         for (const auto& transfer : *list)
-            if (transfer->active) libusb_cancel_transfer(transfer->block);
+            if (transfer->active) libusb_cancel_transfer(transfer->block.get());
     constexpr int patience = 100;  // of 10 ms
     for (int i = 0; i < patience && any_active(); ++i) {
         timeval slice{.tv_sec = 0, .tv_usec = 10'000};
@@ -215,10 +214,7 @@ void IoThread::wait(int timeout_ms) noexcept {
         return;
     }
     if (poll(waits_.data(), waits_.size(), timeout_ms) <= 0) return;
-    if ((waits_[0].revents & POLLIN) != 0) {
-        std::uint64_t pokes = 0;
-        [[maybe_unused]] const ssize_t n = read(poke_, &pokes, sizeof pokes);
-    }
+    if ((waits_[0].revents & POLLIN) != 0) poke_.take();
     if (std::any_of(waits_.begin() + 1, waits_.end(), [](const pollfd& fd) { return fd.revents != 0; })) {
         timeval at_once{};
         libusb_handle_events_timeout_completed(context_.get(), &at_once, nullptr);
@@ -275,9 +271,9 @@ void IoThread::transmit(bool fresh) noexcept {
 void IoThread::submit(Transfer& transfer, std::uint8_t endpoint, std::size_t length,
                       libusb_transfer_cb_fn done) noexcept {
     const auto fill = session_->interrupt() ? libusb_fill_interrupt_transfer : libusb_fill_bulk_transfer;
-    fill(transfer.block, session_->handle(), endpoint, transfer.bytes.data(), static_cast<int>(length), done,
-         &transfer, 0);
-    const int code = libusb_submit_transfer(transfer.block);
+    fill(transfer.block.get(), session_->handle(), endpoint, transfer.bytes.data(), static_cast<int>(length),
+         done, &transfer, 0);
+    const int code = libusb_submit_transfer(transfer.block.get());
     transfer.active = code == 0;
     if (code == 0) return;
     gone_ = gone_ || code == LIBUSB_ERROR_NO_DEVICE || ++errors_in_row_ > most_errors;

@@ -79,9 +79,12 @@ class IoThread {
     IoCounts counts() const noexcept;
 
   private:
+    struct Free {
+        void operator()(libusb_transfer* block) const noexcept { libusb_free_transfer(block); }
+    };
     struct Transfer {
         IoThread* owner = nullptr;
-        libusb_transfer* block = nullptr;
+        std::unique_ptr<libusb_transfer, Free> block;
         bool active = false;
         std::array<std::uint8_t, packet_bytes> bytes = {};
     };
@@ -98,7 +101,6 @@ class IoThread {
     void ended(Transfer& transfer) noexcept;
     void clear_halts() noexcept;
     void wait(int timeout_ms) noexcept;
-    void poke() noexcept;
     bool any_active() const noexcept;
     static void on_in(libusb_transfer* block);
     static void on_out(libusb_transfer* block);
@@ -107,7 +109,19 @@ class IoThread {
     std::unique_ptr<Protocol> protocol_;
     UsbDevice info_;
     Reading first_;
-    int poke_ = -1;  // eventfd
+    class Poke {  // an eventfd
+      public:
+        Poke();
+        ~Poke();
+        Poke(const Poke&) = delete;
+        Poke& operator=(const Poke&) = delete;
+        void set() const noexcept;
+        void take() const noexcept;
+        int fd() const { return fd_; }
+
+      private:
+        int fd_;
+    } poke_;
     std::atomic<bool> stop_ = false;
     Context context_;
     std::optional<ZeroLine> zero_line_;

@@ -257,7 +257,7 @@ void Bus::freeze(bool frozen) {
 }
 
 void Bus::wait_until_quiet() {
-    constexpr timespec pause{.tv_sec = 0, .tv_nsec = 5 * frame_ns};
+    constexpr timespec pause{.tv_sec = 0, .tv_nsec = 20 * frame_ns};
     for (std::uint64_t before = calls() - 1; before != calls();) {
         before = calls();
         nanosleep(&pause, nullptr);

@@ -1,7 +1,5 @@
 // A Falcon from plug to force: what a user relies on, against an emulation at the level of usbfs.
 
-#include <csignal>
-
 #include <sys/syscall.h>
 
 #include "falcon_bench.hpp"
@@ -227,11 +225,12 @@ TEST_F(FalconOnABus, FollowsTheHand) {
 TEST_F(FalconOnABus, EffortsReachTheMotorsScaledTogetherAtTheLimit) {
     const auto falcon = falcon_at_centre();
     bus_.plug(falcon, {});
-    const auto device = open(",low_pass=0");
+    auto device = open(",low_pass=0");
     EXPECT_TRUE(reaches(*device, *falcon, {0.1, -0.2, 0.0001}, {-1000, 2000, -1}));
     EXPECT_TRUE(reaches(*device, *falcon, {0.8192, -0.4096, 0.2048}, {-4096, 2048, -1024}))
         << "its direction stays";
     EXPECT_TRUE(reaches(*device, *falcon, {std::nan(""), HUGE_VAL, 0.1}, {0, 0, -1000}));
+    device.reset();
     bus_.unplug("1-1");
     const auto strong = falcon_at_centre();
     bus_.plug(strong, {});
