@@ -85,6 +85,7 @@ inline std::shared_ptr<Falcon> falcon_at_centre(bool running = true, bool homed 
     auto falcon = std::make_shared<Falcon>(running, homed);
     const std::array<double, 3> legs = legs_at({0, 0, falcon_centre});
     falcon->hand = [legs](double) { return legs; };
+    falcon->place(legs);
     return falcon;
 }
 

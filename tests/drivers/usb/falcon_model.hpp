@@ -69,6 +69,8 @@ class Falcon final : public Model {
     void set_buttons(int mask) { buttons_ = mask; }
     /// The user has pulled it out and pushed it in: its encoders count from the right place.
     void home() { homed_ = 7; }
+    /// Where its legs are now (rad), at rest.
+    void place(const std::array<double, 3>& legs) { legs_ = legs; }
     void lose_homing() { homed_ = 0; }
     /// Adds to one encoder, once and for good.
     void slip(std::size_t leg, int counts) { slip_[leg] += counts; }
