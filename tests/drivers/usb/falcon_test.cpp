@@ -91,10 +91,10 @@ TEST_F(FalconOnABus, SaysWhyItDoesNotBoot) {
     EXPECT_NE(error_of("falcon:").find(
                   "runs no firmware; name the file that its maker supplies: falcon:FALCON01,firmware=FILE"),
               std::string::npos);
-    falcon->faults = {.wrong_echoes = 1000, .wrong_echo_at = 100};
+    bus_.locked([&] { falcon->faults = {.wrong_echoes = 1000, .wrong_echo_at = 100}; });
     EXPECT_NE(error_of("falcon:" + with_firmware()).find("does not boot: byte 100 came back altered"),
               std::string::npos);
-    falcon->faults = {.silent = true};
+    bus_.locked([&] { falcon->faults = {.silent = true}; });
     EXPECT_NE(error_of("falcon:" + with_firmware()).find("its boot ROM does not answer"), std::string::npos);
     EXPECT_EQ(bus_.claims("1-1"), 0) << "nothing is left open";
 }

@@ -75,7 +75,7 @@ TEST_F(FaultsOfAFalcon, ShortPacketsAreBad) {
 }
 
 TEST_F(FaultsOfAFalcon, FragmentsAreNoFault) {
-    falcon_->faults.fragment = 5;
+    bus_.locked([&] { falcon_->faults.fragment = 5; });
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
     for (int i = 0; i < 300; ++i) EXPECT_NE(step(*device, {}), ReadStatus::bad);
@@ -158,8 +158,38 @@ TEST_F(FaultsOfAFalcon, GoneAndBackBetweenTwoReadsIsStillSaid) {
     std::size_t heard = 0;
     bus_.locked([&] { heard = falcon_->requests().size(); });
     ASSERT_TRUE(bus_.wait(5000, [&] { return falcon_->requests().size() > heard + 3; }));
+    // A cycle that was in the middle when it happened writes what it has worked out for the device before.
+    EXPECT_FALSE(device->write(now_, push));
+    const std::uint64_t soon = bus_.frame() + 30;
+    bus_.wait(5000, [&] { return bus_.frame() > soon; });
+    bus_.locked([&] {
+        for (std::size_t i = heard; i < falcon_->requests().size(); ++i)
+            EXPECT_TRUE(falcon_->requests()[i].is_zero());
+    });
     EXPECT_EQ(step(*device, push), ReadStatus::unplugged);
     EXPECT_TRUE(until(*device, ReadStatus::ok));
+}
+
+TEST_F(FaultsOfAFalcon, OnceMadeSafeItIsNotPushedByWhatWasOrderedBefore) {
+    const auto device = open();
+    ASSERT_TRUE(pushes(*device));
+    bus_.freeze(true);
+    while (bus_.in_flight("1-1") < 5) {  // two packets on their way, so that the next order has to wait
+        device->read(now_ += millisecond, sample_);
+        device->write(now_, push);
+    }
+    const std::size_t before = bus_.locked([&] { return falcon_->requests().size(); });
+    device->read(now_ += millisecond, sample_);
+    device->write(now_, {0.2, 0.2, 0.2});
+    device->make_safe();
+    bus_.freeze(false);
+    ASSERT_TRUE(bus_.wait(5000, [&] { return falcon_->requests().size() > before + 4; }));
+    bus_.locked([&] {
+        EXPECT_EQ(falcon_->requests()[before].motors, pushed);
+        for (std::size_t i = before + 2; i < falcon_->requests().size(); ++i)
+            EXPECT_TRUE(falcon_->requests()[i].is_zero()) << "packet " << i - before;
+    });
+    EXPECT_TRUE(pushes(*device)) << "orders after it count again";
 }
 
 TEST_F(FaultsOfAFalcon, AFalconThatLostItsFirmwareWithThePowerIsBootedAgain) {

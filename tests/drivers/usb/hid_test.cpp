@@ -71,7 +71,7 @@ TEST_F(WoodenOnABus, TheTipIsWhereItsMakersSay) {
 }
 
 TEST_F(WoodenOnABus, ItsHomeMayBeStatedAndDoesNotSurviveItsPower) {
-    wooden_->counts = {77, -5, 12};
+    bus_.locked([&] { wooden_->counts = {77, -5, 12}; });
     const auto device = open_device("wooden:,home=0:32.57:45.16");
     JointSample seen;
     ASSERT_TRUE(until(*device, {}, [&](ReadStatus status, const JointSample& sample) {
@@ -126,7 +126,7 @@ TEST_F(WoodenOnABus, ShortReportsAreBadAndACableThatIsPulledIsSeen) {
 }
 
 TEST_F(WoodenOnABus, ATeensyThatIsNoPolhemIsRefused) {
-    wooden_->silent = true;
+    bus_.locked([&] { wooden_->silent = true; });
     EXPECT_THROW(open_device("wooden:"), std::runtime_error);
     EXPECT_THROW(open_device("wooden:,home=1:2"), std::runtime_error);
     EXPECT_THROW(open_device("wooden:,arm=generic6"), std::runtime_error);
