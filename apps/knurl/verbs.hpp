@@ -15,6 +15,7 @@ using Run = std::function<int()>;
 void add_ls(CLI::App& program, Run& run);
 void add_eval(CLI::App& program, Run& run);
 void add_latency(CLI::App& program, Run& run);
+void add_device(CLI::App& program, Run& run);
 
 /// What the command line asks for makes no sense: exit code 2.
 class UsageError : public std::runtime_error {

@@ -136,7 +136,10 @@ TEST(ShippedArms, PremiumsHaveThePhantomsClosedForm) {
 
 TEST(ShippedArms, OmniIsThePublishedUrdf) {
     // Its joints one after another: origin (xyz, rpy about x alone), then the turn about the axis.
-    const auto urdf = [](const JointArray& q) {
+    struct Urdf {
+        Vector3d wrist, stylus;  // where wrist2 turns; the pen's direction
+    };
+    const auto urdf = [](const JointArray& q) -> Urdf {
         Eigen::Isometry3d t = Eigen::Isometry3d::Identity();
         const auto joint = [&](const Vector3d& xyz, double about_x, const Vector3d& axis, double angle) {
             t.translate(xyz).rotate(Eigen::AngleAxisd(about_x, Vector3d::UnitX()));
@@ -147,7 +150,8 @@ TEST(ShippedArms, OmniIsThePublishedUrdf) {
         joint({-0.0075, 0, 0.035}, 0.23, Vector3d::UnitX(), shoulder);
         joint({0.0075, 0.134, 0}, -2.15, Vector3d::UnitX(), elbow);
         joint({0, 0.08, 0}, 0, Vector3d::UnitY(), q[3]);
-        return Vector3d(t * Vector3d(0, 0.0525, 0));  // where wrist2 turns
+        joint({0, 0.0525, 0}, -0.85, Vector3d::UnitX(), q[4] + 0.85);
+        return {t.translation(), t.linear() * Vector3d::UnitY()};
     };
     // The URDF's y points away from the base; the file's x does.
     const Eigen::Matrix3d turned =
@@ -156,9 +160,17 @@ TEST(ShippedArms, OmniIsThePublishedUrdf) {
     std::mt19937_64 engine(2);
     for (int trial = 0; trial < 300; ++trial) {
         const JointArray q = random_joints(engine, omni.centre);
-        EXPECT_LT((tip(omni, q) - turned * (urdf(q) - urdf(omni.centre))).norm(), 1e-15);
+        TipPose pose;
+        Jacobian jacobian;
+        ASSERT_TRUE(SerialChain(omni.table).forward(q, pose, jacobian));
+        EXPECT_LT((pose.position - turned * (urdf(q).wrist - urdf(omni.centre).wrist)).norm(), 1e-15);
+        EXPECT_LT((pose.orientation * Vector3d::UnitZ() - turned * urdf(q).stylus).norm(), 1e-15);
     }
-    EXPECT_NEAR(omni.axes[1].limits.least + 0, 0.23 - 0.24, 1e-12);
+    // Counts of the protocol at the links of the URDF are the data sheet's 450 dpi.
+    EXPECT_NEAR(link_of(omni).radians_per_count[1] * 0.134, 25.4e-3 / 450, 0.5e-6);
+    EXPECT_NEAR(omni.axes[1].limits.least, 0.23 - 0.24, 1e-12);
+    EXPECT_NEAR(omni.axes[4].limits.least, -2.07 - 0.85, 1e-12);
+    EXPECT_NEAR(omni.axes[4].limits.greatest, 0.23 - 0.85, 1e-12);
     EXPECT_NEAR(omni.row_limits[2].least, -0.2 - 2.15 + std::numbers::pi / 2, 1e-3);
     EXPECT_NEAR(omni.row_limits[2].greatest, 1.95 - 2.15 + std::numbers::pi / 2, 1e-3);
 }
@@ -218,6 +230,16 @@ TEST(ArmFile, WhatItSaysIsWhatTheDeviceSays) {
     ASSERT_NE(found, arm.figures.end());
     EXPECT_EQ(found->source, "a spring balance");
     EXPECT_EQ(found->value, "0.04 N");
+}
+
+TEST(ArmFile, TheExampleOfTheReadmeIsRead) {
+    std::ifstream file(KNURL_DRIVERS_README);
+    std::string text((std::istreambuf_iterator<char>(file)), {});
+    const std::string fence = "```toml\n";
+    const auto begin = text.find(fence) + fence.size();
+    const ArmFile arm = parse_arm(text.substr(begin, text.find("```", begin) - begin), "README.md");
+    EXPECT_EQ(arm.name, "mine");
+    EXPECT_EQ(arm.axes[0].effort_per_count, 4e-4);
 }
 
 TEST(ArmFile, DegreesAndRadiansAreTheSameArm) {

@@ -29,9 +29,12 @@ void Arm::place(const JointArray& joints, const JointArray& rates) noexcept {
     motor_force_.setZero();
 }
 
-void Arm::refresh() noexcept {
-    mechanism_.forward({q_.data(), static_cast<std::size_t>(n_)}, pose_, wide_);
+bool Arm::refresh() noexcept {
+    if (!mechanism_.forward({q_.data(), static_cast<std::size_t>(n_)}, pose_, wide_)) {
+        return false;
+    }
     jacobian_ = wide_.leftCols(n_);
+    return true;
 }
 
 Arm::Twist Arm::weighted(const Twist& twist) const noexcept {
@@ -64,8 +67,14 @@ void Arm::step(double h, const JointVector& efforts, const Wrench& tip) noexcept
         rates_ += inertia_.solve(impulse);
     }
     twist_.noalias() = jacobian_ * rates_;
+    const JointVector before = q_;
     q_ += h * rates_;
-    refresh();
+    if (!refresh()) {
+        // The legs of a delta cannot be drawn apart: a stop without rebound, where they still met.
+        q_ = before;
+        rates_.setZero();
+        twist_.setZero();
+    }
 }
 
 double Arm::kinetic_energy() const noexcept {

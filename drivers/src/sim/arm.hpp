@@ -42,7 +42,7 @@ class Arm {
     const Twist& twist() const noexcept { return twist_; }
 
   private:
-    void refresh() noexcept;
+    bool refresh() noexcept;  // false, and nothing changes, if the joints have no pose
     Twist weighted(const Twist& twist) const noexcept;
 
     const Mechanism& mechanism_;

@@ -68,7 +68,8 @@ SimProfile falcon() {
     delta->inverse(Eigen::Vector3d::Zero(), std::span(p.centre).first<3>());
     p.radians_per_count = every_joint(falcon_radians_per_count);
     p.workspace_radius = 0.05;
-    p.stop_radius = 0.052;  // a millimetre or two further the legs begin to run out
+    p.stop_radius = 0.052;  // from 0.058 on some legs are stretched
+    p.stop_stiffness = 10'000;
     p.peak_force = 8;
     set_levers(p);
     p.quantum = falcon_radians_per_count * p.lever[0];

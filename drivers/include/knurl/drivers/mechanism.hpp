@@ -23,7 +23,9 @@ class Mechanism {
     virtual ~Mechanism() = default;
     virtual int joints() const noexcept = 0;
 
-    /// False when there is no pose for these joints: keep the last pose, write zero effort, count it.
+    /// False when there is no pose for these joints: keep the last pose, write zero effort, count it. Depends
+    /// on the joints alone: what `pose` held before is no start value, so that the same joints give the same
+    /// bits in a servo, a replay and a guardian.
     virtual bool forward(std::span<const double> joints, TipPose& pose,
                          Jacobian& jacobian) const noexcept = 0;
 };

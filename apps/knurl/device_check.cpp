@@ -1,0 +1,293 @@
+#include "device_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include <knurl/drivers/conditioning.hpp>
+#include <knurl/drivers/delta.hpp>
+#include <knurl/drivers/reach.hpp>
+
+namespace knurl::cli {
+
+namespace {
+
+using drivers::JointArray;
+using Eigen::Vector3d;
+
+constexpr int directions = 162;              // in which the reach is looked for
+constexpr int places = 2000;                 // in the workspace
+constexpr double step = 0.004;               // m along a ray
+constexpr double farthest = 1.5;             // m
+constexpr double poor = 20, singular = 100;  // condition
+
+/// Evenly over a sphere: Fibonacci's spiral (Gonzalez 2010, Math. Geosci. 42).
+Vector3d direction(int i, int count) {
+    const double z = 1 - (2 * i + 1.0) / count;
+    const double turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double out = std::sqrt(1 - z * z);
+    return {out * std::cos(turn), out * std::sin(turn), z};
+}
+
+/// Van der Corput's sequence.
+double halton(int i, int base) {
+    double value = 0, share = 1;
+    for (; i > 0; i /= base) {
+        share /= base;
+        value += share * (i % base);
+    }
+    return value;
+}
+
+struct Posture {
+    JointArray joints = {};
+    drivers::TipPose pose;
+    drivers::Jacobian jacobian;
+    double condition = 0;
+};
+
+int driven(const CheckedArm& arm) {
+    return arm.profile.joints - arm.profile.passive_joints;
+}
+
+Posture posture_of(const CheckedArm& arm, const JointArray& joints) {
+    Posture posture{.joints = joints, .pose = {}, .jacobian = drivers::Jacobian::Zero()};
+    arm.profile.mechanism->forward({joints.data(), static_cast<std::size_t>(arm.profile.joints)},
+                                   posture.pose, posture.jacobian);
+    posture.condition = 1 / std::max(1e-9, drivers::conditioning(posture.jacobian, driven(arm)));
+    return posture;
+}
+
+/// The limit that a posture oversteps; empty: none.
+std::string overstepped(const CheckedArm& arm, const JointArray& q) {
+    constexpr double grace = 1e-9;
+    for (int i = 0; i < arm.profile.joints; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        if (q[axis] < arm.profile.least[axis] - grace || q[axis] > arm.profile.greatest[axis] + grace)
+            return fmt::format("the limit of axis {} ({})", i + 1, arm.axis_names[axis]);
+    }
+    for (std::size_t row = 0; row < arm.row_limits.size(); ++row) {
+        double variable = q[row];
+        if (arm.coupling.size() > 0) {
+            variable = 0;
+            for (Eigen::Index m = 0; m < arm.coupling.cols(); ++m)
+                variable += arm.coupling(static_cast<Eigen::Index>(row), m) * q[static_cast<std::size_t>(m)];
+        }
+        const drivers::Between& limits = arm.row_limits[row];
+        if (variable < limits.least - grace || variable > limits.greatest + grace)
+            return fmt::format("the limit of row {}", row + 1);
+    }
+    return {};
+}
+
+/// Largest force along u before the first motor is at its limit: the efforts are J^T f u.
+double force_along(const CheckedArm& arm, const Posture& posture, const std::vector<double>& limits,
+                   const Vector3d& u) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < driven(arm); ++i) {
+        const double share = std::abs(posture.jacobian.col(i).head<3>().dot(u));
+        if (share > 1e-12) least = std::min(least, limits[static_cast<std::size_t>(i)] / share);
+    }
+    return least;
+}
+
+/// Over all directions it is least along the column of one motor: max over u of |J_i . u| is |J_i|. So the
+/// linear programme over the box of efforts needs no solver.
+Extreme weakest(const CheckedArm& arm, const Posture& posture, const std::vector<double>& limits, int* axis) {
+    Extreme found{.value = std::numeric_limits<double>::infinity()};
+    for (int i = 0; i < driven(arm); ++i) {
+        const Vector3d lever = posture.jacobian.col(i).head<3>();
+        const double force = limits[static_cast<std::size_t>(i)] / std::max(1e-12, lever.norm());
+        if (force < found.value) {
+            found = {.value = force, .where = lever.normalized()};
+            if (axis != nullptr) *axis = i;
+        }
+    }
+    return found;
+}
+
+double resolution(const CheckedArm& arm, const Posture& posture) {
+    double most = 0;
+    for (int i = 0; i < arm.profile.joints; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        const double stated = arm.profile.radians_per_count[axis];
+        const double count = stated > 0 ? stated : arm.profile.quantum / arm.profile.lever[axis];
+        most = std::max(most, count * posture.jacobian.col(i).head<3>().norm());
+    }
+    return most;
+}
+
+double median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
+    return values[values.size() / 2];
+}
+
+std::vector<std::vector<Vector3d>> chain_skeleton(const CheckedArm& arm, const JointArray& q) {
+    std::vector<Vector3d> points;
+    Eigen::Isometry3d t = arm.table->base;
+    points.push_back(t.translation());
+    for (std::size_t i = 0; i < arm.table->rows.size(); ++i) {
+        const drivers::DhRow& row = arm.table->rows[i];
+        double variable = q[i];
+        if (arm.coupling.size() > 0) {
+            variable = 0;
+            for (std::size_t m = 0; m < arm.table->rows.size(); ++m)
+                variable += arm.coupling(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(m)) * q[m];
+        }
+        t.rotate(Eigen::AngleAxisd(row.theta + (row.prismatic ? 0 : variable), Vector3d::UnitZ()));
+        t.translate(Vector3d(0, 0, row.d + (row.prismatic ? variable : 0)));
+        points.push_back(t.translation());
+        t.translate(Vector3d(row.a, 0, 0));
+        points.push_back(t.translation());
+        t.rotate(Eigen::AngleAxisd(row.alpha, Vector3d::UnitX()));
+    }
+    points.push_back(t * arm.table->tool.translation());
+    return {points};
+}
+
+std::vector<std::vector<Vector3d>> falcon_skeleton(const CheckedArm& arm, const JointArray& q) {
+    const auto& delta = dynamic_cast<const drivers::Delta&>(*arm.profile.mechanism);
+    drivers::TipPose pose;
+    drivers::Jacobian jacobian;
+    delta.forward({q.data(), 3}, pose, jacobian);
+    std::vector<std::vector<Vector3d>> lines;
+    const drivers::DeltaTable table = drivers::falcon_delta();
+    Eigen::Matrix3d turned;  // as the simulated one
+    turned << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+    const Vector3d base(-drivers::falcon_centre, 0, 0);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Eigen::AngleAxisd leg(table.leg[i], Vector3d::UnitZ());
+        const Vector3d crank(table.r + table.a * std::cos(q[i]), table.s, table.a * std::sin(q[i]));
+        lines.push_back({base + turned * (leg * Vector3d(table.r, table.s, 0)), base + turned * (leg * crank),
+                         pose.position + turned * (leg * Vector3d(table.c, table.f, 0)), pose.position});
+    }
+    return lines;
+}
+
+}  // namespace
+
+CheckedArm checked_arm(const std::string& name) {
+    CheckedArm arm;
+    if (name == "falcon") {
+        arm.profile = drivers::sim_profile(name);
+        arm.axis_names = {"leg 1", "leg 2", "leg 3"};
+        arm.unlimited = arm.axis_names;
+        arm.assumed = {"all dynamics and motors"};
+        arm.skeleton = falcon_skeleton;
+        return arm;
+    }
+    const drivers::ArmFile file = drivers::find_arm(name);
+    arm.profile = drivers::sim_profile_of(file, &arm.assumed);
+    arm.profile.description = file.description;
+    arm.row_limits = file.row_limits;
+    arm.coupling = file.table.coupling;
+    for (const drivers::ArmAxis& axis : file.axes) {
+        arm.axis_names.push_back(axis.name);
+        if (!axis.limits.known()) arm.unlimited.push_back(axis.name);
+    }
+    arm.figures = file.figures;
+    arm.table = file.table;
+    arm.skeleton = chain_skeleton;
+    return arm;
+}
+
+Ray ray(const CheckedArm& arm, const Vector3d& way) {
+    Ray found;
+    JointArray joints = arm.profile.centre;
+    std::string stop;
+    // Advances as far as it goes in whole steps, then in halves of the last.
+    const auto advance = [&](double distance) {
+        const auto next = drivers::reach(*arm.profile.mechanism, joints, distance * way);
+        stop = next ? overstepped(arm, *next) : "the arm's length";
+        if (!stop.empty()) return false;
+        const Posture posture = posture_of(arm, *next);
+        joints = *next;
+        found.steps.push_back({distance * way, 1 / posture.condition});
+        found.length = distance;
+        return true;
+    };
+    for (double distance = 0; distance < farthest; distance += step) {
+        if (advance(distance)) continue;
+        found.stop = stop;
+        for (double half = step / 2; half > 1e-5; half /= 2) {
+            if (!advance(found.length + half)) found.stop = stop;
+        }
+        break;
+    }
+    return found;
+}
+
+ArmCheck check(const CheckedArm& arm) {
+    ArmCheck result;
+    const drivers::SimProfile& profile = arm.profile;
+    result.ball = farthest;
+    for (int i = 0; i < directions; ++i) {
+        const Vector3d way = direction(i, directions);
+        const Ray along = ray(arm, way);
+        result.low = result.low.cwiseMin(along.length * way);
+        result.high = result.high.cwiseMax(along.length * way);
+        if (along.length < result.ball) {
+            result.ball = along.length;
+            result.ball_end = way;
+            result.ball_stop = along.stop;
+        }
+        for (const Reached& reached : along.steps) {
+            const double distance = reached.position.norm();
+            if (reached.conditioning * singular < 1 &&
+                (!result.singular || distance < result.singular->value))
+                result.singular = Extreme{.value = distance, .where = reached.position};
+        }
+    }
+
+    std::vector<double> limits;
+    for (int i = 0; i < driven(arm); ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        const double stated = profile.effort_limit[axis];
+        limits.push_back(stated > 0 ? stated : profile.peak_force * profile.largest_lever[axis]);
+    }
+    const Posture centre = posture_of(arm, profile.centre);
+    int axis = 0;
+    result.weakest_at_centre = weakest(arm, centre, limits, &axis);
+    result.weakest_axis = arm.axis_names[static_cast<std::size_t>(axis)];
+    for (int i = 0; i < 3; ++i) result.along_axes[i] = force_along(arm, centre, limits, Vector3d::Unit(i));
+    for (int i = 0; i < places; ++i) {
+        const Vector3d way = direction(i, places);
+        const double force = force_along(arm, centre, limits, way);
+        if (std::isfinite(force) && force > result.strongest_at_centre.value)
+            result.strongest_at_centre = {.value = force, .where = way};
+    }
+    result.resolution_at_centre = resolution(arm, centre);
+
+    result.best_condition.value = result.weakest_anywhere.value = std::numeric_limits<double>::infinity();
+    std::vector<double> conditions, resolutions;
+    int missed = 0, poorly = 0;
+    for (int i = 0; i < places; ++i) {
+        const double distance = profile.workspace_radius * std::cbrt(halton(i + 1, 2));
+        const Vector3d place = distance * direction(i, places);
+        const auto joints = drivers::reach(*profile.mechanism, profile.centre, place);
+        if (!joints || !overstepped(arm, *joints).empty()) {
+            ++missed;
+            continue;
+        }
+        const Posture here = posture_of(arm, *joints);
+        conditions.push_back(here.condition);
+        if (here.condition > poor) ++poorly;
+        if (here.condition < result.best_condition.value) result.best_condition = {here.condition, place};
+        if (here.condition > result.worst_condition.value) result.worst_condition = {here.condition, place};
+        const double force = weakest(arm, here, limits, nullptr).value;
+        if (force < result.weakest_anywhere.value) result.weakest_anywhere = {force, place};
+        resolutions.push_back(resolution(arm, here));
+        if (resolutions.back() > result.worst_resolution.value)
+            result.worst_resolution = {resolutions.back(), place};
+    }
+    result.out_of_reach = static_cast<double>(missed) / places;
+    result.badly_conditioned = static_cast<double>(poorly) / places;
+    result.median_condition.value = median(conditions);
+    result.median_resolution = median(resolutions);
+    return result;
+}
+
+}  // namespace knurl::cli

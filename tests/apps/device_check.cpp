@@ -1,0 +1,165 @@
+// `knurl device check`: its figures against closed forms, its picture, and what it says about a bad file.
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <png.h>
+
+#include "program.hpp"
+
+namespace knurl::test {
+namespace {
+
+using nlohmann::json;
+
+json checked(const std::string& arm) {
+    const Outcome outcome = knurl({"device", "check", arm, "--json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return json::parse(outcome.out);
+}
+
+/// Two links of 0.2 m in a plane on a turret, the elbow at a right angle in the middle.
+constexpr const char* two_links = R"(name = "two"
+source = "invented"
+position_only = true
+[[row]]
+alpha_deg = 90
+[[row]]
+a = 0.2
+[[row]]
+a = 0.2
+[[axis]]
+limits = "unknown"
+radians_per_count = 1e-3
+effort_limit = 2
+[[axis]]
+limits_deg = [0, 90]
+radians_per_count = 1e-4
+effort_limit = 1
+[[axis]]
+limits_deg = [-170, -10]
+radians_per_count = 1e-4
+effort_limit = 0.5
+[workspace]
+centre_deg = [0, 45, -90]
+radius = 0.05
+[tip]
+)";
+
+TEST(DeviceCheck, ForceAndResolutionAreThoseOfTheLevers) {
+    const Folder folder;
+    const json report = checked(folder.file("two.toml", two_links));
+    // At the centre the tip is 0.2828 m out, level with the shoulder: the forearm's motor has a lever of 0.2
+    // m along the upper arm, the shoulder's one of 0.2828 m straight up.
+    const double reach = 0.2 * std::numbers::sqrt2;
+    const json& force = report["force"];
+    EXPECT_NEAR(force["weakest_at_centre"]["value"], 0.5 / 0.2, 1e-9);
+    EXPECT_EQ(force["weakest_axis"], "axis 3");
+    EXPECT_NEAR(std::abs(force["weakest_at_centre"]["along"][0].get<double>()), std::numbers::sqrt2 / 2,
+                1e-9);
+    EXPECT_NEAR(force["along_axes"][0], 0.5 / (0.2 * std::numbers::sqrt2 / 2), 1e-9)
+        << "x moves no other motor";
+    EXPECT_NEAR(force["along_axes"][1], 2 / reach, 1e-9);
+    EXPECT_NEAR(force["along_axes"][2], std::min(1 / reach, 0.5 / (0.2 * std::numbers::sqrt2 / 2)), 1e-9);
+    EXPECT_LE(force["weakest"]["value"], force["weakest_at_centre"]["value"]);
+    EXPECT_NEAR(report["resolution"]["centre"], 1e-3 * reach, 1e-12) << "the turret's counts are coarse";
+    EXPECT_NEAR(report["resolution"]["worst"]["value"], 1e-3 * (reach + 0.05), 1e-3 * 0.003);
+}
+
+TEST(DeviceCheck, ReachEndsAtTheLimits) {
+    const Folder folder;
+    const json report = checked(folder.file("two.toml", two_links));
+    // Straight out: the elbow's limit of -10 degrees leaves 2 * 0.2 cos(5 degrees) m from the shoulder.
+    const double outwards = 0.4 * std::cos(5 * std::numbers::pi / 180) - 0.2 * std::numbers::sqrt2;
+    EXPECT_NEAR(report["workspace"]["high"][0], outwards, 0.005);
+    EXPECT_LE(report["workspace"]["ball"], outwards + 1e-3);
+    EXPECT_GE(report["workspace"]["ball"], 0.05);
+    EXPECT_EQ(report["workspace"]["out_of_reach"], 0);
+    EXPECT_NE(report["workspace"]["ball_stop"].get<std::string>().find("axis"), std::string::npos);
+
+    std::string wide(two_links);
+    wide.replace(wide.find("radius = 0.05"), 13, "radius = 0.2 ");
+    const json wider = checked(folder.file("wide.toml", wide));
+    EXPECT_GT(wider["workspace"]["out_of_reach"], 0.1);
+    EXPECT_NE(wider["notes"].dump().find("out of reach"), std::string::npos);
+}
+
+TEST(DeviceCheck, ConditionAndSingularPosturesAreThoseOfTheStretchedArm) {
+    const Folder folder;
+    std::string free(two_links);
+    free.replace(free.find("[-170, -10]"), 11, "[-170, 10]");
+    const json report = checked(folder.file("free.toml", free));
+    const json& singular = report["condition"]["singular"];
+    ASSERT_FALSE(singular.is_null());
+    const auto at = singular["at"].get<std::vector<double>>();
+    const double from_shoulder = std::hypot(at[0] + 0.2 * std::numbers::sqrt2, at[1], at[2]);
+    EXPECT_NEAR(from_shoulder, 0.4, 0.005) << "stretched";
+    EXPECT_TRUE(checked(folder.file("two.toml", two_links))["condition"]["singular"].is_null())
+        << "the limits keep away from it";
+    EXPECT_GE(report["condition"]["best"], 1);
+    EXPECT_LE(report["condition"]["median"], report["condition"]["worst"]["value"]);
+}
+
+TEST(DeviceCheck, EveryShippedArmReachesItsWorkspace) {
+    for (const char* name :
+         {"premium15", "premium15_wrist", "omni", "woodenhaptics", "generic6", "generic7", "falcon"}) {
+        const json report = checked(name);
+        EXPECT_EQ(report["workspace"]["out_of_reach"], 0) << name;
+        EXPECT_GE(report["workspace"]["ball"], report["workspace"]["radius"]) << name;
+        EXPECT_LT(report["condition"]["worst"]["value"], 10) << name;
+        for (const json& figure : report["figures"]) EXPECT_NE(figure["source"], "") << name;
+    }
+}
+
+TEST(DeviceCheck, SaysItInWordsWithSourcesAndWhatIsAssumed) {
+    const Outcome outcome = knurl({"device", "check", "omni"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    for (const char* words : {"PHANToM Omni", "URDF", "largest ball", "Jacobian's condition", "largest force",
+                              "resolution", "assumed where the file says nothing", "6 sensed, 3 driven"}) {
+        EXPECT_NE(outcome.out.find(words), std::string::npos) << words << "\n" << outcome.out;
+    }
+}
+
+TEST(DeviceCheck, DrawsAPicture) {
+    const Folder folder;
+    const std::string path = folder.path("omni.png");
+    const Outcome outcome = knurl({"device", "check", "omni", "--picture", path});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    ASSERT_NE(png_image_begin_read_from_file(&image, path.c_str()), 0) << image.message;
+    image.format = PNG_FORMAT_RGB;
+    std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(image));
+    ASSERT_NE(png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr), 0) << image.message;
+    std::size_t coloured = 0;
+    for (std::size_t i = 0; i < pixels.size(); i += 3) coloured += pixels[i] != 255 ? 1 : 0;
+    EXPECT_GT(coloured, pixels.size() / 3 / 20) << "there is something to see";
+    EXPECT_LT(coloured, pixels.size() / 3 * 9 / 10);
+
+    const Outcome nowhere = knurl({"device", "check", "omni", "--picture", "/no/such/folder/omni.png"});
+    EXPECT_EQ(nowhere.code, 1);
+    EXPECT_NE(nowhere.err.find("/no/such/folder/omni.png: cannot be written"), std::string::npos)
+        << nowhere.err;
+}
+
+TEST(DeviceCheck, ABadFileIsOneLineAndExitCodeTwo) {
+    const Folder folder;
+    std::string bad(two_links);
+    bad.replace(bad.find("a = 0.2"), 7, "a = 200");
+    const std::string path = folder.file("bad.toml", bad);
+    const Outcome outcome = knurl({"device", "check", path});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err,
+              "knurl device: " + path +
+                  ":7:5: a of row 2 is 200 m: links are in metres, at most 3 m; did you mean 0.2?\n");
+    EXPECT_EQ(knurl({"device", "check", folder.path("none.toml")}).code, 2);
+    EXPECT_NE(knurl({"device", "check", "onmi"}).err.find("no arm \"onmi\"; there are"), std::string::npos);
+    EXPECT_EQ(knurl({"device"}).code, 2);
+    EXPECT_EQ(knurl({"device", "check"}).code, 2);
+}
+
+}  // namespace
+}  // namespace knurl::test
