@@ -51,7 +51,8 @@ bool greet(usb::Session& session) {
         std::vector<std::uint8_t> heard = hear(session, answer.size(), hello_patience);
         // A zero may come before the answer, the rest of an earlier one as well.
         for (std::size_t extra = 0; extra <= answer.size(); ++extra) {
-            if (std::ranges::search(heard, answer).begin() != heard.end()) return true;
+            if (std::search(heard.begin(), heard.end(), answer.begin(), answer.end()) != heard.end())
+                return true;
             if (heard.size() < answer.size()) break;
             std::ranges::copy(hear(session, 1, hello_patience), std::back_inserter(heard));
         }
