@@ -6,7 +6,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include <openssl/sha.h>
+#include <nettle/sha2.h>
 
 namespace knurl::drivers::falcon {
 
@@ -63,8 +63,11 @@ class Words {
 }  // namespace
 
 std::array<std::uint8_t, 32> sha256(std::span<const std::uint8_t> bytes) {
-    std::array<std::uint8_t, SHA256_DIGEST_LENGTH> digest{};
-    SHA256(bytes.data(), bytes.size(), digest.data());
+    sha256_ctx context;
+    sha256_init(&context);
+    sha256_update(&context, bytes.size(), bytes.data());
+    std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
+    sha256_digest(&context, digest.size(), digest.data());
     return digest;
 }
 

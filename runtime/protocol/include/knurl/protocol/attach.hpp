@@ -95,8 +95,8 @@ std::uint64_t wire_hash() noexcept;
 /// $XDG_RUNTIME_DIR/knurl.
 std::string runtime_directory();
 std::string socket_path(const std::string& servo_name);
-/// Where a client looks for servos, best first: the user's own directory, then the system's, where the service
-/// listens. $KNURL_RUNTIME_DIR replaces both.
+/// Where a client looks for servos, best first: the user's own directory, then the system's, where the
+/// service listens. $KNURL_RUNTIME_DIR replaces both.
 std::vector<std::string> servo_directories();
 /// Of the sockets of that name the first that exists; if none does, where the user's own would be.
 std::string servo_socket(const std::string& servo_name);
