@@ -92,6 +92,10 @@ void apply(std::string_view item, std::string_view address, SimProfile& profile,
     const std::string where = "simulated device \"" + std::string(address) + "\": ";
     const auto equals = item.find('=');
     const std::string_view name = item.substr(0, equals);
+    if (name == "live" && equals != std::string_view::npos && equals + 1 < item.size()) {
+        profile.live = item.substr(equals + 1);
+        return;
+    }
     for (const Option& option : options) {
         if (option.name != name) {
             continue;
@@ -110,7 +114,8 @@ void apply(std::string_view item, std::string_view address, SimProfile& profile,
         return;
     }
     throw std::runtime_error(where + "no option \"" + std::string(name) + "\"; there are " +
-                             listed(options, [](const Option& option) { return option.name; }));
+                             listed(options, [](const Option& option) { return option.name; }) +
+                             ", live=/dev/input/event3");
 }
 
 }  // namespace
@@ -144,6 +149,7 @@ std::string sim_option_help() {
     for (const Option& option : options) {
         help += usage(option) + "  " + std::string(option.meaning) + "\n";
     }
+    help += "live=PATH[:PATH]  mouse and keyboard (evdev nodes) that move the hand\n";
     return help;
 }
 

@@ -10,6 +10,7 @@
 
 #include "sim/arm.hpp"
 #include "sim/hand.hpp"
+#include "sim/live_hand.hpp"
 
 namespace knurl::drivers {
 
@@ -80,6 +81,7 @@ struct SimDevice::Body {
     LinkConfig link;
     Arm arm;
     Hand hand;
+    std::unique_ptr<LiveHand> live;  // null: `hand` decides where it wants to be
     SimFaults faults;
     SimState state;
     JointSample sample;
@@ -101,6 +103,7 @@ struct SimDevice::Body {
           target(Arm::JointVector::Zero(profile.joints)),
           exerted(target) {
         set_grip(profile.hand.grip);
+        if (!profile.live.empty()) live = std::make_unique<LiveHand>(profile.live, profile.workspace_radius);
         publish(0);
     }
 
@@ -175,7 +178,12 @@ struct SimDevice::Body {
             exerted += follow * (target - exerted);
             const double t = static_cast<double>(at) * 1e-9;
             const MotionSample before = tip();
-            const MotionSample wants = hand.wanted(t);
+            MotionSample wants = hand.wanted(t);
+            if (live) {
+                const MotionSample moved = live->wanted(h);
+                wants.position = moved.position;
+                wants.velocity = moved.velocity;
+            }
             const HandForce pull = hand.force(t, wants, before);
             Arm::Wrench wrench = passive(before);
             wrench.head<3>() += pull.force;
@@ -255,6 +263,7 @@ struct SimDevice::Body {
             out.position[static_cast<std::size_t>(std::clamp(faults.jump_joint, 0, max_joints - 1))] +=
                 faults.jump;
         }
+        if (live) out.buttons = live->buttons();
         out.calibrated = !during(faults.unhomed_at, faults.unhomed_reads, read);
         return ReadStatus::ok;
     }
@@ -343,7 +352,7 @@ Driver sim_driver() {
         names += (names.empty() ? "" : "|") + name;
     }
     return {.scheme = "sim",
-            .help = names + "[,grip=0.5,push=1.5,...]",
+            .help = names + "[,grip=0.5,push=1.5,live=/dev/input/event3,...]",
             .open = [](std::string_view what, const OpenOptions& options) -> std::unique_ptr<Device> {
                 SimProfile profile = sim_profile(what);
                 if (what.find(",seed=") == std::string_view::npos) {
