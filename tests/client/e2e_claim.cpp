@@ -48,6 +48,18 @@ TEST(Claim, bad_parameters_throw_at_the_call_and_change_nothing) {
     EXPECT_EQ(hand.timing().refused, 0u);
 }
 
+TEST(Claim, all_representations_of_a_claim_that_states_nothing_fit_into_one_commit) {
+    ServoProcess servo;
+    Client client = connect();
+    Claim hand = client.claim();
+    std::vector<Representing<Plane>> planes;
+    for (std::uint32_t i = 0; i < ClaimOptions{}.representations; ++i)
+        planes.push_back(hand.add(Plane{.offset = -1, .stiffness = 100}));
+    for (Representing<Plane>& plane : planes) plane.set({.offset = -2, .stiffness = 200});
+    EXPECT_TRUE(hand.wait_applied(hand.commit(), 10s));
+    EXPECT_EQ(hand.timing().refused, 0u);
+}
+
 TEST(Claim, what_is_committed_together_is_felt_in_one_cycle) {
     ServoProcess servo;
     Client client = connect();

@@ -9,9 +9,13 @@ namespace knurl::protocol {
 inline constexpr std::uint32_t max_clients = 128;  // claims and observers of one device together
 inline constexpr std::uint32_t max_devices = 8;    // of one servo process
 inline constexpr std::uint32_t max_joints = 8;
-inline constexpr std::uint32_t max_representations = 1024;    // of one claim
-inline constexpr std::uint32_t max_parameter_bytes = 512;     // of one representation
-inline constexpr std::uint32_t max_batch_bytes = 512 * 1024;  // all of them, of 480 bytes
+inline constexpr std::uint32_t max_representations = 1024;  // of one claim
+inline constexpr std::uint32_t max_parameter_bytes = 512;   // of one representation
+/// Of a batch that has room for each of so many representations, of any kind.
+constexpr std::uint32_t batch_bytes_for(std::uint32_t representations) {
+    return representations * 512;  // 488 of parameters
+}
+inline constexpr std::uint32_t max_batch_bytes = batch_bytes_for(max_representations);
 inline constexpr std::uint32_t max_probes = 16;
 inline constexpr std::uint32_t report_slots = 4096;       // about 4 s at 1 kHz: also the flight recorder
 inline constexpr std::uint32_t max_command_cells = 8192;  // 64 B each, of one claim's command ring
@@ -22,6 +26,6 @@ inline constexpr std::uint32_t command_cells_per_cycle =
 inline constexpr std::size_t name_bytes = 64;  // names of servos, devices, clients, with the zero
 
 inline constexpr std::uint32_t default_representations = 128;  // a claim that states nothing
-inline constexpr std::uint32_t default_batch_bytes = 64 * 1024;
+inline constexpr std::uint32_t default_batch_bytes = batch_bytes_for(default_representations);
 
 }  // namespace knurl::protocol
