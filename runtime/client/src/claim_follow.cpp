@@ -17,14 +17,14 @@ namespace {
 /// rest of it comes with.
 template <class R>
 R parked(R params, double far) {
-    SurfacePoint below{.foot = {}, .normal = params.normal};
-    const Eigen::Vector3d normal = to_eigen(params.normal).normalized();
+    const double length = to_eigen(params.normal).norm();
+    const Eigen::Vector3d normal = to_eigen(params.normal) / length;
+    Eigen::Vector3d foot;
     if constexpr (std::is_same_v<R, Cap>)
-        below.foot = to_plain(to_eigen(params.foot) - far * normal);
+        foot = to_eigen(params.foot);
     else
-        below.foot = to_plain((params.offset / to_eigen(params.normal).norm() - far) * normal);
-    below.normal = to_plain(normal);
-    place(params, below);
+        foot = params.offset / length * normal;
+    place(params, {.foot = to_plain(foot - far * normal), .normal = to_plain(normal)});
     return params;
 }
 
