@@ -115,6 +115,11 @@ void copy_text(char (&to)[n], const std::string& from) {
     from.copy(to, n - 1);
 }
 
+/// 0: nothing is real time here.
+int below(int priority, int by) {
+    return priority == 0 ? 0 : priority - by;
+}
+
 /// One device and all that runs it.
 struct Station {
     DeviceConfig config;
@@ -126,9 +131,10 @@ struct Station {
     std::unique_ptr<Thread> thread;
 
     Station(const DeviceConfig& stated, const DaemonConfig& daemon) : config(stated) {
-        const int io_priority = daemon.priority == 0 ? 0 : daemon.priority + io_above_servo;
-        device = drivers::open_device(
-            config.address, {.hand_file = config.hand_file, .seed = config.seed, .io_priority = io_priority});
+        device =
+            drivers::open_device(config.address, {.hand_file = config.hand_file,
+                                                  .seed = config.seed,
+                                                  .io_priority = below(daemon.priority, -io_above_servo)});
         const drivers::LinkConfig& link = device->link();
         if (config.rate == 0) config.rate = daemon.rate;
         if (config.name.empty()) {
@@ -254,10 +260,6 @@ ServoOptions servo_options(const DeviceConfig& device) {
     options.rate = device.rate;
     options.supervisor = device.limits;
     return options;
-}
-
-int below(int priority, int by) {
-    return priority == 0 ? 0 : priority - by;
 }
 
 /// Of the loops that share a CPU the faster one goes first (rate-monotonic: Liu & Layland 1973).
