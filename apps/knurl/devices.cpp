@@ -20,13 +20,16 @@ namespace {
 using drivers::UsbDevice;
 using nlohmann::json;
 
-/// Where Knurl's rules are installed; empty: nowhere.
-std::string installed_rules() {
+/// The file whose rules are for this device, Knurl's own or one that was made by hand; empty: none is
+/// installed.
+std::string installed_rules(const UsbDevice& device) {
     for (const char* folder : {"/etc/udev/rules.d", "/run/udev/rules.d", "/usr/local/lib/udev/rules.d",
                                "/usr/lib/udev/rules.d", "/lib/udev/rules.d"}) {
-        const std::filesystem::path file = std::filesystem::path(folder) / "70-knurl.rules";
-        std::error_code none;
-        if (std::filesystem::exists(file, none)) return file.string();
+        for (const std::string& name : {std::string("70-knurl.rules"), drivers::udev_rule_file(device)}) {
+            const std::filesystem::path file = std::filesystem::path(folder) / name;
+            std::error_code none;
+            if (std::filesystem::exists(file, none)) return file.string();
+        }
     }
     return "";
 }
@@ -51,22 +54,13 @@ std::string holder(const UsbDevice& device, const std::vector<ServoView>& servos
     return "";
 }
 
-/// One rule for this kind of device, without the package.
-std::string install_rule(const UsbDevice& device) {
-    return fmt::format(
-        "echo '{}' | sudo tee /etc/udev/rules.d/70-knurl.rules && sudo udevadm control --reload && sudo "
-        "udevadm "
-        "trigger",
-        drivers::udev_rule(device));
-}
-
 Seen look(const UsbDevice& device, const std::vector<ServoView>& servos) {
     Seen seen{.device = device, .held_by = holder(device, servos), .problem = {}, .mend = {}};
     if (device.accessible || !seen.held_by.empty()) return seen;
-    const std::string rules = installed_rules();
+    const std::string rules = installed_rules(device);
     if (rules.empty()) {
         seen.problem = "no right to open it: there is no udev rule for it";
-        seen.mend = install_rule(device);
+        seen.mend = drivers::install_udev_rule(device);
     } else {
         seen.problem = fmt::format("no right to open it, though {} is there", rules);
         seen.mend = "sudo usermod --append --groups haptics $USER (then log in again), or plug it in again";

@@ -15,6 +15,8 @@ namespace knurl::drivers::falcon {
 
 namespace {
 
+constexpr UsbId ids[] = {{0x0403, 0xcb48}};
+
 constexpr std::size_t legs = 3;
 
 struct Settings {
@@ -51,7 +53,6 @@ LinkConfig describe(const Settings& settings, const UsbDevice& usb) {
     link.sensed_joints = link.actuated_joints = static_cast<int>(legs);
     link.radians_per_count.assign(legs, falcon_radians_per_count);
     link.effort_limit.assign(legs, most_counts / settings.counts_per_effort);
-    link.workspace_centre = {0, 0, falcon_centre};
     link.workspace_radius = 0.04;
     link.peak_force = settings.peak_force;
     link.continuous_force = settings.peak_force / 2;
@@ -67,7 +68,7 @@ class Falcon final : public Device {
         : settings_(std::move(settings)),
           io_(std::move(wanted), std::make_unique<Protocol>(settings_.firmware, settings_.event_character),
               priority),
-          mechanism_(falcon_delta()),
+          mechanism_(falcon_in_device_frame()),
           link_(describe(settings_, io_.info())) {}
 
     const LinkConfig& link() const noexcept override { return link_; }
@@ -161,7 +162,8 @@ Driver driver() {
                 "[SERIAL][,firmware=FILE][,force=COUNTS_PER_NM][,low_pass=HZ][,limit=N][,damping=NS_PER_M][,"
                 "lag=S]"
                 "[,max_stiffness=N_PER_M][,event_char=on][,port=PORT]",
-            .open = open};
+            .open = open,
+            .usb = {std::begin(ids), std::end(ids)}};
 }
 
 }  // namespace knurl::drivers::falcon

@@ -3,11 +3,7 @@
 
 #include <knurl/drivers/registry.hpp>
 
-#include "usb/session.hpp"
-
 namespace knurl::drivers::falcon {
-
-inline constexpr usb::DeviceId ids[] = {{0x0403, 0xcb48}};
 
 Driver driver();
 

@@ -18,6 +18,14 @@ namespace knurl::drivers::spacemouse {
 
 namespace {
 
+/// Caps, from the SpaceTraveler to the SpaceMouse Compact.
+constexpr UsbId ids[] = {{0x046d, 0xc603}, {0x046d, 0xc605}, {0x046d, 0xc606}, {0x046d, 0xc621},
+                         {0x046d, 0xc623}, {0x046d, 0xc625}, {0x046d, 0xc626}, {0x046d, 0xc627},
+                         {0x046d, 0xc628}, {0x046d, 0xc629}, {0x046d, 0xc62b}, {0x046d, 0xc640},
+                         {0x256f, 0xc62e}, {0x256f, 0xc62f}, {0x256f, 0xc631}, {0x256f, 0xc632},
+                         {0x256f, 0xc633}, {0x256f, 0xc635}, {0x256f, 0xc636}, {0x256f, 0xc638},
+                         {0x256f, 0xc63a}};
+
 constexpr double full_deflection = 350;  // counts, of 350 to 400 at the stop
 
 struct Settings {
@@ -147,7 +155,8 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
 Driver driver() {
     return {.scheme = "spacemouse",
             .help = "[SERIAL][,rate=on][,range=M][,turn=RAD][,speed=M_PER_S][,follow=HZ][,port=PORT]",
-            .open = open};
+            .open = open,
+            .usb = {std::begin(ids), std::end(ids)}};
 }
 
 }  // namespace knurl::drivers::spacemouse

@@ -2,10 +2,7 @@
 
 #include <knurl/drivers/usb_list.hpp>
 
-#include "falcon/device.hpp"
-#include "spacemouse/device.hpp"
 #include "usb/session.hpp"
-#include "wooden/device.hpp"
 
 namespace knurl::drivers {
 
@@ -21,15 +18,20 @@ std::string udev_rule(const UsbDevice& device) {
     return text;
 }
 
+std::string udev_rule_file(const UsbDevice& device) {
+    return "70-knurl-" + device.scheme + ".rules";
+}
+
+std::string install_udev_rule(const UsbDevice& device) {
+    return "echo '" + udev_rule(device) + "' | sudo tee /etc/udev/rules.d/" + udev_rule_file(device) +
+           " && sudo udevadm control --reload && sudo udevadm trigger";
+}
+
 std::vector<UsbDevice> usb_devices() {
     const usb::Context context;
     std::vector<UsbDevice> all;
-    const auto add = [&](std::span<const usb::DeviceId> ids, const char* scheme) {
-        for (const usb::Found& found : context.list(ids, scheme)) all.push_back(found.info);
-    };
-    add(falcon::ids, "falcon");
-    add(spacemouse::ids, "spacemouse");
-    add(wooden::ids, "wooden");
+    for (const Driver& driver : drivers())
+        for (const usb::Found& found : context.list(driver.usb, driver.scheme)) all.push_back(found.info);
     std::ranges::sort(all, {}, &UsbDevice::port);
     return all;
 }

@@ -59,7 +59,7 @@ Context::~Context() {
     libusb_exit(context_);
 }
 
-std::vector<Found> Context::list(std::span<const DeviceId> ids, std::string_view scheme) const {
+std::vector<Found> Context::list(std::span<const UsbId> ids, std::string_view scheme) const {
     libusb_device** all = nullptr;
     const ssize_t n = libusb_get_device_list(context_, &all);
     if (n < 0)
@@ -69,7 +69,7 @@ std::vector<Found> Context::list(std::span<const DeviceId> ids, std::string_view
     for (libusb_device* device : std::span(all, static_cast<std::size_t>(n))) {
         libusb_device_descriptor descriptor{};
         libusb_get_device_descriptor(device, &descriptor);
-        if (std::ranges::none_of(ids, [&](const DeviceId& id) {
+        if (std::ranges::none_of(ids, [&](const UsbId& id) {
                 return id.vendor == descriptor.idVendor && id.product == descriptor.idProduct;
             }))
             continue;
@@ -131,10 +131,8 @@ Session::Session(Context& context, Found found, int interface, const std::atomic
     if (const int code = libusb_open(found_.device.get(), &handle_); code != 0) {
         if (code == LIBUSB_ERROR_NO_DEVICE) throw Unplugged(device.node + " has just been unplugged");
         if (code == LIBUSB_ERROR_ACCESS)
-            throw std::runtime_error("no rights on " + device.node + ": install the udev rule: echo '" +
-                                     udev_rule(device) + "' | sudo tee /etc/udev/rules.d/70-knurl-" +
-                                     device.scheme +
-                                     ".rules && sudo udevadm control --reload, and plug it in again");
+            throw std::runtime_error("no rights on " + device.node +
+                                     ": install the udev rule: " + install_udev_rule(device));
         throw std::runtime_error("cannot open " + device.node + ": " + libusb_strerror(code));
     }
     node_ = context.newest_descriptor();

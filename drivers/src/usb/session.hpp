@@ -15,19 +15,16 @@
 
 #include <libusb.h>
 
+#include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/usb_list.hpp>
 
 namespace knurl::drivers::usb {
-
-struct DeviceId {
-    std::uint16_t vendor, product;
-};
 
 /// Which device somebody wants.
 struct Wanted {
     std::string scheme;  // "falcon"
     std::string kind;    // for people: "Novint Falcon"
-    std::vector<DeviceId> ids;
+    std::vector<UsbId> ids;
     std::string serial = {};  // empty: the only one
     std::string port = {};    // "1-1.2"; empty: any
 };
@@ -53,7 +50,7 @@ class Context {
 
     libusb_context* get() const { return context_; }
     /// Devices with one of these ids, in order of port; opens none.
-    std::vector<Found> list(std::span<const DeviceId> ids, std::string_view scheme) const;
+    std::vector<Found> list(std::span<const UsbId> ids, std::string_view scheme) const;
     /// The one that is wanted; throws std::runtime_error: there is none, there are several, and which.
     Found find(const Wanted& wanted) const;
     /// Descriptors that libusb's event handling waits for.

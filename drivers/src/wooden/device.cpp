@@ -16,6 +16,8 @@ namespace knurl::drivers::wooden {
 
 namespace {
 
+constexpr UsbId ids[] = {{0x16c0, 0x0486}};
+
 /// Counts per axis are 16 bits: one lap of them is followed.
 std::int32_t unwrapped(std::int32_t raw, std::int32_t before) {
     return before + static_cast<std::int16_t>(static_cast<std::uint16_t>(raw - before));
@@ -140,7 +142,8 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
 Driver driver() {
     return {.scheme = "wooden",
             .help = "[SERIAL][,home=A:B:C][,arm=FILE][,damping=NS_PER_M][,lag=S][,port=PORT]",
-            .open = open};
+            .open = open,
+            .usb = {std::begin(ids), std::end(ids)}};
 }
 
 }  // namespace knurl::drivers::wooden

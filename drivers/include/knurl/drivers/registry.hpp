@@ -1,6 +1,7 @@
 #pragma once
 // One line per driver: a scheme ("sim") and what opens "sim:premium15".
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,11 +20,17 @@ struct OpenOptions {
     int io_priority = 0;  // SCHED_FIFO of a driver's own threads; 0: ordinary
 };
 
+/// What a device on USB says it is.
+struct UsbId {
+    std::uint16_t vendor, product;
+};
+
 struct Driver {
     std::string scheme;
     std::string help;  // one line: what the part after the colon may be
     std::function<std::unique_ptr<Device>(std::string_view what, const OpenOptions&)>
-        open;  // throws: what, where, mend
+        open;                     // throws: what, where, mend
+    std::vector<UsbId> usb = {};  // of the devices that it drives, for `knurl devices`; empty: not on USB
 };
 
 /// All drivers of this build.

@@ -24,7 +24,10 @@ struct UsbDevice {
 /// be looked at.
 std::vector<UsbDevice> usb_devices();
 
-/// The udev rule that lets the user at the seat open the node.
+/// The udev rule that lets the user at the seat open the node, and the command that installs it, in a file of
+/// this driver's own: one named like the package's would hide that.
 std::string udev_rule(const UsbDevice& device);
+std::string udev_rule_file(const UsbDevice& device);
+std::string install_udev_rule(const UsbDevice& device);
 
 }  // namespace knurl::drivers
