@@ -69,12 +69,7 @@ std::string overstepped(const CheckedArm& arm, const JointArray& q) {
             return fmt::format("the limit of axis {} ({})", i + 1, arm.axis_names[axis]);
     }
     for (std::size_t row = 0; row < arm.row_limits.size(); ++row) {
-        double variable = q[row];
-        if (arm.coupling.size() > 0) {
-            variable = 0;
-            for (Eigen::Index m = 0; m < arm.coupling.cols(); ++m)
-                variable += arm.coupling(static_cast<Eigen::Index>(row), m) * q[static_cast<std::size_t>(m)];
-        }
+        const double variable = arm.chain->variable(row, q);
         const drivers::Between& limits = arm.row_limits[row];
         if (variable < limits.least - grace || variable > limits.greatest + grace)
             return fmt::format("the limit of row {}", row + 1);
@@ -125,48 +120,6 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-std::vector<std::vector<Vector3d>> chain_skeleton(const CheckedArm& arm, const JointArray& q) {
-    std::vector<Vector3d> points;
-    Eigen::Isometry3d t = arm.table->base;
-    points.push_back(t.translation());
-    for (std::size_t i = 0; i < arm.table->rows.size(); ++i) {
-        const drivers::DhRow& row = arm.table->rows[i];
-        double variable = q[i];
-        if (arm.coupling.size() > 0) {
-            variable = 0;
-            for (std::size_t m = 0; m < arm.table->rows.size(); ++m)
-                variable += arm.coupling(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(m)) * q[m];
-        }
-        t.rotate(Eigen::AngleAxisd(row.theta + (row.prismatic ? 0 : variable), Vector3d::UnitZ()));
-        t.translate(Vector3d(0, 0, row.d + (row.prismatic ? variable : 0)));
-        points.push_back(t.translation());
-        t.translate(Vector3d(row.a, 0, 0));
-        points.push_back(t.translation());
-        t.rotate(Eigen::AngleAxisd(row.alpha, Vector3d::UnitX()));
-    }
-    points.push_back(t * arm.table->tool.translation());
-    return {points};
-}
-
-std::vector<std::vector<Vector3d>> falcon_skeleton(const CheckedArm& arm, const JointArray& q) {
-    const auto& delta = dynamic_cast<const drivers::Delta&>(*arm.profile.mechanism);
-    drivers::TipPose pose;
-    drivers::Jacobian jacobian;
-    delta.forward({q.data(), 3}, pose, jacobian);
-    std::vector<std::vector<Vector3d>> lines;
-    const drivers::DeltaTable table = drivers::falcon_delta();
-    Eigen::Matrix3d turned;  // as the simulated one
-    turned << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-    const Vector3d base(-drivers::falcon_centre, 0, 0);
-    for (std::size_t i = 0; i < 3; ++i) {
-        const Eigen::AngleAxisd leg(table.leg[i], Vector3d::UnitZ());
-        const Vector3d crank(table.r + table.a * std::cos(q[i]), table.s, table.a * std::sin(q[i]));
-        lines.push_back({base + turned * (leg * Vector3d(table.r, table.s, 0)), base + turned * (leg * crank),
-                         pose.position + turned * (leg * Vector3d(table.c, table.f, 0)), pose.position});
-    }
-    return lines;
-}
-
 }  // namespace
 
 CheckedArm checked_arm(const std::string& name) {
@@ -176,21 +129,19 @@ CheckedArm checked_arm(const std::string& name) {
         arm.axis_names = {"leg 1", "leg 2", "leg 3"};
         arm.unlimited = arm.axis_names;
         arm.assumed = {"all dynamics and motors"};
-        arm.skeleton = falcon_skeleton;
+        arm.delta = drivers::falcon_in_device_frame();
         return arm;
     }
     const drivers::ArmFile file = drivers::find_arm(name);
     arm.profile = drivers::sim_profile_of(file, &arm.assumed);
     arm.profile.description = file.description;
     arm.row_limits = file.row_limits;
-    arm.coupling = file.table.coupling;
     for (const drivers::ArmAxis& axis : file.axes) {
         arm.axis_names.push_back(axis.name);
         if (!axis.limits.known()) arm.unlimited.push_back(axis.name);
     }
     arm.figures = file.figures;
-    arm.table = file.table;
-    arm.skeleton = chain_skeleton;
+    arm.chain = file.table;
     return arm;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <knurl/drivers/arm_file.hpp>
+#include <knurl/drivers/delta.hpp>
 
 namespace knurl::cli {
 
@@ -13,19 +14,20 @@ namespace knurl::cli {
 struct CheckedArm {
     drivers::SimProfile profile;
     std::vector<drivers::Between> row_limits;  // of A q; empty: none
-    Eigen::MatrixXd coupling;                  // A; empty: the identity
     std::vector<std::string> axis_names;
     std::vector<drivers::ArmFigure> figures;
     std::vector<std::string> assumed;
-    std::vector<std::string> unlimited;  // axes whose limits nobody knows
-    /// The arm in a posture as lines to draw, m, device frame.
-    std::vector<std::vector<Eigen::Vector3d>> (*skeleton)(const CheckedArm&,
-                                                          const drivers::JointArray&) = nullptr;
-    std::optional<drivers::SerialChainTable> table;  // of a serial one
+    std::vector<std::string> unlimited;              // axes whose limits nobody knows
+    std::optional<drivers::SerialChainTable> chain;  // one of these two
+    std::optional<drivers::DeltaTable> delta;
 };
 
 /// A file or a name of find_arm, or "falcon". Throws as find_arm does.
 CheckedArm checked_arm(const std::string& name_or_path);
+
+/// The arm in a posture as lines to draw, m, device frame.
+using Lines = std::vector<std::vector<Eigen::Vector3d>>;
+Lines skeleton(const CheckedArm& arm, const drivers::JointArray& joints);
 
 /// One step along a straight line from the centre.
 struct Reached {

@@ -54,6 +54,14 @@ void check(const SerialChainTable& table) {
 
 }  // namespace
 
+double SerialChainTable::variable(std::size_t row, std::span<const double> motors) const {
+    if (coupling.size() == 0) return motors[row];
+    double sum = 0;
+    for (std::size_t m = 0; m < rows.size(); ++m)
+        sum += coupling(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(m)) * motors[m];
+    return sum;
+}
+
 SerialChain::SerialChain(const SerialChainTable& table)
     : count_((check(table), table.rows.size())),
       coupled_(table.coupling.size() != 0),

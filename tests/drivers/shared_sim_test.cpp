@@ -187,13 +187,8 @@ TEST_F(SharedSim, ATestCanUnplugAndStallIt) {
     ASSERT_TRUE(fake.wait_steps(3));
     EXPECT_EQ(device->read(0, sample), ReadStatus::ok);
     fake.control(control_stall);
-    const std::uint64_t steps = fake.mapping()->steps.load();
-    // Once the last step is taken, no sample is new.
-    for (std::uint64_t before = 0, now = steps; before != now; now = fake.mapping()->steps.load()) {
-        before = now;
-        usleep(5000);
-    }
-    device->read(0, sample);
+    while (fake.mapping()->obeyed.load(std::memory_order_acquire) != control_stall) sched_yield();
+    device->read(0, sample);  // the last one
     EXPECT_EQ(device->read(0, sample), ReadStatus::stale);
 }
 

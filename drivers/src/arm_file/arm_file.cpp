@@ -170,16 +170,6 @@ void read_frames(ArmFile& arm, const ArmTable& root) {
     }
 }
 
-/// The variable of a row in a posture, A q.
-double variable(const ArmFile& arm, std::size_t row, const JointArray& q) {
-    if (arm.table.coupling.size() == 0) return q[row];
-    double sum = 0;
-    for (std::size_t m = 0; m < arm.joints(); ++m) {
-        sum += arm.table.coupling(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(m)) * q[m];
-    }
-    return sum;
-}
-
 void read_workspace(ArmFile& arm, const ArmTable& root) {
     const toml::node* node = root.table().get("workspace");
     if (node == nullptr || !node->is_table()) {
@@ -210,7 +200,7 @@ void read_workspace(ArmFile& arm, const ArmTable& root) {
     };
     for (std::size_t i = 0; i < arm.joints(); ++i) {
         outside(arm.centre[i], arm.axes[i].limits, "axis " + std::to_string(i + 1));
-        outside(variable(arm, i, arm.centre), arm.row_limits[i], "row " + std::to_string(i + 1));
+        outside(arm.table.variable(i, arm.centre), arm.row_limits[i], "row " + std::to_string(i + 1));
     }
     // The tip in that posture becomes the device frame's origin; the axes stay the base's.
     TipPose pose;

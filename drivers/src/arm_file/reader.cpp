@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
@@ -31,40 +30,12 @@ std::string listed(const std::vector<std::string_view>& words) {
     return text;
 }
 
-/// How many letters must be changed to make one word of the other (Levenshtein).
-std::size_t distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({changed, row[j] + 1, row[j + 1] + 1});
-        }
-    }
-    return row.back();
-}
-
 }  // namespace
 
 std::string in_text(double number) {
     std::ostringstream text;
     text << number;
     return text.str();
-}
-
-std::string_view meant(std::string_view word, const std::vector<std::string_view>& known) {
-    std::string_view best;
-    std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
-    for (const std::string_view candidate : known) {
-        if (const std::size_t away = distance(word, candidate); away < least) {
-            best = candidate;
-            least = away;
-        }
-    }
-    return best;
 }
 
 ArmTable::ArmTable(ArmFile& arm, const toml::table& table, std::string called,
@@ -86,10 +57,7 @@ ArmTable::ArmTable(ArmFile& arm, const toml::table& table, std::string called,
             if (!node.is_string()) fail(name, name_of(name) + " must be a string, not " + kind_of(node));
             continue;
         }
-        const std::string_view likely = meant(name, words);
-        fail(name, "unknown key '" + std::string(name) + "' in " + called_ + "; " +
-                       (likely.empty() ? "it takes " + listed(words)
-                                       : "did you mean '" + std::string(likely) + "'?"));
+        fail(name, "unknown key '" + std::string(name) + "' in " + called_ + "; it takes " + listed(words));
     }
 }
 

@@ -74,7 +74,4 @@ class ArmTable {
     std::string called_;
 };
 
-/// The word of `known` that `word` may have been meant to be; empty if none is like it.
-std::string_view meant(std::string_view word, const std::vector<std::string_view>& known);
-
 }  // namespace knurl::drivers

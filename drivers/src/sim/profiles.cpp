@@ -52,13 +52,9 @@ SimProfile premium15() {
     return p;
 }
 
-/// The Novint Falcon's mechanism and encoders, its centre at the origin, turned so that x points from its
-/// body to the hand and z up. Dynamics are those of every profile here.
+/// The Novint Falcon's mechanism and encoders. Dynamics are those of every profile here.
 SimProfile falcon() {
-    DeltaTable table = falcon_delta();
-    table.base.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-    table.base.translation() = -falcon_centre * Eigen::Vector3d::UnitX();
-    const auto delta = std::make_shared<Delta>(table);
+    const auto delta = std::make_shared<Delta>(falcon_in_device_frame());
 
     SimProfile p;
     p.name = "falcon";

@@ -139,6 +139,7 @@ class Loop {
             record(now, unplug ? Event::unplugged : Event::plugged, 0);
             shared_.state.store(unplug ? state_unplugged : state_running, std::memory_order_release);
         }
+        shared_.obeyed.store(control, std::memory_order_release);
     }
 
     void take(std::uint64_t word, std::int64_t now) {

@@ -69,7 +69,7 @@ class TemporaryFile {
 
 /// Legs of a hand that is at `position` (m, device frame).
 inline std::array<double, 3> legs_at(const Eigen::Vector3d& position) {
-    static const Delta delta(falcon_delta());
+    static const Delta delta(falcon_in_device_frame());
     std::array<double, 3> legs{};
     if (!delta.inverse(position, legs)) ADD_FAILURE() << "no legs reach " << position.transpose();
     return legs;
@@ -78,12 +78,12 @@ inline std::array<double, 3> legs_at(const Eigen::Vector3d& position) {
 /// A hand on a circle of 20 mm about the workspace's centre, 1 Hz.
 inline Eigen::Vector3d circling(double t) {
     const double angle = 2 * std::numbers::pi * t;
-    return {0.02 * std::cos(angle), 0.02 * std::sin(angle), falcon_centre};
+    return {0, 0.02 * std::cos(angle), 0.02 * std::sin(angle)};
 }
 
 inline std::shared_ptr<Falcon> falcon_at_centre(bool running = true, bool homed = true) {
     auto falcon = std::make_shared<Falcon>(running, homed);
-    const std::array<double, 3> legs = legs_at({0, 0, falcon_centre});
+    const std::array<double, 3> legs = legs_at(Eigen::Vector3d::Zero());
     falcon->hand = [legs](double) { return legs; };
     falcon->place(legs);
     return falcon;

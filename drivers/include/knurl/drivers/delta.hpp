@@ -39,6 +39,14 @@ inline DeltaTable falcon_delta() {
             .f = -0.025};
 }
 inline constexpr double falcon_centre = 0.125;  // m, z of the middle of its workspace in its own frame
+/// The same in the frame of the device, real or simulated: origin in the middle of its workspace, x from its
+/// body to the hand, z up.
+inline DeltaTable falcon_in_device_frame() {
+    DeltaTable table = falcon_delta();
+    table.base.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+    table.base.translation() = -falcon_centre * Eigen::Vector3d::UnitX();
+    return table;
+}
 /// rad a count: 320 lines x 4, geared by 0.110 m / 0.01425 m. Count 0 of a homed axis is at 35 degrees.
 inline constexpr double falcon_radians_per_count = 2 * std::numbers::pi / (320 * 4) * 0.01425 / 0.110;
 inline constexpr double falcon_zero = 35 * std::numbers::pi / 180;  // rad

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <knurl/drivers/link_config.hpp>
@@ -31,6 +32,9 @@ struct SerialChainTable {
     /// The hand holds the tip through a passive gimbal: no orientation is known and no torque gets through.
     /// The pose then has the identity's orientation and the Jacobian zero angular rows.
     bool position_only = false;
+
+    /// What is added to row `row`'s theta (or d) in a posture: that row of A q.
+    double variable(std::size_t row, std::span<const double> motors) const;
 };
 
 /// Joints are the MOTORS: the Jacobian is J_DH A, so that tau_motor = J^T F as it stands. Bounded by
