@@ -1,0 +1,74 @@
+// What the figures of a trial mean for whoever has the device.
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "device_trial.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+double largest_delay(const Trial& trial) {
+    double delay = 0;
+    for (const PushTrial& push : trial.pushes) delay = std::max(delay, push.delay);
+    return delay;
+}
+
+}  // namespace
+
+std::string axis_name(const PushTrial& push) {
+    return push.axis.x() != 0 ? "x" : push.axis.y() != 0 ? "y" : "z";
+}
+
+std::vector<std::string> findings(const Trial& trial) {
+    std::vector<std::string> lines;
+    const RestTrial& rest = trial.rest;
+    const double share = static_cast<double>(rest.fresh) / static_cast<double>(rest.cycles);
+    if (share < 0.99)
+        lines.push_back(
+            fmt::format("only {:.1f} % of the cycles had a new sample: lower the rate, or look at the cable",
+                        100 * share));
+    if (rest.bad > 0)
+        lines.push_back(fmt::format("{} samples were garbage: another cable or port", rest.bad));
+    for (std::size_t j = 0; j < rest.counts_apart.size(); ++j) {
+        if (rest.counts_apart[j] > 4)
+            lines.push_back(fmt::format(
+                "joint {} wanders by {:.0f} counts at rest: is it held? else its encoder is noisy", j + 1,
+                rest.counts_apart[j]));
+    }
+    for (const PushTrial& push : trial.pushes) {
+        if (push.cosine == 0)
+            lines.push_back(
+                fmt::format("a push along {} moves nothing: motors off, or friction above the push (--push)",
+                            axis_name(push)));
+        else if (push.cosine < 0)
+            lines.push_back(
+                fmt::format("a push along {} moves it the other way: a motor's or encoder's sign is wrong",
+                            axis_name(push)));
+        else if (push.cosine < 0.97)
+            lines.push_back(fmt::format(
+                "a push along {} goes {:.0f} degrees astray: wrong link lengths, or one motor weaker",
+                axis_name(push), std::acos(push.cosine) * 180 / M_PI));
+        else if (push.size > 0 && (push.size < 0.7 || push.size > 1.4))
+            lines.push_back(
+                fmt::format("a push along {} is {:.2f} times as strong as it should be: calibrate the force",
+                            axis_name(push), push.size));
+    }
+    if (largest_delay(trial) > 2 * trial.link.lag + 1 / trial.rate)
+        lines.push_back(
+            fmt::format("motion begins {:.2f} ms late, its description says {:.2f} ms: walls can be less "
+                        "stiff than it promises",
+                        largest_delay(trial) * 1e3, trial.link.lag * 1e3));
+    if (trial.link.actuated_joints > 0 && trial.wall.stiffness == 0)
+        lines.push_back("no wall at all is stable: do not use it with force");
+    else if (trial.wall.stiffness < 0.9 * trial.wall.predicted)
+        lines.push_back(fmt::format(
+            "walls hum above {:.0f} N/m, {:.0f} were promised: lower damping or raise lag in its description",
+            trial.wall.stiffness, trial.wall.predicted));
+    return lines;
+}
+
+}  // namespace knurl::cli
