@@ -83,6 +83,9 @@ struct Refusal {
     std::vector<std::string> more;
     const char* says;
 };
+void PrintTo(const Refusal& refusal, std::ostream* out) {
+    *out << refusal.name;
+}
 class EvalRefusals : public testing::TestWithParam<Refusal> {};
 
 TEST_P(EvalRefusals, AreOneLineAndLeaveNoFile) {

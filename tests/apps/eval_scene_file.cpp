@@ -341,6 +341,9 @@ struct Mistake {
     const char* where;
     const char* says;
 };
+void PrintTo(const Mistake& mistake, std::ostream* out) {
+    *out << mistake.name;
+}
 class SceneFileMistakes : public testing::TestWithParam<Mistake> {};
 
 TEST_P(SceneFileMistakes, NamesFileLineAndColumnAndSaysWhatToDo) {
