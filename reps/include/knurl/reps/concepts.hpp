@@ -40,64 +40,68 @@ struct HalfSpace {
 inline constexpr std::size_t max_parameter_bytes = 512;
 inline constexpr std::size_t max_state_bytes = 128;
 
+// clang-format 14 breaks requirements and the table below apart.
+// clang-format off
+
+template <class R>
+concept ParametersWithState =
+    std::is_trivially_copyable_v<R> && sizeof(R) <= max_parameter_bytes &&
+    std::is_trivially_copyable_v<typename R::State> && sizeof(typename R::State) <= max_state_bytes;
+
 /// Parameters are the application's: a trivially copyable aggregate of fixed-width members in SI units.
 /// State is the servo's. All functions are noexcept and depend on their arguments alone.
 template <class R>
-concept Representation = std::is_trivially_copyable_v<R> && std::is_trivially_copyable_v<typename R::State> &&
-                             sizeof(R) <= max_parameter_bytes
-                         &&
-                         sizeof(typename R::State) <= max_state_bytes&& requires(R params, const R& previous,
-                                                                                 typename R::State& state,
-                                                                                 const Probe& probe,
-                                                                                 const Limits& limits) {
-    { Describe<R>::name } -> std::convertible_to<std::string_view>;
-    {std::span<const Field>(Describe<R>::fields)};
-    // Validated parameters as the servo uses them (unit normal, stiffness within the limits).
-    { prepared(params, limits) }
-    noexcept->std::same_as<R>;
-    // New parameters take effect: `previous` is null for one just added. Parameters equal to the previous
-    // ones to the bit never reach adopt.
-    { adopt(params, &previous, state, probe) }
-    noexcept;
-};
+concept Representation = ParametersWithState<R> &&
+    requires(R params, const R& previous, typename R::State& state, const Probe& probe, const Limits& limits) {
+        { Describe<R>::name } -> std::convertible_to<std::string_view>;
+        { std::span<const Field>(Describe<R>::fields) };
+        // Validated parameters as the servo uses them (unit normal, stiffness within the limits).
+        { prepared(params, limits) } noexcept -> std::same_as<R>;
+        // New parameters take effect: `previous` is null for one just added. Parameters equal to the previous
+        // ones to the bit never reach adopt.
+        { adopt(params, &previous, state, probe) } noexcept;
+    };
 
 template <class R>
 concept Surface = Representation<R> &&
     requires(const R& params, typename R::State& state, const Probe& probe, double dt) {
-    { contact(params, state, probe, dt) }
-    noexcept->std::same_as<Contact>;
-    { params.stiffness } -> std::convertible_to<double>;  // N/m, the same between changes
-    { params.velocity } -> std::convertible_to<Vec3>;     // m/s, likewise
-    { params.friction } -> std::convertible_to<Friction>;
-    { params.snag } -> std::convertible_to<Snag>;
-    { params.texture } -> std::convertible_to<Texture>;
-    { params.braking } -> std::convertible_to<double>;
-};
+        { contact(params, state, probe, dt) } noexcept -> std::same_as<Contact>;
+        { params.stiffness } -> std::convertible_to<double>;  // N/m, the same between changes
+        { params.velocity } -> std::convertible_to<Vec3>;     // m/s, likewise
+        { params.friction } -> std::convertible_to<Friction>;
+        { params.snag } -> std::convertible_to<Snag>;
+        { params.texture } -> std::convertible_to<Texture>;
+        { params.braking } -> std::convertible_to<double>;
+    };
 
 template <class R>
 concept Effect = Representation<R> &&
     requires(const R& params, typename R::State& state, const Probe& probe, double dt) {
-    { evaluate(params, state, probe, dt) }
-    noexcept->std::same_as<Wrench>;
-};
+        { evaluate(params, state, probe, dt) } noexcept -> std::same_as<Wrench>;
+    };
 
-// What a representation may offer besides. Each is found by its name (argument-dependent lookup) and is
-// optional:
+// What a representation may offer besides. Each is found by its name (argument-dependent lookup) and is optional:
 //
-//   std::optional<HalfSpace> standing(const R&)   a surface that is one plane until it changes: scanned, not
-//   called std::optional<Bound> bound(const R&, const R::State&)   a surface that is not asked where it is
-//   out of reach;
-//                                                 without it, or without a value, it is asked in every cycle
-//   void out_of_reach(const R&, R::State&)        beside bound(): it was not asked for a while and forgets
-//   its path std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
-//                                                 a surface with up to R::max_contacts tangent planes at once
-//                                                 (the corner of a hollow box): fills in those that matter
-//   bool recovers_itself(const R&)                its own state brings a change in: left out of the
-//   cross-fade R carried(const R& old, const R& next)        an effect's `old` with all that moves by itself
-//   from `next` void settle(const R&, R::State&)              ends every motion and recovery at once
+//   std::optional<HalfSpace> standing(const R&)
+//       a surface that is one plane until it changes: scanned, not called
+//   std::optional<Bound> bound(const R&, const R::State&)
+//       a surface that is not asked where it is out of reach; without it, or without a value, it is asked in every
+//       cycle
+//   void out_of_reach(const R&, R::State&)
+//       beside bound(): it was not asked for a while and forgets its path
+//   std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
+//       a surface with up to R::max_contacts tangent planes at once (the corner of a hollow box): fills in those
+//       that matter
+//   bool recovers_itself(const R&)
+//       its own state brings a change in: left out of the cross-fade
+//   R carried(const R& old, const R& next)
+//       an effect's `old` with all that moves by itself from `next`
+//   void settle(const R&, R::State&)
+//       ends every motion and recovery at once
 //
-// A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic.
-// Members `friction`, `snag`, `texture` and `braking` (material.hpp) are a surface's material: the scene acts
-// on them.
+// A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic. Members
+// `friction`, `snag`, `texture` and `braking` (material.hpp) are a surface's material: the scene acts on them.
+
+// clang-format on
 
 }  // namespace knurl
