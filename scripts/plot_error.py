@@ -6,18 +6,14 @@
 The input is knurl_bench_error's --json. Down and to the left is better; a ring marks what Knurl uses.
 """
 
-import io
 import json
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter
-from PIL import Image
 
-INK, FAINT, KNURL = "#202124", "#5f6368", "#00796b"
+from pictures import FAINT, INK, KNURL, machine_line, save
+
 COLOURS = ["#c77700", "#7a4fa3", "#b3261e", "#3367d6", "#9aa0a6", "#8d6e63", "#5c8a00", "#ad1457", "#00838f", "#455a64"]
 TITLES = {
     "planes": "Planes: several at once",
@@ -105,7 +101,6 @@ def draw_panel(axes, panel, family, points):
 
 
 def draw(data, path):
-    plt.rcParams.update({"font.family": "DejaVu Sans", "axes.edgecolor": "#c4c7c5", "text.color": INK})
     panels = list(panels_of(data))
     rows = (len(panels) + 1) // 2
     figure, grid = plt.subplots(rows, 2, figsize=(13, 3.5 * rows), dpi=90, squeeze=False)
@@ -114,15 +109,10 @@ def draw(data, path):
         axes.text(0, 0.95, HOW, fontsize=9, color=FAINT, va="top", linespacing=1.7)
     for axes, panel in zip(grid.flat, panels):
         draw_panel(axes, *panel)
-    machine = data["machine"]
     samples = sorted({p["n"] for panel in data["panels"] for p in panel["points"]})
-    figure.text(0.01, 0.006, f"{machine['processor']}, {machine['cpus']} CPUs, Linux {machine['kernel']}, load "
-                f"{machine['load']}; {machine['build']}; {machine['date']}; medians of {samples[0]} interleaved blocks.", fontsize=6.5, color=FAINT)
+    figure.text(0.01, 0.006, f"{machine_line(data['machine'])}; medians of {samples[0]} interleaved blocks.", fontsize=6.5, color=FAINT)
     figure.tight_layout(rect=(0, 0.02, 1, 1), w_pad=2, h_pad=2)
-    pixels = io.BytesIO()
-    figure.savefig(pixels, facecolor="white")
-    picture = Image.open(pixels).convert("RGB")
-    picture.quantize(colors=64, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(path, optimize=True)
+    save(figure, path, 64)
 
 
 def main(arguments):

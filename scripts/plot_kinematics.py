@@ -6,22 +6,17 @@
 The input is what knurl_bench_kinematics --error writes. Down and to the left is better; the ring is Knurl's.
 """
 
-import io
 import json
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-from PIL import Image
 
-INK, FAINT, KNURL = "#202124", "#5f6368", "#00796b"
+from pictures import FAINT, INK, KNURL, machine_line, save
+
 COLOURS = {"three spheres": KNURL, "last pose": "#c77700", "last pose moved on": "#7a4fa3", "centre": "#9aa0a6"}
 
 
 def draw(data, path):
-    plt.rcParams.update({"font.family": "DejaVu Sans", "axes.edgecolor": "#c4c7c5", "text.color": INK})
     speeds = sorted({p["speed"] for p in data["points"]})
     figure, row = plt.subplots(1, len(speeds), figsize=(11, 3.7), dpi=90, sharey=True, squeeze=False)
     for axes, speed in zip(row.flat, speeds):
@@ -50,15 +45,10 @@ def draw(data, path):
     row.flat[0].set_ylabel("largest error of the position, m", fontsize=7.5, color=FAINT)
     row.flat[0].text(0, 1.3e-9, " the goal", fontsize=6.5, color=FAINT)
     row.flat[-1].legend(fontsize=7, frameon=False, loc="upper right")
-    machine = data["machine"]
     figure.text(0.01, 0.015, "Small figures: Newton steps. Rings: until nothing changes; the thick one is Delta::forward. "
-                f"Falcon at 1 kHz. {machine['processor']}, {machine['cpus']} CPUs, Linux {machine['kernel']}, load "
-                f"{machine['load']}; {machine['build']}; {machine['date']}.", fontsize=6, color=FAINT)
+                f"Falcon at 1 kHz. {machine_line(data['machine'])}.", fontsize=6, color=FAINT)
     figure.tight_layout(rect=(0, 0.04, 1, 1))
-    pixels = io.BytesIO()
-    figure.savefig(pixels, facecolor="white")
-    picture = Image.open(pixels).convert("RGB")
-    picture.quantize(colors=48, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(path, optimize=True)
+    save(figure, path, 48)
 
 
 def main(arguments):

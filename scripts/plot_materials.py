@@ -8,18 +8,15 @@ there and back, pressed in until it pushes with 1 N.
 """
 
 import csv
-import io
 import os
 import subprocess
 import sys
 import tempfile
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from PIL import Image
+
+from pictures import FAINT, INK, save
 
 NAMES = {  # in the manual's order, and what to look for
     "concrete": "grains 1-3 mm apart hold and knock",
@@ -31,7 +28,7 @@ NAMES = {  # in the manual's order, and what to look for
     "sandpaper": "grit every 0.4 mm: a buzz",
 }
 STROKE, SPEED, PRESS = 40.0, 0.05, 1.0  # mm, m/s, N
-THERE, BACK, INK, FAINT = "#00796b", "#c77700", "#202124", "#5f6368"
+THERE, BACK = "#00796b", "#c77700"
 
 
 def fail(text):
@@ -68,7 +65,6 @@ def stroke(knurl, folder, material):
 
 
 def draw(strokes, path):
-    plt.rcParams.update({"font.family": "DejaVu Sans", "axes.edgecolor": "#c4c7c5", "text.color": INK})
     figure, grid = plt.subplots(4, 2, figsize=(10, 8.6), dpi=100, sharex=True, sharey=True)
     figure.subplots_adjust(left=0.065, right=0.985, top=0.93, bottom=0.055, hspace=0.42, wspace=0.06)
     figure.text(0.02, 0.975, f"Materials by name: {STROKE:g} mm there and back at {SPEED * 100:g} cm/s, pressed with "
@@ -99,9 +95,7 @@ def draw(strokes, path):
                 transform=legend.transAxes)
     for axes in grid[:, 0]:
         axes.set_ylabel("N", fontsize=8, color=FAINT, labelpad=1)
-    pixels = io.BytesIO()
-    figure.savefig(pixels, facecolor="white")
-    Image.open(pixels).convert("RGB").quantize(colors=64, dither=Image.Dither.NONE).save(path, optimize=True)
+    save(figure, path, 64)
 
 
 def main(arguments):

@@ -4,18 +4,15 @@
     plot_stability.py OUT.json FOLDER        bound.png, methods.png and factors.png in that folder
 """
 
-import io
 import json
 import os
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-from PIL import Image
 
-INK, FAINT, TRUE = "#202124", "#5f6368", "#9aa0a6"
+from pictures import FAINT, INK, save
+
+TRUE = "#9aa0a6"
 LOOKS = {  # colour, marker
     "force from the application": ("#b3261e", "x"),
     "planes as they come": ("#c77700", "o"),
@@ -31,15 +28,6 @@ FACTORS = [  # table, axis, scale of x, logarithmic
     ("update_rate", "application rate, Hz", 1, True), ("mass", "mass of the device, kg", 1, False),
 ]
 FOUND, AT_LEAST, BELOW = 0, 1, 2
-
-
-def save(figure, path):
-    """As a PNG of 256 colours, a third of the size."""
-    pixels = io.BytesIO()
-    figure.savefig(pixels, facecolor="white", dpi=100)
-    plt.close(figure)
-    picture = Image.open(pixels).convert("RGB")
-    picture.quantize(colors=128, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def plain(axes):
@@ -93,7 +81,7 @@ def draw_bound(tables, path):
     right.set_title("Virtual damping must not simply be counted in", fontsize=9, loc="left")
     plain(right)
     figure.tight_layout()
-    save(figure, path)
+    save(figure, path, dpi=100)
 
 
 def draw_methods(tables, path):
@@ -119,7 +107,7 @@ def draw_methods(tables, path):
         plain(axes)
     panels[0].invert_yaxis()
     figure.tight_layout()
-    save(figure, path)
+    save(figure, path, dpi=100)
 
 
 def draw_factors(tables, path):
@@ -158,7 +146,7 @@ def draw_factors(tables, path):
     handles = [plt.Line2D([], [], color=c, marker=m, ms=5, lw=1.2, label=n) for n, (c, m) in LOOKS.items()]
     figure.legend(handles=handles, ncol=3, fontsize=8, frameon=False, loc="upper center")
     figure.tight_layout(rect=(0, 0, 1, 0.94))
-    save(figure, path)
+    save(figure, path, dpi=100)
 
 
 def main(arguments):
@@ -168,7 +156,6 @@ def main(arguments):
         with open(arguments[0]) as file:
             tables = {table["key"]: table for table in json.load(file)["tables"]}
         os.makedirs(arguments[1], exist_ok=True)
-        plt.rcParams.update({"font.family": "DejaVu Sans", "axes.edgecolor": "#c4c7c5", "text.color": INK})
         for name, draw in (("bound", draw_bound), ("methods", draw_methods), ("factors", draw_factors)):
             path = os.path.join(arguments[1], name + ".png")
             draw(tables, path)

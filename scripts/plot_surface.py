@@ -7,17 +7,15 @@ The three inputs are knurl-surface's --json, --csv and --relief.
 """
 
 import csv
-import io
 import json
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LightSource, LinearSegmentedColormap
-from PIL import Image
+
+import pictures
+from pictures import FAINT, INK
 
 COLOURS = {"force": "#b3261e", "planes": "#c77700", "paper": "#7a4fa3", "knurl": "#00796b"}
 NAMES = {  # a title, and what is special about it
@@ -27,7 +25,7 @@ NAMES = {  # a title, and what is special about it
     "knurl": ("Planes, Knurl's default", "for where the hand will be, cross-faded"),
 }
 TIMES = {1: "one", 2: "two", 3: "three", 4: "four"}
-TRUE, INK, FAINT = "#9aa0a6", "#202124", "#5f6368"
+TRUE = "#9aa0a6"
 GOOD, BAD = "#00796b", "#b3261e"
 LAND = LinearSegmentedColormap.from_list(
     "land", ["#6d8f86", "#9db38f", "#d3cfa4", "#cdb083", "#b08d6a", "#e9e4da", "#ffffff"])
@@ -82,11 +80,7 @@ class Page:
                                           color="#dadce0", lw=0.8))
 
     def save(self, path):
-        """As a PNG of 256 colours, a third of the size."""
-        pixels = io.BytesIO()
-        self.figure.savefig(pixels, facecolor="white")
-        picture = Image.open(pixels).convert("RGB")
-        picture.quantize(colors=256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(path, optimize=True)
+        pictures.save(self.figure, path, 256)
 
 
 def draw_relief(axes, relief, cycles, reach):
@@ -178,8 +172,7 @@ def draw_way(page, top, number, s, c, end, window, force_top, heights, last):
 def draw(outcome, cycles, relief, path):
     strokes = [s for s in outcome["strokes"] if s["way"] in cycles]
     run, machine = outcome["run"], outcome["machine"]
-    plt.rcParams.update({"font.family": "DejaVu Sans", "axes.edgecolor": "#c4c7c5", "text.color": INK,
-                         "axes.linewidth": 0.8, "hatch.linewidth": 0.6})
+    plt.rcParams.update({"axes.linewidth": 0.8, "hatch.linewidth": 0.6})
     page = Page(11, 5.30 + 1.42 * len(strokes))
     page.text(0.35, 0.20, f"Hills felt through an application that manages {run['application_rate']:g} Hz", fontsize=16,
               fontweight="bold")
