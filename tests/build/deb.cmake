@@ -1,13 +1,6 @@
 # Run by ctest: makes the .deb and looks into it. -D: BUILD, WORK (scratch).
 
-function(run what)
-    execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE errors)
-    if(NOT result EQUAL 0)
-        list(JOIN ARGN " " command)
-        message(FATAL_ERROR "${what} failed (${result}): ${command}\n${output}\n${errors}")
-    endif()
-    set(output "${output}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 file(REMOVE_RECURSE ${WORK})
 get_filename_component(programs ${CMAKE_COMMAND} DIRECTORY)

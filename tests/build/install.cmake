@@ -1,14 +1,7 @@
 # Run by ctest: installs the build tree, then builds and runs the outside program against it, once found by CMake and
 # once by pkg-config. -D: BUILD, SOURCE (this folder), WORK (scratch), CXX, GENERATOR, LIBDIR, FLAGS.
 
-function(run what)
-    execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-    if(NOT result EQUAL 0)
-        list(JOIN ARGN " " command)
-        message(FATAL_ERROR "${what} failed (${result}): ${command}\n${output}")
-    endif()
-    set(output "${output}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})

@@ -24,40 +24,38 @@ std::runtime_error failed(const char* what) {
     return std::runtime_error(std::string("usb: ") + what + ": " + std::strerror(errno));
 }
 
-union Control {  // aligned as CMSG asks for
-    cmsghdr header;
-    char bytes[CMSG_SPACE(sizeof(int))];
+/// One byte with room for one descriptor. It points into itself: neither copied nor moved.
+struct Letter {
+    char byte = 0;
+    iovec data{.iov_base = &byte, .iov_len = 1};
+    alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))] = {};
+    msghdr message{};
+
+    Letter() noexcept {
+        message.msg_iov = &data;
+        message.msg_iovlen = 1;
+        message.msg_control = control;
+        message.msg_controllen = sizeof control;
+    }
+    Letter(const Letter&) = delete;
+    Letter& operator=(const Letter&) = delete;
 };
 
 void give(int socket, int descriptor) noexcept {
-    char byte = 0;
-    iovec data{.iov_base = &byte, .iov_len = 1};
-    Control control{};
-    msghdr message{};
-    message.msg_iov = &data;
-    message.msg_iovlen = 1;
-    message.msg_control = &control;
-    message.msg_controllen = sizeof control;
-    cmsghdr* header = CMSG_FIRSTHDR(&message);
+    Letter letter;
+    cmsghdr* header = CMSG_FIRSTHDR(&letter.message);
     header->cmsg_level = SOL_SOCKET;
     header->cmsg_type = SCM_RIGHTS;
     header->cmsg_len = CMSG_LEN(sizeof(int));
     std::memcpy(CMSG_DATA(header), &descriptor, sizeof descriptor);
-    sendmsg(socket, &message, MSG_DONTWAIT | MSG_NOSIGNAL);
+    sendmsg(socket, &letter.message, MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
 /// -1: nothing is there.
 int take(int socket) noexcept {
-    char byte = 0;
-    iovec data{.iov_base = &byte, .iov_len = 1};
-    Control control{};
-    msghdr message{};
-    message.msg_iov = &data;
-    message.msg_iovlen = 1;
-    message.msg_control = &control;
-    message.msg_controllen = sizeof control;
-    if (recvmsg(socket, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC) <= 0) return -1;
-    const cmsghdr* header = CMSG_FIRSTHDR(&message);
+    Letter letter;
+    if (recvmsg(socket, &letter.message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC) <= 0) return -1;
+    const cmsghdr* header = CMSG_FIRSTHDR(&letter.message);
     if (header == nullptr || header->cmsg_type != SCM_RIGHTS) return -1;
     int descriptor = -1;
     std::memcpy(&descriptor, CMSG_DATA(header), sizeof descriptor);
