@@ -181,6 +181,23 @@ TEST(Mechanics, StopsHoldTheTipNearTheWorkspace) {
     }
 }
 
+TEST(Mechanics, TheStopOfARowPushesAllJointsThatMoveIt) {
+    // Row 3 is q3 - q2 and ends at 10 mm. 1 N on joint 3 presses it on; its stop hands that to joint 2, whose
+    // own stop is at 0: each gives way by 1 N / 1000 N/m.
+    SimProfile profile = sim_profile("cartesian3,grip=0,coulomb=0,lag=0,dac=0,quantum=0,damping=5");
+    profile.coupling = Eigen::Matrix3d{{1, 0, 0}, {0, 1, 0}, {0, -1, 1}};
+    profile.row_least[2] = -0.01;
+    profile.row_greatest[2] = 0.01;
+    profile.greatest[1] = 0;
+    profile.joint_stop_stiffness = 1000;
+    SimDevice device(profile);
+    run(device, 3, millisecond, {0, 0, 1});
+    EXPECT_NEAR(device.state().joints[1], 0.001, 1e-6);
+    EXPECT_NEAR(device.state().joints[2], 0.001 + 0.01 + 0.001, 1e-6);
+    EXPECT_EQ(device.state().joints[0], 0);
+    EXPECT_EQ(device.link().joint_greatest[1], 0) << "and the servo is told of the joint's own";
+}
+
 TEST(Mechanics, GravityPullsTheDevicesMassAlone) {
     SimDevice device = make("cartesian3,gravity=9.81,coulomb=0");
     run(device, 3, millisecond);

@@ -280,6 +280,27 @@ TEST(Samples, AJumpThatGoesOnIsAFaultAndThenWhereTheHandIs) {
     EXPECT_EQ(active.state(), DeviceState::idle);
 }
 
+TEST(Samples, APostureNearASingularOneOrAStopIsReported) {
+    PuppetDevice device;
+    device.link_.joint_least[0] = -0.05;
+    device.link_.joint_greatest[0] = 0.05;
+    Offline servo(device, live_options());
+    constexpr std::uint32_t both = report_flags::near_singular | report_flags::at_joint_limit;
+    run(servo, 20);
+    EXPECT_EQ(servo.servo().last().flags & both, 0u);
+    for (; device.tip.x() < 0.0495; device.tip.x() += 0.0005)
+        run(servo, 1);  // to 0.5 % of 100 mm from the stop
+    run(servo, 16);
+    EXPECT_EQ(servo.servo().last().flags & both, report_flags::at_joint_limit);
+    device.tip.x() = 0.048;
+    device.mechanism_.lever_z = 0.04;
+    run(servo, 16);
+    EXPECT_EQ(servo.servo().last().flags & both, report_flags::near_singular);
+    device.mechanism_.lever_z = 0.06;
+    run(servo, 16);
+    EXPECT_EQ(servo.servo().last().flags & both, 0u);
+}
+
 TEST(Samples, AStaleSampleIsRepeatedAndSaidSo) {
     Active active;
     active.device.status = ReadStatus::stale;

@@ -21,9 +21,11 @@ class Straight final : public drivers::Mechanism {
         pose.orientation.setIdentity();
         jacobian.setZero();
         for (int i = 0; i < joints_; ++i) jacobian(i, i) = 1;
+        jacobian(2, 2) = lever_z;
         return true;
     }
     bool broken = false;
+    double lever_z = 1;  // m a unit of joint 3, as the Jacobian says
 
   private:
     int joints_;

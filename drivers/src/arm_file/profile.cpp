@@ -76,6 +76,16 @@ SimProfile sim_profile_of(const ArmFile& arm, std::vector<std::string>* assumed)
         }
         if (axis.effort_limit) p.effort_limit[i] = *axis.effort_limit;
     }
+    const bool rows_stop =
+        std::any_of(arm.row_limits.begin(), arm.row_limits.end(), [](const Between& b) { return b.known(); });
+    if (rows_stop) {
+        const auto n = static_cast<Eigen::Index>(arm.joints());
+        p.coupling = arm.table.coupling.size() > 0 ? arm.table.coupling : Eigen::MatrixXd::Identity(n, n);
+        for (std::size_t i = 0; i < arm.row_limits.size(); ++i) {
+            p.row_least[i] = arm.row_limits[i].least;
+            p.row_greatest[i] = arm.row_limits[i].greatest;
+        }
+    }
     if (!counted && !arm.resolution) known.say("resolution " + in_text(usual_resolution) + " m at the tip");
 
     p.mass = known(arm.mass, "mass", p.mass, "kg at the tip");
@@ -124,6 +134,8 @@ LinkConfig link_of(const ArmFile& arm) {
         const auto& limit = arm.axes[i].effort_limit;
         link.effort_limit.push_back(limit ? *limit : p.peak_force * p.largest_lever[i]);
     }
+    link.joint_least = p.least;
+    link.joint_greatest = p.greatest;
     link.workspace_radius = arm.workspace_radius;
     link.nominal_rate = arm.rate;
     link.peak_force = p.peak_force;

@@ -56,6 +56,8 @@ LinkConfig describe(const SimProfile& p) {
         const double stated = p.radians_per_count[i];
         link.radians_per_count.push_back(stated > 0 ? stated : p.quantum / p.lever[i]);
     }
+    link.joint_least = p.least;
+    link.joint_greatest = p.greatest;
     for (std::size_t i = 0; i < static_cast<std::size_t>(link.actuated_joints); ++i) {
         const double stated = p.effort_limit[i];
         link.effort_limit.push_back(stated > 0 ? stated : p.peak_force * p.largest_lever[i]);
@@ -146,16 +148,25 @@ struct SimDevice::Body {
         return wrench;
     }
 
+    double stop(double q, double rate, double least, double greatest) const {
+        const double over = q - std::clamp(q, least, greatest);
+        return over == 0 ? 0 : -profile.joint_stop_stiffness * over - profile.joint_stop_damping * rate;
+    }
+
     Arm::JointVector joint_stops() const {
         Arm::JointVector efforts = Arm::JointVector::Zero(arm.joints());
         for (Eigen::Index i = 0; i < arm.joints(); ++i) {
             const auto joint = static_cast<std::size_t>(i);
-            const double q = arm.position()[i];
-            const double over = q - std::clamp(q, profile.least[joint], profile.greatest[joint]);
-            if (over != 0) {
-                efforts[i] =
-                    -profile.joint_stop_stiffness * over - profile.joint_stop_damping * arm.rates()[i];
-            }
+            efforts[i] =
+                stop(arm.position()[i], arm.rates()[i], profile.least[joint], profile.greatest[joint]);
+        }
+        // The stop of a row A_i q pushes all joints that move it: tau = A_i^T times its effort.
+        for (Eigen::Index i = 0; i < profile.coupling.rows(); ++i) {
+            const auto row = profile.coupling.row(i).transpose();
+            const double effort = stop(row.dot(arm.position()), row.dot(arm.rates()),
+                                       profile.row_least[static_cast<std::size_t>(i)],
+                                       profile.row_greatest[static_cast<std::size_t>(i)]);
+            if (effort != 0) efforts += effort * row;
         }
         return efforts;
     }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include <knurl/drivers/conditioning.hpp>
+
 namespace knurl::servo {
 
 using drivers::JointSample;
@@ -69,6 +71,7 @@ Trouble Hand::read(Nanoseconds now) noexcept {
     last_good_ = now;
     if (place(gap)) {
         poseless_in_row_ = 0;
+        if (++since_posture_ >= posture_every) judge_posture();
         return {};
     }
     ++kinematics_failures;
@@ -125,6 +128,20 @@ bool Hand::place(double gap) noexcept {
     differentiate(previous, gap);
     known_ = true;
     return true;
+}
+
+void Hand::judge_posture() noexcept {
+    since_posture_ = 0;
+    const drivers::LinkConfig& link = device_.link();
+    const int driven = link.actuated_joints > 0 ? link.actuated_joints : link.sensed_joints;
+    near_singular = drivers::conditioning(jacobian, driven) < poor_conditioning;
+    at_joint_limit = false;
+    for (std::size_t i = 0; i < joints_; ++i) {
+        const double least = link.joint_least[i], greatest = link.joint_greatest[i];
+        // Of a range without an end nothing is 1 %.
+        const double near = std::isfinite(greatest - least) ? limit_share * (greatest - least) : 0;
+        at_joint_limit |= sample.position[i] <= least + near || sample.position[i] >= greatest - near;
+    }
 }
 
 void Hand::differentiate(const drivers::TipPose& previous, double gap) noexcept {

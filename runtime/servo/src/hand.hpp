@@ -27,6 +27,10 @@ class Hand {
     static constexpr double impossible_speed = 10;  // m/s at the tip
     static constexpr double impossible_turn = 100;  // rad/s
 
+    static constexpr double poor_conditioning = 0.05;  // drivers::conditioning: 1 in 20
+    static constexpr double limit_share = 0.01;
+    static constexpr std::uint32_t posture_every = 16;  // samples
+
     /// `trusting`: every finite sample is believed (offline evaluation along a given motion).
     Hand(drivers::Device& device, bool trusting);
 
@@ -44,6 +48,10 @@ class Hand {
     bool connected = false;
     bool has_pose = false;  // this cycle: the mechanism had a pose for the sample
     bool stale = false;     // this cycle: no new sample
+    // Of the posture, as of one of the last 16 cycles: what an application should know about, nothing that
+    // the force depends on.
+    bool near_singular = false;   // conditioning below `poor_conditioning`
+    bool at_joint_limit = false;  // within `limit_share` of its range of a stop, or past it
     std::uint64_t bad_samples = 0, stale_samples = 0, kinematics_failures = 0;
 
   private:
@@ -51,13 +59,14 @@ class Hand {
     bool impossible(const drivers::JointSample& next, double gap) const noexcept;
     void restart() noexcept;
     bool place(double gap) noexcept;
+    void judge_posture() noexcept;
     void differentiate(const drivers::TipPose& previous, double gap) noexcept;
 
     drivers::Device& device_;
     bool trusting_;
     std::size_t joints_;
     Eigen::Matrix<double, drivers::max_joints, 1> count_;  // rad per count of each joint
-    std::uint32_t bad_in_row_ = 0, poseless_in_row_ = 0;
+    std::uint32_t bad_in_row_ = 0, poseless_in_row_ = 0, since_posture_ = posture_every;
     Nanoseconds last_good_ = 0, last_sample_ = 0;
     bool known_ = false;  // there is a sample and a pose to compare with
     FirstOrderVelocity damping_{100}, slow_{20}, turning_{100};

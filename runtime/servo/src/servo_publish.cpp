@@ -28,7 +28,9 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
     report.buttons = hand.sample.buttons;
     report.flags = out.flags | (hand.stale ? report_flags::stale : 0) |
                    (guardian ? report_flags::guardian : 0) |
-                   (in_contact != nullptr ? report_flags::touching : 0);
+                   (in_contact != nullptr ? report_flags::touching : 0) |
+                   (hand.near_singular ? report_flags::near_singular : 0) |
+                   (hand.at_joint_limit ? report_flags::at_joint_limit : 0);
     report.late_count = late;
     guardian = false;
     reports.publish(&report);

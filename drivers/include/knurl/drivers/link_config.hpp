@@ -3,12 +3,23 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
 namespace knurl::drivers {
 
 inline constexpr int max_joints = 8;
+
+using JointArray = std::array<double, max_joints>;
+
+constexpr JointArray every_joint(double value) {
+    JointArray all{};
+    all.fill(value);
+    return all;
+}
+inline constexpr JointArray no_least = every_joint(-std::numeric_limits<double>::infinity());
+inline constexpr JointArray no_greatest = every_joint(std::numeric_limits<double>::infinity());
 
 struct LinkConfig {
     std::string name;         // the profile's or product's: "premium15"
@@ -22,6 +33,8 @@ struct LinkConfig {
 
     std::vector<double> radians_per_count;  // per joint; metres per count for a prismatic one; 0: continuous
     std::vector<double> effort_limit;       // N m (N if prismatic) per actuated joint
+    // rad (m): where each joint's stops are; infinite: not known.
+    JointArray joint_least = no_least, joint_greatest = no_greatest;
 
     std::array<double, 3> workspace_centre = {};  // m, device frame
     double workspace_radius = 0.1;                // m, of a ball that the tip reaches all of

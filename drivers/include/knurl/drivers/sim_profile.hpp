@@ -15,16 +15,6 @@
 
 namespace knurl::drivers {
 
-using JointArray = std::array<double, max_joints>;
-
-inline constexpr JointArray every_joint(double value) {
-    JointArray all{};
-    for (double& joint : all) {
-        joint = value;
-    }
-    return all;
-}
-
 /// A hand that pulls the tip towards where it wants to be, by springs and a damper:
 ///   F = grip * (K (x_wanted - x) + b (v_wanted - v) + push * (0, 0, -1) + tremor).
 /// K is `stiffness` along x and y and `normal_stiffness` along z.
@@ -57,8 +47,10 @@ struct SimProfile {
     JointArray largest_lever = every_joint(1);  // m/rad anywhere: effort limit = peak_force * largest_lever
     JointArray radians_per_count = {};          // (m) as stated; 0: quantum / lever
     JointArray effort_limit = {};               // N m (N) as stated; 0: peak_force * largest_lever
-    JointArray least = every_joint(-std::numeric_limits<double>::infinity());  // rad, joint stops
-    JointArray greatest = every_joint(std::numeric_limits<double>::infinity());
+    JointArray least = no_least, greatest = no_greatest;  // rad, joint stops
+    // Stops of what the joints drive together: row i of `coupling` times q stays between these. Empty: none.
+    Eigen::MatrixXd coupling = {};
+    JointArray row_least = no_least, row_greatest = no_greatest;  // rad
 
     // Mechanics, at the tip.
     double mass = 0.10;                // kg, the device's own; with the finger 0.15
