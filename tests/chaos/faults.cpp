@@ -22,7 +22,7 @@ void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by) 
     const Span span = force_span(stage.device->log(), from);
     demand(span.smallest > 1.6 - 4 * steady && span.largest < 1.6 + 4 * steady,
            by + " leaves the others' force alone: " + std::to_string(span.smallest) + " to " +
-               std::to_string(span.largest) + " N");
+               std::to_string(span.largest) + " N; " + how_it_fell(stage.device->log(), from));
 }
 
 // ------------------------------------------------------------------------------------- an application

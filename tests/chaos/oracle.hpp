@@ -35,4 +35,9 @@ struct Span {
 };
 Span force_span(const std::vector<Record>& log, std::int64_t from);
 
+/// For a person: when the force was smallest from `from` on, who wrote that, and the longest pause between
+/// two entries of the log before it: the pause says whether the servo stood still, a slope without one that
+/// the application was silent.
+std::string how_it_fell(const std::vector<Record>& log, std::int64_t from);
+
 }  // namespace knurl::chaos

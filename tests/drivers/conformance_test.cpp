@@ -30,8 +30,7 @@ example::Board board;
 
 /// What a shared-sim needs: a process that lives as long as the test.
 std::string shared_address() {
-    static const std::string path =
-        (std::filesystem::temp_directory_path() / ("conformance-" + std::to_string(getpid()))).string();
+    static const std::string path = shared_sim::file_in_memory("knurl-conformance");
     static const shared_sim::FakeDevice process(KNURL_FAKE_DEVICE, {.path = path, .capacity = 1 << 14});
     static const struct Remove {
         ~Remove() { std::filesystem::remove(path); }

@@ -21,8 +21,7 @@ namespace {
 
 class SharedSim : public testing::Test {
   protected:
-    std::string path_ =
-        (std::filesystem::temp_directory_path() / ("shared-sim-" + std::to_string(getpid()))).string();
+    std::string path_ = file_in_memory("knurl-shared-sim");
     ~SharedSim() override { std::filesystem::remove(path_); }
 
     FakeDevice::Settings settings(const std::string& profile = "cartesian3") const {
@@ -130,10 +129,10 @@ TEST_F(SharedSim, AForkedGuardianZeroesItAfterTheServoWasKilled) {
     if (servo == 0) {
         const auto device = open_device(fake.address());
         close(died[0]);
+        const pid_t parent = getpid();  // asked for later, it may be dead already
         const pid_t guardian = fork();
         if (guardian == 0) {
             close(died[1]);
-            const pid_t parent = getppid();
             while (getppid() == parent) {
                 usleep(200);
             }

@@ -34,11 +34,16 @@ class Mapping {
 /// The records written so far. The file stays when its process is killed.
 std::vector<Record> read_log(const Mapping& mapping);
 
+/// A path of this process's own for such a file, in memory where that is possible: a log on a disk that is
+/// busy makes the device wait for it, and the servo then ramps down as it should before a device that stands
+/// still.
+std::string file_in_memory(const std::string& name);
+
 /// A knurl-fake-device of our own: started in the constructor, running and mapped when that returns.
 class FakeDevice {
   public:
     struct Settings {
-        std::string path;                   // file to make, in a directory of the test's
+        std::string path;                   // file to make: file_in_memory()
         std::string profile = "premium15";  // as in "sim:PROFILE,options"; three joints, quantum not 0
         std::string hand_file = {};
         std::chrono::microseconds period{200};  // between two looks at the efforts
@@ -52,6 +57,7 @@ class FakeDevice {
 
     pid_t pid() const { return pid_; }
     std::string address() const { return "shared-sim:" + settings_.path; }
+    const std::string& path() const { return settings_.path; }
     const Mapping& mapping() const { return *mapping_; }
     std::vector<Record> log() const { return read_log(*mapping_); }
     void control(std::uint64_t bits) { (*mapping_)->control.store(bits, std::memory_order_release); }
