@@ -109,6 +109,7 @@ struct Layer {
     double stiffness = 0;     // N/m
     std::uint32_t count = 0;  // the first so many members are as stiff or stiffer
     double give = 0;          // m, by which contradictory planes give way
+    double given_at = 0;      // m, the worst violation where that was found
     ContactSolution solution;
     Eigen::Vector3d proxy =
         Eigen::Vector3d::Zero();  // m, world: last cycle's x, kept when no solution is found
