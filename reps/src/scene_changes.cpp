@@ -84,7 +84,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     const bool listed = same && !slots_[i].bounded;  // among those that are always asked
     if (was) {
         // It may be sent to the other side of the probe: then it must know where that was.
-        if (same && slots_[i].bounded && felt(i).asked < last_timed_)
+        if (same && !felt(i).stands && felt(i).asked < last_timed_)
             prime(felt(i), groups_[felt(i).use.probe]);
         release_old(i);
         if (!listed) forget_surface(i);

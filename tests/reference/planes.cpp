@@ -45,9 +45,9 @@ void check(Case& c, const Wrench& got, const std::vector<Plane>& planes, const e
               want.least, want.most, reach);
     }
     if (damping == 0 && !no_room)
-        c.require(felt <= want.stiffness * exact::length(want.dx) * (1 + 1e-12L) +
-                              1e-12L * scale / want.sharpness,
-                  "no stiffer than the stiffest");
+        c.require(
+            felt <= want.stiffness * exact::length(want.dx) * (1 + 1e-12L) + 1e-12L * scale / want.sharpness,
+            "no stiffer than the stiffest");
     c.require(got.torque.norm() == 0, "no torque from the tip");
 }
 
