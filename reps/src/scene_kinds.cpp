@@ -33,17 +33,20 @@ struct Ops {
         new (out) R(prepared(typed(raw), limits));
     }
     // Nothing that is felt: another recovery alone is noted for the change that it will belong to.
-    static bool unchanged(std::byte* prepared, Record& now) noexcept {
-        if constexpr (requires(R & r) { r.recovery; }) {
-            const double asked = typed(prepared).recovery;
-            typed(prepared).recovery = params_of<R>(now).recovery;
-            const bool same = std::memcmp(prepared, now.params, sizeof(R)) == 0;
-            typed(prepared).recovery = asked;
-            if (same) params_of<R>(now).recovery = asked;
+    static bool same_but_for_recovery(R& prepared, R& now, std::size_t bytes) noexcept {
+        if constexpr (requires { now.recovery; }) {
+            const double asked = prepared.recovery;
+            prepared.recovery = now.recovery;
+            const bool same = std::memcmp(&prepared, &now, bytes) == 0;
+            prepared.recovery = asked;
+            if (same) now.recovery = asked;
             return same;
         } else {
-            return std::memcmp(prepared, now.params, sizeof(R)) == 0;
+            return std::memcmp(&prepared, &now, bytes) == 0;
         }
+    }
+    static bool unchanged(std::byte* prepared, Record& now) noexcept {
+        return same_but_for_recovery(typed(prepared), params_of<R>(now), sizeof(R));
     }
     static void install(const std::byte* prepared, const Limits& limits, Record& out, Rough& rough) noexcept {
         const R& params = typed(prepared);
@@ -75,8 +78,23 @@ struct Ops {
             if (plane) out.plane = *plane;
         }
     }
+    static bool reshape(const std::byte* raw, const Limits& limits, Record& now, Record& out) noexcept {
+        if constexpr (shape_bytes_of<R>() != 0) {
+            R& params = params_of<R>(out);
+            std::memcpy(out.params, raw, shape_bytes_of<R>());
+            knurl::prepare(params, limits);
+            if (same_but_for_recovery(params, params_of<R>(now), shape_bytes_of<R>())) return false;
+            static_cast<RecordLine&>(out) = now;
+            out.plane = *standing(params);
+            out.stiffness = params.stiffness;
+            return true;
+        } else {
+            return false;
+        }
+    }
+    // The state of one that stood is that of a new one: nobody has asked it.
     static void adopt_new(Record& now, const Record* previous, const Probe& probe) noexcept {
-        if (!previous) new (now.state) typename R::State{};
+        if (!previous || previous->stands) new (now.state) typename R::State{};
         adopt(params_of<R>(now), previous ? &params_of<R>(*previous) : nullptr, state_of<R>(now), probe);
     }
     static void settle_now(Record& r) noexcept {
@@ -152,7 +170,7 @@ struct Ops {
             for (const std::uint32_t i : slots) {
                 Record& r = scene.felt(i);
                 Slot& slot = scene.slots_[i];
-                const Group& group = scene.groups_[r.use.probe];
+                const Group& group = scene.groups_[r.probe];
                 const Wrench w =
                     scene.at_hand(evaluate(params_of<R>(r), state_of<R>(r), group.probe, dt), group);
                 slot.last = (slot.gain * r.weight) * w;
@@ -176,14 +194,6 @@ constexpr std::uint32_t contacts_of() {
     }
 }
 
-template <class R>
-constexpr std::uint64_t recovery_words_of() {
-    for (const Field& field : Describe<R>::fields) {
-        if (field.name == "recovery") return words_of(field);
-    }
-    return 0;
-}
-
 template <class... R>
 constexpr auto table(TypeList<R...>) {
     return std::array<KindOps, sizeof...(R)>{KindOps{.surface = Surface<R>,
@@ -192,7 +202,8 @@ constexpr auto table(TypeList<R...>) {
                                                      .state_size = sizeof(typename R::State),
                                                      .prepare = &Ops<R>::prepare,
                                                      .unchanged = &Ops<R>::unchanged,
-                                                     .recovery_words = recovery_words_of<R>(),
+                                                     .shape_bytes = shape_bytes_of<R>(),
+                                                     .reshape = &Ops<R>::reshape,
                                                      .install = &Ops<R>::install,
                                                      .adopt = &Ops<R>::adopt_new,
                                                      .settle = &Ops<R>::settle_now,

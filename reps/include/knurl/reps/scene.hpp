@@ -75,9 +75,10 @@ class Scene {
     Verdict check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
                       const Use& use) const noexcept;
     Verdict add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) noexcept;
-    Verdict check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) const noexcept;
+    Verdict check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
     Verdict update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
-    /// `update` of what check_update has accepted since the last add or remove: not checked again.
+    /// `update` of what check_update has accepted since the last add, update or remove: not checked again.
+    /// All of a batch may be checked first; of several updates of one slot, all in the order of their checks.
     void update_checked(Handle handle, const void* params, std::size_t bytes) noexcept;
     Verdict remove(Handle handle) noexcept;
     void clear() noexcept;  // removes all, at once, with no fade
