@@ -43,6 +43,7 @@ struct Feedback {
     double stiffness = 0;                                     // N/m as applied, after clamping
     double tangential_stiffness = 0;                          // N/m of its friction, as applied
     std::uint32_t flags = 0;                                  // Feedback::touching, ...
+    std::uint32_t reserved = 0;
 
     static constexpr std::uint32_t touching = 1;           // the hand feels it in this cycle
     static constexpr std::uint32_t stiffness_clamped = 2;  // less stiff than asked for
