@@ -25,6 +25,8 @@ void check(Case& c, const Wrench& got, const std::vector<Plane>& planes, const e
     // Without room between planes it is rounding that says which of them hold; and a softer layer that gives
     // way may lie nearer than a harder one.
     const bool no_room = want.give > -1e-9L * reach && want.give != 0;
+    // How far they give way follows from four of them, each rounded as a corner's two are together.
+    const Real width = want.give > 0 ? want.sharpness / 4 : want.sharpness;
     // Damping acts along F and by the planes' weights, both as uncertain as rounding is large beside them;
     // weights in a contradiction depend on how far exactly the planes have given way.
     const Real turn = 4 * want.stiffness * rounding / (want.sharpness * want.sharpness) / want.undamped;
@@ -33,7 +35,7 @@ void check(Case& c, const Wrench& got, const std::vector<Plane>& planes, const e
     const Real damped =
         touched ? damping * speed * (no_room || want.undamped <= 0 ? 1 : std::min(Real(1), turn)) : 0;
     c.compare_within(got.force, exact::capped(want.force, limits.max_force),
-                     (want.most - want.least) / 2 + damped, scale, want.sharpness);
+                     (want.most - want.least) / 2 + damped, scale, width);
     const Real felt = exact::length(real(got.force));
     c.require(felt <= limits.max_force * (1 + 1e-12L), "at most the device's force");
     if (c.replayed()) {
