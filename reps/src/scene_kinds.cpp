@@ -33,20 +33,17 @@ struct Ops {
         new (out) R(prepared(typed(raw), limits));
     }
     // Nothing that is felt: another recovery alone is noted for the change that it will belong to.
-    static bool same_but_for_recovery(R& prepared, R& now, std::size_t bytes) noexcept {
-        if constexpr (requires { now.recovery; }) {
-            const double asked = prepared.recovery;
-            prepared.recovery = now.recovery;
-            const bool same = std::memcmp(&prepared, &now, bytes) == 0;
-            prepared.recovery = asked;
-            if (same) now.recovery = asked;
+    static bool unchanged(std::byte* prepared, Record& now) noexcept {
+        if constexpr (requires(R & r) { r.recovery; }) {
+            const double asked = typed(prepared).recovery;
+            typed(prepared).recovery = params_of<R>(now).recovery;
+            const bool same = std::memcmp(prepared, now.params, sizeof(R)) == 0;
+            typed(prepared).recovery = asked;
+            if (same) params_of<R>(now).recovery = asked;
             return same;
         } else {
-            return std::memcmp(&prepared, &now, bytes) == 0;
+            return std::memcmp(prepared, now.params, sizeof(R)) == 0;
         }
-    }
-    static bool unchanged(std::byte* prepared, Record& now) noexcept {
-        return same_but_for_recovery(typed(prepared), params_of<R>(now), sizeof(R));
     }
     static void install(const std::byte* prepared, const Limits& limits, Record& out, Rough& rough) noexcept {
         const R& params = typed(prepared);
@@ -83,9 +80,13 @@ struct Ops {
             R& params = params_of<R>(out);
             std::memcpy(out.params, raw, shape_bytes_of<R>());
             knurl::prepare(params, limits);
-            if (same_but_for_recovery(params, params_of<R>(now), shape_bytes_of<R>())) return false;
+            const HalfSpace plane = *standing(params);
+            if (std::memcmp(&plane, &now.plane, sizeof plane) == 0 && params.stiffness == now.stiffness) {
+                params_of<R>(now).recovery = params.recovery;
+                return false;
+            }
             static_cast<RecordLine&>(out) = now;
-            out.plane = *standing(params);
+            out.plane = plane;
             out.stiffness = params.stiffness;
             return true;
         } else {

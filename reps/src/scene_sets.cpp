@@ -166,7 +166,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     std::array<std::uint32_t, max_layers> members{};
     std::uint32_t sums = 0;
     const auto parts_of = [&](Owner o) {
-        return o == bridge_owner ? 1u : kind_ops()[record(o).kind].contacts;
+        return o == bridge_owner || record(o).stands ? 1u : kind_ops()[record(o).kind].contacts;
     };
     for (std::size_t i = 0; i < owners.size(); ++i) {
         if (level_[i] == none) continue;
