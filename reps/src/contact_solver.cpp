@@ -235,16 +235,21 @@ template <std::uint32_t Count>
 }
 
 // Newton's method on the largest contradiction: each certificate is a lower bound that the next solve
-// respects, and there are finitely many. Planes that touch exactly would fail the solver's tolerance: a
-// little more.
+// respects, and there are finitely many. One that asks for no more than has been given is rounding, of planes
+// that touch exactly: then a little more, by the rounding of lengths of this size and each time fourfold.
 [[gnu::noinline]] void relax(const ContactPlanes& planes, double worst, double& give,
                              ContactSolution& at) noexcept {
     search(planes, worst, give, at);
-    double need = 0;
+    double given = 0;
+    double margin = 4 * std::numeric_limits<double>::epsilon() * worst;
     for (std::uint32_t i = 0; i < max_contact_relaxations && at.status == Status::infeasible; ++i) {
-        const double margin = 1e-11 + 1e-12 * std::abs(need);
-        need = std::max(at.contradiction, need + (i == 0 ? 0 : margin));
-        give = need + margin;
+        if (at.contradiction > given) {
+            given = at.contradiction;
+        } else {
+            given += margin;
+            margin *= 4;
+        }
+        give = given;
         solve_contact(planes, worst, give, at);
     }
 }

@@ -45,22 +45,11 @@ Verdict validate(const void* params) noexcept {
     return check_whole<R>(params);
 }
 
-// What `check` looks at: where its only contradiction is friction's, the words of friction.
-template <class R>
-constexpr std::uint64_t checked_words() {
-    if constexpr (Surface<R>) {
-        if (std::size(Describe<R>::contradictions) == 1 &&
-            Describe<R>::contradictions[0] == static_below_dynamic)
-            return words_of(Describe<R>::fields[row_of<R>("friction.static")]) |
-                   words_of(Describe<R>::fields[row_of<R>("friction.dynamic")]);
-    }
-    return ~std::uint64_t{0};
-}
-
 template <Representation R>
-Verdict validate_change(const void* params, std::uint64_t words) noexcept {
-    if (!change_is_legal<R>(static_cast<const unsigned char*>(params), words)) return validate<R>(params);
-    return (words & checked_words<R>()) == 0 ? Verdict{} : check_whole<R>(params);
+Verdict validate_shape(const void* params) noexcept {
+    constexpr std::size_t bytes = shape_bytes_of<R>();
+    if (bytes != 0 && certainly_legal<R, bytes>(static_cast<const unsigned char*>(params))) return {};
+    return validate<R>(params);
 }
 
 template <class R>
@@ -77,7 +66,7 @@ constexpr auto table(TypeList<R...>) {
                                                        .size = sizeof(R),
                                                        .surface = Surface<R>,
                                                        .validate = &validate<R>,
-                                                       .validate_change = &validate_change<R>,
+                                                       .validate_shape = &validate_shape<R>,
                                                        .contradictions = contradictions_of<R>()}...};
 }
 

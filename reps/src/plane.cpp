@@ -16,7 +16,7 @@ double raw_height(const Plane& plane, const Plane::State& state, const Probe& pr
 
 }  // namespace
 
-Plane prepared(Plane params, const Limits& limits) noexcept {
+void prepare(Plane& params, const Limits& limits) noexcept {
     const double square = to_eigen(params.normal).squaredNorm();
     if (square != 1) {
         const double length = std::sqrt(square);
@@ -24,6 +24,10 @@ Plane prepared(Plane params, const Limits& limits) noexcept {
         params.offset /= length;
     }
     params.stiffness = clamped_stiffness(params.stiffness, limits);
+}
+
+Plane prepared(Plane params, const Limits& limits) noexcept {
+    prepare(params, limits);
     return params;
 }
 

@@ -2,7 +2,6 @@
 // Whether all fields of a kind lie inside their ranges, as one loop over its words without a branch. It only
 // ever says "certainly legal": whoever fails is judged field by field, which also finds out what to say.
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -15,32 +14,15 @@
 
 namespace knurl {
 
-/// Bit i: word i (8 bytes) of the two differs. `bytes` is a multiple of 8 and at most 512.
-inline std::uint64_t changed_words(const std::byte* a, const std::byte* b, std::size_t bytes) noexcept {
-    struct Two {
-        std::uint64_t first, second;
-    };
-    const auto at = [](const std::byte* p, auto value) {
-        std::memcpy(&value, p, sizeof value);
-        return value;
-    };
-    using Pair = std::uint64_t __attribute__((vector_size(16)));
-    std::uint64_t changed = 0;
-    std::size_t i = 0;  // words; nearly all of them are equal, so four at a time
-    for (; i + 4 <= bytes / 8; i += 4) {
-        const std::byte *pa = a + 8 * i, *pb = b + 8 * i;
-        const Pair low = at(pa, Pair{}) ^ at(pb, Pair{}), high = at(pa + 16, Pair{}) ^ at(pb + 16, Pair{});
-        const auto any = std::bit_cast<Two>(low | high);
-        if ((any.first | any.second) == 0) [[likely]]
-            continue;
-        const std::uint64_t four[] = {low[0], low[1], high[0], high[1]};
-        for (std::size_t k = 0; k < 4; ++k) changed |= std::uint64_t{four[k] != 0} << (i + k);
+/// The leading bytes of R's parameters that the plane of a surface that stands follows from; 0: there are
+/// none.
+template <class R>
+constexpr std::size_t shape_bytes_of() {
+    if constexpr (requires { Describe<R>::shape_bytes; }) {
+        return Describe<R>::shape_bytes;
+    } else {
+        return 0;
     }
-    for (; i < bytes / 8; ++i) {
-        const bool differs = at(a + 8 * i, std::uint64_t{}) != at(b + 8 * i, std::uint64_t{});
-        changed |= std::uint64_t{differs} << i;
-    }
-    return changed;
 }
 
 template <class R>
@@ -118,7 +100,8 @@ bool no_row_objects(const unsigned char* params) noexcept {
 
 }  // namespace detail
 
-template <class R>
+/// `Bytes`: of the rows that begin before it; the others are known to be legal.
+template <class R, std::size_t Bytes = sizeof(R)>
 bool certainly_legal(const unsigned char* params) noexcept {
     static constexpr Ranges<R> ranges{};
     if constexpr (!ranges.complete || sizeof(R) % 16 != 0) {
@@ -126,7 +109,7 @@ bool certainly_legal(const unsigned char* params) noexcept {
     } else {
         using detail::Two, detail::TwoWords, detail::two;
         TwoWords good = ~TwoWords{};
-        for (std::size_t i = 0; i < ranges.words; i += 2) {
+        for (std::size_t i = 0; i < Bytes / 8; i += 2) {
             const auto v = std::bit_cast<Two>(two<TwoWords>(params + 8 * i) & two<TwoWords>(&ranges.mask[i]));
             good &=
                 std::bit_cast<TwoWords>(((v >= two<Two>(&ranges.low[i])) & (v <= two<Two>(&ranges.high[i]))) |
@@ -134,38 +117,11 @@ bool certainly_legal(const unsigned char* params) noexcept {
         }
         if ((good[0] & good[1]) != ~std::uint64_t{0}) return false;
         return [&]<std::size_t... Row>(std::index_sequence<Row...>) {
-            return (... && detail::no_row_objects<R, Row>(params));
+            return (... &&
+                    (Describe<R>::fields[Row].offset >= Bytes || detail::no_row_objects<R, Row>(params)));
         }
         (std::make_index_sequence<std::size(Describe<R>::fields)>{});
     }
-}
-
-/// The words of one row, as changed_words counts them.
-constexpr std::uint64_t words_of(const Field& field) {
-    std::uint64_t words = 0;
-    for (std::size_t i = field.offset / 8; i <= (field.offset + field.bytes() - 1) / 8; ++i)
-        words |= std::uint64_t{1} << i;
-    return words;
-}
-
-/// As certainly_legal, for parameters that are legal but perhaps for these words.
-template <class R>
-bool change_is_legal(const unsigned char* params, std::uint64_t words) noexcept {
-    static constexpr Ranges<R> ranges{};
-    static_assert(ranges.words <= 64 && sizeof(R) % 8 == 0);
-    if (!ranges.complete) return false;
-    for (std::uint64_t rest = words; rest != 0; rest &= rest - 1) {
-        const auto i = static_cast<std::size_t>(__builtin_ctzll(rest));
-        if (ranges.mask[i] == 0) continue;
-        double v;
-        std::memcpy(&v, params + 8 * i, sizeof v);
-        if (!((v >= ranges.low[i] && v <= ranges.high[i]) || v == ranges.also[i])) return false;
-    }
-    return [&]<std::size_t... Row>(std::index_sequence<Row...>) {
-        return (... && ((words & words_of(Describe<R>::fields[Row])) == 0 ||
-                        detail::no_row_objects<R, Row>(params)));
-    }
-    (std::make_index_sequence<std::size(Describe<R>::fields)>{});
 }
 
 }  // namespace knurl

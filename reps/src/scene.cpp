@@ -85,8 +85,9 @@ void Scene::set_limits(const Limits& limits) noexcept {
     if (std::memcmp(&sane, &impl_->limits_, sizeof sane) == 0) return;
     impl_->limits_ = sane;
     for (std::uint32_t i = 0; i < impl_->slots_.size(); ++i) {
-        if (impl_->slots_[i].present)
-            impl_->mark(i);  // a changed clamp is a change of the set like any other
+        if (!impl_->slots_[i].present) continue;
+        impl_->slots_[i].shape_alone = false;
+        impl_->mark(i);  // a changed clamp is a change of the set like any other
     }
 }
 

@@ -39,12 +39,14 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     const KindOps& ops = kind_ops()[slot.kind];
     ops.install(prepared_.data(), limits_, now, rough(owner(i, false)));
     now.use = slot.use;
+    now.probe = static_cast<std::uint8_t>(slot.use.probe);
+    now.reported = slot.use.feedback != 0;
     if (!previous) {
         now.weight = 1;
         now.asked = last_timed_;  // there is nothing before that to catch up with
     }
     if (now.rough && !(previous && previous->rough)) rough(owner(i, false)).shift.setZero();
-    ops.adopt(now, previous, groups_[now.use.probe].probe);
+    ops.adopt(now, previous, groups_[now.probe].probe);
     if (settle_) ops.settle(now);
 }
 
@@ -57,7 +59,7 @@ void copy(const Record& from, Record& to) noexcept {
 
 void SceneCore::keep_old(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
-    slot.old_surface_of = static_cast<std::int32_t>(faded(i).use.probe);
+    slot.old_surface_of = static_cast<std::int32_t>(faded(i).probe);
     slot.old_in_fade = 0;
     if (slot.old_listed) return;
     slot.old_listed = true;
@@ -75,25 +77,39 @@ void SceneCore::turn(std::uint32_t i, bool same) noexcept {
     if (from.rough) rough(owner(i, false)) = rough(owner(i, true));
 }
 
+// A change that is cross-faded.
+void SceneCore::note_change(const Record& judged) noexcept {
+    Group& group = groups_[judged.probe];
+    group.edited = group.fades = true;
+    group.fade_time = std::max(group.fade_time, fade_time(judged));
+}
+
+// What a moving hand's planes are updated in, a thousand at a time: of the records no more than their first
+// lines is touched.
+void SceneCore::reshape(std::uint32_t i) noexcept {
+    Record& next = faded(i);
+    if (!kind_ops()[slots_[i].kind].reshape(&raw_[i * max_params], limits_, felt(i), next)) return;
+    release_old(i);
+    slots_[i].current ^= 1;
+    slots_[i].renewed = true;
+    note_change(next);
+    keep_old(i);
+    sets_edited_ = true;
+}
+
 void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) noexcept {
-    const auto note = [&](const Record& judged) {
-        Group& group = groups_[judged.use.probe];
-        group.edited = group.fades = true;
-        group.fade_time = std::max(group.fade_time, fade_time(judged));
-    };
     const bool listed = same && !slots_[i].bounded;  // among those that are always asked
     if (was) {
         // It may be sent to the other side of the probe: then it must know where that was.
-        if (same && slots_[i].bounded && felt(i).asked < last_timed_)
-            prime(felt(i), groups_[felt(i).use.probe]);
+        if (same && !felt(i).stands && felt(i).asked < last_timed_) prime(felt(i), groups_[felt(i).probe]);
         release_old(i);
         if (!listed) forget_surface(i);
         turn(i, same);
     }
     if (is) {
         renew(i, same ? &faded(i) : nullptr);
-        groups_[felt(i).use.probe].edited = true;
-        if (!felt(i).recovers) note(felt(i));
+        groups_[felt(i).probe].edited = true;
+        if (!felt(i).recovers) note_change(felt(i));
         if (!listed || kind_ops()[felt(i).kind].bound(felt(i))) {
             if (listed) leave(always_, always_size_, i, &Slot::always_place);
             place_surface(i);
@@ -102,13 +118,13 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     if (was) {
         // One that brings its own changes in does so in place of the cross-fade; but it cannot bring in its
         // absence.
-        const bool stays = is && felt(i).use.probe == faded(i).use.probe;
+        const bool stays = is && felt(i).probe == faded(i).probe;
         if (!stays) {
-            note(faded(i));
+            note_change(faded(i));
         } else if (faded(i).recovers && !felt(i).recovers) {
-            note(felt(i));
+            note_change(felt(i));
         }
-        groups_[faded(i).use.probe].edited = true;
+        groups_[faded(i).probe].edited = true;
         if (!(stays && felt(i).recovers)) keep_old(i);
     }
     if (is && !was) join(surfaces_, surfaces_size_, i);
@@ -149,16 +165,25 @@ void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same) noe
 void SceneCore::take_slot(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
     slot.changed = false;
-    const std::uint64_t words = slot.words;
-    slot.words = 0;
     const bool was = slot.felt, is = slot.present;
     if (!was && !is) return;
     const bool same = was && is && slot.felt_generation == slot.generation;
+    const bool shape_alone = same && slot.shape_alone;
+    slot.shape_alone = true;
+    if (shape_alone && slot.twins) {
+        reshape(i);
+    } else {
+        change(i, was, is, same);
+        slot.twins = shape_alone && felt(i).stands && faded(i).stands && !felt(i).rough;
+    }
+    if (is)
+        felt(i).clamped = kind_ops()[slot.kind].asked_stiffness(&raw_[i * max_params]) > felt(i).stiffness;
+}
+
+void SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
+    Slot& slot = slots_[i];
     if (is) kind_ops()[slot.kind].prepare(&raw_[i * max_params], limits_, prepared_.data());
-    // With other words than recovery's it is another surface: at worst one that is felt as the same, since
-    // both are clamped.
-    const bool perhaps_same = same && (words & ~kind_ops()[slot.kind].recovery_words) == 0;
-    if (perhaps_same && kind_ops()[slot.kind].unchanged(prepared_.data(), felt(i))) return;
+    if (same && kind_ops()[slot.kind].unchanged(prepared_.data(), felt(i))) return;
 
     const bool was_surface = was && kind_ops()[felt(i).kind].surface;
     const bool is_surface = is && kind_ops()[slot.kind].surface;
@@ -192,7 +217,7 @@ void SceneCore::take_placements() noexcept {
     }
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
         Slot& slot = slots_[effects_[e]];
-        const Group& group = groups_[felt(effects_[e]).use.probe];
+        const Group& group = groups_[felt(effects_[e]).probe];
         if (!group.replaced) continue;
         if (slot.collapsed) {
             Record& r = felt(effects_[e]);

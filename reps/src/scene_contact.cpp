@@ -111,9 +111,12 @@ const Layer* SceneCore::solve(ContactSet& set, const Group& group, double worst)
             for (std::uint32_t i = begin + 1; i < begin + layer.count; ++i) worst = std::max(worst, a.s[i]);
         }
         const ContactPlanes planes{&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.s[begin], layer.count};
-        // Contradictory planes that stand still give way once and for all; moving ones are asked afresh.
-        if (set.moving_count > 0) layer.give = 0;
+        // How far contradictory planes that stand still give way is found once, but as exactly as distances
+        // round where the probe is then: again where they are half as large. Moving ones are asked afresh.
+        if (set.moving_count > 0 || worst < layer.given_at / 2) layer.give = 0;
+        const double given = layer.give;
         solve_contact_relaxed(planes, worst, layer.give, layer.solution);
+        if (layer.give != given) layer.given_at = worst;
         if (layer.solution.status == ContactSolution::Status::solved) {
             layer.proxy = p + layer.solution.dx;
         } else {  // bounded whatever happens: the proxy stays where it was

@@ -37,17 +37,26 @@ inline constexpr std::uint32_t max_layers = 8;
 /// Tangent planes that one surface may have at once.
 inline constexpr std::uint32_t max_contacts = 3;
 
-struct RecordHead {
-    Kind kind = 0;
-    bool stands = false;    // one plane until it changes
-    bool recovers = false;  // brings its own changes in; not cross-faded
-    bool summed = false;    // its force is added, not solved with the others
-    bool rough = false;     // there is something to feel along it: see Rough
-    bool textured = false;
-    Use use;
+/// All that a set is built from, and all that changes when a plane that stands is put elsewhere: one line of
+/// memory, since a batch of updates costs what it touches.
+struct RecordLine {
+    HalfSpace plane;       // of a surface that stands still
     double weight = 1;     // by silence: 1 in full, 0 faded away
     double stiffness = 0;  // N/m
-    HalfSpace plane;       // of a surface that stands still
+    Kind kind = 0;
+    std::uint8_t probe = 0;     // that of `use`
+    bool stands : 1 = false;    // one plane until it changes
+    bool recovers : 1 = false;  // brings its own changes in; not cross-faded
+    bool summed : 1 = false;    // its force is added, not solved with the others
+    bool rough : 1 = false;     // there is something to feel along it: see Rough
+    bool textured : 1 = false;
+    bool clamped : 1 = false;   // less stiff than asked for
+    bool reported : 1 = false;  // feedback is asked for
+};
+static_assert(sizeof(RecordLine) == 64);
+
+struct RecordHead : RecordLine {
+    Use use;
     // The cycle in which it was asked, or as if it had been: again in the same one, it is with dt = 0.
     std::uint64_t asked = 0;
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface
@@ -61,9 +70,9 @@ struct Rough {
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // m, by which its velocity has carried the texture
 };
 
-struct Record : RecordHead {
-    alignas(16) std::byte state[max_state] = {};
-    alignas(16) std::byte params[max_params] = {};
+struct alignas(64) Record : RecordHead {
+    alignas(64) std::byte params[max_params] = {};
+    alignas(64) std::byte state[max_state] = {};
 };
 
 /// Names a record: each slot has two, which change roles whenever its surface changes. A bridge is the plane
@@ -71,31 +80,37 @@ struct Record : RecordHead {
 using Owner = std::uint32_t;
 inline constexpr Owner bridge_owner = 0xffffffff;
 
-struct Slot {
+struct alignas(64) Slot {
+    /// Of parameters that were checked, against those that stand in the slot.
+    enum class Differ : std::uint8_t { nowhere, in_shape, anywhere };
+    enum class From : std::uint8_t { none, nothing, record, frozen };
+
     // As the application left it.
     bool present = false;
     bool changed = false;
-    std::uint64_t words = 0;  // of its parameters that differ from those taken last; 0: not known
+    Differ differ = Differ::anywhere;  // what was checked last
+    bool shape_alone = false;          // since it was felt nothing but its shape has changed
     std::uint32_t generation = 0;
     Kind kind = 0;
-    Use use;
     // As it is felt.
     bool felt = false;
     std::uint8_t current = 0;  // which of its two records is the one that is felt
+    bool twins = false;        // they differ in nothing but shape, of a surface that stands: see reshape
     bool renewed = false;      // while changes are taken: this slot's is one of them
+    bool bounded = false;      // of a surface: in Reach, and in a set only while near
+    bool near = false;         // ... which it is
+    bool old_listed = false;   // in fading_olds_
+    From from = From::none;    // of an effect: its fade is from the old record, a frozen wrench, or nothing
     std::uint32_t felt_generation = 0;
     std::int32_t old_surface_of = -1;  // the probe whose fading set has `old`
     std::uint32_t place = 0;           // in the list of surfaces or effects
     std::uint32_t member = 0;          // of a surface: its first index in the arena; gone: it is in no set
     std::uint32_t always_place = 0;
-    bool bounded = false;           // of a surface: in Reach, and in a set only while near
-    bool near = false;              // ... which it is
-    bool old_listed = false;        // in fading_olds_
     std::uint32_t new_in_fade = 0;  // the fade of its probe that brings it in: not in the fading set
     std::uint32_t old_in_fade = 0;  // ... whose fading set has its old record; 0: to come
-    // Of an effect: its own fade, from the old record, a frozen wrench, or nothing.
-    enum class From : std::uint8_t { none, nothing, record, frozen };
-    From from = From::none;
+
+    Use use;
+    // Of an effect: its own fade.
     bool collapsed = false;        // a spring that is part of its probe's CollapsedSprings
     bool carries = false;          // the old record is the same effect's: it moves along
     double elapsed = 0, time = 0;  // s
@@ -109,6 +124,7 @@ struct Layer {
     double stiffness = 0;     // N/m
     std::uint32_t count = 0;  // the first so many members are as stiff or stiffer
     double give = 0;          // m, by which contradictory planes give way
+    double given_at = 0;      // m, the worst violation where that was found
     ContactSolution solution;
     Eigen::Vector3d proxy =
         Eigen::Vector3d::Zero();  // m, world: last cycle's x, kept when no solution is found
@@ -208,7 +224,10 @@ struct KindOps {
     // They are the bytes that are felt; another recovery alone is noted for the change that it will belong
     // to.
     bool (*unchanged)(std::byte* prepared, Record& now) noexcept = nullptr;
-    std::uint64_t recovery_words = 0;  // see changed_words
+    // Of a surface that may stand: the leading bytes of its parameters that its plane follows from.
+    std::size_t shape_bytes = 0;
+    // Puts a surface that stands elsewhere: `out` has all but the shape. False: it is there already.
+    bool (*reshape)(const std::byte* raw, const Limits&, Record& now, Record& out) noexcept = nullptr;
     // Parameters and what follows from them; not state and use. `rough` only where the record says so.
     void (*install)(const std::byte* prepared, const Limits&, Record& out, Rough& rough) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&) noexcept = nullptr;
@@ -240,14 +259,17 @@ class SceneCore {
     Verdict check_use(const Use& use) const noexcept;
     static Verdict check_params(Kind kind, const void* params, std::size_t bytes) noexcept;
     Verdict check_add(Handle, Kind, const void* params, std::size_t bytes, const Use&) const noexcept;
-    Verdict check_update(Handle, Kind, const void* params, std::size_t bytes) const noexcept;
-    void write(std::uint32_t i, const void* params, std::size_t bytes) noexcept;
+    Verdict check_update(Handle, Kind, const void* params, std::size_t bytes) noexcept;
+    void write_checked(std::uint32_t slot, const void* params, std::size_t bytes) noexcept;
     void mark(std::uint32_t slot) noexcept;
     void clear() noexcept;
 
     // scene_changes.cpp
     void take_changes() noexcept;
     void take_slot(std::uint32_t slot) noexcept;
+    void reshape(std::uint32_t slot) noexcept;
+    void change(std::uint32_t slot, bool was, bool is, bool same) noexcept;
+    void note_change(const Record& judged) noexcept;
     void renew(std::uint32_t slot, const Record* previous) noexcept;
     void keep_old(std::uint32_t slot) noexcept;
     void turn(std::uint32_t slot, bool same) noexcept;

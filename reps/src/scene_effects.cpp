@@ -41,10 +41,10 @@ void SceneCore::list_effects() noexcept {
         const Record& r = felt(i);
         slots_[i].collapsed = may_collapse(i);
         if (slots_[i].collapsed) {
-            groups_[r.use.probe].springs.add(
+            groups_[r.probe].springs.add(
                 *std::launder(reinterpret_cast<const Spring*>(r.params)),
                 std::launder(reinterpret_cast<const Spring::State*>(r.state))->anchor);
-            collapsed_used_ |= 1u << r.use.probe;
+            collapsed_used_ |= 1u << r.probe;
         } else {
             ++next[r.kind + 1];
         }
@@ -84,7 +84,7 @@ void SceneCore::advance_effect_fades(double dt, Wrench& sum) noexcept {
         slot.remnant = Wrench{};
         if (slot.from == Slot::From::record) {
             Record& old = faded(i);
-            const Group& group = groups_[old.use.probe];
+            const Group& group = groups_[old.probe];
             slot.remnant = ((1 - slot.gain) * old.weight) *
                            at_hand(kind_ops()[old.kind].evaluate(old, group.probe, dt), group);
             ++evaluated_;

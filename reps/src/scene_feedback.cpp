@@ -44,7 +44,7 @@ Vector3d point_of(const Group& group) noexcept {
 
 void surface_feedback(const SceneCore& core, std::uint32_t i, Feedback& out) noexcept {
     const Record& r = core.felt(i);
-    const Group& group = core.groups_[r.use.probe];
+    const Group& group = core.groups_[r.probe];
     const ContactSet& set = group.now;
     const std::uint32_t first = core.slots_[i].member;
     out.stiffness = r.stiffness;
@@ -113,12 +113,12 @@ std::size_t Scene::feedback(std::span<Feedback> out) const noexcept {
             const std::uint32_t i = (*list)[e];
             const Slot& slot = impl_->slots_[i];
             const Record& r = impl_->felt(i);
-            if (r.use.feedback == 0) continue;
+            if (!r.reported) continue;
             if (n == out.size()) return n;
             Feedback& f = out[n++];
             f = Feedback{};
             f.handle = {i, slot.felt_generation};
-            f.contact_point = impl_->groups_[r.use.probe].probe.position;
+            f.contact_point = impl_->groups_[r.probe].probe.position;
             if (kind_ops()[r.kind].surface) {
                 surface_feedback(*impl_, i, f);
             } else {
@@ -128,9 +128,7 @@ std::size_t Scene::feedback(std::span<Feedback> out) const noexcept {
                     f.flags |= Feedback::touching;
                 if (slot.from != Slot::From::none) f.flags |= Feedback::fading;
             }
-            if (kind_ops()[r.kind].asked_stiffness(&impl_->raw_[i * max_params]) > f.stiffness) {
-                f.flags |= Feedback::stiffness_clamped;
-            }
+            if (r.clamped || f.stiffness < r.stiffness) f.flags |= Feedback::stiffness_clamped;
             if (impl_->silence_ > 0) f.flags |= Feedback::silent;
         }
     }

@@ -75,8 +75,27 @@ struct Ops {
             if (plane) out.plane = *plane;
         }
     }
+    static bool reshape(const std::byte* raw, const Limits& limits, Record& now, Record& out) noexcept {
+        if constexpr (shape_bytes_of<R>() != 0) {
+            R& params = params_of<R>(out);
+            std::memcpy(out.params, raw, shape_bytes_of<R>());
+            knurl::prepare(params, limits);
+            const HalfSpace plane = *standing(params);
+            if (std::memcmp(&plane, &now.plane, sizeof plane) == 0 && params.stiffness == now.stiffness) {
+                params_of<R>(now).recovery = params.recovery;
+                return false;
+            }
+            static_cast<RecordLine&>(out) = now;
+            out.plane = plane;
+            out.stiffness = params.stiffness;
+            return true;
+        } else {
+            return false;
+        }
+    }
+    // The state of one that stood is that of a new one: nobody has asked it.
     static void adopt_new(Record& now, const Record* previous, const Probe& probe) noexcept {
-        if (!previous) new (now.state) typename R::State{};
+        if (!previous || previous->stands) new (now.state) typename R::State{};
         adopt(params_of<R>(now), previous ? &params_of<R>(*previous) : nullptr, state_of<R>(now), probe);
     }
     static void settle_now(Record& r) noexcept {
@@ -152,7 +171,7 @@ struct Ops {
             for (const std::uint32_t i : slots) {
                 Record& r = scene.felt(i);
                 Slot& slot = scene.slots_[i];
-                const Group& group = scene.groups_[r.use.probe];
+                const Group& group = scene.groups_[r.probe];
                 const Wrench w =
                     scene.at_hand(evaluate(params_of<R>(r), state_of<R>(r), group.probe, dt), group);
                 slot.last = (slot.gain * r.weight) * w;
@@ -176,14 +195,6 @@ constexpr std::uint32_t contacts_of() {
     }
 }
 
-template <class R>
-constexpr std::uint64_t recovery_words_of() {
-    for (const Field& field : Describe<R>::fields) {
-        if (field.name == "recovery") return words_of(field);
-    }
-    return 0;
-}
-
 template <class... R>
 constexpr auto table(TypeList<R...>) {
     return std::array<KindOps, sizeof...(R)>{KindOps{.surface = Surface<R>,
@@ -192,7 +203,8 @@ constexpr auto table(TypeList<R...>) {
                                                      .state_size = sizeof(typename R::State),
                                                      .prepare = &Ops<R>::prepare,
                                                      .unchanged = &Ops<R>::unchanged,
-                                                     .recovery_words = recovery_words_of<R>(),
+                                                     .shape_bytes = shape_bytes_of<R>(),
+                                                     .reshape = &Ops<R>::reshape,
                                                      .install = &Ops<R>::install,
                                                      .adopt = &Ops<R>::adopt_new,
                                                      .settle = &Ops<R>::settle_now,

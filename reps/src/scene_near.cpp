@@ -23,17 +23,17 @@ void SceneCore::place_surface(std::uint32_t i) noexcept {
     slot.bounded = ball.has_value();
     if (!ball) return join(always_, always_size_, i, &Slot::always_place);
     reach_.put(i, ball->center, ball->radius);
-    Group& group = groups_[r.use.probe];
+    Group& group = groups_[r.probe];
     ++group.bounded;
     group.near.margin = -1;
-    bounded_used_ |= 1u << r.use.probe;
+    bounded_used_ |= 1u << r.probe;
 }
 
 void SceneCore::forget_surface(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
     if (!slot.bounded) return leave(always_, always_size_, i, &Slot::always_place);
     reach_.drop(i);
-    const std::uint32_t probe = felt(i).use.probe;
+    const std::uint32_t probe = felt(i).probe;
     Group& group = groups_[probe];
     group.near.margin = -1;
     slot.bounded = false;
@@ -83,7 +83,7 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
 
     std::uint32_t size = 0;
     for (std::uint32_t k = 0; k < found; ++k) {
-        if (felt(near_[k]).use.probe == probe) near_[size++] = near_[k];
+        if (felt(near_[k]).probe == probe) near_[size++] = near_[k];
     }
     // One that holds the probe from however deep has no bound at the moment.
     for (std::uint32_t k = 0; k < near.size; ++k) slots_[near.slots[k]].near = false;
@@ -91,7 +91,7 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     for (std::uint32_t k = 0; k < near.size; ++k) {
         const std::uint32_t i = near.slots[k];
         const Slot& slot = slots_[i];
-        if (slot.near || !slot.bounded || !slot.felt || slot.renewed || felt(i).use.probe != probe) continue;
+        if (slot.near || !slot.bounded || !slot.felt || slot.renewed || felt(i).probe != probe) continue;
         if (!kind_ops()[felt(i).kind].bound(felt(i))) near_[size++] = i;
     }
     std::sort(near_.begin(), near_.begin() + size);

@@ -50,7 +50,7 @@ void SceneCore::begin_fade(Group& group, std::uint32_t probe) noexcept {
         if (slot.old_in_fade == 0 && slot.old_surface_of == static_cast<std::int32_t>(probe))
             slot.old_in_fade = group.fade;
         const Record& now = felt(changed_[c]);
-        if (slot.felt && kind_ops()[now.kind].surface && now.use.probe == probe && !now.recovers)
+        if (slot.felt && kind_ops()[now.kind].surface && now.probe == probe && !now.recovers)
             slot.new_in_fade = group.fade;
     }
 }
@@ -83,7 +83,7 @@ std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
         if (slots_[i].new_in_fade != group.fade) scratch_[n++] = owner(i, false);
     };
     for (std::uint32_t k = 0; k < always_size_; ++k) {
-        if (felt(always_[k]).use.probe == probe) take(always_[k]);
+        if (felt(always_[k]).probe == probe) take(always_[k]);
     }
     for (std::uint32_t k = 0; k < group.near.size; ++k) take(group.near.slots[k]);
     return n;
@@ -92,7 +92,7 @@ std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
 std::uint32_t SceneCore::list_now(const Group& group, std::uint32_t probe) noexcept {
     std::uint32_t n = 0;
     for (std::uint32_t k = 0; k < always_size_; ++k) {
-        if (felt(always_[k]).use.probe == probe) scratch_[n++] = owner(always_[k], false);
+        if (felt(always_[k]).probe == probe) scratch_[n++] = owner(always_[k], false);
     }
     for (std::uint32_t k = 0; k < group.near.size; ++k) scratch_[n++] = owner(group.near.slots[k], false);
     return n;
@@ -166,7 +166,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     std::array<std::uint32_t, max_layers> members{};
     std::uint32_t sums = 0;
     const auto parts_of = [&](Owner o) {
-        return o == bridge_owner ? 1u : kind_ops()[record(o).kind].contacts;
+        return o == bridge_owner || record(o).stands ? 1u : kind_ops()[record(o).kind].contacts;
     };
     for (std::size_t i = 0; i < owners.size(); ++i) {
         if (level_[i] == none) continue;

@@ -74,8 +74,7 @@ Verdict SceneCore::check_add(Handle handle, Kind kind, const void* params, std::
     return check_params(kind, params, bytes);
 }
 
-Verdict SceneCore::check_update(Handle handle, Kind kind, const void* params,
-                                std::size_t bytes) const noexcept {
+Verdict SceneCore::check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept {
     if (kind >= Representations::size)
         return {Code::unknown_kind, Verdict::no_field, static_cast<double>(kind)};
     if (handle.slot >= capacity_.representations || !slots_[handle.slot].present ||
@@ -83,10 +82,17 @@ Verdict SceneCore::check_update(Handle handle, Kind kind, const void* params,
         return {Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
     }
     if (bytes != kinds()[kind].size) return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
-    // What stands in the slot is legal: only what differs from it needs to be looked at.
-    const std::uint64_t words =
-        changed_words(&raw_[handle.slot * max_params], static_cast<const std::byte*>(params), bytes);
-    return words == 0 ? Verdict{} : kinds()[kind].validate_change(params, words);
+    // What stands in the slot is legal: where only the shape differs from it, only that is looked at.
+    const std::byte* raw = &raw_[handle.slot * max_params];
+    const auto* sent = static_cast<const std::byte*>(params);
+    const std::size_t shape = kind_ops()[kind].shape_bytes;
+    Slot& slot = slots_[handle.slot];
+    if (std::memcmp(raw + shape, sent + shape, bytes - shape) != 0) {
+        slot.differ = Slot::Differ::anywhere;
+        return kinds()[kind].validate(params);
+    }
+    slot.differ = std::memcmp(raw, sent, shape) != 0 ? Slot::Differ::in_shape : Slot::Differ::nowhere;
+    return slot.differ == Slot::Differ::nowhere ? Verdict{} : kinds()[kind].validate_shape(params);
 }
 
 void SceneCore::mark(std::uint32_t slot) noexcept {
@@ -95,15 +101,14 @@ void SceneCore::mark(std::uint32_t slot) noexcept {
     changed_[changed_size_++] = slot;
 }
 
-void SceneCore::write(std::uint32_t i, const void* params, std::size_t bytes) noexcept {
-    std::byte* raw = &raw_[i * max_params];
+// By what the last check has found. A batch may name a slot twice: then that was of the last of them, which
+// is what remains, whatever is copied of the others.
+void SceneCore::write_checked(std::uint32_t i, const void* params, std::size_t bytes) noexcept {
     Slot& slot = slots_[i];
-    if (slot.felt && slot.felt_generation == slot.generation) {
-        const std::uint64_t words = changed_words(raw, static_cast<const std::byte*>(params), bytes);
-        if (words == 0) return;  // as it was asked for last
-        slot.words = slot.changed ? 0 : words;
-    }
-    std::memcpy(raw, params, bytes);
+    if (slot.differ == Slot::Differ::nowhere) return;  // as it was asked for last
+    const bool shape = slot.differ == Slot::Differ::in_shape;
+    slot.shape_alone = slot.shape_alone && shape;
+    std::memcpy(&raw_[i * max_params], params, shape ? kind_ops()[slot.kind].shape_bytes : bytes);
     mark(i);
 }
 
@@ -159,25 +164,27 @@ Verdict Scene::add(Handle handle, Kind kind, const void* params, std::size_t byt
     slot.generation = handle.generation;
     slot.kind = kind;
     slot.use = use;
-    impl_->write(handle.slot, params, bytes);
+    slot.shape_alone = false;
+    std::memcpy(&impl_->raw_[handle.slot * detail::max_params], params, bytes);
+    impl_->mark(handle.slot);
     impl_->probes_used_ |= 1u << use.probe;
     ++impl_->size_;
     ++impl_->counts_[kind];
     return {};
 }
 
-Verdict Scene::check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) const noexcept {
+Verdict Scene::check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept {
     return impl_->check_update(handle, kind, params, bytes);
 }
 
 Verdict Scene::update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept {
     if (const Verdict verdict = impl_->check_update(handle, kind, params, bytes); !verdict) return verdict;
-    impl_->write(handle.slot, params, bytes);
+    impl_->write_checked(handle.slot, params, bytes);
     return {};
 }
 
 void Scene::update_checked(Handle handle, const void* params, std::size_t bytes) noexcept {
-    impl_->write(handle.slot, params, bytes);
+    impl_->write_checked(handle.slot, params, bytes);
 }
 
 Verdict Scene::remove(Handle handle) noexcept {

@@ -105,13 +105,13 @@ class Case {
     Rng rng;
 
     /// |got - want| against the largest magnitude that enters. The bound is 1e-12; `width` (1 or less) is the
-    /// sine of the sharpest corner: below 0.02 degrees rounding the parameters moves the corner itself by
-    /// more.
+    /// sine of the sharpest corner: below 0.04 degrees the rounding of its planes, 7e-16 together,
+    /// moves the corner itself by more.
     void compare(const Vector& got, const exact::V& want, Real scale, Real width = 1) {
         compare_within(got, want, 0, scale, width);
     }
     void compare_within(const Vector& got, const exact::V& want, Real slack, Real scale, Real width = 1) {
-        constexpr Real sharp = exact::pi / 180 / 50;
+        constexpr Real sharp = exact::pi / 180 * 0.04L;
         const Real allowed = scale * std::max(Real(1), sharp / width);
         const Real error = exact::length(real(got) - want) - slack;
         const Real relative = error <= 0 ? 0 : error / allowed;

@@ -22,18 +22,20 @@ void check(Case& c, const Wrench& got, const std::vector<Plane>& planes, const e
     }
     const Real scale = std::max(want.stiffness, Real(1e-300L)) * reach + damping * speed;
     c.require(finite(got), "finite");
-    // Planes that contradict each other give way by what leaves a point, and 1e-11 m for rounding.
-    const Real room =
-        want.give > -1e-9L * reach && want.give != 0 ? want.stiffness * 1e-10L / want.sharpness : 0;
+    // Without room between planes it is rounding that says which of them hold; and a softer layer that gives
+    // way may lie nearer than a harder one.
+    const bool no_room = want.give > -1e-9L * reach && want.give != 0;
+    // How far they give way follows from four of them, each rounded as a corner's two are together.
+    const Real width = want.give > 0 ? want.sharpness / 4 : want.sharpness;
     // Damping acts along F and by the planes' weights, both as uncertain as rounding is large beside them;
     // weights in a contradiction depend on how far exactly the planes have given way.
     const Real turn = 4 * want.stiffness * rounding / (want.sharpness * want.sharpness) / want.undamped;
     bool touched = false;
     for (const exact::Touch& t : touches) touched = touched || t.height < rounding;
     const Real damped =
-        touched ? damping * speed * (room > 0 || want.undamped <= 0 ? 1 : std::min(Real(1), turn)) : 0;
+        touched ? damping * speed * (no_room || want.undamped <= 0 ? 1 : std::min(Real(1), turn)) : 0;
     c.compare_within(got.force, exact::capped(want.force, limits.max_force),
-                     (want.most - want.least) / 2 + room + damped, scale, want.sharpness);
+                     (want.most - want.least) / 2 + damped, scale, width);
     const Real felt = exact::length(real(got.force));
     c.require(felt <= limits.max_force * (1 + 1e-12L), "at most the device's force");
     if (c.replayed()) {
@@ -44,10 +46,10 @@ void check(Case& c, const Wrench& got, const std::vector<Plane>& planes, const e
         c.say("  give %Lg sharpness %Lg least %Lg most %Lg reach %Lg\n", want.give, want.sharpness,
               want.least, want.most, reach);
     }
-    if (damping == 0 && room == 0)
-        c.require(felt <= want.stiffness * exact::length(want.dx) * (1 + 1e-12L) + room +
-                              1e-12L * scale / want.sharpness,
-                  "no stiffer than the stiffest");
+    if (damping == 0 && !no_room)
+        c.require(
+            felt <= want.stiffness * exact::length(want.dx) * (1 + 1e-12L) + 1e-12L * scale / want.sharpness,
+            "no stiffer than the stiffest");
     c.require(got.torque.norm() == 0, "no torque from the tip");
 }
 

@@ -106,7 +106,7 @@ std::string refusal(const Sample& sample) {
                         .size = sizeof(Sample),
                         .surface = false,
                         .validate = nullptr,
-                        .validate_change = nullptr,
+                        .validate_shape = nullptr,
                         .contradictions = {}};
     return describe(validate_fields(sample_fields, &sample), &kind, "");
 }

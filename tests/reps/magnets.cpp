@@ -49,7 +49,7 @@ std::string refusal(const Magnet& m) {
                         .size = sizeof m,
                         .surface = false,
                         .validate = nullptr,
-                        .validate_change = nullptr,
+                        .validate_shape = nullptr,
                         .contradictions = Describe<Magnet>::contradictions};
     return describe(Describe<Magnet>::check(m), &kind, "");
 }

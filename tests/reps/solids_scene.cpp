@@ -83,6 +83,34 @@ TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
     }
 }
 
+// What holds the hand has no end, so it is always asked; sent away it is out of reach again.
+TEST(SolidsInAScene, OneThatIsSentAwayWhileItHoldsTheHandAndBackMeetsItAsIfItHadBeenAskedAllTheTime) {
+    Scene skipping = make_scene(), asking = make_scene();
+    const auto send = [&](double x) {
+        Box box{.center = {x, 0, 0}, .half_size = {0.01, 0.01, 0.01}, .stiffness = 500, .recovery = 0};
+        EXPECT_TRUE(skipping.update({0, 1}, box));
+        box.velocity = {1e-300, 0, 0};  // no bound, so never out of reach
+        EXPECT_TRUE(asking.update({0, 1}, box));
+    };
+    ASSERT_TRUE(skipping.add({0, 1}, Box{}));
+    ASSERT_TRUE(asking.add({0, 1}, Box{}));
+    const auto judge = [&](const Vector& hand) {
+        const Vector want = asking.evaluate(at(hand), dt).force;
+        EXPECT_EQ(skipping.evaluate(at(hand), dt).force, want) << hand.transpose();
+        return want;
+    };
+    send(0);
+    judge({0, 0, 0.012});
+    EXPECT_NEAR(judge({0, 0, 0.009}).z(), 0.5, 1e-12) << "held";
+    send(1);
+    judge({0, 0.009, 0.009});
+    for (Scene* scene : {&skipping, &asking})  // whatever else changes: who is to be asked is listed anew
+        ASSERT_TRUE(scene->add({1, 1}, Plane{.offset = -1, .stiffness = 500}));
+    for (int i = 1; i < 5; ++i) judge({0, 0.009 + 0.001 * i, 0.009 - 0.002 * i});
+    send(0);
+    EXPECT_LT(judge({0.004, 0.008, 0}).x(), 0) << "in the box's eyes the hand came from far on the left";
+}
+
 TEST(SolidsInAScene, OneThatMovesUnderTheHandIsFeltBetweenItsUpdates) {
     Scene scene = make_scene();
     ASSERT_TRUE(scene.add({0, 1}, Sphere{.radius = 0.02, .stiffness = 1000, .velocity = {0, 0, 0.1}}));

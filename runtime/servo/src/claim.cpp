@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstring>
 
 #include <knurl/servo/claim.hpp>
@@ -42,7 +44,6 @@ Claim::Impl::Impl(const ClaimTerms& stated, std::byte* memory, protocol::ClientR
     if (!channels) return;
     slots.resize(terms.capacity.representations);
     felt.resize(terms.capacity.representations);
-    feedback_bytes.resize(layout.feedback_slot_bytes);
 }
 
 Claim::Claim(const ClaimTerms& terms, std::byte* memory, protocol::ClientRow* row)
@@ -95,17 +96,18 @@ double Claim::Impl::device_stiffness() const noexcept {
 
 namespace {
 
-protocol::FeedbackEntry entry_of(const Feedback& felt) noexcept {
-    protocol::FeedbackEntry entry;
-    entry.handle = felt.handle;
-    entry.force = to_plain(felt.wrench.force);
-    entry.torque = to_plain(felt.wrench.torque);
-    entry.contact_point = to_plain(felt.contact_point);
-    entry.stiffness = felt.stiffness;
-    entry.tangential_stiffness = felt.tangential_stiffness;
-    entry.flags = felt.flags;
-    return entry;
-}
+// What the scene fills in is what the application gets, byte by byte: a thousand of them are copied once.
+static_assert(sizeof(Feedback) == sizeof(protocol::FeedbackEntry));
+static_assert(offsetof(Feedback, handle) == offsetof(protocol::FeedbackEntry, handle));
+static_assert(offsetof(Feedback, wrench) + offsetof(Wrench, force) ==
+              offsetof(protocol::FeedbackEntry, force));
+static_assert(offsetof(Feedback, wrench) + offsetof(Wrench, torque) ==
+              offsetof(protocol::FeedbackEntry, torque));
+static_assert(offsetof(Feedback, contact_point) == offsetof(protocol::FeedbackEntry, contact_point));
+static_assert(offsetof(Feedback, stiffness) == offsetof(protocol::FeedbackEntry, stiffness));
+static_assert(offsetof(Feedback, tangential_stiffness) ==
+              offsetof(protocol::FeedbackEntry, tangential_stiffness));
+static_assert(offsetof(Feedback, flags) == offsetof(protocol::FeedbackEntry, flags));
 
 template <class T>
 void put(std::atomic<T>& word, T value) noexcept {
@@ -157,14 +159,9 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     if (felt_size == 0 && std::memcmp(&published, &header, sizeof header) == 0) return;
     published = header;
 
-    std::memcpy(feedback_bytes.data(), &header, sizeof header);
-    std::byte* to = feedback_bytes.data() + sizeof header;
-    for (std::size_t i = 0; i < felt_size; ++i, to += sizeof(protocol::FeedbackEntry)) {
-        const protocol::FeedbackEntry entry = entry_of(felt[i]);
-        std::memcpy(to, &entry, sizeof entry);
-    }
-    const std::span<const std::byte> part(feedback_bytes.data(), to);
-    channels->feedback.publish(0, {&part, 1});
+    const std::array parts = {std::as_bytes(std::span(&header, 1)),
+                              std::as_bytes(std::span(felt.data(), felt_size))};
+    channels->feedback.publish(0, parts);
 }
 
 }  // namespace knurl::servo

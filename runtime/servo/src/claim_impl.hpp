@@ -97,7 +97,6 @@ struct Claim::Impl {
     // Feedback's memory.
     std::vector<Feedback> felt;
     std::size_t felt_size = 0;
-    std::vector<std::byte> feedback_bytes;
     protocol::FeedbackHeader published;  // as of the last one
 
     bool counts_changed = true;  // representations came or went

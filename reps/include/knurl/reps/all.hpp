@@ -61,8 +61,8 @@ struct KindInfo {
     std::size_t size;  // bytes of its parameters
     bool surface;      // else an effect
     Verdict (*validate)(const void* params) noexcept;
-    /// The same for parameters that differ from legal ones only in these 8-byte words (changed_words).
-    Verdict (*validate_change)(const void* params, std::uint64_t words) noexcept;
+    /// The same for parameters that differ from legal ones only in their shape (Describe<R>::shape_bytes).
+    Verdict (*validate_shape)(const void* params) noexcept;
     std::span<const std::string_view> contradictions;  // what a Verdict's `reason` counts
 };
 

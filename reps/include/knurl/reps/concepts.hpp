@@ -99,6 +99,10 @@ concept Effect = Representation<R> &&
 //   void settle(const R&, R::State&)
 //       ends every motion and recovery at once
 //
+// Describe<R>::shape_bytes: of a surface that may stand, the leading bytes of its parameters (recovery among them) that
+// its plane and stiffness follow from; nothing that `check` looks at. With void prepare(R&, Limits) beside prepared(),
+// an update of no more than those takes a shorter way.
+//
 // A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic. Members
 // `friction`, `snag`, `texture` and `braking` (material.hpp) are a surface's material: the scene acts on them.
 

@@ -58,7 +58,8 @@ void solve_contact(const ContactPlanes& planes, double worst, double give,
                    ContactSolution& solution) noexcept;
 
 /// As above, but planes that contradict each other give way by the smallest amount that makes them feasible,
-/// which is left in `give` (at most `max_contact_relaxations` solves). Feasible planes leave `give` alone.
+/// which is left in `give` (at most `max_contact_relaxations` solves), to the rounding of distances as large
+/// as `worst`. Planes that are feasible with the `give` they come with leave it alone.
 void solve_contact_relaxed(const ContactPlanes& planes, double worst, double& give,
                            ContactSolution& solution) noexcept;
 inline constexpr std::uint32_t max_contact_relaxations = 60;

@@ -82,10 +82,13 @@ struct Describe<Plane> {
                   .choices = combinations},
         },
         surface_rows<Plane>());
+    /// Normal, offset, stiffness, damping and recovery: what a moving hand's planes are updated in.
+    static constexpr std::size_t shape_bytes = offsetof(Plane, update);
     static constexpr std::string_view contradictions[] = {static_below_dynamic};
     static Verdict check(const Plane& plane) noexcept { return check_material(plane); }
 };
 
+void prepare(Plane& params, const Limits& limits) noexcept;
 Plane prepared(Plane params, const Limits& limits) noexcept;
 void adopt(const Plane& params, const Plane* previous, Plane::State& state, const Probe& probe) noexcept;
 Contact contact(const Plane& params, Plane::State& state, const Probe& probe, double dt) noexcept;

@@ -43,6 +43,7 @@ struct Feedback {
     double stiffness = 0;                                     // N/m as applied, after clamping
     double tangential_stiffness = 0;                          // N/m of its friction, as applied
     std::uint32_t flags = 0;                                  // Feedback::touching, ...
+    std::uint32_t reserved = 0;
 
     static constexpr std::uint32_t touching = 1;           // the hand feels it in this cycle
     static constexpr std::uint32_t stiffness_clamped = 2;  // less stiff than asked for
@@ -75,9 +76,10 @@ class Scene {
     Verdict check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
                       const Use& use) const noexcept;
     Verdict add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) noexcept;
-    Verdict check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) const noexcept;
+    Verdict check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
     Verdict update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
-    /// `update` of what check_update has accepted since the last add or remove: not checked again.
+    /// `update` of what check_update has accepted since the last add, update or remove: not checked again.
+    /// All of a batch may be checked first; of several updates of one slot, all in the order of their checks.
     void update_checked(Handle handle, const void* params, std::size_t bytes) noexcept;
     Verdict remove(Handle handle) noexcept;
     void clear() noexcept;  // removes all, at once, with no fade
