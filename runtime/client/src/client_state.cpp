@@ -12,9 +12,9 @@
 #include <unistd.h>
 
 #include <knurl/client/error.hpp>
+#include <knurl/link/local.hpp>
 
 #include "address.hpp"
-#include "local_link.hpp"
 #include "reader.hpp"
 
 namespace knurl::detail {

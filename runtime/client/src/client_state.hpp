@@ -10,10 +10,10 @@
 
 #include <pthread.h>
 
+#include <knurl/client/client.hpp>
+#include <knurl/link/fork_guard.hpp>
+#include <knurl/link/transport.hpp>
 #include <knurl/shm/fd.hpp>
-
-#include "fork_guard.hpp"
-#include "transport.hpp"
 
 namespace knurl::detail {
 

@@ -29,6 +29,7 @@
 
 #include <knurl/client/error.hpp>
 #include <knurl/client/predict.hpp>
+#include <knurl/link/device.hpp>
 #include <knurl/protocol/command.hpp>
 #include <knurl/protocol/report.hpp>
 #include <knurl/reps/all.hpp>
@@ -50,16 +51,6 @@ struct ClaimOptions {
     std::chrono::nanoseconds update_interval{0};  // how often it means to commit; 0: measured
     std::uint32_t representations = 128;          // at most
     std::uint32_t batch_bytes = 32 * 1024;
-};
-
-struct DeviceDescription {
-    std::string name, address, profile, serial;
-    double rate = 0;              // Hz
-    Vec3 workspace_centre;        // m
-    double workspace_radius = 0;  // m
-    double peak_force = 0;        // N
-    double max_stiffness = 0;     // N/m
-    bool renders_torque = false;
 };
 
 /// A report in the claim's world frame (an observer's: the device's), with what only the client knows.

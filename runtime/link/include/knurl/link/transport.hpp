@@ -9,7 +9,8 @@
 #include <span>
 #include <vector>
 
-#include <knurl/client/client.hpp>
+#include <knurl/link/device.hpp>
+#include <knurl/link/error.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/command.hpp>
 #include <knurl/protocol/report.hpp>
