@@ -12,7 +12,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -89,11 +88,14 @@ class FrameStream {
     void close() noexcept;
 
   private:
+    enum class From : std::uint8_t { socket, decrypted };
     void connect_and_handshake() noexcept;
-    void read_some() noexcept;
+    void read_some(From from) noexcept;
     void write_some() noexcept;
-    void fail(std::string_view why) noexcept;
-    bool make_room(std::size_t bytes) noexcept;
+    TlsSession::Moved read(std::span<std::byte> into) noexcept;
+    TlsSession::Moved write(std::span<const std::byte> from) noexcept;
+    void judge(const FrameHeader& header) noexcept;
+    void end(std::string_view why) noexcept;  // a text that ends with ": " goes on with error_
 
     shm::UniqueFd fd_;
     bool server_;
@@ -105,6 +107,8 @@ class FrameStream {
     std::unique_ptr<std::byte[]> in_, out_;
     std::size_t in_capacity_, in_begin_ = 0, in_end_ = 0;
     std::size_t out_capacity_, out_begin_ = 0, out_end_ = 0;
+    bool first_frame_ = true;  // none was whole so far
+    int error_ = 0;            // errno of a plain connection's end
     Frame frame_;
     std::string reason_;
 };

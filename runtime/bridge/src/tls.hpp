@@ -21,8 +21,15 @@ class TlsContext {
   public:
     static std::shared_ptr<const TlsContext> client(Key key);
     static std::shared_ptr<const TlsContext> server(std::vector<Key> keys);
+    ~TlsContext();
+    TlsContext(const TlsContext&) = delete;
+    TlsContext& operator=(const TlsContext&) = delete;
 
-    virtual ~TlsContext() = default;
+  private:
+    friend class TlsSession;
+    struct Impl;
+    explicit TlsContext(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
 };
 
 /// Keys of the datagrams, one per direction; both ends of a connection derive the same two.
@@ -36,7 +43,7 @@ class TlsSession {
     enum class Io : std::uint8_t {
         done,    // `bytes` were moved (reading: 1 or more)
         again,   // the socket has nothing, or no room
-        closed,  // the peer said so, or hung up between records
+        closed,  // the peer said that nothing more comes
         failed,  // reason()
     };
     struct Moved {
@@ -64,6 +71,7 @@ class TlsSession {
     const std::string& reason() const noexcept;
 
   private:
+    friend class TlsContext;
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
