@@ -1,5 +1,6 @@
 #pragma once
-// A real knurld with a simulated device, in a folder of its own that goes with it.
+// A real knurld with a simulated device, in a folder of its own that goes with it; with
+// KNURL_TEST_TRANSPORT=bridge a real knurl-bridge stands before it, and connect() goes through that.
 
 #include <chrono>
 #include <csignal>
@@ -34,14 +35,27 @@ class ServoProcess {
         ::setenv("KNURL_RUNTIME_DIR", folder_.c_str(), 1);
         ::setenv("KNURL_STATE_DIR", (folder_ / "state").c_str(), 1);
         start();
+        if (through_bridge()) start_bridge();
     }
     ~ServoProcess() {
+        if (bridge_pid_ > 0) {
+            ::kill(bridge_pid_, SIGKILL);
+            ::waitpid(bridge_pid_, nullptr, 0);
+            ::close(bridge_output_);
+        }
         if (pid_ > 0) end(SIGKILL);
         std::error_code ignored;
         std::filesystem::remove_all(folder_, ignored);
     }
     ServoProcess(const ServoProcess&) = delete;
     ServoProcess& operator=(const ServoProcess&) = delete;
+
+    static bool through_bridge() {
+        const char* transport = std::getenv("KNURL_TEST_TRANSPORT");
+        return transport != nullptr && std::string(transport) == "bridge";
+    }
+    /// What the servo sees as the owner of this process's claims.
+    pid_t claimant() const { return bridge_pid_ > 0 ? bridge_pid_ : ::getpid(); }
 
     void start() {
         pid_ = ::fork();
@@ -73,15 +87,38 @@ class ServoProcess {
     std::filesystem::path socket() const { return folder_ / "default.sock"; }
 
   private:
+    /// On whichever port is free; its first line says which.
+    void start_bridge() {
+        int output[2];
+        if (::pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error("no pipe for the test");
+        bridge_pid_ = ::fork();
+        if (bridge_pid_ == 0) {
+            ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+            ::dup2(output[1], STDOUT_FILENO);
+            ::execl(KNURL_BRIDGE, KNURL_BRIDGE, "--listen", "127.0.0.1:0", nullptr);
+            ::_exit(127);
+        }
+        ::close(output[1]);
+        bridge_output_ = output[0];  // open for as long as it writes
+        std::string line;
+        for (char c = 0; ::read(bridge_output_, &c, 1) == 1 && c != '\n';) line += c;
+        const std::size_t at = line.find("knurl://");
+        if (at == std::string::npos) throw std::runtime_error("the bridge said: " + line);
+        ::setenv("KNURL_TEST_ADDRESS", line.substr(at).c_str(), 1);
+    }
+
     std::string program_;
     std::vector<std::string> arguments_;
     std::filesystem::path folder_;
-    pid_t pid_ = -1;
+    pid_t pid_ = -1, bridge_pid_ = -1;
+    int bridge_output_ = -1;
 };
 
 /// Patient: a sanitizer's build on a busy machine takes its time to start.
 inline knurl::Client connect(bool reattach = true) {
-    return knurl::Client::connect("knurl:default", {.name = "test", .wait = 20s, .reattach = reattach});
+    const char* address =
+        ServoProcess::through_bridge() ? std::getenv("KNURL_TEST_ADDRESS") : "knurl:default";
+    return knurl::Client::connect(address, {.name = "test", .wait = 20s, .reattach = reattach});
 }
 
 /// Reads on until a report satisfies `wanted`, committing all the while. Fails the test's way out after a

@@ -34,6 +34,8 @@ class Reader {
     int fd();
     std::uint64_t missed();
     DeviceDescription description();
+    Age age(const Report& report);
+    Network network();
     bool connected();
     std::uint64_t reattachments();
 
