@@ -20,6 +20,7 @@ using Io = TlsSession::Io;
 namespace {
 
 constexpr std::size_t header_bytes = sizeof(FrameHeader);
+constexpr std::size_t record_start = 3;        // bytes by which a TLS record is known
 constexpr std::size_t read_ahead = 16 * 1024;  // a TLS record's worth of the frames that follow
 
 }  // namespace
@@ -112,10 +113,8 @@ void FrameStream::read_some(From from) noexcept {
         if (io == Io::again) return;
         if (io == Io::failed) return end(tls_ ? std::string_view(tls_->reason()) : "the connection broke: ");
         if (io == Io::closed) {
-            const bool between_frames = in_begin_ == in_end_;
-            if (!server_ && first_frame_ && between_frames)
-                return end("the other end hung up without a word: no bridge, or it is full");
-            return end(between_frames ? "" : "the peer hung up in the middle of a frame");
+            const bool silent = !server_ && first_frame_ && in_end_ == 0;
+            return end(silent ? "the other end hung up without a word: no bridge, or it is full" : "");
         }
         in_end_ += bytes;
     }
@@ -169,39 +168,50 @@ bool FrameStream::send(std::uint16_t type, std::uint16_t stream,
 }
 
 const Frame* FrameStream::next() noexcept {
-    if (in_end_ - in_begin_ < header_bytes && tls_ && state_ == State::open) read_some(From::decrypted);
-    if (in_end_ - in_begin_ < header_bytes) return nullptr;
+    if (const Frame* frame = take()) return frame;
+    if (tls_ && state_ == State::open && tls_->pending() > 0) {
+        read_some(From::decrypted);
+        if (const Frame* frame = take()) return frame;
+    }
+    if (state_ == State::closed && in_begin_ != in_end_ && reason_.empty())
+        end("the peer hung up in the middle of a frame");
+    return nullptr;
+}
+
+const Frame* FrameStream::take() noexcept {
+    const std::size_t there = in_end_ - in_begin_;
+    if (first_frame_ && !tls_ && there >= record_start && begins_as_tls()) {
+        in_begin_ = in_end_ = 0;
+        end(server_ ? "the peer uses a key, and this bridge has none; start it with --keys, or leave "
+                      "KNURL_KEY unset at "
+                      "the peer"
+                    : "the bridge wants a key; set KNURL_KEY to a file that holds yours");
+        return nullptr;
+    }
+    if (there < header_bytes) return nullptr;
     FrameHeader header;
     std::memcpy(&header, in_.get() + in_begin_, header_bytes);
     if (header.bytes == 0 || header.bytes > max_payload_) {
-        judge(header);
+        // Nothing of what follows can be told apart any more.
+        in_begin_ = in_end_ = 0;
+        end(header.bytes == 0 ? "a frame of length zero came"
+                              : "a frame came that is longer than is allowed here");
         return nullptr;
     }
-    const std::size_t whole = header_bytes + header.bytes;
-    if (in_end_ - in_begin_ < whole && tls_ && state_ == State::open) read_some(From::decrypted);
-    if (in_end_ - in_begin_ < whole) return nullptr;
+    if (there < header_bytes + header.bytes) return nullptr;
     frame_ = {.type = header.type,
               .stream = header.stream,
               .payload = {in_.get() + in_begin_ + header_bytes, header.bytes}};
-    in_begin_ += whole;
+    in_begin_ += header_bytes + header.bytes;
     first_frame_ = false;
     return &frame_;
 }
 
-/// A length that no frame has. Nothing of what follows can be told apart any more.
-void FrameStream::judge(const FrameHeader& header) noexcept {
-    // A TLS record begins with 21 or 22, 3, 1 or 3: as a length that is above 64 KiB, which no greeting is.
-    const std::uint32_t record = header.bytes & 0xffffff;
-    const bool tls = record == 0x010315 || record == 0x030315 || record == 0x010316 || record == 0x030316;
-    in_begin_ = in_end_ = 0;
-    if (first_frame_ && tls && !tls_)
-        return end(
-            server_
-                ? "the peer uses a key, and this bridge has none; start it with --keys, or leave KNURL_KEY "
-                  "unset at the peer"
-                : "the bridge wants a key; set KNURL_KEY to a file that holds yours");
-    if (header.bytes == 0) return end("a frame of length zero came");
-    end("a frame came that is longer than is allowed here");
+/// A TLS record: handshake (22) or alert (21), then the version 3.1 or 3.3. As the length of a frame that is
+/// above 64 KiB, which no greeting is.
+bool FrameStream::begins_as_tls() const noexcept {
+    const auto at = [&](std::size_t i) { return std::to_integer<int>(in_[in_begin_ + i]); };
+    return (at(0) == 21 || at(0) == 22) && at(1) == 3 && (at(2) == 1 || at(2) == 3);
 }
 
 bool FrameStream::wants_write() const noexcept {

@@ -1,8 +1,8 @@
 #pragma once
 // Whole messages over one non-blocking TCP connection, with TLS or without: {u32 bytes, u16 type, u16
 // stream}, then `bytes` of payload, 1 or more, little-endian. Never blocks, never allocates after
-// construction except for a failure's text, buffers a bounded number of bytes, and is looked after by whoever
-// polls fd().
+// construction except for a failure's text (OpenSSL makes and frees four notes of 40 bytes per TLS record),
+// buffers a bounded number of bytes, and is looked after by whoever polls fd().
 //
 //   while (poll(stream.fd(), POLLIN | (stream.wants_write() ? POLLOUT : 0))) {
 //       stream.pump();
@@ -94,7 +94,8 @@ class FrameStream {
     void write_some() noexcept;
     TlsSession::Moved read(std::span<std::byte> into) noexcept;
     TlsSession::Moved write(std::span<const std::byte> from) noexcept;
-    void judge(const FrameHeader& header) noexcept;
+    const Frame* take() noexcept;
+    bool begins_as_tls() const noexcept;
     void end(std::string_view why) noexcept;  // a text that ends with ": " goes on with error_
 
     shm::UniqueFd fd_;
