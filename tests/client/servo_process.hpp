@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@
 #include <unistd.h>
 
 #include <knurl/client/client.hpp>
+
+#include "bridge_process.hpp"
 
 namespace client_test {
 
@@ -35,14 +38,12 @@ class ServoProcess {
         ::setenv("KNURL_RUNTIME_DIR", folder_.c_str(), 1);
         ::setenv("KNURL_STATE_DIR", (folder_ / "state").c_str(), 1);
         start();
-        if (through_bridge()) start_bridge();
+        if (!through_bridge()) return;
+        bridge_.emplace();
+        ::setenv("KNURL_TEST_ADDRESS", bridge_->address().c_str(), 1);
     }
     ~ServoProcess() {
-        if (bridge_pid_ > 0) {
-            ::kill(bridge_pid_, SIGKILL);
-            ::waitpid(bridge_pid_, nullptr, 0);
-            ::close(bridge_output_);
-        }
+        bridge_.reset();
         if (pid_ > 0) end(SIGKILL);
         std::error_code ignored;
         std::filesystem::remove_all(folder_, ignored);
@@ -55,7 +56,7 @@ class ServoProcess {
         return transport != nullptr && std::string(transport) == "bridge";
     }
     /// What the servo sees as the owner of this process's claims.
-    pid_t claimant() const { return bridge_pid_ > 0 ? bridge_pid_ : ::getpid(); }
+    pid_t claimant() const { return bridge_ ? bridge_->pid() : ::getpid(); }
 
     void start() {
         pid_ = ::fork();
@@ -87,31 +88,11 @@ class ServoProcess {
     std::filesystem::path socket() const { return folder_ / "default.sock"; }
 
   private:
-    /// On whichever port is free; its first line says which.
-    void start_bridge() {
-        int output[2];
-        if (::pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error("no pipe for the test");
-        bridge_pid_ = ::fork();
-        if (bridge_pid_ == 0) {
-            ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-            ::dup2(output[1], STDOUT_FILENO);
-            ::execl(KNURL_BRIDGE, KNURL_BRIDGE, "--listen", "127.0.0.1:0", nullptr);
-            ::_exit(127);
-        }
-        ::close(output[1]);
-        bridge_output_ = output[0];  // open for as long as it writes
-        std::string line;
-        for (char c = 0; ::read(bridge_output_, &c, 1) == 1 && c != '\n';) line += c;
-        const std::size_t at = line.find("knurl://");
-        if (at == std::string::npos) throw std::runtime_error("the bridge said: " + line);
-        ::setenv("KNURL_TEST_ADDRESS", line.substr(at).c_str(), 1);
-    }
-
     std::string program_;
     std::vector<std::string> arguments_;
     std::filesystem::path folder_;
-    pid_t pid_ = -1, bridge_pid_ = -1;
-    int bridge_output_ = -1;
+    pid_t pid_ = -1;
+    std::optional<BridgeProcess> bridge_;
 };
 
 /// Patient: a sanitizer's build on a busy machine takes its time to start.
