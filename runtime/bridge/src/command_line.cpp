@@ -102,7 +102,7 @@ int bridge_main(int argc, char** argv) {
         app.parse(argc, argv);
         return *keygen ? generate(file, name, role) : serve(servo, listen, keys);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error);
+        return app.exit(error) == 0 ? 0 : 2;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "knurl-bridge: %s\n", error.what());
         return 1;
