@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Draws what knurl_stability measured.
 
-    plot_stability.py OUT.json FOLDER        bound.png, methods.png and factors.png in that folder
+    plot_stability.py OUT.json FOLDER        bound.png, methods.png and factors.png in that folder;
+                                             network.png, where it is of knurl_stability --network
 """
 
 import json
@@ -26,6 +27,10 @@ FACTORS = [  # table, axis, scale of x, logarithmic
     ("encoder", "encoder count, µm", 1e6, False), ("delay", "delay of the device, ms", 1e3, False),
     ("answer", "application answers after, ms", 1e3, True), ("grip", "grip of the hand", 1, False),
     ("update_rate", "application rate, Hz", 1, True), ("mass", "mass of the device, kg", 1, False),
+]
+NETWORK = [  # table, axis, scale of x
+    ("network_wall", "one-way delay, ms (a flat wall, at rest)", 1e3), ("network_delay", "one-way delay, ms", 1e3),
+    ("network_swing", "delay that swings between 0 and, ms", 1e3), ("network_loss", "loss, %", 100),
 ]
 FOUND, AT_LEAST, BELOW = 0, 1, 2
 
@@ -149,6 +154,27 @@ def draw_factors(tables, path):
     save(figure, path, dpi=100)
 
 
+def draw_network(tables, path):
+    figure, panels = plt.subplots(2, 2, figsize=(8.2, 6.0), sharey=True)
+    for axes, (key, label, scale) in zip(panels.flatten(), NETWORK):
+        table = tables[key]
+        for i, name in enumerate(table["columns"]):
+            colour, marker = LOOKS[name]
+            axes.plot([row["x"] * scale for row in table["rows"]], [row["values"][i] for row in table["rows"]], color=colour,
+                      marker=marker, ms=4, lw=1.1)
+        axes.set_yscale("log")
+        axes.set_ylim(40, 8000)
+        axes.set_xlabel(label, fontsize=8, color=INK)
+        plain(axes)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("stable stiffness, N/m", fontsize=8, color=FAINT)
+    shown = {name for key, _, _ in NETWORK for name in tables[key]["columns"]}
+    handles = [plt.Line2D([], [], color=c, marker=m, ms=5, lw=1.2, label=n) for n, (c, m) in LOOKS.items() if n in shown]
+    figure.legend(handles=handles, ncol=3, fontsize=8, frameon=False, loc="upper center")
+    figure.tight_layout(rect=(0, 0, 1, 0.91))
+    save(figure, path)
+
+
 def main(arguments):
     if len(arguments) != 2:
         sys.exit(__doc__)
@@ -156,7 +182,15 @@ def main(arguments):
         with open(arguments[0]) as file:
             tables = {table["key"]: table for table in json.load(file)["tables"]}
         os.makedirs(arguments[1], exist_ok=True)
+<<<<<<< HEAD
         for name, draw in (("bound", draw_bound), ("methods", draw_methods), ("factors", draw_factors)):
+=======
+        plt.rcParams.update({"font.family": "DejaVu Sans", "axes.edgecolor": "#c4c7c5", "text.color": INK})
+        drawings = (("bound", draw_bound), ("methods", draw_methods), ("factors", draw_factors))
+        if "network_delay" in tables:
+            drawings = (("network", draw_network),)
+        for name, draw in drawings:
+>>>>>>> net
             path = os.path.join(arguments[1], name + ".png")
             draw(tables, path)
             print(f"{path}: {os.path.getsize(path) // 1024} KB")

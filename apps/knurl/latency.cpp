@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -13,6 +15,7 @@
 
 #include "latency_floors.hpp"
 #include "latency_paths.hpp"
+#include "latency_udp.hpp"
 #include "measure.hpp"
 #include "private_servo.hpp"
 #include "verbs.hpp"
@@ -25,8 +28,10 @@ constexpr Nanoseconds long_block = 50'000'000, short_block = 25'000'000, ping_po
 constexpr int waker_priority = 60;  // of the thread in knurld that wakes sleepers; the servo's is 80
 
 struct Arguments {
-    std::string connect;  // empty: a private servo
-    std::string device;   // empty: the only one
+    std::string connect;     // empty: a private servo
+    std::string echo;        // of the servo's host, "host:port"; empty: our own, if that is this host
+    std::string serve_echo;  // be that echo, and nothing else
+    std::string device;      // empty: the only one
     std::uint64_t updates = 10'000;
     double rate = 1000;  // Hz, of the private servo
     int servo_cpu = -1;  // -1: the last one that we may use
@@ -37,8 +42,40 @@ struct Arguments {
     std::string json_file;  // empty: standard output
 };
 
+constexpr const char* network_scheme = "knurl://";
+// As a bridge's datagram of a claim with one representation: headers, report, feedback, tag.
+constexpr std::size_t datagram_bytes =
+    24 + 32 + sizeof(Report) + sizeof(protocol::FeedbackHeader) + sizeof(protocol::FeedbackEntry) + 16;
+
 struct FloorSamples {
-    std::vector<double> ping_pong, eventfd, bare_loop;  // ns
+    std::vector<double> ping_pong, eventfd, bare_loop, udp;  // ns
+};
+
+/// Where a plain UDP echo runs beside the bridge; none: on this box nothing goes by datagrams, or nobody
+/// echoes there.
+class EchoFloor {
+  public:
+    EchoFloor(const Arguments& arguments, const Placement& placement) {
+        if (!arguments.connect.starts_with(network_scheme)) return;
+        if (!arguments.echo.empty()) {
+            at_ = bridge::resolve(arguments.echo);
+        } else if (bridge::resolve(arguments.connect.substr(std::strlen(network_scheme))).loopback()) {
+            own_.emplace(placement);
+            at_ = own_->at();
+        } else {
+            fmt::print(
+                stderr,
+                "knurl latency: no floor of the network: start `knurl latency --serve-echo HOST:PORT` on the "
+                "servo's host and give --echo HOST:PORT here\n");
+        }
+    }
+    void block(Nanoseconds length, std::vector<double>& samples) const {
+        if (at_) udp_echo_block(*at_, datagram_bytes, length, samples);
+    }
+
+  private:
+    std::optional<UdpEcho> own_;
+    std::optional<bridge::Endpoint> at_;
 };
 
 Placement placement_for(const Arguments& arguments) {
@@ -71,7 +108,8 @@ Client connect(const Arguments& arguments, PrivateServo* servo) {
     }
 }
 
-FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, std::uint64_t updates) {
+FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, const EchoFloor& echo,
+                        std::uint64_t updates) {
     FloorSamples floors;
     const bool terminal = ::isatty(2) != 0;
     while (paths.samples().commit_to_write.size() < updates) {
@@ -81,6 +119,7 @@ FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, std::ui
         ping_pong_block(placement, ping_pong_length, floors.ping_pong);
         paths.descriptor_block(short_block);
         eventfd_block(placement, short_block, floors.eventfd);
+        echo.block(short_block, floors.udp);
         bare_loop_block(placement, paths.period(), paths.deadline(), short_block, floors.bare_loop);
         const std::size_t done = paths.samples().commit_to_write.size();
         if (terminal)
@@ -99,6 +138,14 @@ std::vector<double> in_microseconds(std::vector<double> samples) {
     return samples;
 }
 
+/// Two things that happen one after the other and know nothing of each other.
+std::vector<double> one_after_another(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> sums(std::min(a.size(), b.size()));
+    std::transform(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(sums.size()), b.begin(), sums.begin(),
+                   std::plus<>());
+    return sums;
+}
+
 measure::Run summary(const PathSamples& paths, const FloorSamples& floors, Nanoseconds period) {
     const auto result = [](const char* name, const std::vector<double>& samples) {
         return measure::summarise(name, "us", in_microseconds(samples));
@@ -114,20 +161,40 @@ measure::Run summary(const PathSamples& paths, const FloorSamples& floors, Nanos
     const auto bare_loop = result("floor.bare_loop_lateness", floors.bare_loop);
     std::vector<double> cycles = paths.wait_for_use;
     for (double& wait : cycles) wait /= static_cast<double>(period);
-    return {.machine = measure::this_machine(),
-            .results = {result("update.commit_to_write", paths.commit_to_write),
-                        result("update.age_at_use", paths.wait_for_use),
-                        measure::summarise("update.age_at_use_cycles", "cyc", std::move(cycles)),
-                        measure::summarise("update.cycles_overlooked", "cyc", paths.overlooked),
-                        result("update.report_age_at_use", paths.report_age),
-                        related("report.spinning", paths.spinning, ping_pong),
-                        related("report.blocking", paths.blocking, eventfd),
-                        related("report.descriptor", paths.descriptor, eventfd),
-                        result("report.spinning_from_deadline", paths.spinning_deadline),
-                        result("report.blocking_from_deadline", paths.blocking_deadline),
-                        result("report.descriptor_from_deadline", paths.descriptor_deadline),
-                        related("servo.lateness", paths.servo_lateness, bare_loop), ping_pong, eventfd,
-                        bare_loop}};
+    measure::Run run{.machine = measure::this_machine(),
+                     .results = {result("update.commit_to_write", paths.commit_to_write),
+                                 result("update.age_at_use", paths.wait_for_use),
+                                 measure::summarise("update.age_at_use_cycles", "cyc", std::move(cycles)),
+                                 measure::summarise("update.cycles_overlooked", "cyc", paths.overlooked),
+                                 result("update.report_age_at_use", paths.report_age),
+                                 related("report.spinning", paths.spinning, ping_pong),
+                                 related("report.blocking", paths.blocking, eventfd),
+                                 related("report.descriptor", paths.descriptor, eventfd),
+                                 result("report.spinning_from_deadline", paths.spinning_deadline),
+                                 result("report.blocking_from_deadline", paths.blocking_deadline),
+                                 result("report.descriptor_from_deadline", paths.descriptor_deadline),
+                                 related("servo.lateness", paths.servo_lateness, bare_loop), ping_pong,
+                                 eventfd, bare_loop}};
+    if (floors.udp.empty()) return run;
+    // Over a network a report wakes the bridge, goes one way, and wakes the reader.
+    const auto wake_and_udp = result("floor.wake_and_udp", one_after_another(floors.eventfd, floors.udp));
+    run.results.push_back(related("report.blocking_after_write", paths.after_write, wake_and_udp));
+    run.results.push_back(result("floor.udp_one_way", floors.udp));
+    run.results.push_back(wake_and_udp);
+    return run;
+}
+
+std::string network_line(const Network& network) {
+    using Microseconds = std::chrono::duration<double, std::micro>;
+    return fmt::format(
+        "network: {}, round trip at least {:.1f} us, clock offset {:.1f} us +- {:.1f} us, drift {:.1f} ppm, "
+        "{} reports "
+        "lost, {} late, {} datagrams doubled, {} batches sent again.\nDatagrams of {} bytes; "
+        "floor.udp_one_way is half "
+        "an echo of that size between blocking readers. The servo's stamps are by the clock estimate.\n",
+        network.encrypted ? "encrypted" : "not encrypted", Microseconds(network.round_trip).count(),
+        Microseconds(network.clock_offset).count(), Microseconds(network.clock_uncertainty).count(),
+        network.drift * 1e6, network.lost, network.late, network.duplicated, network.resent, datagram_bytes);
 }
 
 void show(const Arguments& arguments, const measure::Run& run, const std::string& setting) {
@@ -156,6 +223,7 @@ int run_latency(const Arguments& arguments) {
     if (!(arguments.wait >= 0 && arguments.wait <= 3600)) {
         throw UsageError(fmt::format("--wait is {:g} s; give 0 to 3600 s", arguments.wait));
     }
+    if (!arguments.serve_echo.empty()) serve_udp_echo(bridge::resolve(arguments.serve_echo));
     const Placement placement = placement_for(arguments);
     const auto own = arguments.connect.empty() ? start_private(arguments, placement) : nullptr;
     Client client = connect(arguments, own.get());
@@ -171,9 +239,12 @@ int run_latency(const Arguments& arguments) {
                         "it out",
                         arguments.priority, arguments.priority));
     }
+    const EchoFloor echo(arguments, placement);
     LatencyPaths paths(hand, arguments.seed);
-    const FloorSamples floors = run_blocks(paths, placement, arguments.updates);
+    const FloorSamples floors = run_blocks(paths, placement, echo, arguments.updates);
     const double rate = hand.device().rate;
+    const bool remote = arguments.connect.starts_with(network_scheme);
+    const std::string network = remote ? network_line(hand.network()) : "";
     hand.release();
 
     const PathSamples& samples = paths.samples();
@@ -181,11 +252,11 @@ int run_latency(const Arguments& arguments) {
          fmt::format(
              "\n{} at {:g} Hz on CPU {}, client on CPU {} ({}), seed {}; {} updates merged, {} "
              "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "
-             "the device's read;\nfloor.cache_line is one way, floor.bare_loop shares the servo's CPU.",
+             "the device's read;\nfloor.cache_line is one way, floor.bare_loop shares the servo's CPU.\n{}",
              own ? "private servo on sim:cartesian3" : arguments.connect, rate, placement.servo_cpu,
              placement.client_cpu,
              arguments.priority > 0 ? fmt::format("SCHED_FIFO {}", arguments.priority) : "ordinary priority",
-             arguments.seed, samples.merged, samples.lost));
+             arguments.seed, samples.merged, samples.lost, network));
     return 0;
 }
 
@@ -198,7 +269,15 @@ void add_latency(CLI::App& program, Run& run) {
     verb->add_option("--connect", arguments->connect,
                      "measure this servo, whose device is armed and feels forces of 4 mN at most; "
                      "default: a private one on sim:cartesian3")
-        ->type_name("knurl:NAME");
+        ->type_name("knurl:NAME|knurl://HOST:PORT");
+    verb->add_option("--echo", arguments->echo,
+                     "a plain UDP echo on the servo's host: the floor of a measurement over a network; "
+                     "default: an own "
+                     "one, where that is this host")
+        ->type_name("HOST:PORT");
+    verb->add_option("--serve-echo", arguments->serve_echo,
+                     "be that echo, until interrupted, and measure nothing")
+        ->type_name("HOST:PORT");
     verb->add_option("--device", arguments->device, "which of its devices; default: the only one")
         ->type_name("NAME");
     verb->add_option("--updates", arguments->updates, "at random phase")

@@ -26,12 +26,6 @@ timespec timespec_of(Nanoseconds t) {
     return {.tv_sec = t / 1'000'000'000, .tv_nsec = t % 1'000'000'000};
 }
 
-void sleep_until(Nanoseconds t) noexcept {
-    const timespec deadline = timespec_of(t);
-    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) == EINTR) {
-    }
-}
-
 /// Takes samples, less the cold ones.
 struct Collector {
     std::vector<double>& samples;
@@ -40,6 +34,14 @@ struct Collector {
         if (seen++ >= cold_samples) samples.push_back(static_cast<double>(value));
     }
 };
+
+}  // namespace
+
+void sleep_until(Nanoseconds t) noexcept {
+    const timespec deadline = timespec_of(t);
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) == EINTR) {
+    }
+}
 
 void settle_on(unsigned cpu, int priority) {
     measure::pin_this_thread(cpu);
@@ -50,8 +52,6 @@ void settle_on(unsigned cpu, int priority) {
         ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &ordinary);
     }
 }
-
-}  // namespace
 
 Nanoseconds now_ns() noexcept {
     timespec t{};

@@ -20,6 +20,10 @@ struct Placement {
     int priority = 0;
 };
 
+/// Binds the calling thread to a CPU and gives it that priority (0: ordinary, whatever its maker's is).
+void settle_on(unsigned cpu, int priority);
+void sleep_until(Nanoseconds t) noexcept;
+
 // Each runs for about `length` and appends samples in ns. The first two of a block are left out: caches are
 // cold.
 

@@ -69,6 +69,7 @@ void LatencyPaths::commit_update(Nanoseconds intended) {
 
 void LatencyPaths::see(const HandReport& report) {
     newest_ = report;
+    clock_offset_ = hand_.network().clock_offset.count();  // moves while it is learned
     reads_.push_back(report.read_ns);
     if (reads_.size() > remembered_cycles) reads_.pop_front();
     if (cold_ > 0) return;
@@ -82,20 +83,21 @@ void LatencyPaths::note(const HandReport& report, Nanoseconds had, std::vector<d
         --cold_;
         return;
     }
-    from_read.push_back(static_cast<double>(had - report.read_ns));
-    from_deadline.push_back(static_cast<double>(had - report.deadline_ns));
+    from_read.push_back(static_cast<double>(had - ours(report.read_ns)));
+    from_deadline.push_back(static_cast<double>(had - ours(report.deadline_ns)));
 }
 
 void LatencyPaths::used(const Update& update, const HandReport& report) {
-    samples_.commit_to_write.push_back(static_cast<double>(report.write_ns - update.intended));
+    samples_.commit_to_write.push_back(static_cast<double>(ours(report.write_ns) - update.intended));
     // An update may slip in between the read and the taking: then it did not wait at all.
-    samples_.wait_for_use.push_back(std::max(0.0, static_cast<double>(report.read_ns - update.committed)));
+    samples_.wait_for_use.push_back(
+        std::max(0.0, static_cast<double>(ours(report.read_ns) - update.committed)));
     if (update.basis_read > 0) {
         samples_.report_age.push_back(static_cast<double>(report.write_ns - update.basis_read));
     }
     // reads_ ends with the cycle that used it.
     const auto overlooked = std::count_if(reads_.begin(), reads_.end() - 1,
-                                          [&](Nanoseconds read) { return read > update.committed; });
+                                          [&](Nanoseconds read) { return ours(read) > update.committed; });
     samples_.overlooked.push_back(static_cast<double>(overlooked));
 }
 
@@ -139,7 +141,11 @@ void LatencyPaths::blocking_block(Nanoseconds length) {
     const Nanoseconds end = now_ns() + length;
     while (now_ns() < end) {
         const auto report = hand_.next_report(10ms);
-        if (report) note(*report, now_ns(), samples_.blocking, samples_.blocking_deadline);
+        if (!report) continue;
+        const Nanoseconds had = now_ns();
+        const bool cold = cold_ > 0;
+        note(*report, had, samples_.blocking, samples_.blocking_deadline);
+        if (!cold) samples_.after_write.push_back(static_cast<double>(had - ours(report->write_ns)));
     }
     hand_.commit();  // still alive
 }

@@ -25,7 +25,9 @@ struct PathSamples {
         descriptor_deadline;             // from the cycle's deadline
     std::vector<double> servo_lateness;  // deadline -> the device has been read
     std::vector<double>
-        overlooked;            // per update, the cycles that began after its commit and did not use it: 0
+        overlooked;  // per update, the cycles that began after its commit and did not use it: 0
+    std::vector<double>
+        after_write;           // blocking: write to the motors (then it publishes) -> the client has it
     std::uint64_t merged = 0;  // updates that a later one overtook before the servo looked
     std::uint64_t lost = 0;    // updates whose force was never seen
 };
@@ -45,8 +47,8 @@ class LatencyPaths {
 
     const PathSamples& samples() const { return samples_; }
     Nanoseconds period() const { return period_; }
-    /// A deadline of the servo's, the newest known.
-    Nanoseconds deadline() const { return newest_ ? newest_->deadline_ns : 0; }
+    /// A deadline of the servo's, the newest known, by our clock.
+    Nanoseconds deadline() const { return newest_ ? ours(newest_->deadline_ns) : 0; }
 
   private:
     struct Update {
@@ -60,6 +62,8 @@ class LatencyPaths {
     void used(const Update& update, const HandReport& report);
     void catch_up();
     void see(const HandReport& report);
+    /// A time stamp of the servo's, by our own clock.
+    Nanoseconds ours(Nanoseconds servos) const { return servos - clock_offset_; }
     void note(const HandReport& report, Nanoseconds had, std::vector<double>& from_read,
               std::vector<double>& from_deadline);
     double random() { return std::uniform_real_distribution<double>(0, 1)(generator_); }
@@ -72,6 +76,7 @@ class LatencyPaths {
     std::deque<Update> pending_;
     std::optional<HandReport> newest_;
     std::deque<Nanoseconds> reads_;  // of the device, by the newest cycles
+    Nanoseconds clock_offset_ = 0;   // of the servo's host to this one, as far as it is known
     std::size_t cold_ = 0;           // reports of this block that are still left out
     PathSamples samples_;
 };

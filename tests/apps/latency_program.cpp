@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "../client/bridge_process.hpp"
 #include "program.hpp"
 
 namespace knurl::test {
@@ -87,6 +88,17 @@ TEST(LatencyOf, ARunningServoIsMeasuredByName) {
     EXPECT_GE(named(all, "update.commit_to_write")["n"], 20);
 }
 
+TEST(LatencyOf, ARunningServoIsMeasuredThroughItsBridgeBesideAPlainEcho) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3"});
+    const client_test::BridgeProcess bridge;
+    const json all = measured({"--connect", bridge.address(), "--updates", "20"});
+    EXPECT_GE(named(all, "update.commit_to_write")["n"], 20);
+    for (const char* name : {"report.blocking_after_write", "floor.udp_one_way", "floor.wake_and_udp"})
+        EXPECT_GT(named(all, name)["n"], 0) << name;
+    EXPECT_EQ(named(all, "report.blocking_after_write")["reference"], "floor.wake_and_udp");
+}
+
 TEST(LatencyOf, ARealTimeClientThatSpinsLeavesTheFloorsTheirShare) {
     // Once, the partner of floor.cache_line began on the CPU where its maker span above it, and both waited
     // for ever.
@@ -105,8 +117,9 @@ TEST(LatencyRefuses, WhatItCannotMeasureInOneLine) {
     };
     for (const Case& c :
          {Case{{"--updates", "0"}, "--updates is 0"}, Case{{"--rate", "100"}, "500 to 20000 Hz"},
-          Case{{"--connect", "knurl:nobody", "--wait", "0"}, "nobody"},
-          Case{{"--wait", "-1"}, "0 to 3600 s"}}) {
+          Case{{"--connect", "knurl:nobody", "--wait", "0"}, "nobody"}, Case{{"--wait", "-1"}, "0 to 3600 s"},
+          Case{{"--connect", "knurl://127.0.0.1:1", "--wait", "0"}, "127.0.0.1:1"},
+          Case{{"--serve-echo", "127.0.0.1:none"}, "127.0.0.1:none"}}) {
         auto words = c.words;
         words.insert(words.begin(), "latency");
         const Outcome outcome = knurl(words);

@@ -1,6 +1,7 @@
 // knurl_chaos_app MODE [SEED]: the applications that the chaos runner torments, and those that torment.
 //
-//   wall      holds the hand off a wall at 50 updates a second; SIGUSR1: arms (after a reset, if need be);
+//   wall [ADDRESS]  holds the hand off a wall at 50 updates a second; SIGUSR1: arms (after a reset, if need
+//   be);
 //             SIGUSR2: forks a child that ends in order. Says what it does, a numbered line each.
 //   exclusive wants the device for itself, and says how that was answered
 //   observer  reads every report until SIGTERM, then says how many it read and missed, and how many there
@@ -45,8 +46,8 @@ void arm(knurl::Claim& hand) {
     say("armed", getpid());
 }
 
-int wall() {
-    auto client = knurl::Client::connect();
+int wall(const std::string& address) {
+    auto client = knurl::Client::connect(address, {.wait = 20s});
     auto hand = client.claim("", {.shared = true, .update_interval = 20ms});
     auto plane = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.010, .stiffness = 800});
     knurl::Plane moved = plane.params();
@@ -236,7 +237,7 @@ int main(int argc, char** argv) {
     std::signal(SIGUSR2, [](int) { fork_wanted = 1; });
     std::signal(SIGTERM, [](int) { leaving = 1; });
     try {
-        if (mode == "wall") return wall();
+        if (mode == "wall") return wall(argc > 2 ? argv[2] : "knurl:default");
         if (mode == "exclusive") return exclusive();
         if (mode == "observer") return observer();
         if (mode == "hostile" && argc > 3)

@@ -17,6 +17,7 @@ std::string contains(const std::string& output, const std::string& part) {
     return output.find(part) == std::string::npos ? "missing '" + part + "' in: " + output : "";
 }
 
+<<<<<<< HEAD
 /// The wall is felt throughout as if nothing happened.
 void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by) {
     const Span span = force_span(stage.device->log(), from);
@@ -25,6 +26,8 @@ void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by) 
                std::to_string(span.largest) + " N; " + how_it_fell(stage.device->log(), from));
 }
 
+=======
+>>>>>>> net
 // ------------------------------------------------------------------------------------- an application
 
 void application_killed(Stage& stage) {
@@ -117,12 +120,6 @@ void wrong_build(Stage& stage) {
 
 // --------------------------------------------------------------------------------------------- the servo
 
-void demand_off_until_armed(Stage& stage, std::int64_t from, const std::string& after) {
-    stage.let_pass(0.3);
-    demand(largest_force(stage.device->log(), from) <= 0, "no force " + after + " until somebody arms");
-    stage.wall->signal(SIGUSR1);
-}
-
 void servo_killed(Stage& stage) {
     const std::size_t saved = stage.flight_records().size();
     const std::int64_t from = Stage::now();
@@ -189,6 +186,21 @@ constexpr Fault all[] = {
 };
 
 }  // namespace
+
+void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by) {
+    const Span span = force_span(stage.device->log(), from);
+    demand(span.smallest > 1.6 - 4 * steady && span.largest < 1.6 + 4 * steady,
+           by + " leaves the others' force alone: " + std::to_string(span.smallest) + " to " +
+               std::to_string(span.largest) + " N");
+}
+
+void demand_off_until_armed(Stage& stage, std::int64_t from, const std::string& after) {
+    stage.let_pass(0.3);
+    // Later than `from`: in that very moment the last force may have been in effect still.
+    const double force = largest_force(stage.device->log(), from + 1);
+    demand(force <= 0, "no force " + after + " until somebody arms, but " + std::to_string(force) + " N");
+    stage.wall->signal(SIGUSR1);
+}
 
 std::span<const Fault> faults() {
     return all;

@@ -29,7 +29,8 @@ class Stage {
     ~Stage();
 
     void start_servo();
-    void start_wall();
+    /// `address`: of the servo, for the application; "": on this box.
+    void start_wall(const std::string& address = {});
     /// Waits, on the device's clock, until the hand feels the wall steadily.
     void wait_until_felt();
     /// Waits until the force has been zero for 0.2 s of the device's time; returns since when (device's ns).
@@ -66,5 +67,11 @@ struct Fault {
     void (*happen)(Stage&);
 };
 std::span<const Fault> faults();
+std::span<const Fault> network_faults();  // of an application on another host
+
+/// The wall is felt throughout as if nothing happened.
+void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by);
+/// No force until somebody arms; then the application is told to.
+void demand_off_until_armed(Stage& stage, std::int64_t from, const std::string& after);
 
 }  // namespace knurl::chaos

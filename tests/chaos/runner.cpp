@@ -1,7 +1,7 @@
-// knurl_chaos --seed N [--faults M]: M faults in an order and with details that the seed makes (0: each kind
-// once). Ends at the first broken promise, with the seed that shows it again; else prints how long the
-// promised things took on this machine (measured, never judged: promises are judged by cycles and order of
-// events).
+// knurl_chaos --seed N [--faults M] [--kinds local|network|NAME]: M faults in an order and with details that
+// the seed makes (0: each kind once). Ends at the first broken promise, with the seed that shows it again;
+// else prints how long the promised things took on this machine (measured, never judged: promises are judged
+// by cycles and order of events).
 
 #include <algorithm>
 #include <cstdio>
@@ -49,9 +49,11 @@ void Stage::start_servo() {
         home, std::vector<std::string>{"--device", "right=" + device->address()}, KNURLD);
 }
 
-void Stage::start_wall() {
+void Stage::start_wall(const std::string& address) {
     wall.reset();
-    wall = std::make_unique<test::Program>(home, KNURL_CHAOS_APP, std::vector<std::string>{"wall"});
+    std::vector<std::string> words{"wall"};
+    if (!address.empty()) words.push_back(address);
+    wall = std::make_unique<test::Program>(home, KNURL_CHAOS_APP, words);
     // Starved by the machine's other work it would be silent, and fade as it should: a fault that was not
     // asked for. Where this is not allowed it has to take its chance.
     const sched_param above_others{.sched_priority = 1};
@@ -121,16 +123,16 @@ void Stage::print_measured() const {
 
 namespace {
 
-int run(unsigned seed, std::size_t count) {
+int run(unsigned seed, std::size_t count, const std::vector<Fault>& kinds) {
     Stage stage(seed);
-    std::vector<std::size_t> order(faults().size());
+    std::vector<std::size_t> order(kinds.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::shuffle(order, stage.random);
-    for (std::size_t i = order.size(); i < count; ++i) order.push_back(stage.random() % faults().size());
+    for (std::size_t i = order.size(); i < count; ++i) order.push_back(stage.random() % kinds.size());
     if (count > 0) order.resize(count);
 
     for (std::size_t i = 0; i < order.size(); ++i) {
-        const Fault& fault = faults()[order[i]];
+        const Fault& fault = kinds[order[i]];
         std::printf("%4zu %s\n", i + 1, fault.name);
         std::fflush(stdout);
         try {
@@ -139,8 +141,9 @@ int run(unsigned seed, std::size_t count) {
             const auto wrong = check_always(stage.device->log(), 8.5, 2000, 1e-3);
             demand(wrong.empty(), wrong.empty() ? "" : wrong.front());
         } catch (const std::exception& broken) {
-            std::printf("BROKEN in fault %zu (%s): %s\nagain with: knurl_chaos --seed %u --faults %zu\n",
-                        i + 1, fault.name, broken.what(), seed, count);
+            std::printf(
+                "BROKEN in fault %zu (%s): %s\nagain with the same arguments and --seed %u --faults %zu\n",
+                i + 1, fault.name, broken.what(), seed, count);
             return 1;
         }
     }
@@ -155,13 +158,22 @@ int run(unsigned seed, std::size_t count) {
 int main(int argc, char** argv) {
     unsigned seed = 1;
     std::size_t count = 0;
+    std::string which = "all";
     for (int i = 1; i + 1 < argc; i += 2) {
         if (std::strcmp(argv[i], "--seed") == 0)
             seed = static_cast<unsigned>(std::strtoul(argv[i + 1], nullptr, 10));
+        if (std::strcmp(argv[i], "--kinds") == 0) which = argv[i + 1];
         if (std::strcmp(argv[i], "--faults") == 0) count = std::strtoul(argv[i + 1], nullptr, 10);
     }
     try {
-        return knurl::chaos::run(seed, count);
+        using knurl::chaos::faults, knurl::chaos::network_faults;
+        std::vector<knurl::chaos::Fault> kinds;
+        if (which != "network") kinds.insert(kinds.end(), faults().begin(), faults().end());
+        if (which != "local") kinds.insert(kinds.end(), network_faults().begin(), network_faults().end());
+        if (which != "all" && which != "local" && which != "network")
+            std::erase_if(kinds, [&](const knurl::chaos::Fault& fault) { return fault.name != which; });
+        if (kinds.empty()) throw std::runtime_error("no fault is named '" + which + "'");
+        return knurl::chaos::run(seed, count, kinds);
     } catch (const std::exception& error) {
         std::printf("knurl_chaos: %s (seed %u)\n", error.what(), seed);
         return 1;

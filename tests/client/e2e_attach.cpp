@@ -92,8 +92,8 @@ TEST(Attach, the_second_claim_is_told_who_holds_the_device) {
     Claim first = client.claim();
     const Error error = refusal([&] { connect().claim(); });
     EXPECT_EQ(error.kind, Error::Kind::device_held);
-    EXPECT_EQ(error.holder, ::getpid());
-    says(error, std::to_string(::getpid()));
+    EXPECT_EQ(error.holder, servo.claimant());
+    says(error, std::to_string(servo.claimant()));
     EXPECT_TRUE(first.next_report(10s));
 }
 

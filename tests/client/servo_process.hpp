@@ -1,10 +1,12 @@
 #pragma once
-// A real knurld with a simulated device, in a folder of its own that goes with it.
+// A real knurld with a simulated device, in a folder of its own that goes with it; with
+// KNURL_TEST_TRANSPORT=bridge a real knurl-bridge stands before it, and connect() goes through that.
 
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -15,6 +17,8 @@
 #include <unistd.h>
 
 #include <knurl/client/client.hpp>
+
+#include "bridge_process.hpp"
 
 namespace client_test {
 
@@ -34,14 +38,25 @@ class ServoProcess {
         ::setenv("KNURL_RUNTIME_DIR", folder_.c_str(), 1);
         ::setenv("KNURL_STATE_DIR", (folder_ / "state").c_str(), 1);
         start();
+        if (!through_bridge()) return;
+        bridge_.emplace();
+        ::setenv("KNURL_TEST_ADDRESS", bridge_->address().c_str(), 1);
     }
     ~ServoProcess() {
+        bridge_.reset();
         if (pid_ > 0) end(SIGKILL);
         std::error_code ignored;
         std::filesystem::remove_all(folder_, ignored);
     }
     ServoProcess(const ServoProcess&) = delete;
     ServoProcess& operator=(const ServoProcess&) = delete;
+
+    static bool through_bridge() {
+        const char* transport = std::getenv("KNURL_TEST_TRANSPORT");
+        return transport != nullptr && std::string(transport) == "bridge";
+    }
+    /// What the servo sees as the owner of this process's claims.
+    pid_t claimant() const { return bridge_ ? bridge_->pid() : ::getpid(); }
 
     void start() {
         pid_ = ::fork();
@@ -77,11 +92,14 @@ class ServoProcess {
     std::vector<std::string> arguments_;
     std::filesystem::path folder_;
     pid_t pid_ = -1;
+    std::optional<BridgeProcess> bridge_;
 };
 
 /// Patient: a sanitizer's build on a busy machine takes its time to start.
 inline knurl::Client connect(bool reattach = true) {
-    return knurl::Client::connect("knurl:default", {.name = "test", .wait = 20s, .reattach = reattach});
+    const char* address =
+        ServoProcess::through_bridge() ? std::getenv("KNURL_TEST_ADDRESS") : "knurl:default";
+    return knurl::Client::connect(address, {.name = "test", .wait = 20s, .reattach = reattach});
 }
 
 /// Reads on until a report satisfies `wanted`, committing all the while. Fails the test's way out after a

@@ -12,11 +12,11 @@
 #include <gtest/gtest.h>
 
 #include <knurl/client/error.hpp>
+#include <knurl/link/local.hpp>
 #include <knurl/protocol/claim_segment.hpp>
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/triple_buffer.hpp>
 
-#include "local_link.hpp"
 #include "table.hpp"
 
 namespace {

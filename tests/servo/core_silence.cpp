@@ -14,11 +14,12 @@ struct Held {
     OfflineClaim* claim = nullptr;
 
     explicit Held(double stated = 0, OnSilence on_silence = OnSilence::fade,
-                  const ServoOptions& options = live_options())
+                  const ServoOptions& options = live_options(), double delay_allowance = 0)
         : servo(device, options) {
         device.tip = {0, 0, -1e-3};
         ClaimTerms terms;
         terms.update_interval = stated;
+        terms.delay_allowance = delay_allowance;
         claim = &servo.claim(terms);
         claim->add(Plane{.stiffness = 500}, {.on_silence = on_silence});
         claim->arm();
@@ -50,6 +51,18 @@ TEST(Silence, UntilThreeIntervalsWereMeasuredItIsThreeAndAHalfSeconds) {
     Held two;
     two.commit_every(50, 2);  // with the first commit: two intervals, the first of 700 ms
     EXPECT_NEAR(two.cycles_until_fading() + 50, 3500, 5);
+}
+
+TEST(Silence, ComesLaterByWhatANetworkMayDelay) {
+    for (const double stated : {0.05, 0.2}) {
+        Held near(stated), far(stated, OnSilence::fade, live_options(), 0.2);
+        near.commit_every(50, 10);
+        far.commit_every(50, 10);
+        EXPECT_NEAR(far.cycles_until_fading() - near.cycles_until_fading(), 200, 2);
+    }
+    Held measured(0, OnSilence::fade, live_options(), 0.2);
+    measured.commit_every(50, 40);
+    EXPECT_NEAR(measured.cycles_until_fading() + 50, 450, 10);
 }
 
 TEST(Silence, CommandsThatWaitBehindUnreadRepliesAreNoSignOfLife) {

@@ -6,7 +6,7 @@ namespace stability {
 
 using Eigen::Vector3d;
 
-Application::Application(const Conditions& conditions, double stiffness, double phase)
+Application::Application(const Conditions& conditions, double stiffness, double phase, unsigned seed)
     : conditions_(conditions),
       stiffness_(stiffness),
       model_([&ridge = conditions.ridge](const knurl::Vec3& near) {
@@ -16,24 +16,60 @@ Application::Application(const Conditions& conditions, double stiffness, double 
                                      .curvature = foot.curvature,
                                      .axis = {foot.normal.z(), 0, -foot.normal.x()}};
       }),
-      next_read_(conditions.rate_is_servos ? 0 : phase * conditions.interval()) {}
+      next_read_(conditions.rate_is_servos ? 0 : phase * conditions.interval()),
+      seed_(seed) {}
 
 Answer Application::first(const Vector3d& p) {
     return solve(0, p, Vector3d::Zero());
 }
 
 void Application::read(double t, const Vector3d& p, const Vector3d& slow_velocity) {
+    using knurl::bridge::proxy::Way;
+    Seen hand{t, p, slow_velocity};
+    if (conditions_.remote) {
+        reports_.send(conditions_.network, seed_, Way::back, t, hand, false);
+        reports_.arrive(t);
+    }
     if (under_way_ || t + 1e-9 < next_read_) return;
-    answer_ = solve(t, p, slow_velocity);
+    if (conditions_.remote) {
+        if (!reports_.newest()) return;
+        hand = *reports_.newest();
+    }
+    Answer answer = solve(hand.t, hand.position, hand.slow_velocity);
+    if (conditions_.remote)
+        thought_ = {hand.t, std::move(answer)};
+    else
+        answer_ = std::move(answer);
     next_read_ += conditions_.rate_is_servos ? conditions_.period() : conditions_.interval();
     due_ = t + conditions_.answer;
     under_way_ = true;
 }
 
 bool Application::due(double t) {
-    if (!under_way_ || t + 1e-9 < due_) return false;
-    under_way_ = false;
+    const bool ready = under_way_ && t + 1e-9 >= due_;
+    if (ready) under_way_ = false;
+    return conditions_.remote ? arrive(t, ready) : ready;
+}
+
+/// What the servo has of it by now; `ready`: it has just made another one.
+bool Application::arrive(double t, bool ready) {
+    if (ready) answers_.send(conditions_.network, seed_, knurl::bridge::proxy::Way::forth, t, thought_, true);
+    if (!answers_.arrive(t)) return false;
+    answer_ = answers_.newest()->answer;
+    ages_[aged_++ % remembered] = t - answers_.newest()->seen;
     return true;
+}
+
+/// From a report to the use of what it led to, as the client library knows it. (It learns it one way back
+/// later.)
+double Application::latency() const {
+    // The first cycle that evaluates an answer is the next one after it came.
+    const double local = std::max(conditions_.answer, conditions_.period());
+    if (!conditions_.remote || aged_ == 0) return local + 2 * conditions_.network.delay;
+    std::array<double, remembered> sorted = ages_;
+    const auto known = static_cast<std::ptrdiff_t>(std::min(aged_, remembered));
+    std::nth_element(sorted.begin(), sorted.begin() + known / 2, sorted.begin() + known);
+    return std::max(local, sorted[static_cast<std::size_t>(known / 2)]);
 }
 
 Answer Application::solve(double t, const Vector3d& p, const Vector3d& velocity) {
@@ -53,11 +89,9 @@ Answer Application::solve(double t, const Vector3d& p, const Vector3d& velocity)
     const bool curved = method.kind == Method::Kind::cap;
     knurl::SurfacePoint face = model_(knurl::to_plain(p));
     if (method.predicted) {
-        // The first cycle that evaluates an answer is the next one after it came.
-        const double latency = std::max(conditions_.answer, conditions_.period());
         const knurl::HandNow hand{
             .time = t, .position = knurl::to_plain(p), .velocity = knurl::to_plain(velocity)};
-        face = knurl::follow_surface(model_, hand, {.latency = latency, .interval = conditions_.interval()},
+        face = knurl::follow_surface(model_, hand, {.latency = latency(), .interval = conditions_.interval()},
                                      {.stiffness = stiffness_, .rim = curved ? cap.rim : 0}, memory_)
                    .faces.face[0];
     }

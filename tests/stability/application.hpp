@@ -1,6 +1,7 @@
 #pragma once
 // The slow half of the loop: an application that reads the hand at its own rate, thinks, and answers late.
 
+#include <array>
 #include <variant>
 
 #include <knurl/client/predict.hpp>
@@ -9,6 +10,7 @@
 #include <knurl/reps/plane.hpp>
 
 #include "conditions.hpp"
+#include "network.hpp"
 
 namespace stability {
 
@@ -17,7 +19,7 @@ using Answer = std::variant<knurl::Plane, knurl::Cap, knurl::ConstantForce>;
 class Application {
   public:
     /// `phase` in 0..1: when in its interval it reads first.
-    Application(const Conditions& conditions, double stiffness, double phase);
+    Application(const Conditions& conditions, double stiffness, double phase, unsigned seed = 1);
 
     /// What is there from the start: the answer at a hand that rests in `p`.
     Answer first(const Eigen::Vector3d& p);
@@ -28,7 +30,18 @@ class Application {
     const Answer& answer() const { return answer_; }
 
   private:
+    struct Seen {
+        double t;  // s, when the servo read it
+        Eigen::Vector3d position, slow_velocity;
+    };
+    struct Sent {
+        double seen;  // s, of the report that it was computed from
+        Answer answer;
+    };
+
     Answer solve(double t, const Eigen::Vector3d& p, const Eigen::Vector3d& velocity);
+    bool arrive(double t, bool ready);
+    double latency() const;
 
     const Conditions& conditions_;
     double stiffness_;
@@ -38,6 +51,14 @@ class Application {
     double next_read_;  // s
     double due_ = 0;    // s, of the answer under way
     bool under_way_ = false;
+    // Of a remote one.
+    std::uint64_t seed_;
+    Newest<Seen> reports_;
+    Newest<Sent> answers_;
+    Sent thought_;                                // being made
+    static constexpr std::size_t remembered = 7;  // as the client library's median
+    std::array<double, remembered> ages_{};       // s, of reports at the use of what they led to
+    std::size_t aged_ = 0;
 };
 
 }  // namespace stability

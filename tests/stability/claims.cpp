@@ -102,6 +102,20 @@ std::vector<Claim> claims_of(const std::vector<Table>& tables) {
     return claims;
 }
 
+std::vector<Claim> network_claims(const std::vector<Table>& tables) {
+    if (tables.size() < 4) return {};  // --only
+    const Table &wall = named(tables, "network_wall"), &delay = named(tables, "network_delay");
+    std::vector<Claim> claims;
+    claims.push_back(
+        {"a wall that the servo evaluates does not know how far the application is: 0 and 100 ms",
+         fmt::format("{:.0f} and {:.0f} N/m", wall.at(" 0 ms", usual), wall.at(" 100 ms", usual)),
+         wall.at(" 0 ms", usual) <= wall.at(" 100 ms", usual), false});
+    claims.push_back(
+        times("a plane from 50 ms away against a force from here, gentle .15: ten times at least",
+              delay.at(" 50 ms", usual), delay.at(" 0 ms", way::force), 10, false));
+    return claims;
+}
+
 std::vector<Claim> quick_claims() {
     constexpr unsigned seeds = 2;
     std::vector<Table> tables = {

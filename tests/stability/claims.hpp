@@ -16,6 +16,8 @@ struct Claim {
 
 /// Of the tables of a whole sweep.
 std::vector<Claim> claims_of(const std::vector<Table>& tables);
+/// Of the tables of a remote application.
+std::vector<Claim> network_claims(const std::vector<Table>& tables);
 /// The directions alone, by a few searches of their own: a few seconds.
 std::vector<Claim> quick_claims();
 

@@ -8,6 +8,7 @@
 #include <knurl/reps/plane.hpp>
 
 #include "ridge.hpp"
+#include "weather.hpp"
 
 namespace stability {
 
@@ -51,6 +52,8 @@ struct Conditions {
     // The application.
     double update_rate = 20;  // Hz
     double answer = 25e-3;    // s, from reading the hand to its update
+    bool remote = false;      // on another host; between it and the servo:
+    knurl::bridge::proxy::Weather network;
     // What is stroked, and how fast.
     Ridge ridge = gentle_ridge;
     double speed = 0.15;  // m/s; 0: the hand drops on the surface and rests

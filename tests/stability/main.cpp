@@ -49,13 +49,15 @@ std::vector<Table> standard(unsigned seeds) {
 
 int main(int argc, char** argv) {
     CLI::App app("Largest stable stiffness of every method, by simulation on the virtual clock.");
-    bool quick = false, full = false;
+    bool quick = false, full = false, network = false;
     unsigned seeds = 10;
     int jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     std::string file, only;
     app.add_flag("--quick", quick,
                  "the directions of the main claims alone, in a few seconds; fails if one does not hold");
     app.add_flag("--full", full, "the full grid instead: many hours");
+    app.add_flag("--network", network,
+                 "the tables of a remote application instead, by the network's delay, swing and loss");
     app.add_option("--seeds", seeds, "runs of each case, the worst counts")->check(CLI::Range(1u, 1000u));
     app.add_option("--jobs", jobs, "threads")->check(CLI::Range(1, 256));
     app.add_option("--json", file, "write all tables to this file");
@@ -69,12 +71,17 @@ int main(int argc, char** argv) {
     if (quick) {
         claims = quick_claims();
     } else {
-        tables = full ? std::vector<Table>{full_grid(seeds)} : standard(seeds);
+        tables = full      ? std::vector<Table>{full_grid(seeds)}
+                 : network ? network_tables(seeds)
+                           : standard(seeds);
         if (!only.empty()) std::erase_if(tables, [&](const Table& t) { return t.key != only; });
         fill(tables, jobs, [](int done, int all) { fmt::print(stderr, "\r{} of {} rows", done, all); });
         fmt::print(stderr, "\n");
         for (const Table& table : tables) fmt::print("{}", markdown(table));
-        if (!full && only.empty()) claims = claims_of(tables);
+        if (network)
+            claims = network_claims(tables);
+        else if (!full && only.empty())
+            claims = claims_of(tables);
     }
     if (!claims.empty()) fmt::print("{}", markdown(claims));
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();

@@ -68,7 +68,7 @@ Figures servo_stroke(const std::string& name, const Conditions& conditions, doub
     terms.update_interval = c.interval();
     knurl::servo::OfflineClaim& claim = servo.claim(std::move(terms));
 
-    Application application(c, stiffness, chance.phase);
+    Application application(c, stiffness, chance.phase, seed);
     const knurl::Handle handle =
         std::visit([&](const auto& params) { return claim.add(params); }, application.first(start));
     claim.arm();

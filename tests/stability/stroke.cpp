@@ -97,7 +97,7 @@ Figures stroke(const Conditions& conditions, double stiffness, unsigned seed, un
     if (c.speed == 0) start.z() += (1 + 4 * chance.drop) * 1e-3;  // dropped from a few millimetres
     Tip tip(c, start);
 
-    Application application(c, stiffness, chance.phase);
+    Application application(c, stiffness, chance.phase, seed);
     const double automatic = knurl::automatic_fade(c.interval());
     knurl::Scene scene({.representations = 4, .probes = 1},
                        {.max_force = c.peak_force, .period = c.period()});

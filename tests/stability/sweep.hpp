@@ -26,6 +26,8 @@ Table device_table(unsigned seeds);
 Table paper_wall_table(unsigned seeds);
 /// Force error against the true surface, by application rate.
 Table error_table(unsigned seeds);
+/// A remote application: stiffness by the network's delay, its swing, its loss; a table each.
+std::vector<Table> network_tables(unsigned seeds);
 /// Everything by everything.
 Table full_grid(unsigned seeds);
 

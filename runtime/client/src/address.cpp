@@ -21,13 +21,16 @@ bool fits_a_name(char c) {
 
 }  // namespace
 
+std::optional<bridge::Endpoint> bridge_endpoint(const std::string& address) {
+    if (!address.starts_with(remote_prefix)) return std::nullopt;
+    try {
+        return bridge::resolve(address.substr(remote_prefix.size()));
+    } catch (const std::runtime_error& reason) {
+        throw Error(Error::Kind::no_servo, reason.what());
+    }
+}
+
 std::string servo_name(const std::string& address) {
-    if (address.starts_with(remote_prefix))
-        throw Error(
-            Error::Kind::no_servo,
-            fmt::format("address '{}': another host is reached through the bridge, which this build does not "
-                        "have; run on the servo's own host and use 'knurl:NAME'",
-                        address));
     const std::string name =
         address.starts_with(local_prefix) ? address.substr(local_prefix.size()) : address;
     if (name.empty() || name.size() >= protocol::name_bytes || name.front() == '.' ||

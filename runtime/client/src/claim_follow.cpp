@@ -4,9 +4,9 @@
 #include <cstring>
 
 #include <knurl/client/error.hpp>
+#include <knurl/link/clock.hpp>
 
 #include "claim_state.hpp"
-#include "clock.hpp"
 #include "validate.hpp"
 
 namespace knurl::detail {

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include <knurl/client/error.hpp>
+#include <knurl/link/clock.hpp>
 
 #include "client_state.hpp"
-#include "clock.hpp"
 #include "sentence.hpp"
 #include "validate.hpp"
 

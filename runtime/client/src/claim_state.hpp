@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <knurl/client/predict.hpp>
+#include <knurl/client/client.hpp>
 
 #include "reader.hpp"
 #include "recent.hpp"

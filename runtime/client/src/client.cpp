@@ -62,6 +62,12 @@ std::uint64_t Observer::missed() const {
 DeviceDescription Observer::device() const {
     return reader_->description();
 }
+Age Observer::age(const Report& report) const {
+    return reader_->age(report);
+}
+Network Observer::network() const {
+    return reader_->network();
+}
 bool Observer::connected() const {
     return reader_->connected();
 }
@@ -143,6 +149,10 @@ Followed AnyRepresenting::follow_raw(const SurfaceModel& model) {
 Client::Client(std::shared_ptr<detail::ClientState> state) : state_(std::move(state)) {}
 
 Client Client::connect(const std::string& address, const ConnectOptions& options) {
+    if (!(options.report_rate >= 0 && options.report_rate <= 1e6))
+        throw Error(Error::Kind::bad_parameters,
+                    "connect: report_rate = " + std::to_string(options.report_rate) +
+                        " Hz; give up to 1e6, or 0 for every report");
     return Client(detail::make_own<detail::ClientState>(address, options));
 }
 

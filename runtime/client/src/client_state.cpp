@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <thread>
 
 #include <fmt/format.h>
@@ -11,10 +12,11 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <knurl/bridge/remote.hpp>
 #include <knurl/client/error.hpp>
+#include <knurl/link/local.hpp>
 
 #include "address.hpp"
-#include "local_link.hpp"
 #include "reader.hpp"
 
 namespace knurl::detail {
@@ -39,7 +41,10 @@ bool may_be_starting(const Error& error) {
 }  // namespace
 
 ClientState::ClientState(const std::string& address, const ConnectOptions& options)
-    : servo_(servo_name(address)), options_(options), stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    : bridge_(bridge_endpoint(address)),
+      servo_(bridge_ ? bridge_->text : servo_name(address)),
+      options_(options),
+      stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     const auto deadline = Clock::now() + options_.wait;
     while (!link_) {
         try {
@@ -56,8 +61,14 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
 }
 
 std::unique_ptr<Link> ClientState::open_link(milliseconds wait_for_answer) const {
-    return connect_local(servo_, options_.name.empty() ? program_invocation_short_name : options_.name,
-                         wait_for_answer);
+    const std::string name = options_.name.empty() ? program_invocation_short_name : options_.name;
+    if (!bridge_) return connect_local(servo_, name, wait_for_answer);
+    const char* key = std::getenv("KNURL_KEY");
+    return bridge::connect_remote(
+        *bridge_, {.client_name = name,
+                   .answer_time = answer_time,  // a network may take its time
+                   .report_rate = options_.report_rate,
+                   .key_file = options_.key_file.empty() && key != nullptr ? key : options_.key_file});
 }
 
 void ClientState::throw_disconnected() const {

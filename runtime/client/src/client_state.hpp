@@ -5,15 +5,17 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <pthread.h>
 
+#include <knurl/bridge/endpoint.hpp>
+#include <knurl/client/client.hpp>
+#include <knurl/link/fork_guard.hpp>
+#include <knurl/link/transport.hpp>
 #include <knurl/shm/fd.hpp>
-
-#include "fork_guard.hpp"
-#include "transport.hpp"
 
 namespace knurl::detail {
 
@@ -52,7 +54,8 @@ class ClientState {
     [[noreturn]] void throw_disconnected() const;
 
     const std::uint64_t made_in_ = fork_generation();
-    const std::string servo_;
+    const std::optional<bridge::Endpoint> bridge_;
+    const std::string servo_;  // its name; through a bridge: host and port
     const ConnectOptions options_;
     shm::UniqueFd stop_;  // readable: the watcher ends
     pthread_t watcher_{};

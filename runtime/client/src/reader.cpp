@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <knurl/client/error.hpp>
+#include <knurl/link/clock.hpp>
 
 #include "client_state.hpp"
 #include "frame.hpp"
@@ -156,6 +157,17 @@ DeviceDescription Reader::description() {
     const Lock lock = enter();
     if (!attachment_) throw_disconnected();
     return attachment_->device;
+}
+
+Network Reader::network() {
+    const Lock lock = enter();
+    return attachment_ ? attachment_->reports->network() : Network{};
+}
+
+Age Reader::age(const Report& report) {
+    const Network between = network();
+    return {.age = nanoseconds(monotonic_ns() - report.read_ns) + between.clock_offset,
+            .uncertainty = between.clock_uncertainty};
 }
 
 bool Reader::connected() {

@@ -9,10 +9,10 @@
 #include <optional>
 #include <string>
 
+#include <knurl/client/client.hpp>
+#include <knurl/link/fork_guard.hpp>
+#include <knurl/link/transport.hpp>
 #include <knurl/shm/fd.hpp>
-
-#include "fork_guard.hpp"
-#include "transport.hpp"
 
 namespace knurl::detail {
 
@@ -34,6 +34,8 @@ class Reader {
     int fd();
     std::uint64_t missed();
     DeviceDescription description();
+    Age age(const Report& report);
+    Network network();
     bool connected();
     std::uint64_t reattachments();
 

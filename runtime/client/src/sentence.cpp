@@ -45,6 +45,10 @@ std::string reason(const protocol::Reply& reply) {
             return "the device is not connected; plug it in";
         case protocol::Refusal::malformed:
             return "the servo could not read it; build the application and the servo from the same version";
+        case protocol::Refusal::forbidden:
+            return "this key's role is render: it joins a device that somebody else has switched on; to "
+                   "switch it "
+                   "on or to reset it use a key of role control (knurl-bridge keygen --role control)";
         case protocol::Refusal::none:
             break;
     }

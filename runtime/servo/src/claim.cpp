@@ -40,7 +40,7 @@ Claim::Impl::Impl(const ClaimTerms& stated, std::byte* memory, protocol::ClientR
       row(table_row),
       scene({.representations = stated.capacity.representations, .probes = protocol::max_probes},
             stated.limits),
-      silence(stated.update_interval) {
+      silence(stated.update_interval, stated.delay_allowance) {
     if (!channels) return;
     slots.resize(terms.capacity.representations);
     felt.resize(terms.capacity.representations);

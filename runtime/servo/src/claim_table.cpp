@@ -65,6 +65,10 @@ void ClaimTable::require_sane(const protocol::ClaimRequest& request) const {
         refuse(fmt::format("update_interval = {:g} s; allowed: 0 (measured) to {:g}", request.update_interval,
                            longest_interval));
     }
+    if (!(request.delay_allowance >= 0 && request.delay_allowance <= protocol::max_delay_allowance)) {
+        refuse(fmt::format("delay_allowance = {:g} s; allowed: 0 to {:g}", request.delay_allowance,
+                           protocol::max_delay_allowance));
+    }
 }
 
 void ClaimTable::require_free_for(const protocol::ClaimRequest& request) const {
@@ -97,6 +101,7 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     terms.frame = frame_for(device_.link, request);
     terms.limits = limits_for(device_.link, device_.rate, terms.frame);
     terms.update_interval = request.update_interval;
+    terms.delay_allowance = request.delay_allowance;
     terms.observer = observer;
     terms.shared = request.shared != 0;
     terms.row = index;

@@ -1,6 +1,6 @@
 #pragma once
 // When is an application silent? When it has not committed for three of its own intervals, as measured (or as
-// it stated), and never sooner than 250 ms.
+// it stated), and never sooner than 250 ms; over a network that much later as its commits may be delayed.
 
 #include <algorithm>
 #include <cstdint>
@@ -17,8 +17,10 @@ class SilenceWatch {
     static constexpr std::uint32_t needed = 3;  // measured intervals
     static constexpr double weight = 0.25;      // of a new interval in the mean
 
-    /// `stated`: s, how often the application means to commit; 0: measure it.
-    explicit SilenceWatch(double stated) noexcept : stated_(stated > 0 ? stated : 0) {}
+    /// `stated`: s, how often the application means to commit; 0: measure it. `delay`: s, by how much a
+    /// commit may be later than the one before it was.
+    explicit SilenceWatch(double stated, double delay = 0) noexcept
+        : stated_(stated > 0 ? stated : 0), delay_(delay) {}
 
     void begin(Nanoseconds now) noexcept { last_sign_ = last_batch_ = now; }
 
@@ -40,8 +42,8 @@ class SilenceWatch {
     void sign_of_life(Nanoseconds now) noexcept { last_sign_ = now; }
 
     double limit() const noexcept {
-        if (stated_ > 0) return std::max(shortest, intervals * stated_);
-        return measured_ < needed ? unmeasured : std::max(shortest, intervals * mean_);
+        if (stated_ > 0) return delay_ + std::max(shortest, intervals * stated_);
+        return delay_ + (measured_ < needed ? unmeasured : std::max(shortest, intervals * mean_));
     }
     /// s, since it counts as silent; 0: it does not.
     double silent_for(Nanoseconds now) const noexcept {
@@ -51,7 +53,7 @@ class SilenceWatch {
     double interval() const noexcept { return stated_ > 0 ? stated_ : measured_ >= needed ? mean_ : 0; }
 
   private:
-    double stated_, mean_ = 0;
+    double stated_, delay_, mean_ = 0;
     std::uint64_t batches_ = 0;
     std::uint32_t measured_ = 0;
     Nanoseconds last_batch_ = 0, last_sign_ = 0;

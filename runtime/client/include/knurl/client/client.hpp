@@ -29,6 +29,8 @@
 
 #include <knurl/client/error.hpp>
 #include <knurl/client/predict.hpp>
+#include <knurl/link/device.hpp>
+#include <knurl/link/network.hpp>
 #include <knurl/protocol/command.hpp>
 #include <knurl/protocol/report.hpp>
 #include <knurl/reps/all.hpp>
@@ -41,6 +43,9 @@ struct ConnectOptions {
     std::string name{};                    // what `knurl ls` shows; empty: the program's
     std::chrono::milliseconds wait{2000};  // for a servo that is still starting
     bool reattach = true;                  // after a restart of the servo, and add everything again
+    // Of a servo on another host, "knurl://host:port":
+    double report_rate = 0;  // Hz, at most, by datagrams; 0: every report
+    std::string key_file{};  // one line of knurl-bridge's keys file; empty: $KNURL_KEY, or none
 };
 
 struct ClaimOptions {
@@ -50,16 +55,6 @@ struct ClaimOptions {
     std::chrono::nanoseconds update_interval{0};  // how often it means to commit; 0: measured
     std::uint32_t representations = 128;          // at most
     std::uint32_t batch_bytes = 0;                // of one commit; 0: room for all representations
-};
-
-struct DeviceDescription {
-    std::string name, address, profile, serial;
-    double rate = 0;              // Hz
-    Vec3 workspace_centre;        // m
-    double workspace_radius = 0;  // m
-    double peak_force = 0;        // N
-    double max_stiffness = 0;     // N/m
-    bool renders_torque = false;
 };
 
 /// A report in the claim's world frame (an observer's: the device's), with what only the client knows.
@@ -115,6 +110,10 @@ class Observer {
     std::uint64_t missed()
         const;  // reports overwritten before they were read; those latest() passes over are not
     DeviceDescription device() const;
+
+    /// How old a report is now: since the device was read, by the servo's clock.
+    Age age(const Report& report) const;
+    Network network() const;  // between here and the servo; all 0 on one box
 
     bool connected() const;               // false: the servo is gone, and not back yet
     std::uint64_t reattachments() const;  // how often it came back
@@ -215,8 +214,9 @@ class Representing : public AnyRepresenting {
 
 class Client {
   public:
-    /// "knurl:NAME" (or NAME): the servo of that name on this box.
-    /// Waits for one that is still starting, then says how to start it.
+    /// "knurl:NAME" (or NAME): the servo of that name on this box. "knurl://HOST:PORT": the one that a
+    /// knurl-bridge on another host stands before (IPv6: "knurl://[::1]:4096"). Waits for one that is still
+    /// starting, then says how to start it.
     static Client connect(const std::string& address = "knurl:default", const ConnectOptions& options = {});
 
     std::vector<DeviceDescription> devices() const;

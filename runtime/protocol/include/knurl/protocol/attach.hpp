@@ -63,6 +63,7 @@ struct ClaimRequest {
     double workspace_radius = 0;  // m, of the application's world; 0: the device's own (scale 1)
     Vec3 workspace_centre = {};   // m, where the device's centre lies in the application's world
     double update_interval = 0;   // s, how often it means to commit; 0: measured
+    double delay_allowance = 0;   // s, by how much longer it may seem silent: its commits come over a network
 };
 
 /// World = scale (device - device_centre) + world_centre; device force = force_scale x world force.

@@ -18,6 +18,7 @@ struct ClaimTerms {
     protocol::Frame frame;
     Limits limits;               // world units
     double update_interval = 0;  // s; 0: measured
+    double delay_allowance = 0;  // s, on top of the silence that is allowed
     bool observer = false;
     bool shared = false;
     std::uint32_t row = 0;  // in the device's table of clients

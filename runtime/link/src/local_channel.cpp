@@ -1,13 +1,12 @@
 #include <array>
 
+#include <knurl/link/local.hpp>
 #include <knurl/protocol/claim_segment.hpp>
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/spsc_ring.hpp>
 #include <knurl/shm/triple_buffer.hpp>
 #include <knurl/shm/waiter.hpp>
-
-#include "local_link.hpp"
 
 namespace knurl::detail {
 

@@ -1,9 +1,8 @@
 #pragma once
 // The two channels through shared memory: the handshake over the servo's Unix socket, then rings.
 
+#include <knurl/link/transport.hpp>
 #include <knurl/shm/segment.hpp>
-
-#include "transport.hpp"
 
 namespace knurl::detail {
 

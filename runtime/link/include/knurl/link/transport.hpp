@@ -1,7 +1,7 @@
 #pragma once
 // The seam between the library and what carries the two channels. On one box that is shared memory
-// (local_link.cpp); whoever carries them to another host implements the same three classes, and nothing above
-// this line changes.
+// (local.hpp); the bridge carries them to another host and implements the same three classes, and nothing
+// above this line differs.
 
 #include <chrono>
 #include <cstdint>
@@ -9,7 +9,9 @@
 #include <span>
 #include <vector>
 
-#include <knurl/client/client.hpp>
+#include <knurl/link/device.hpp>
+#include <knurl/link/error.hpp>
+#include <knurl/link/network.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/command.hpp>
 #include <knurl/protocol/report.hpp>
@@ -33,6 +35,7 @@ class ReportSource {
     /// Readable when a report comes after rearm().
     virtual int event() const noexcept = 0;
     virtual void rearm() noexcept = 0;
+    virtual Network network() const noexcept { return {}; }
 };
 
 /// The two channels of one claim. World frame of the claim.

@@ -1,5 +1,3 @@
-#include "local_link.hpp"
-
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -14,13 +12,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <knurl/client/error.hpp>
+#include <knurl/link/error.hpp>
+#include <knurl/link/fork_guard.hpp>
+#include <knurl/link/local.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/claim_segment.hpp>
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/shm/socket.hpp>
-
-#include "fork_guard.hpp"
 
 namespace knurl::detail {
 

@@ -1,5 +1,3 @@
-#include "fork_guard.hpp"
-
 #include <algorithm>
 #include <atomic>
 #include <mutex>
@@ -9,7 +7,8 @@
 #include <pthread.h>
 #include <unistd.h>
 
-#include <knurl/client/error.hpp>
+#include <knurl/link/error.hpp>
+#include <knurl/link/fork_guard.hpp>
 
 namespace knurl::detail {
 

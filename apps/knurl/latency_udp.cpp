@@ -1,0 +1,109 @@
+#include "latency_udp.hpp"
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <thread>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/types.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <knurl/shm/fd.hpp>
+
+#include "measure.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+constexpr Nanoseconds pace = 1'000'000;
+constexpr int patience_ms = 500;  // for an echo; above any way that haptics makes sense on
+constexpr std::size_t cold_samples = 2;
+
+shm::UniqueFd bound_socket(const bridge::Endpoint& at) {
+    shm::UniqueFd fd(::socket(at.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    if (!fd || ::bind(fd.get(), at.get(), at.length) != 0)
+        throw std::runtime_error(fmt::format("cannot echo at {}: {}", at.text, std::strerror(errno)));
+    return fd;
+}
+
+/// One datagram back. An empty one is the sign to look whether to stop.
+void echo_one(int fd) {
+    char bytes[2048];
+    sockaddr_storage from{};
+    socklen_t length = sizeof from;
+    const ssize_t got = ::recvfrom(fd, bytes, sizeof bytes, 0, reinterpret_cast<sockaddr*>(&from), &length);
+    if (got > 0)
+        ::sendto(fd, bytes, static_cast<std::size_t>(got), 0, reinterpret_cast<sockaddr*>(&from), length);
+}
+
+}  // namespace
+
+struct UdpEcho::Impl {
+    bridge::Endpoint at = bridge::resolve("127.0.0.1:0");
+    shm::UniqueFd fd = bound_socket(at);
+    std::atomic<bool> done = false;
+    std::thread thread;
+};
+
+UdpEcho::UdpEcho(const Placement& placement) : impl_(std::make_unique<Impl>()) {
+    impl_->at.length = sizeof impl_->at.address;
+    ::getsockname(impl_->fd.get(), impl_->at.get(), &impl_->at.length);
+    impl_->thread = std::thread([this, placement] {
+        settle_on(placement.servo_cpu, placement.priority);
+        while (!impl_->done) echo_one(impl_->fd.get());
+    });
+}
+
+UdpEcho::~UdpEcho() {
+    impl_->done = true;
+    const shm::UniqueFd wake(::socket(impl_->at.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    ::sendto(wake.get(), "", 0, 0, impl_->at.get(), impl_->at.length);
+    impl_->thread.join();
+}
+
+const bridge::Endpoint& UdpEcho::at() const {
+    return impl_->at;
+}
+
+void serve_udp_echo(const bridge::Endpoint& at) {
+    const shm::UniqueFd fd = bound_socket(at);
+    for (;;) echo_one(fd.get());
+}
+
+void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds length,
+                    std::vector<double>& samples) {
+    const shm::UniqueFd fd(::socket(echo.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    if (!fd || ::connect(fd.get(), echo.get(), echo.length) != 0)
+        throw std::runtime_error(
+            fmt::format("cannot reach the echo at {}: {}", echo.text, std::strerror(errno)));
+    std::vector<char> datagram(bytes);
+    const Nanoseconds begin = now_ns(), end = begin + length;
+    std::size_t seen = 0, answered = 0;
+    std::uint64_t number = 0;
+    for (Nanoseconds at = begin + pace; at < end; at = std::max(at + pace, now_ns())) {
+        sleep_until(at);
+        ++number;
+        std::memcpy(datagram.data(), &number, sizeof number);
+        const Nanoseconds sent = now_ns();
+        ::send(fd.get(), datagram.data(), datagram.size(), MSG_NOSIGNAL);
+        std::uint64_t got = 0;
+        pollfd wait{.fd = fd.get(), .events = POLLIN, .revents = 0};
+        while (got != number && ::poll(&wait, 1, patience_ms) > 0 &&
+               ::recv(fd.get(), &got, sizeof got, MSG_TRUNC) >= static_cast<ssize_t>(sizeof got)) {
+        }
+        if (got != number) continue;
+        ++answered;
+        if (seen++ >= cold_samples) samples.push_back(static_cast<double>(now_ns() - sent) / 2);
+    }
+    if (answered == 0)
+        throw std::runtime_error(fmt::format(
+            "nobody echoes at {}; start `knurl latency --serve-echo HOST:PORT` there", echo.text));
+}
+
+}  // namespace knurl::cli

@@ -1,0 +1,37 @@
+#pragma once
+// What no bridge can beat on this network: a plain UDP echo with blocking readers at both ends.
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <knurl/bridge/endpoint.hpp>
+
+#include "latency_floors.hpp"
+
+namespace knurl::cli {
+
+/// Sends each datagram back whence it came, in a thread on the servo's CPU, at a free port of 127.0.0.1.
+class UdpEcho {
+  public:
+    explicit UdpEcho(const Placement& placement);
+    ~UdpEcho();
+    UdpEcho(const UdpEcho&) = delete;
+    UdpEcho& operator=(const UdpEcho&) = delete;
+    const bridge::Endpoint& at() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Does the same in this thread, for a measurement from another host, until it is ended by a signal.
+[[noreturn]] void serve_udp_echo(const bridge::Endpoint& at);
+
+/// Half of a round trip of `bytes`, one each millisecond, appended in ns. Those that are lost are left out;
+/// throws if nobody answers at all.
+void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds length,
+                    std::vector<double>& samples);
+
+}  // namespace knurl::cli

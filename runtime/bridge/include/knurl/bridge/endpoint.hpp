@@ -1,0 +1,32 @@
+#pragma once
+// Where a bridge listens: host and port, as a user writes them.
+
+#include <string>
+
+#include <sys/socket.h>
+
+namespace knurl::bridge {
+
+inline constexpr const char* default_port = "4096";
+
+struct Endpoint {
+    sockaddr_storage address{};
+    socklen_t length = 0;
+    std::string text{};  // as it was given: "lab:4096"
+
+    const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address); }
+    sockaddr* get() { return reinterpret_cast<sockaddr*>(&address); }
+    int family() const { return address.ss_family; }
+    bool loopback() const;
+};
+
+/// "host:port", "[IPv6]:port", or a host alone (port 4096). May ask a name server. Throws std::runtime_error:
+/// one line that says what is wrong with it and how to write it.
+Endpoint resolve(const std::string& host_and_port);
+
+/// "192.168.1.7:40112", "[::1]:40112".
+std::string numeric(const sockaddr_storage& address);
+/// The same host, whatever the port.
+bool same_host(const sockaddr_storage& a, const sockaddr_storage& b);
+
+}  // namespace knurl::bridge

@@ -1,0 +1,112 @@
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+
+#include <knurl/bridge/bridge.hpp>
+
+#include "relay.hpp"
+
+namespace knurl::bridge {
+
+namespace {
+
+constexpr const char* description =
+    "Lets applications on other hosts use a servo of this host, as knurl://HOST:PORT. It is an ordinary\n"
+    "client of the servo. Without keys it listens for this host alone; with keys (made by `keygen`) all\n"
+    "is encrypted, and a key's role says what its owner may do.";
+constexpr const char* bounds =
+    "Bounds: 128 sessions, 32 claims and observers each; 16 at a time that have not said who they are, 2 s "
+    "each;\n"
+    "a session of which nothing is heard for 2 s ends; 0.2 s more than a local application before it counts "
+    "as silent.";
+
+/// Signals come through a descriptor.
+shm::UniqueFd take_signals() {
+    sigset_t set;
+    ::sigemptyset(&set);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&set, signal);
+    ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
+    std::signal(SIGPIPE, SIG_IGN);
+    shm::UniqueFd fd(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
+    if (!fd) throw std::runtime_error(fmt::format("signalfd: {}", std::strerror(errno)));
+    return fd;
+}
+
+/// Each stream costs a few descriptors, and the usual soft limit is 1024.
+void raise_descriptor_limit() {
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = std::max(limit.rlim_cur, std::min<rlim_t>(limit.rlim_max, 16384));
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+int serve(const std::string& servo, const std::string& listen, const std::string& keys_file) {
+    RelayOptions options;
+    options.servo = servo;
+    options.listen = resolve(listen);
+    if (!keys_file.empty()) {
+        options.keys = read_keys(keys_file);
+        if (options.keys.empty())
+            throw std::runtime_error(fmt::format(
+                "{}: holds no key; make one with `knurl-bridge keygen --keys {} --name NAME --role control`",
+                keys_file, keys_file));
+    }
+    const shm::UniqueFd signals = take_signals();
+    raise_descriptor_limit();
+    Relay relay(std::move(options));
+    std::printf("knurl-bridge: servo '%s' is reached at knurl://%s%s\n", servo.c_str(),
+                relay.listening_at().c_str(), keys_file.empty() ? "" : ", with a key");
+    std::fflush(stdout);
+    relay.run(signals.get());
+    return 0;
+}
+
+int generate(const std::string& file, const std::string& name, const std::string& role_word) {
+    const std::optional<Role> role = parse_role(role_word);
+    if (!role) throw std::runtime_error(fmt::format("--role {}: give observe, render or control", role_word));
+    const Key key = make_key(name, *role);
+    add_key(file, key);
+    std::printf(
+        "%s: key of %s, role %s, added. Give its owner this one line in a file of mode 0600, named by "
+        "KNURL_KEY.\n",
+        file.c_str(), name.c_str(), role_word.c_str());
+    return 0;
+}
+
+}  // namespace
+
+int bridge_main(int argc, char** argv) {
+    std::string servo = "default", listen = "127.0.0.1:4096", keys, name, role = "control", file;
+    CLI::App app(description, "knurl-bridge");
+    app.footer(bounds);
+    app.set_version_flag("--version", KNURL_VERSION);
+    app.add_option("--servo", servo, "The servo's name")->capture_default_str();
+    app.add_option("--listen", listen, "HOST:PORT, for TCP and UDP; any but this host's own needs --keys")
+        ->capture_default_str();
+    app.add_option("--keys", keys, "File of those who may come in (mode 0600)");
+    CLI::App* keygen = app.add_subcommand("keygen", "Adds a key to a file");
+    keygen->add_option("--keys", file, "The file; made if there is none")
+        ->default_val("/etc/knurl/bridge.keys");
+    keygen->add_option("--name", name, "Whose key it is")->required();
+    keygen->add_option("--role", role, "observe (reports), render (joins a device that is on), control (all)")
+        ->capture_default_str();
+    app.require_subcommand(0, 1);
+    try {
+        app.parse(argc, argv);
+        return *keygen ? generate(file, name, role) : serve(servo, listen, keys);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "knurl-bridge: %s\n", error.what());
+        return 1;
+    }
+}
+
+}  // namespace knurl::bridge

@@ -1,0 +1,121 @@
+#pragma once
+// The application's end of one connection to a bridge: the TCP frames, a UDP socket for the clock, the
+// streams, and a thread. The application's own threads do what they wait for themselves (stream.hpp); this
+// thread does what must happen without them: answers of the bridge, sending again, the clock, reading what
+// nobody reads, seeing the death of the other end.
+
+#include <array>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <pthread.h>
+
+#include <knurl/bridge/remote.hpp>
+#include <knurl/link/fork_guard.hpp>
+#include <knurl/shm/fd.hpp>
+
+#include "clock_estimate.hpp"
+#include "frame_stream.hpp"
+#include "mailbag.hpp"
+#include "post.hpp"
+
+namespace knurl::bridge {
+
+class Stream;
+
+class Connection : public std::enable_shared_from_this<Connection> {
+  public:
+    using Lock = std::unique_lock<std::mutex>;
+
+    /// Connects, greets, and sees that datagrams come through. Throws Error.
+    Connection(const Endpoint& bridge, const RemoteOptions& options);
+    ~Connection();
+    Connection(const Connection&) = delete;
+    Connection& operator=(const Connection&) = delete;
+
+    void start();  // the thread
+    void stop();   // and ends it
+
+    const std::vector<DeviceDescription>& devices() const { return devices_; }
+    pid_t servo_pid() const { return servo_pid_; }
+    int hang_up() const { return frames_.fd(); }
+
+    struct Joined {
+        std::shared_ptr<Stream> stream;
+        protocol::Claimed terms;
+    };
+    /// Throws Error. The stream is known here until release().
+    Joined attach(std::uint32_t device, const protocol::ClaimRequest& request);
+    void release(std::uint32_t stream) noexcept;
+
+    // By the streams. One lock for everything here and in them; nobody sleeps under it.
+    Lock lock() const { return Lock(mutex_); }
+    // With the lock held:
+    bool send(FrameType type, std::uint32_t stream,
+              std::span<const std::span<const std::byte>> parts) noexcept;
+    /// `room` holds a header (kind, stream, piece) and a body of together `bytes`. False: the path is too
+    /// narrow.
+    bool post(int socket, std::span<std::byte> room, std::size_t bytes) noexcept;
+    /// Opens what came in; it counts as a word from the other end.
+    Inbox::Opened open(std::span<std::byte> datagram) noexcept;
+    std::size_t overhead() const noexcept { return outbox_.overhead(); }
+    const ClockEstimate& clock() const noexcept { return clock_; }
+    bool encrypted() const noexcept { return frames_.encrypted(); }
+    Mailbag& mailbag() noexcept { return mailbag_; }
+    shm::UniqueFd datagram_socket() const;  // connected to the bridge; throws Error
+
+  private:
+    struct Answer {
+        std::optional<Attached> attached;
+        std::optional<Refused> refused;
+    };
+
+    void connect(std::chrono::steady_clock::time_point deadline);
+    void greet(const std::string& name, std::chrono::steady_clock::time_point deadline);
+    void welcome(std::span<const std::byte> payload);
+    void try_datagrams(std::chrono::steady_clock::time_point deadline);
+    const Frame* await_frame(std::chrono::steady_clock::time_point deadline);
+    [[noreturn]] void broken() const;
+    [[noreturn]] void nonsense() const;
+    Error refusal(const Refused& refused) const;
+
+    void run() noexcept;
+    void tick(std::int64_t now) noexcept;
+    void serve_frames() noexcept;
+    void take_frame(const Frame& frame) noexcept;
+    void serve_clock() noexcept;
+    void ping(std::int64_t now) noexcept;
+    void die() noexcept;
+    Stream* stream_of(std::uint32_t id) noexcept;
+
+    const Endpoint bridge_;
+    const std::chrono::milliseconds answer_time_;
+    const double report_rate_;
+    mutable std::mutex mutex_;
+    FrameStream frames_;
+    std::optional<detail::LostInChild> frames_lost_in_child_;
+    shm::UniqueFd clock_socket_, stop_;
+    pthread_t thread_{};
+    bool running_ = false;
+
+    Outbox outbox_;
+    Inbox inbox_;
+    Mailbag mailbag_;
+    std::array<CounterWindow, max_streams + 1>
+        windows_{};  // per stream, for all that use its number one after another
+    ClockEstimate clock_;
+    std::int64_t started_ns_ = 0, next_ping_ns_ = 0, heard_ns_ = 0, last_tick_ns_ = 0;
+
+    std::vector<DeviceDescription> devices_;
+    pid_t servo_pid_ = 0;
+    std::array<std::shared_ptr<Stream>, max_streams> streams_;  // of stream n at n - 1
+    std::condition_variable answered_;
+    std::optional<Answer> answer_;
+    bool dead_ = false;
+};
+
+}  // namespace knurl::bridge

@@ -1,0 +1,69 @@
+#pragma once
+// Datagrams to many peers in few system calls.
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <span>
+
+#include <sys/socket.h>
+
+#include "wire.hpp"
+
+namespace knurl::bridge {
+
+class OutQueue {
+  public:
+    static constexpr std::size_t most = 64;
+
+    explicit OutQueue(int socket) noexcept : socket_(socket) {}
+    OutQueue(const OutQueue&) = delete;
+    OutQueue& operator=(const OutQueue&) = delete;
+
+    /// A buffer to write the next one into.
+    std::span<std::byte> room() noexcept {
+        if (size_ == most) flush();
+        return buffers_[size_];
+    }
+    /// It is `bytes` long now. `limit` goes down if the path to that peer carries less; it must live until
+    /// flush().
+    void put(std::size_t bytes, const sockaddr_storage& to, socklen_t to_length,
+             std::size_t* limit) noexcept {
+        to_[size_] = to;
+        pieces_[size_] = {.iov_base = buffers_[size_].data(), .iov_len = bytes};
+        messages_[size_].msg_hdr = {};
+        messages_[size_].msg_hdr.msg_name = &to_[size_];
+        messages_[size_].msg_hdr.msg_namelen = to_length;
+        messages_[size_].msg_hdr.msg_iov = &pieces_[size_];
+        messages_[size_].msg_hdr.msg_iovlen = 1;
+        limits_[size_++] = limit;
+    }
+
+    /// What the kernel does not take is lost, as on any network.
+    void flush() noexcept {
+        for (std::size_t done = 0; done < size_;) {
+            const int sent = ::sendmmsg(socket_, messages_.data() + done, static_cast<unsigned>(size_ - done),
+                                        MSG_DONTWAIT | MSG_NOSIGNAL);
+            if (sent > 0) {
+                done += static_cast<std::size_t>(sent);
+                continue;
+            }
+            if (errno == EMSGSIZE && limits_[done] != nullptr)
+                *limits_[done] = std::max(least_datagram_bytes, *limits_[done] * 3 / 4);
+            ++done;  // one peer's trouble is not the next one's
+        }
+        size_ = 0;
+    }
+
+  private:
+    int socket_;
+    std::size_t size_ = 0;
+    std::array<std::array<std::byte, datagram_bytes>, most> buffers_;
+    std::array<sockaddr_storage, most> to_;
+    std::array<iovec, most> pieces_;
+    std::array<mmsghdr, most> messages_;
+    std::array<std::size_t*, most> limits_;
+};
+
+}  // namespace knurl::bridge

@@ -1,0 +1,282 @@
+#include "peer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include <knurl/link/clock.hpp>
+#include <knurl/link/local.hpp>
+
+namespace knurl::bridge {
+
+namespace {
+
+constexpr std::chrono::milliseconds answer_time{500};  // of the servo's broker: all peers wait meanwhile
+constexpr std::size_t waiting_bytes = 256 * 1024;      // for a peer that reads slowly
+constexpr std::size_t most_sessions = 128;             // as many clients as a device takes
+
+template <std::size_t n>
+std::string printable(const char (&field)[n]) {
+    std::string text = text_of(field);
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return text.empty() ? "unnamed" : text;
+}
+
+DeviceRow row_of(const DeviceDescription& device) {
+    DeviceRow row;
+    put_text(row.name, device.name);
+    put_text(row.address, device.address);
+    put_text(row.profile, device.profile);
+    put_text(row.serial, device.serial);
+    row.rate = device.rate;
+    row.workspace_centre = device.workspace_centre;
+    row.workspace_radius = device.workspace_radius;
+    row.peak_force = device.peak_force;
+    row.max_stiffness = device.max_stiffness;
+    row.renders_torque = device.renders_torque ? 1 : 0;
+    return row;
+}
+
+}  // namespace
+
+Peer::Peer(shm::UniqueFd socket, const sockaddr_storage& from, std::uint64_t session,
+           std::shared_ptr<const TlsContext> tls, std::int64_t now)
+    : frames_(std::move(socket), true, std::move(tls),
+              {.payload = max_frame_bytes, .outgoing = waiting_bytes}),
+      from_(from),
+      session_(session),
+      name_(numeric(from)),
+      heard_ns_(now) {
+    frames_.limit_payload(max_greeting_bytes);
+}
+
+Peer::~Peer() = default;
+
+bool Peer::fail(std::string why) {
+    why_ = std::move(why);
+    return false;
+}
+
+PeerStream* Peer::stream_of(std::uint32_t id) noexcept {
+    return id >= 1 && id <= streams_.size() ? streams_[id - 1].get() : nullptr;
+}
+
+bool Peer::serve(Desk& desk, std::int64_t now) {
+    frames_.pump();
+    while (const Frame* frame = frames_.next()) {
+        heard_ns_ = now;
+        if (!take_frame(*frame, desk)) return false;
+    }
+    if (frames_.state() == FrameStream::State::closed)
+        return fail(frames_.reason().empty() ? "it hung up" : frames_.reason());
+    return true;
+}
+
+bool Peer::take_frame(const Frame& frame, Desk& desk) {
+    const auto type = static_cast<FrameType>(frame.type);
+    if (!greeted())
+        return type == FrameType::hello ? greet(frame.payload, desk) : fail("it did not say hello first");
+    if (type == FrameType::attach) return attach(frame.payload, desk);
+    PeerStream* stream = stream_of(frame.stream);
+    // Of one that was released meanwhile, or that never was: nobody is harmed by leaving it alone.
+    if (stream == nullptr) return true;
+    const char* why = "";
+    switch (type) {
+        case FrameType::release:
+            release(frame.stream, desk);
+            return true;
+        case FrameType::commands: {
+            Report newest;
+            const bool known = role_ == Role::render && desk.pulse.newest(stream->device(), newest);
+            return stream->commands(frame.payload, role_, known ? &newest : nullptr, why) || fail(why);
+        }
+        case FrameType::batch:
+            return stream->batch(frame.payload, why) || fail(why);
+        default:
+            return fail(fmt::format("a frame of type {}, which none of ours has", frame.type));
+    }
+}
+
+// ---------------------------------------------------------------------------------------------- handshake
+
+bool Peer::refuse(const Error& error) noexcept {
+    Refused refused;
+    refused.kind = static_cast<std::uint32_t>(error.kind);
+    refused.holder_pid = static_cast<std::uint32_t>(error.holder);
+    put_text(refused.text, error.what());
+    return frames_.send(static_cast<std::uint16_t>(FrameType::refused), 0, bytes_of(refused));
+}
+
+bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
+    Hello hello;
+    const bool whole = take(payload, hello);
+    if (!whole || hello.magic != wire_magic || hello.version != wire_version || hello.layout != wire_hash()) {
+        refuse(Error(
+            Error::Kind::incompatible,
+            "build mismatch: the application and the bridge are not of the same version; rebuild the one and "
+            "restart the other"));
+        return fail("it is of another version");
+    }
+    name_ = fmt::format("{}@{}", printable(hello.client), numeric(from_));
+    if (!desk.keys.empty()) {
+        const Key* key = find_key(desk.keys, frames_.peer_identity());
+        if (key == nullptr) return fail("its key is not in the file");  // TLS has let nobody else in
+        role_ = key->role;
+        name_ = fmt::format("{}@{}", key->name, numeric(from_));
+    }
+    if (desk.sessions >= most_sessions) {
+        refuse(
+            Error(Error::Kind::refused,
+                  fmt::format("the bridge has {} sessions, which is all it takes; end one", most_sessions)));
+        return fail("there are too many");
+    }
+    try {
+        desk.pulse.open();
+        link_ = detail::connect_local(desk.servo, name_, answer_time);
+    } catch (const Error& error) {
+        refuse(Error(error.kind, fmt::format("the bridge is there, but {}", error.what())));
+        return fail(error.what());
+    }
+    const std::optional<DirectionKeys> keys = frames_.export_keys(exporter_label);
+    outbox_ = Outbox(session_, keys ? &keys->send : nullptr);
+    inbox_ = Inbox(session_, keys ? &keys->receive : nullptr);
+    frames_.limit_payload(max_frame_bytes);
+
+    const Welcome welcome{.session = session_,
+                          .devices = static_cast<std::uint32_t>(link_->devices().size()),
+                          .servo_pid = static_cast<std::uint32_t>(link_->servo_pid()),
+                          .role = static_cast<std::uint32_t>(role_)};
+    std::vector<DeviceRow> rows;
+    for (const DeviceDescription& device : link_->devices()) rows.push_back(row_of(device));
+    const std::array parts{bytes_of(welcome), std::as_bytes(std::span(rows))};
+    return frames_.send(static_cast<std::uint16_t>(FrameType::welcome), 0, parts) || fail("it does not read");
+}
+
+std::optional<std::string> Peer::forbidden(const protocol::ClaimRequest& request) const {
+    if (request.observe != 0 || role_ == Role::control) return std::nullopt;
+    if (role_ == Role::observe)
+        return fmt::format(
+            "the key of {} has role observe: it reads reports; to claim a device use one of role render "
+            "or control (knurl-bridge keygen --role control)",
+            name_);
+    if (request.shared == 0)
+        return fmt::format(
+            "the key of {} has role render: it claims devices with ClaimOptions::shared only; to have "
+            "one alone use a key of role control (knurl-bridge keygen --role control)",
+            name_);
+    return std::nullopt;
+}
+
+bool Peer::attach(std::span<const std::byte> payload, Desk& desk) {
+    Attach message;
+    if (!take(payload, message)) return fail("an attach that is none");
+    // The next number, not the lowest: what is late on its way to a stream that has ended finds no other one
+    // there.
+    auto free = streams_.end();
+    for (std::size_t i = 0; i < streams_.size() && free == streams_.end(); ++i) {
+        const auto candidate =
+            streams_.begin() + static_cast<std::ptrdiff_t>((next_stream_ + i) % streams_.size());
+        if (!*candidate) free = candidate;
+    }
+    try {
+        if (free == streams_.end())
+            throw Error(Error::Kind::refused,
+                        fmt::format("one connection holds up to {} claims and observers; connect once more",
+                                    max_streams));
+        if (message.request.device >= link_->devices().size())
+            throw Error(Error::Kind::no_such_device,
+                        fmt::format("device {} of {}", message.request.device, link_->devices().size()));
+        if (!(message.report_rate >= 0 && message.report_rate <= 1e6))
+            throw Error(
+                Error::Kind::bad_parameters,
+                fmt::format("report_rate = {:g} Hz; give 0 (every report) to 1e6", message.report_rate));
+        if (const auto reason = forbidden(message.request)) throw Error(Error::Kind::permission, *reason);
+        message.request.delay_allowance = delay_allowance;
+        const auto id = static_cast<std::uint32_t>(free - streams_.begin() + 1);
+        detail::Attachment attachment = link_->attach(message.request.device, message.request);
+        const Attached attached{.terms = attachment.terms, .device = attachment.device_index, .stream = id};
+        next_stream_ = id;  // the place after this one
+        *free = std::make_unique<PeerStream>(id, std::move(attachment), message.report_rate);
+        desk.pulse.join(attached.device);
+        return frames_.send(static_cast<std::uint16_t>(FrameType::attached), 0, bytes_of(attached)) ||
+               fail("it does not read");
+    } catch (const Error& error) {
+        return refuse(error) || fail("it does not read");
+    }
+}
+
+void Peer::release(std::uint32_t id, Desk& desk) noexcept {
+    PeerStream* stream = stream_of(id);
+    if (stream == nullptr) return;
+    desk.out.flush();  // what waits there points into it
+    desk.pulse.leave(stream->device());
+    link_->release(stream->attachment());
+    streams_[id - 1].reset();
+}
+
+void Peer::close(Desk& desk, Error::Kind kind, const std::string& text) noexcept {
+    for (std::uint32_t id = 1; id <= streams_.size(); ++id) release(id, desk);
+    if (frames_.state() == FrameStream::State::open && !text.empty()) {
+        Refused refused;
+        refused.kind = static_cast<std::uint32_t>(kind);
+        put_text(refused.text, text);
+        frames_.send(static_cast<std::uint16_t>(FrameType::refused), 0, bytes_of(refused));
+    }
+    frames_.close();
+}
+
+void Peer::say_gone(const std::string& text) noexcept {
+    frames_.send(static_cast<std::uint16_t>(FrameType::gone), 0, std::as_bytes(std::span(text)));
+}
+
+// ------------------------------------------------------------------------------------------- the data path
+
+bool Peer::cycle(std::uint32_t device, const Report& report, std::int64_t now, Desk& desk) noexcept {
+    for (const auto& stream : streams_) {
+        if (!stream || stream->device() != device) continue;
+        const char* why = "";
+        if (!stream->cycle(report, now, way(desk), why)) {
+            why_ = why;
+            return false;
+        }
+    }
+    return true;
+}
+
+void Peer::datagram(std::span<std::byte> datagram, const sockaddr_storage& from, socklen_t from_length,
+                    std::int64_t now, Desk& desk) noexcept {
+    if (!greeted()) return;
+    const Inbox::Opened opened = inbox_.open(datagram, windows_);
+    if (opened.verdict != Inbox::Verdict::good) return;
+    heard_ns_ = now;
+    std::span<const std::byte> body = opened.body;
+    if (opened.header.kind == DatagramKind::ping) {
+        PingBody ping;
+        if (!take(body, ping)) return;
+        const std::span<std::byte> room = desk.out.room();
+        const DatagramHeader header{.kind = DatagramKind::pong};
+        const PongBody pong{
+            .ping_sent_ns = ping.sent_ns, .received_ns = now, .sent_ns = detail::monotonic_ns()};
+        std::memcpy(room.data(), &header, sizeof header);
+        std::memcpy(room.data() + sizeof header, &pong, sizeof pong);
+        if (const std::size_t length = outbox_.close(room, sizeof header + sizeof pong))
+            desk.out.put(length, from, from_length, nullptr);
+        return;
+    }
+    PeerStream* stream = stream_of(opened.header.stream);
+    if (stream == nullptr) return;
+    HelloBody hello;
+    if (opened.header.kind == DatagramKind::batch) {
+        stream->batch_piece(opened.header, body);
+    } else if (opened.header.kind == DatagramKind::hello && take(body, hello)) {
+        stream->bind(from, from_length);
+        Report newest;
+        if (hello.received == 0 && desk.pulse.newest(stream->device(), newest))
+            stream->repeat(newest, way(desk));
+    }
+}
+
+}  // namespace knurl::bridge

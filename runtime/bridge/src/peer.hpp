@@ -1,0 +1,82 @@
+#pragma once
+// One session at the servo's end: its connection, its role, its local client, its streams.
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <knurl/bridge/endpoint.hpp>
+#include <knurl/link/transport.hpp>
+
+#include "peer_stream.hpp"
+#include "pulse.hpp"
+
+namespace knurl::bridge {
+
+/// What a peer needs of the program that it is a part of.
+struct Desk {
+    const std::string& servo;
+    std::span<const Key> keys;  // none: whoever comes may do all
+    Pulse& pulse;
+    OutQueue& out;
+    std::size_t sessions = 0;  // open now
+};
+
+class Peer {
+  public:
+    Peer(shm::UniqueFd socket, const sockaddr_storage& from, std::uint64_t session,
+         std::shared_ptr<const TlsContext> tls, std::int64_t now);
+    ~Peer();
+    Peer(const Peer&) = delete;
+    Peer& operator=(const Peer&) = delete;
+
+    int fd() const noexcept { return frames_.fd(); }
+    int hang_up() const noexcept { return link_ ? link_->hang_up() : -1; }
+    bool wants_write() const noexcept { return frames_.wants_write(); }
+    bool greeted() const noexcept { return link_ != nullptr; }
+    std::uint64_t session() const noexcept { return session_; }
+    const sockaddr_storage& from() const noexcept { return from_; }
+    const std::string& name() const noexcept { return name_; }  // name@host:port
+    Role role() const noexcept { return role_; }
+    std::int64_t heard_ns() const noexcept { return heard_ns_; }
+    void heard(std::int64_t now) noexcept { heard_ns_ = now; }
+
+    // Each false: it is to be closed, for why().
+    bool serve(Desk& desk, std::int64_t now);  // its connection has something, or room
+    bool cycle(std::uint32_t device, const Report& report, std::int64_t now, Desk& desk) noexcept;
+    void datagram(std::span<std::byte> datagram, const sockaddr_storage& from, socklen_t from_length,
+                  std::int64_t now, Desk& desk) noexcept;
+
+    const std::string& why() const noexcept { return why_; }
+    /// Says why, if the peer can understand it, and closes.
+    void close(Desk& desk, Error::Kind kind, const std::string& text) noexcept;
+    void say_gone(const std::string& text) noexcept;
+
+  private:
+    bool take_frame(const Frame& frame, Desk& desk);
+    bool greet(std::span<const std::byte> payload, Desk& desk);
+    bool attach(std::span<const std::byte> payload, Desk& desk);
+    void release(std::uint32_t stream, Desk& desk) noexcept;
+    bool refuse(const Error& error) noexcept;
+    std::optional<std::string> forbidden(const protocol::ClaimRequest& request) const;
+    bool fail(std::string why);
+    PeerStream* stream_of(std::uint32_t id) noexcept;
+    Way way(Desk& desk) noexcept { return {.frames = frames_, .outbox = outbox_, .out = desk.out}; }
+
+    FrameStream frames_;
+    const sockaddr_storage from_;
+    const std::uint64_t session_;
+    std::string name_;
+    Role role_ = Role::control;
+    std::unique_ptr<detail::Link> link_;  // null: not greeted yet
+    Outbox outbox_;
+    Inbox inbox_;
+    std::array<CounterWindow, max_streams + 1> windows_{};
+    std::array<std::unique_ptr<PeerStream>, max_streams> streams_;
+    std::size_t next_stream_ = 0;
+    std::int64_t heard_ns_;
+    std::string why_;
+};
+
+}  // namespace knurl::bridge

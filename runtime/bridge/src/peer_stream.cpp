@@ -1,0 +1,265 @@
+#include "peer_stream.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include <knurl/shm/spsc_ring.hpp>
+
+namespace knurl::bridge {
+
+namespace {
+
+constexpr std::int64_t felt_interval_ns = 20'000'000;  // of feedback that is too large for datagrams
+constexpr std::size_t felt_backlog = 64 * 1024;        // bytes on their way already: none then
+constexpr std::size_t entry_bytes = sizeof(protocol::FeedbackEntry);
+
+/// Whole messages, and the last of them ends its group. The servo counts cells as we do here, so that what is
+/// marked here is what it reads there.
+bool well_formed(std::span<const std::byte> cells) noexcept {
+    bool more = true;
+    while (!cells.empty()) {
+        protocol::CommandHeader header;
+        if (cells.size() < shm::cell_bytes) return false;
+        std::memcpy(static_cast<void*>(&header), cells.data(), sizeof header);
+        const std::size_t bytes = std::size_t{header.cells} * shm::cell_bytes;
+        if (bytes == 0 || bytes > cells.size() || header.more > 1) return false;
+        more = header.more != 0;
+        cells = cells.subspan(bytes);
+    }
+    return !more;
+}
+
+bool switched_on(const Report* newest) noexcept {
+    return newest != nullptr &&
+           (newest->state == DeviceState::ramp_up || newest->state == DeviceState::active);
+}
+
+bool allowed(std::uint32_t type, const Report* newest) noexcept {
+    if (type == static_cast<std::uint32_t>(protocol::CommandType::reset_fault)) return false;
+    return type != static_cast<std::uint32_t>(protocol::CommandType::arm) || switched_on(newest);
+}
+
+void mark_forbidden(std::span<std::byte> cells, const Report* newest) noexcept {
+    for (std::size_t at = 0; at < cells.size();) {
+        std::uint32_t type = 0;
+        protocol::CommandHeader header;
+        std::memcpy(&type, cells.data() + at + offsetof(protocol::CommandHeader, type), sizeof type);
+        std::memcpy(&header.cells, cells.data() + at, sizeof header.cells);
+        if (!allowed(type, newest)) {
+            std::byte* const more = cells.data() + at + offsetof(protocol::CommandHeader, more);
+            std::memcpy(&header.more, more, sizeof header.more);
+            header.more |= protocol::forbidden_command;
+            std::memcpy(more, &header.more, sizeof header.more);
+        }
+        at += std::size_t{header.cells} * shm::cell_bytes;
+    }
+}
+
+}  // namespace
+
+PeerStream::PeerStream(std::uint32_t id, detail::Attachment attachment, double report_rate)
+    : id_(id),
+      attachment_(std::move(attachment)),
+      period_ns_(report_rate > 0 ? std::llround(std::min(1e9 / report_rate, 3.6e12)) : 0) {
+    if (!attachment_.channel) return;
+    const std::size_t ring = std::size_t{attachment_.channel->command_cells()} * shm::cell_bytes;
+    waiting_.reserve(ring);
+    scratch_.reserve(ring);
+    entries_.reserve(attachment_.terms.capacity.representations);
+}
+
+void PeerStream::bind(const sockaddr_storage& to, socklen_t length) noexcept {
+    to_ = to;
+    to_length_ = length;
+}
+
+// ------------------------------------------------------------------------------------------ to the servo
+
+bool PeerStream::commands(std::span<const std::byte> cells, Role role, const Report* newest,
+                          const char*& why) noexcept {
+    why = "commands of an observer";
+    if (!attachment_.channel) return false;
+    why = "commands that are not whole groups of messages";
+    if (cells.size() % shm::cell_bytes != 0 || !well_formed(cells)) return false;
+    // Its end keeps within the ring until it has the answers, so that this is nobody of ours.
+    why = "more commands than it has room for";
+    if (cells.size() > scratch_.capacity() || waiting_.size() + cells.size() > waiting_.capacity())
+        return false;
+    scratch_.assign(cells.begin(), cells.end());
+    if (role == Role::render) mark_forbidden(scratch_, newest);
+    if (push_waiting() && attachment_.channel->push(
+                              scratch_.data(), static_cast<std::uint32_t>(scratch_.size() / shm::cell_bytes)))
+        return true;
+    // The servo answers before it frees the cells: a quick peer's next commands may be here in between.
+    waiting_.insert(waiting_.end(), scratch_.begin(), scratch_.end());
+    return true;
+}
+
+/// Group by group, as they came. True: none is left.
+bool PeerStream::push_waiting() noexcept {
+    std::size_t done = 0;
+    while (done < waiting_.size()) {
+        std::size_t end = done;
+        bool more = true;
+        while (more && end < waiting_.size()) {
+            std::uint32_t cells = 0, flags = 0;
+            std::memcpy(&cells, waiting_.data() + end, sizeof cells);
+            std::memcpy(&flags, waiting_.data() + end + offsetof(protocol::CommandHeader, more),
+                        sizeof flags);
+            more = (flags & 1u) != 0;
+            end += std::size_t{cells} * shm::cell_bytes;
+        }
+        if (!attachment_.channel->push(waiting_.data() + done,
+                                       static_cast<std::uint32_t>((end - done) / shm::cell_bytes)))
+            break;
+        done = end;
+    }
+    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(done));
+    return waiting_.empty();
+}
+
+bool PeerStream::batch(std::span<const std::byte> whole, const char*& why) noexcept {
+    why = "a batch that is none";
+    protocol::BatchHeader header;
+    if (!attachment_.channel || whole.size() < sizeof header) return false;
+    std::memcpy(&header, whole.data(), sizeof header);
+    if (header.bytes != whole.size() - sizeof header || header.bytes > attachment_.terms.capacity.batch_bytes)
+        return false;
+    if (batches_.whole(header.sequence)) publish(whole);
+    return true;
+}
+
+void PeerStream::batch_piece(const DatagramHeader& header, std::span<const std::byte> body) noexcept {
+    BatchPiece piece;
+    if (!attachment_.channel || !take(body, piece)) return;
+    const std::span<const std::byte> whole = batches_.add(header, piece, body);
+    if (!whole.empty()) publish(whole);
+}
+
+/// What is in it the servo checks. Only what does not fit the ring, or is not what its datagrams said, ends
+/// here.
+void PeerStream::publish(std::span<const std::byte> whole) noexcept {
+    protocol::BatchHeader header;
+    if (whole.size() < sizeof header) return;
+    std::memcpy(&header, whole.data(), sizeof header);
+    const std::span<const std::byte> entries = whole.subspan(sizeof header);
+    if (header.bytes != entries.size() || header.bytes % 8 != 0 ||
+        header.bytes > attachment_.terms.capacity.batch_bytes)
+        return;
+    attachment_.channel->publish(header, entries);
+}
+
+// ------------------------------------------------------------------------------------------- to the peer
+
+bool PeerStream::cycle(const Report& report, std::int64_t now, const Way& way, const char*& why) noexcept {
+    bool acknowledges = false;
+    if (attachment_.channel) {
+        if (!waiting_.empty()) push_waiting();
+        // In this order: the answers to all that this feedback knows of go before it.
+        attachment_.channel->feedback(feedback_, entries_);
+        if (!answer(way, why)) return false;
+        acknowledges = feedback_.batch != told_batch_ || feedback_.refused_batch != told_refused_;
+        told_batch_ = feedback_.batch;
+        told_refused_ = feedback_.refused_batch;
+        why = "it does not read what it is sent";
+        if (!send_felt(now, way)) return false;
+    }
+    if (to_length_ == 0) return true;
+    if (due(report)) {
+        ++number_;
+        send(&report, way);
+    } else if (acknowledges) {
+        send(nullptr, way);  // whoever reads seldom still learns at once what has taken effect
+    }
+    return true;
+}
+
+bool PeerStream::due(const Report& report) noexcept {
+    if (period_ns_ == 0) return true;
+    if (report.deadline_ns < due_ns_) return false;
+    // Kept to the grid, so that a rate which does not divide the servo's is right in the mean.
+    due_ns_ = (report.deadline_ns - due_ns_ > period_ns_ ? report.deadline_ns : due_ns_) + period_ns_;
+    return true;
+}
+
+bool PeerStream::answer(const Way& way, const char*& why) noexcept {
+    why = "it does not read the answers to its commands";
+    std::array<protocol::Reply, 64> replies;
+    for (std::size_t count = replies.size(); count == replies.size();) {
+        for (count = 0; count < replies.size() && attachment_.channel->reply(replies[count]);) ++count;
+        if (count > 0 &&
+            !way.frames.send(static_cast<std::uint16_t>(FrameType::replies), static_cast<std::uint16_t>(id_),
+                             std::as_bytes(std::span(replies.data(), count))))
+            return false;
+        answers_ += count;
+    }
+    return true;
+}
+
+/// Datagrams that all of it takes; more than max_pieces: it goes by TCP.
+std::size_t PeerStream::pieces(std::size_t overhead, bool report) const noexcept {
+    const std::size_t room = limit_ - overhead - sizeof(ReportPiece);
+    const std::size_t first = room - (report ? sizeof(Report) : 0) - sizeof(protocol::FeedbackHeader);
+    if (entries_.size() <= first / entry_bytes) return 1;
+    const std::size_t left = entries_.size() - first / entry_bytes, each = room / entry_bytes;
+    return 1 + (left + each - 1) / each;
+}
+
+void PeerStream::send(const Report* report, const Way& way) noexcept {
+    const std::size_t overhead = way.outbox.overhead();
+    const bool claim = attachment_.channel != nullptr;
+    std::size_t count = claim && !entries_.empty() ? pieces(overhead, report != nullptr) : 1;
+    const bool felt = claim && !entries_.empty() && count <= max_pieces;
+    if (!felt) count = 1;
+    std::size_t entry = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::span<std::byte> room = way.out.room();
+        const DatagramHeader header{.kind = DatagramKind::report,
+                                    .stream = static_cast<std::uint8_t>(id_),
+                                    .piece = static_cast<std::uint8_t>(i),
+                                    .pieces = static_cast<std::uint8_t>(count)};
+        ReportPiece piece{.number = number_, .feedback_cycle = feedback_.cycle, .answers = answers_};
+        std::size_t at = sizeof header + sizeof piece;
+        const auto put = [&](const void* bytes, std::size_t size) {
+            std::memcpy(room.data() + at, bytes, size);
+            at += size;
+        };
+        if (i == 0 && report != nullptr) {
+            piece.flags |= piece_flags::report;
+            put(report, sizeof *report);
+        }
+        if (i == 0 && claim) {
+            piece.flags |= piece_flags::feedback;
+            put(&feedback_, sizeof feedback_);
+        }
+        if (felt) {
+            const std::size_t tag = overhead - sizeof header;
+            piece.flags |= piece_flags::felt;
+            piece.first_entry = static_cast<std::uint32_t>(entry);
+            piece.entries = static_cast<std::uint32_t>(
+                std::min((limit_ - at - tag) / entry_bytes, entries_.size() - entry));
+            put(entries_.data() + entry, piece.entries * entry_bytes);
+            entry += piece.entries;
+        }
+        std::memcpy(room.data(), &header, sizeof header);
+        std::memcpy(room.data() + sizeof header, &piece, sizeof piece);
+        if (const std::size_t length = way.outbox.close(room, at))
+            way.out.put(length, to_, to_length_, &limit_);
+    }
+}
+
+/// Feedback that is too large for datagrams, now and then. False: no room.
+bool PeerStream::send_felt(std::int64_t now, const Way& way) noexcept {
+    if (entries_.empty() || feedback_.cycle == felt_sent_ || now - felt_sent_ns_ < felt_interval_ns ||
+        pieces(way.outbox.overhead(), true) <= max_pieces || way.frames.queued() > felt_backlog)
+        return true;
+    felt_sent_ = feedback_.cycle;
+    felt_sent_ns_ = now;
+    const std::array parts{bytes_of(feedback_), std::as_bytes(std::span(entries_))};
+    return way.frames.send(static_cast<std::uint16_t>(FrameType::feedback), static_cast<std::uint16_t>(id_),
+                           parts);
+}
+
+}  // namespace knurl::bridge

@@ -1,0 +1,73 @@
+#pragma once
+// The servo's end of one claim or observer of a peer: an ordinary claim of this process, pumped to and fro.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <knurl/link/transport.hpp>
+
+#include "batch_assembly.hpp"
+#include "frame_stream.hpp"
+#include "out_queue.hpp"
+#include "post.hpp"
+
+namespace knurl::bridge {
+
+/// What all streams of a peer send through.
+struct Way {
+    FrameStream& frames;
+    Outbox& outbox;
+    OutQueue& out;
+};
+
+class PeerStream {
+  public:
+    PeerStream(std::uint32_t id, detail::Attachment attachment, double report_rate);
+
+    std::uint32_t device() const noexcept { return attachment_.device_index; }
+    const detail::Attachment& attachment() const noexcept { return attachment_; }
+
+    /// Reports go there from now on.
+    void bind(const sockaddr_storage& to, socklen_t length) noexcept;
+
+    // Each false: the peer is to be closed, for `why`.
+    bool commands(std::span<const std::byte> cells, Role role, const Report* newest,
+                  const char*& why) noexcept;
+    bool batch(std::span<const std::byte> whole, const char*& why) noexcept;  // by TCP
+    /// A cycle has ended: its report, answers, feedback.
+    bool cycle(const Report& report, std::int64_t now, const Way& way, const char*& why) noexcept;
+
+    void batch_piece(const DatagramHeader& header, std::span<const std::byte> body) noexcept;
+    /// For a peer that has none: the newest again, under its own number.
+    void repeat(const Report& report, const Way& way) noexcept { send(&report, way); }
+
+  private:
+    bool push_waiting() noexcept;
+    bool answer(const Way& way, const char*& why) noexcept;
+    void publish(std::span<const std::byte> whole) noexcept;
+    bool due(const Report& report) noexcept;
+    void send(const Report* report, const Way& way) noexcept;
+    bool send_felt(std::int64_t now, const Way& way) noexcept;
+    std::size_t pieces(std::size_t overhead, bool report) const noexcept;
+
+    const std::uint32_t id_;
+    detail::Attachment attachment_;
+    std::int64_t period_ns_, due_ns_ = 0;  // by the reports' deadlines; 0: each report
+    sockaddr_storage to_{};
+    socklen_t to_length_ = 0;  // 0: not bound yet
+    std::size_t limit_ = datagram_bytes;
+    std::uint64_t number_ = 0;
+
+    std::vector<std::byte> waiting_;  // commands that the servo's ring had no room for; reserved
+    std::vector<std::byte> scratch_;  // commands, to be marked; reserved
+    BatchAssembly batches_;
+    protocol::FeedbackHeader feedback_;
+    std::vector<protocol::FeedbackEntry> entries_;
+    std::uint64_t answers_ = 0;                        // sent
+    std::uint64_t told_batch_ = 0, told_refused_ = 0;  // acknowledged so far
+    std::uint64_t felt_sent_ = 0;                      // cycle of what went by TCP
+    std::int64_t felt_sent_ns_ = 0;
+};
+
+}  // namespace knurl::bridge

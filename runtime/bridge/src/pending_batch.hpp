@@ -1,0 +1,53 @@
+#pragma once
+// The application's end of the data channel: what was committed and is not known to have reached the servo.
+// Per slot the newest parameters are pending until the servo has acknowledged the batch that brought them, or
+// a later one; what is sent is always all that is pending, under the newest sequence. So whichever datagram
+// comes through, it makes up for all that were lost before it.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <knurl/protocol/claim_segment.hpp>
+#include <knurl/protocol/command.hpp>
+
+namespace knurl::bridge {
+
+class PendingBatch {
+  public:
+    explicit PendingBatch(const protocol::ClaimCapacity& capacity);
+
+    /// A commit: `entries` is header.bytes long, and at most the claim's batch_bytes. Writes message() anew.
+    void merge(const protocol::BatchHeader& header, std::span<const std::byte> entries) noexcept;
+    /// The servo has taken (or refused) everything up to that batch.
+    void acknowledged(std::uint64_t sequence) noexcept;
+    /// The servo has confirmed a removal: what is pending for that handle is for nobody.
+    void removed(Handle handle) noexcept;
+
+    bool unacknowledged() const noexcept { return newest_ > acknowledged_; }
+    std::uint64_t sequence() const noexcept { return newest_; }
+    std::size_t entries() const noexcept { return pending_.size(); }
+    /// BatchHeader and all pending entries, as of the newest commit: the same bytes each time it is sent
+    /// again.
+    std::span<const std::byte> message() const noexcept { return {message_.data(), message_size_}; }
+
+  private:
+    struct Slot {
+        protocol::EntryHeader header;
+        std::uint64_t sequence = 0;  // of the batch that brought this
+        bool pending = false;
+        std::byte params[protocol::max_parameter_bytes];
+    };
+    void take_entry(const protocol::EntryHeader& header, const std::byte* params) noexcept;
+    void write_message(protocol::BatchHeader header) noexcept;
+
+    std::vector<Slot> slots_;
+    std::vector<std::uint32_t> pending_;  // reserved
+    std::vector<std::byte> message_;
+    std::size_t message_size_ = 0;
+    std::size_t most_bytes_;
+    std::uint64_t newest_ = 0, acknowledged_ = 0;
+};
+
+}  // namespace knurl::bridge

@@ -1,0 +1,45 @@
+#pragma once
+// The bridge's own observer of each device: the one that the servo wakes, whatever the number of peers. Only
+// while somebody's stream is open is it woken at all.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <knurl/link/local.hpp>
+
+namespace knurl::bridge {
+
+class Pulse {
+  public:
+    explicit Pulse(std::string servo) : servo_(std::move(servo)) {}
+
+    /// Attaches to the servo, if it is not. True: it is new, its descriptors are to be watched. Throws Error.
+    bool open();
+    void close() noexcept { devices_.clear(), link_.reset(); }
+    bool is_open() const noexcept { return link_ != nullptr; }
+
+    int hang_up() const noexcept { return link_->hang_up(); }
+    std::size_t devices() const noexcept { return devices_.size(); }
+    int event(std::size_t device) const noexcept { return devices_[device].attachment.reports->event(); }
+
+    /// One more stream, or one less, wants this device's reports.
+    void join(std::size_t device) noexcept;
+    void leave(std::size_t device) noexcept;
+    /// The next report in order.
+    bool next(std::size_t device, Report& report) noexcept;
+    void rearm(std::size_t device) noexcept;
+    /// False: there was none yet.
+    bool newest(std::size_t device, Report& report) const noexcept;
+
+  private:
+    struct Device {
+        detail::Attachment attachment;
+        std::size_t streams = 0;
+    };
+    std::string servo_;
+    std::unique_ptr<detail::Link> link_;
+    std::vector<Device> devices_;
+};
+
+}  // namespace knurl::bridge

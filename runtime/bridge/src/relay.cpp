@@ -1,0 +1,325 @@
+#include "relay.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/epoll.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <knurl/link/clock.hpp>
+
+#include "datagram_socket.hpp"
+
+namespace knurl::bridge {
+
+namespace {
+
+// What epoll hands back: what it is, which one, and the place's use at that time.
+enum class Source : std::uint64_t { listener, signals, datagrams, servo, device, peer, peers_servo };
+
+constexpr std::uint64_t source(Source what, std::size_t which = 0, std::uint32_t use = 0) {
+    return static_cast<std::uint64_t>(what) << 56 | static_cast<std::uint64_t>(which) << 32 | use;
+}
+
+constexpr std::int64_t tick_ns = 100'000'000;
+constexpr std::int64_t accept_pause_ns = 100'000'000;  // when the process is out of descriptors
+constexpr int most_bags = 8;      // of datagrams in one round; the others wait for their turn
+constexpr int most_reports = 64;  // of one device in one round
+constexpr int most_lines = 20;    // said in one second
+constexpr int backlog = 64;
+
+[[noreturn]] void cannot(const std::string& what) {
+    const char* remedy = errno == EADDRINUSE
+                             ? "; another program has this port: end it, or give another --listen"
+                         : errno == EADDRNOTAVAIL ? "; give --listen an address that this host has"
+                         : errno == EACCES        ? "; ports below 1024 are root's"
+                                                  : "";
+    throw std::runtime_error(fmt::format("{}: {}{}", what, std::strerror(errno), remedy));
+}
+
+}  // namespace
+
+Relay::Relay(RelayOptions options)
+    : options_(std::move(options)),
+      listener_(::socket(options_.listen.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
+      datagrams_(make_datagram_socket(options_.listen.family())),
+      epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+      pulse_(options_.servo),
+      out_(datagrams_.get()),
+      desk_{.servo = options_.servo, .keys = options_.keys, .pulse = pulse_, .out = out_} {
+    const std::string what = fmt::format("cannot listen at {}", options_.listen.text);
+    if (!options_.listen.loopback() && options_.keys.empty())
+        throw std::runtime_error(
+            fmt::format("{}: whoever reaches it could move the hand, so an address that is not this host's "
+                        "own (127.0.0.1, [::1]) "
+                        "needs keys: `knurl-bridge keygen --name NAME --role control`, then --keys FILE",
+                        what));
+    if (!options_.keys.empty()) tls_ = TlsContext::server(options_.keys);
+    const int on = 1;
+    ::setsockopt(listener_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    Endpoint at = options_.listen;
+    if (!listener_ || !epoll_ || ::bind(listener_.get(), at.get(), at.length) != 0 ||
+        ::listen(listener_.get(), backlog) != 0)
+        cannot(what);
+    at.length = sizeof at.address;  // port 0: whichever is free, then the same for datagrams
+    ::getsockname(listener_.get(), at.get(), &at.length);
+    if (!datagrams_ || ::bind(datagrams_.get(), at.get(), at.length) != 0) cannot(what + " (UDP)");
+    listening_at_ = numeric(at.address);
+}
+
+Relay::~Relay() = default;
+
+void Relay::watch(int fd, std::uint32_t events, std::uint64_t from, int operation) {
+    epoll_event event{.events = events, .data = {.u64 = from}};
+    if (::epoll_ctl(epoll_.get(), operation, fd, &event) != 0)
+        throw std::runtime_error(fmt::format("epoll: {}", std::strerror(errno)));
+}
+
+/// So much a second: a scan must not fill the disk.
+void Relay::say(const std::string& line, std::int64_t now) {
+    if (now / 1'000'000'000 != talk_second_) {
+        if (unsaid_ > 0) std::printf("(%d lines more in that second)\n", unsaid_);
+        talk_second_ = now / 1'000'000'000;
+        talked_ = unsaid_ = 0;
+    }
+    if (talked_++ >= most_lines) {
+        ++unsaid_;
+        return;
+    }
+    std::puts(line.c_str());
+    std::fflush(stdout);
+}
+
+std::size_t Relay::pending() const {
+    return static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [](const Place& place) {
+        return place.peer && !place.peer->greeted();
+    }));
+}
+
+std::uint64_t Relay::new_session(std::size_t place) const {
+    std::uint64_t random = 0;
+    if (::getrandom(&random, sizeof random, 0) != sizeof random)
+        throw std::runtime_error(fmt::format("no random numbers: {}", std::strerror(errno)));
+    return random << 8 | place;
+}
+
+// -------------------------------------------------------------------------------------------------- peers
+
+/// With all pending places taken the next ones wait in the kernel's queue: nobody is turned away.
+void Relay::watch_listener(bool wanted) {
+    if (wanted == accepting_) return;
+    watch(listener_.get(), EPOLLIN, source(Source::listener), wanted ? EPOLL_CTL_ADD : EPOLL_CTL_DEL);
+    accepting_ = wanted;
+}
+
+void Relay::accept_all(std::int64_t now) {
+    for (std::size_t waiting = pending(); waiting < most_pending; ++waiting) {
+        sockaddr_storage from{};
+        socklen_t length = sizeof from;
+        shm::UniqueFd socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from), &length,
+                                       SOCK_NONBLOCK | SOCK_CLOEXEC));
+        if (!socket) {
+            if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)
+                accept_after_ns_ = now + accept_pause_ns;
+            return;
+        }
+        const auto free =
+            std::find_if(places_.begin(), places_.end(), [](const Place& place) { return !place.peer; });
+        if (free == places_.end()) return;
+        const auto place = static_cast<std::size_t>(free - places_.begin());
+        free->peer = std::make_unique<Peer>(std::move(socket), from, new_session(place), tls_, now);
+        ++free->use;
+        free->watches_hang_up = free->watches_writing = false;
+        watch(free->peer->fd(), EPOLLIN, source(Source::peer, place, free->use), EPOLL_CTL_ADD);
+    }
+}
+
+void Relay::serve_peer(std::size_t place, std::int64_t now) {
+    Peer& peer = *places_[place].peer;
+    const bool knew = peer.greeted();
+    bool good = false;
+    std::string why;
+    try {
+        desk_.sessions =
+            static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [](const Place& each) {
+                return each.peer && each.peer->greeted();
+            }));
+        good = peer.serve(desk_, now);
+        why = peer.why();
+    } catch (const std::exception& error) {  // memory ran out, say: theirs alone
+        why = error.what();
+    }
+    if (!knew && peer.greeted())
+        say(fmt::format("{}: in, role {}{}", peer.name(), role_name(peer.role()),
+                        options_.keys.empty() ? "" : ", encrypted"),
+            now);
+    if (pulse_.is_open() && !watching_servo_) follow_servo();
+    if (!good) {
+        say(fmt::format("{}: {}: {}", peer.name(), knew ? "out" : "not let in", why), now);
+        return close(place, Error::Kind::disconnected, knew ? "the bridge ends this connection: " + why : "");
+    }
+    follow(place);
+}
+
+void Relay::follow(std::size_t index) {
+    Place& place = places_[index];
+    if (!place.watches_hang_up && place.peer->greeted()) {
+        watch(place.peer->hang_up(), EPOLLRDHUP, source(Source::peers_servo, index, place.use),
+              EPOLL_CTL_ADD);
+        place.watches_hang_up = true;
+    }
+    if (place.peer->wants_write() != place.watches_writing) {
+        place.watches_writing = !place.watches_writing;
+        watch(place.peer->fd(), EPOLLIN | (place.watches_writing ? std::uint32_t{EPOLLOUT} : 0u),
+              source(Source::peer, index, place.use), EPOLL_CTL_MOD);
+    }
+}
+
+void Relay::close(std::size_t index, Error::Kind kind, const std::string& text) {
+    Place& place = places_[index];
+    place.peer->close(desk_, kind, text);
+    place.peer.reset();  // its descriptors leave the epoll set as they are closed
+    ++place.use;
+}
+
+// ----------------------------------------------------------------------------------------------- the servo
+
+void Relay::follow_servo() {
+    watch(pulse_.hang_up(), EPOLLRDHUP, source(Source::servo), EPOLL_CTL_ADD);
+    for (std::size_t i = 0; i < pulse_.devices(); ++i)
+        watch(pulse_.event(i), EPOLLIN, source(Source::device, i), EPOLL_CTL_ADD);
+    watching_servo_ = true;
+}
+
+void Relay::servo_gone() {
+    const std::string text = fmt::format("servo '{}' has gone; start it again", options_.servo);
+    say(text, detail::monotonic_ns());
+    for (std::size_t i = 0; i < places; ++i) {
+        if (!places_[i].peer || !places_[i].peer->greeted()) continue;
+        places_[i].peer->say_gone(text);
+        close(i, Error::Kind::disconnected, "");
+    }
+    pulse_.close();
+    watching_servo_ = false;
+}
+
+void Relay::serve_device(std::size_t device, std::int64_t now) {
+    if (device >= pulse_.devices()) return;
+    Report report;
+    for (int i = 0; i < most_reports && pulse_.next(device, report); ++i) {
+        for (std::size_t place = 0; place < places; ++place) {
+            Peer* const peer = places_[place].peer.get();
+            if (peer == nullptr || !peer->greeted()) continue;
+            if (peer->cycle(static_cast<std::uint32_t>(device), report, now, desk_)) continue;
+            say(fmt::format("{}: out: {}", peer->name(), peer->why()), now);
+            close(place, Error::Kind::disconnected, "the bridge ends this connection: " + peer->why());
+        }
+    }
+    out_.flush();
+    pulse_.rearm(device);  // raises its event at once if there are more
+}
+
+// ------------------------------------------------------------------------------------------------ the loop
+
+void Relay::take_datagrams(std::int64_t now) {
+    for (int bag = 0; bag < most_bags; ++bag) {
+        const std::size_t count = mailbag_.receive(datagrams_.get());
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::span<std::byte> datagram = mailbag_.datagram(i);
+            std::uint64_t session = 0;
+            if (datagram.size() < sizeof(DatagramHeader)) continue;
+            std::memcpy(&session, datagram.data(), sizeof session);
+            const std::size_t place = session & 0xff;
+            if (place >= places || !places_[place].peer) continue;
+            Peer& peer = *places_[place].peer;
+            if (peer.session() != session || !same_host(peer.from(), mailbag_.from(i))) continue;
+            peer.datagram(datagram, mailbag_.from(i), mailbag_.from_length(i), now, desk_);
+        }
+        if (count < Mailbag::most) return;
+    }
+}
+
+void Relay::tick(std::int64_t now) {
+    // Whoever stood still himself has heard nothing meanwhile.
+    const bool stood_still = last_tick_ns_ != 0 && now - last_tick_ns_ > dead_after_ns / 2;
+    last_tick_ns_ = now;
+    for (std::size_t i = 0; i < places; ++i) {
+        Peer* const peer = places_[i].peer.get();
+        if (peer == nullptr) continue;
+        if (stood_still) peer->heard(now);
+        const auto patience =
+            peer->greeted() ? dead_after_ns : static_cast<std::int64_t>(greeting_seconds * 1e9);
+        if (now - peer->heard_ns() <= patience) {
+            follow(i);
+            continue;
+        }
+        const std::string why =
+            peer->greeted() ? fmt::format("nothing was heard of it for {} s", dead_after_ns / 1'000'000'000)
+                            : fmt::format("it did not say who it is within {:g} s", greeting_seconds);
+        say(fmt::format("{}: out: {}", peer->name(), why), now);
+        close(i, Error::Kind::disconnected, "the bridge ends this connection: " + why);
+    }
+}
+
+void Relay::run(int signals) {
+    watch(signals, EPOLLIN, source(Source::signals), EPOLL_CTL_ADD);
+    watch(datagrams_.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
+    for (std::array<epoll_event, 64> events;;) {
+        std::int64_t now = detail::monotonic_ns();
+        const bool anyone = std::any_of(places_.begin(), places_.end(),
+                                        [](const Place& place) { return place.peer != nullptr; });
+        watch_listener(now >= accept_after_ns_ && pending() < most_pending);
+        const bool timed = anyone || !accepting_;
+        if (!timed) last_tick_ns_ = 0;
+        const std::int64_t left = std::max<std::int64_t>(0, last_tick_ns_ + tick_ns - now);
+        const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()),
+                                       timed ? static_cast<int>((left + 999'999) / 1'000'000) : -1);
+        if (count < 0 && errno != EINTR)
+            throw std::runtime_error(fmt::format("epoll_wait: {}", std::strerror(errno)));
+        now = detail::monotonic_ns();
+        bool gone = false;
+        for (int i = 0; i < count; ++i) {
+            const epoll_event& event = events[static_cast<std::size_t>(i)];
+            const auto what = static_cast<Source>(event.data.u64 >> 56);
+            const auto which = static_cast<std::size_t>(event.data.u64 >> 32 & 0xffffff);
+            const auto use = static_cast<std::uint32_t>(event.data.u64);
+            const bool there = which < places && places_[which].peer && places_[which].use == use;
+            switch (what) {
+                case Source::signals:
+                    return;
+                case Source::listener:
+                    accept_all(now);
+                    break;
+                case Source::datagrams:
+                    take_datagrams(now);
+                    break;
+                case Source::device:
+                    serve_device(which, now);
+                    break;
+                case Source::servo:
+                    gone = true;
+                    break;
+                case Source::peers_servo:
+                    if (!there) break;
+                    places_[which].peer->say_gone("the servo has closed this connection");
+                    close(which, Error::Kind::disconnected, "");
+                    break;
+                case Source::peer:
+                    if (there) serve_peer(which, now);
+                    break;
+            }
+        }
+        out_.flush();
+        if (gone) servo_gone();
+        if (now - last_tick_ns_ >= tick_ns) tick(now);
+    }
+}
+
+}  // namespace knurl::bridge

@@ -1,0 +1,81 @@
+#pragma once
+// The program's loop: one thread, one epoll set. Peers come by TCP, datagrams by one UDP socket, reports by
+// one event per device; whatever comes, it is served to its end and never waited for. (A servo that does not
+// answer an attach is waited for: half a second.)
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <knurl/bridge/endpoint.hpp>
+#include <knurl/shm/fd.hpp>
+
+#include "mailbag.hpp"
+#include "peer.hpp"
+
+namespace knurl::bridge {
+
+struct RelayOptions {
+    std::string servo = "default";
+    Endpoint listen{};
+    std::vector<Key> keys{};  // none: loopback only
+};
+
+class Relay {
+  public:
+    static constexpr std::size_t most_pending = 16;  // that have not said who they are
+    static constexpr double greeting_seconds = 2;    // for that, TLS included
+    static constexpr std::size_t places = 128 + most_pending;
+    static_assert(places <= 256);  // a session's number ends with its place
+
+    /// Listens. Throws std::runtime_error, one line.
+    explicit Relay(RelayOptions options);
+    ~Relay();
+    Relay(const Relay&) = delete;
+    Relay& operator=(const Relay&) = delete;
+
+    const std::string& listening_at() const { return listening_at_; }
+    /// Until `signals` (a signalfd) is readable.
+    void run(int signals);
+
+  private:
+    struct Place {
+        std::unique_ptr<Peer> peer;
+        std::uint32_t use = 0;  // events of an earlier peer find nobody
+        bool watches_hang_up = false;
+        bool watches_writing = false;
+    };
+
+    void watch(int fd, std::uint32_t events, std::uint64_t source, int operation);
+    void watch_listener(bool wanted);
+    void accept_all(std::int64_t now);
+    void take_datagrams(std::int64_t now);
+    void serve_peer(std::size_t place, std::int64_t now);
+    void serve_device(std::size_t device, std::int64_t now);
+    void follow(std::size_t place);  // what it wants to be woken for
+    void follow_servo();
+    void servo_gone();
+    void close(std::size_t place, Error::Kind kind, const std::string& text);
+    void tick(std::int64_t now);
+    std::uint64_t new_session(std::size_t place) const;
+    std::size_t pending() const;
+    void say(const std::string& line, std::int64_t now);
+
+    RelayOptions options_;
+    std::shared_ptr<const TlsContext> tls_;
+    shm::UniqueFd listener_, datagrams_, epoll_;
+    std::string listening_at_;
+    bool accepting_ = false;
+    Pulse pulse_;
+    bool watching_servo_ = false;
+    std::array<Place, places> places_;
+    OutQueue out_;
+    Mailbag mailbag_;
+    Desk desk_;
+    std::int64_t last_tick_ns_ = 0, accept_after_ns_ = 0;
+    std::int64_t talk_second_ = 0;
+    int talked_ = 0, unsaid_ = 0;
+};
+
+}  // namespace knurl::bridge

@@ -1,0 +1,91 @@
+// The seam's three classes over a Connection and its streams.
+
+#include <knurl/bridge/remote.hpp>
+
+#include "connection.hpp"
+#include "stream.hpp"
+
+namespace knurl::bridge {
+
+namespace {
+
+class RemoteReports final : public detail::ReportSource {
+  public:
+    explicit RemoteReports(std::shared_ptr<Stream> stream) : stream_(std::move(stream)) {}
+
+    bool next(Report& out) noexcept override { return stream_->next(out); }
+    bool latest(Report& out) noexcept override { return stream_->latest(out); }
+    bool newest(Report& out) const noexcept override { return stream_->newest(out); }
+    bool fresh() const noexcept override { return stream_->fresh(); }
+    std::uint64_t missed() const noexcept override { return stream_->missed(); }
+    void wait(std::chrono::nanoseconds timeout) noexcept override { stream_->wait(timeout, false); }
+    void wait_cycle(std::chrono::nanoseconds timeout) noexcept override { stream_->wait(timeout, true); }
+    int event() const noexcept override { return stream_->event(); }
+    void rearm() noexcept override { stream_->rearm(); }
+    Network network() const noexcept override { return stream_->network(); }
+
+    std::uint32_t stream() const { return stream_->id(); }
+
+  private:
+    std::shared_ptr<Stream> stream_;
+};
+
+class RemoteChannel final : public detail::ClaimChannel {
+  public:
+    explicit RemoteChannel(std::shared_ptr<Stream> stream) : stream_(std::move(stream)) {}
+
+    bool push(const void* commands, std::uint32_t cells) noexcept override {
+        return stream_->push(commands, cells);
+    }
+    std::uint32_t command_cells() const noexcept override { return stream_->command_cells(); }
+    bool reply(protocol::Reply& out) noexcept override { return stream_->reply(out); }
+    bool publish(const protocol::BatchHeader& header, std::span<const std::byte> entries) noexcept override {
+        return stream_->publish(header, entries);
+    }
+    bool feedback(protocol::FeedbackHeader& header, std::vector<protocol::FeedbackEntry>& entries) override {
+        return stream_->feedback(header, entries);
+    }
+
+  private:
+    std::shared_ptr<Stream> stream_;
+};
+
+class RemoteLink final : public detail::Link {
+  public:
+    RemoteLink(const Endpoint& bridge, const RemoteOptions& options)
+        : connection_(std::make_shared<Connection>(bridge, options)) {
+        connection_->start();
+    }
+    ~RemoteLink() override { connection_->stop(); }
+
+    const std::vector<DeviceDescription>& devices() const override { return connection_->devices(); }
+    pid_t servo_pid() const override { return connection_->servo_pid(); }
+    int hang_up() const override { return connection_->hang_up(); }
+
+    detail::Attachment attach(std::uint32_t device, protocol::ClaimRequest request) override {
+        if (request.observe != 0) request.capacity = {.representations = 0, .batch_bytes = 0};
+        const auto [stream, terms] = connection_->attach(device, request);
+        detail::Attachment result{.terms = terms,
+                                  .device = connection_->devices()[device],
+                                  .device_index = device,
+                                  .reports = std::make_shared<RemoteReports>(stream),
+                                  .channel = {}};
+        if (request.observe == 0) result.channel = std::make_unique<RemoteChannel>(stream);
+        return result;
+    }
+
+    void release(const detail::Attachment& attachment) noexcept override {
+        connection_->release(static_cast<const RemoteReports&>(*attachment.reports).stream());
+    }
+
+  private:
+    std::shared_ptr<Connection> connection_;
+};
+
+}  // namespace
+
+std::unique_ptr<detail::Link> connect_remote(const Endpoint& bridge, const RemoteOptions& options) {
+    return std::make_unique<RemoteLink>(bridge, options);
+}
+
+}  // namespace knurl::bridge

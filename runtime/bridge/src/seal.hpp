@@ -1,0 +1,64 @@
+#pragma once
+// Datagrams sealed with ChaCha20-Poly1305 (RFC 8439): nonce = the datagram's counter, its header is
+// associated data (readable, not changeable). Nothing here allocates after construction.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "keys.hpp"
+
+namespace knurl::bridge {
+
+inline constexpr std::size_t tag_bytes = 16;
+
+class Sealer {
+  public:
+    explicit Sealer(const std::array<std::byte, key_bytes>& key);
+    ~Sealer();
+    Sealer(Sealer&&) noexcept;
+    Sealer& operator=(Sealer&&) noexcept;
+
+    /// room[0, header) stays readable, room[header, bytes) is encrypted in place, the tag comes behind. The
+    /// length with it; 0: no room for the tag, or `counter` is not above the last one (a nonce is never used
+    /// twice).
+    std::size_t seal(std::uint64_t counter, std::span<std::byte> room, std::size_t header,
+                     std::size_t bytes) noexcept;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+class Opener {
+  public:
+    explicit Opener(const std::array<std::byte, key_bytes>& key);
+    ~Opener();
+    Opener(Opener&&) noexcept;
+    Opener& operator=(Opener&&) noexcept;
+
+    /// Decrypts datagram[header, size - tag) in place. True: it is the peer's, to the last bit; its length is
+    /// now datagram.size() - tag_bytes. False: forged, damaged or too short; what is in it is then worth
+    /// nothing.
+    bool open(std::uint64_t counter, std::span<std::byte> datagram, std::size_t header) noexcept;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Which counters of a peer are still to be accepted: those above the newest accepted. A replayed, doubled or
+/// overtaken datagram is old by definition: newest wins.
+class NewestCounter {
+  public:
+    bool is_new(std::uint64_t counter) const noexcept { return counter > newest_; }
+    void accept(std::uint64_t counter) noexcept { newest_ = counter; }  // only after it was opened
+    std::uint64_t newest() const noexcept { return newest_; }
+
+  private:
+    std::uint64_t newest_ = 0;  // counters begin at 1
+};
+
+}  // namespace knurl::bridge

@@ -1,0 +1,331 @@
+#include "stream.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <new>
+
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <knurl/link/clock.hpp>
+#include <knurl/shm/waiter.hpp>
+
+namespace knurl::bridge {
+
+namespace {
+
+using std::chrono::nanoseconds;
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::align_val_t ring_alignment{shm::line_bytes};
+constexpr std::int64_t hello_interval_ns = 50'000'000;  // until the first report has come
+constexpr std::int64_t remind_interval_ns =
+    1'000'000'000;               // so that whatever lies between does not forget the way
+constexpr int most_rounds = 16;  // of one drain: 512 datagrams
+
+std::byte* new_ring(std::size_t slot_bytes) {
+    const std::size_t bytes = shm::broadcast_bytes(protocol::report_slots, slot_bytes);
+    auto* memory = static_cast<std::byte*>(::operator new[](bytes, ring_alignment));
+    std::memset(memory, 0, bytes);
+    shm::broadcast_init(memory);
+    return memory;
+}
+
+std::uint32_t cells_of(const protocol::ClaimCapacity& capacity) {
+    return capacity.representations == 0 ? 0 : protocol::claim_layout(capacity).command_cells;
+}
+
+}  // namespace
+
+void Stream::Free::operator()(std::byte* memory) const noexcept {
+    ::operator delete[](memory, ring_alignment);
+}
+
+Stream::Stream(std::shared_ptr<Connection> connection, const Attached& attached)
+    : connection_(std::move(connection)),
+      id_(attached.stream),
+      socket_(connection_->datagram_socket()),
+      event_(shm::make_event()),
+      loop_(::epoll_create1(EPOLL_CLOEXEC)),
+      memory_(new_ring(sizeof(Slot))),
+      writer_(memory_.get(), protocol::report_slots, sizeof(Slot)),
+      reader_(memory_.get(), protocol::report_slots, sizeof(Slot)),
+      batch_(attached.terms.capacity),
+      unanswered_(cells_of(attached.terms.capacity)),
+      feedback_(attached.terms.capacity.representations) {
+    epoll_event event{.events = EPOLLIN, .data = {}};
+    if (!loop_ || ::epoll_ctl(loop_.get(), EPOLL_CTL_ADD, socket_.get(), &event) != 0 ||
+        ::epoll_ctl(loop_.get(), EPOLL_CTL_ADD, event_.get(), &event) != 0)
+        throw Error(Error::Kind::refused,
+                    "no descriptor to wait for reports with; see the limit (ulimit -n)");
+}
+
+// ---------------------------------------------------------------------------------------------- reports
+
+bool Stream::next(Report& out) noexcept {
+    const auto lock = connection_->lock();
+    Slot slot;
+    if (!reader_.next(&slot)) {
+        drain();
+        if (!reader_.next(&slot)) return false;
+    }
+    out = slot.report;
+    gap_read_ = slot.gap;
+    keep_event(reader_.fresh());
+    return true;
+}
+
+bool Stream::latest(Report& out) noexcept {
+    const auto lock = connection_->lock();
+    drain();
+    Slot slot;
+    if (!reader_.latest(&slot)) return false;
+    out = slot.report;
+    gap_read_ = slot.gap;
+    return true;
+}
+
+bool Stream::newest(Report& out) noexcept {
+    const auto lock = connection_->lock();
+    drain();
+    Slot slot;
+    const std::uint64_t end = reader_.published();
+    if (end > 0 && reader_.at(end - 1, &slot)) {
+        out = slot.report;
+        keep_event(reader_.fresh());
+        return true;
+    }
+    return false;
+}
+
+void Stream::wait(nanoseconds timeout, bool for_any) noexcept {
+    const auto now = SteadyClock::now();
+    const auto deadline =
+        timeout >= SteadyClock::time_point::max() - now ? SteadyClock::time_point::max() : now + timeout;
+    std::uint64_t seen = 0;
+    for (bool first = true;; first = false) {
+        {
+            // The event is lowered before the datagrams are looked for: what the other thread drains after
+            // that raises it again, what it has drained before is in the ring.
+            const auto lock = connection_->lock();
+            keep_event(false);
+            if (first) seen = arrivals_;
+            drain();
+            if (for_any ? arrivals_ != seen : reader_.fresh()) return;
+        }
+        const nanoseconds left = deadline - SteadyClock::now();
+        if (left <= nanoseconds(0)) return;
+        const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+        const timespec span{.tv_sec = static_cast<time_t>(seconds.count()),
+                            .tv_nsec = (left - seconds).count()};
+        pollfd sources[] = {{.fd = socket_.get(), .events = POLLIN, .revents = 0},
+                            {.fd = event_.get(), .events = POLLIN, .revents = 0}};
+        ::ppoll(sources, 2, deadline == SteadyClock::time_point::max() ? nullptr : &span, nullptr);
+    }
+}
+
+void Stream::rearm() noexcept {
+    const auto lock = connection_->lock();
+    polled_ = true;
+    keep_event(false);
+    drain();
+    keep_event(reader_.fresh());
+}
+
+void Stream::keep_event(bool raised) noexcept {
+    if (raised == raised_ || (raised && !polled_)) return;
+    raised_ = raised;
+    std::uint64_t count = 1;
+    [[maybe_unused]] const ssize_t done =
+        raised ? ::write(event_.get(), &count, sizeof count) : ::read(event_.get(), &count, sizeof count);
+}
+
+void Stream::wake() noexcept {
+    raised_ = true;
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const ssize_t done = ::write(event_.get(), &one, sizeof one);
+}
+
+bool Stream::drain() noexcept {
+    const std::uint64_t before = arrivals_;
+    Mailbag& bag = connection_->mailbag();
+    for (int round = 0; round < most_rounds; ++round) {
+        const std::size_t count = bag.receive(socket_.get());
+        for (std::size_t i = 0; i < count; ++i) take_datagram(bag.datagram(i));
+        if (count < Mailbag::most) break;
+    }
+    return arrivals_ != before;
+}
+
+void Stream::take_datagram(std::span<std::byte> datagram) noexcept {
+    const Inbox::Opened opened = connection_->open(datagram);
+    if (opened.verdict == Inbox::Verdict::already) ++duplicated_;
+    if (opened.verdict == Inbox::Verdict::too_old) ++late_;
+    if (opened.verdict != Inbox::Verdict::good || opened.header.stream != id_ ||
+        opened.header.kind != DatagramKind::report)
+        return;
+    std::span<const std::byte> body = opened.body;
+    ReportPiece piece;
+    if (!take(body, piece)) return;
+    Report report;
+    if ((piece.flags & piece_flags::report) != 0) {
+        if (!take(body, report)) return;
+        take_report(piece.number, report);
+    }
+    if (unanswered_.capacity() == 0) return;  // an observer
+    protocol::FeedbackHeader header;
+    if ((piece.flags & piece_flags::feedback) != 0) {
+        if (!take(body, header)) return;
+        acknowledge(header, piece.answers);
+    }
+    if ((piece.flags & piece_flags::felt) != 0) feedback_.piece(opened.header, piece, body);
+}
+
+void Stream::take_report(std::uint64_t number, const Report& report) noexcept {
+    if (number == number_) return;  // the newest, sent again to one that had none
+    if (number < number_) {
+        ++late_;
+        return;
+    }
+    if (number_ != 0) gap_ += number - number_ - 1;
+    number_ = number;
+    ++arrivals_;
+    const Slot slot{.report = report, .gap = gap_};
+    writer_.publish(&slot);
+}
+
+Network Stream::network() noexcept {
+    const auto lock = connection_->lock();
+    const std::int64_t now = detail::monotonic_ns();
+    const ClockEstimate& clock = connection_->clock();
+    return {.lost = gap_ - std::min(gap_, late_),
+            .late = late_,
+            .duplicated = duplicated_,
+            .resent = resent_,
+            .round_trip = nanoseconds(clock.round_trip()),
+            .clock_offset = nanoseconds(clock.offset_at(now)),
+            .clock_uncertainty = nanoseconds(clock.uncertainty(now)),
+            .drift = clock.drift(),
+            .encrypted = connection_->encrypted()};
+}
+
+// --------------------------------------------------------------------------------------- the two channels
+
+bool Stream::push(const void* commands, std::uint32_t cells) noexcept {
+    const auto lock = connection_->lock();
+    if (!unanswered_.fits(cells)) return false;
+    const std::span part(static_cast<const std::byte*>(commands), std::size_t{cells} * shm::cell_bytes);
+    if (!connection_->send(FrameType::commands, id_, {&part, 1})) return false;
+    unanswered_.sent(commands, cells);
+    return true;
+}
+
+bool Stream::reply(protocol::Reply& out) noexcept {
+    const auto lock = connection_->lock();
+    Unanswered::Answer answer;
+    if (!unanswered_.next(answer)) return false;
+    if (answer.removed) batch_.removed(answer.handle);
+    out = answer.reply;
+    return true;
+}
+
+bool Stream::publish(protocol::BatchHeader header, std::span<const std::byte> entries) noexcept {
+    const auto lock = connection_->lock();
+    const std::int64_t now = detail::monotonic_ns();
+    header.commit_ns += connection_->clock().offset_at(now);
+    batch_.merge(header, entries);
+    send_batch(now);
+    return true;  // what is not taken yet is kept here, and sent again with the next
+}
+
+bool Stream::feedback(protocol::FeedbackHeader& header, std::vector<protocol::FeedbackEntry>& entries) {
+    const auto lock = connection_->lock();
+    drain();
+    keep_event(reader_.fresh());
+    return feedback_.take(unanswered_.answers(), header, entries);
+}
+
+void Stream::acknowledge(const protocol::FeedbackHeader& header, std::uint64_t answers) noexcept {
+    if (header.cycle >= feedback_.newest_cycle()) ++arrivals_;
+    feedback_.header(header, answers);
+    batch_.acknowledged(std::max(header.batch, header.refused_batch));
+}
+
+std::size_t Stream::piece_bytes() const noexcept {
+    return (datagram_limit_ - connection_->overhead() - sizeof(BatchPiece)) / 8 * 8;
+}
+
+void Stream::send_batch(std::int64_t now) noexcept {
+    const std::span<const std::byte> message = batch_.message();
+    sent_ns_ = now;
+    batch_by_tcp_ = message.size() > max_pieces * piece_bytes() || !send_pieces(message);
+    batch_sent_ = !batch_by_tcp_ || connection_->send(FrameType::batch, id_, {&message, 1});
+}
+
+bool Stream::send_pieces(std::span<const std::byte> message) noexcept {
+    alignas(8) std::array<std::byte, datagram_bytes> room;
+    const std::size_t most = piece_bytes();
+    const std::size_t pieces = (message.size() + most - 1) / most;
+    for (std::size_t i = 0; i < pieces; ++i) {
+        const std::span part = message.subspan(i * most, std::min(most, message.size() - i * most));
+        const DatagramHeader header{.kind = DatagramKind::batch,
+                                    .stream = static_cast<std::uint8_t>(id_),
+                                    .piece = static_cast<std::uint8_t>(i),
+                                    .pieces = static_cast<std::uint8_t>(pieces)};
+        const BatchPiece piece{.sequence = batch_.sequence(),
+                               .offset = static_cast<std::uint32_t>(i * most),
+                               .total = static_cast<std::uint32_t>(message.size())};
+        std::memcpy(room.data(), &header, sizeof header);
+        std::memcpy(room.data() + sizeof header, &piece, sizeof piece);
+        std::memcpy(room.data() + sizeof header + sizeof piece, part.data(), part.size());
+        if (connection_->post(socket_.get(), room, sizeof header + sizeof piece + part.size())) continue;
+        // The path carries less than was thought. It is sent again in smaller ones, or by TCP.
+        datagram_limit_ = std::max(least_datagram_bytes, datagram_limit_ * 3 / 4);
+        return false;
+    }
+    return true;
+}
+
+void Stream::hello() noexcept {
+    alignas(8) std::array<std::byte, 128> room;
+    const DatagramHeader header{.kind = DatagramKind::hello, .stream = static_cast<std::uint8_t>(id_)};
+    const HelloBody body{.received = number_};
+    std::memcpy(room.data(), &header, sizeof header);
+    std::memcpy(room.data() + sizeof header, &body, sizeof body);
+    connection_->post(socket_.get(), room, sizeof header + sizeof body);
+}
+
+void Stream::tick(std::int64_t now) noexcept {
+    if (drain()) wake();
+    if (now >= next_hello_ns_) {
+        hello();
+        next_hello_ns_ = now + (number_ == 0 ? hello_interval_ns : remind_interval_ns);
+    }
+    if (!batch_.unacknowledged()) return;
+    if (batch_by_tcp_) {
+        if (!batch_sent_) send_batch(now);  // it waited for room; once sent it arrives
+    } else if (now - sent_ns_ >= resend_ns) {
+        ++resent_;
+        send_batch(now);
+    }
+}
+
+void Stream::take_replies(std::span<const std::byte> bytes) noexcept {
+    protocol::Reply reply;
+    while (take(bytes, reply)) unanswered_.answered(reply);
+}
+
+void Stream::take_feedback(std::span<const std::byte> bytes) noexcept {
+    protocol::FeedbackHeader header;
+    if (!take(bytes, header)) return;
+    batch_.acknowledged(std::max(header.batch, header.refused_batch));
+    feedback_.all(header, bytes);
+}
+
+}  // namespace knurl::bridge

@@ -1,0 +1,210 @@
+#pragma once
+// What the two ends of the bridge say to each other, little-endian. Frames go over TCP (frame_stream.hpp), in
+// order and for sure; datagrams over UDP, whichever come. What they carry are the servo's own structs, so
+// that both ends must be built alike: the hash in Hello says so.
+//
+//   remote                              relay
+//   hello                    ->
+//                            <-         welcome + DeviceRow per device, or refused
+//   attach                   ->
+//                            <-         attached, or refused
+//   commands, release, batch ->
+//                            <-         replies, feedback, gone
+//
+//   hello, ping, batch       ~>         (datagrams)
+//                            <~         pong, report
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include <knurl/protocol/attach.hpp>
+#include <knurl/protocol/command.hpp>
+#include <knurl/protocol/report.hpp>
+
+namespace knurl::bridge {
+
+inline constexpr std::uint64_t wire_magic = 0x656764697262;  // "bridge"
+inline constexpr std::uint32_t wire_version = 1;
+inline constexpr const char* exporter_label = "EXPORTER-knurl-bridge-datagrams";
+
+// ------------------------------------------------------------------------------------------------ bounds
+
+inline constexpr std::uint32_t max_streams = 32;     // claims and observers of one connection
+inline constexpr std::size_t datagram_bytes = 1200;  // to begin with; the path may allow less
+inline constexpr std::size_t least_datagram_bytes =
+    760;                                               // a report and feedback; IPv6 carries 1280 everywhere
+inline constexpr std::size_t max_pieces = 4;           // of a batch or feedback in datagrams; more go by TCP
+inline constexpr std::int64_t resend_ns = 10'000'000;  // what was not acknowledged is sent again
+inline constexpr std::int64_t dead_after_ns = 2'000'000'000;  // without a word from the other end
+inline constexpr double delay_allowance = 0.2;                // s, that a bridge asks for its peers' commits
+inline constexpr std::size_t max_frame_bytes = 640 * 1024;    // above the largest group of commands, or batch
+inline constexpr std::size_t max_greeting_bytes = 1024;       // before the peer has said who it is
+
+// ------------------------------------------------------------------------------------------------ frames
+
+enum class FrameType : std::uint16_t {
+    hello = 1,
+    welcome,
+    refused,
+    attach,
+    attached,
+    release,   // of the frame's stream; a Nothing
+    commands,  // a whole group, in 64-byte cells
+    replies,   // protocol::Reply, one or more
+    batch,     // BatchHeader + entries: too large for datagrams
+    feedback,  // FeedbackHeader + entries: the same
+    gone,      // text: the servo has, and so will the connection
+};
+
+struct Hello {
+    std::uint64_t magic = wire_magic;
+    std::uint32_t version = wire_version;
+    std::uint32_t reserved = 0;
+    std::uint64_t layout = 0;  // wire_hash()
+    char client[protocol::name_bytes] = {};
+};
+
+struct Welcome {
+    std::uint64_t session = 0;
+    std::uint32_t devices = 0;  // as many DeviceRow follow
+    std::uint32_t servo_pid = 0;
+    std::uint32_t role = 0;
+    std::uint32_t reserved = 0;
+};
+
+struct DeviceRow {
+    char name[protocol::name_bytes] = {};
+    char address[protocol::name_bytes] = {};
+    char profile[protocol::name_bytes] = {};
+    char serial[protocol::name_bytes] = {};
+    double rate = 0;              // Hz
+    Vec3 workspace_centre;        // m
+    double workspace_radius = 0;  // m
+    double peak_force = 0;        // N
+    double max_stiffness = 0;     // N/m
+    std::uint32_t renders_torque = 0;
+    std::uint32_t reserved = 0;
+};
+
+struct Refused {
+    std::uint32_t kind = 0;  // Error::Kind
+    std::uint32_t holder_pid = 0;
+    char text[512] = {};
+};
+
+struct Attach {
+    protocol::ClaimRequest request;
+    double report_rate = 0;  // Hz at most; 0: each
+};
+
+struct Attached {
+    protocol::Claimed terms;
+    std::uint32_t device = 0;
+    std::uint32_t stream = 0;  // 1 to max_streams: of its frames and datagrams
+};
+
+struct Nothing {
+    std::uint64_t nothing = 0;
+};
+
+// --------------------------------------------------------------------------------------------- datagrams
+
+enum class DatagramKind : std::uint8_t {
+    hello = 1,  // HelloBody: answers go where this came from
+    ping,       // PingBody, stream 0
+    pong,       // PongBody, stream 0
+    batch,      // BatchPiece, then a piece of BatchHeader + entries
+    report,     // ReportPiece, then what its flags say
+};
+
+/// In front of each; readable by anyone, changed by nobody who has no key.
+struct DatagramHeader {
+    std::uint64_t session = 0;
+    std::uint64_t counter = 0;  // of this direction: 1, 2, ...
+    DatagramKind kind{};
+    std::uint8_t stream = 0;  // 0: the connection itself
+    std::uint8_t piece = 0, pieces = 1;
+    std::uint32_t reserved = 0;
+};
+
+struct HelloBody {
+    std::uint64_t received = 0;  // reports so far: 0 asks for the newest one
+};
+struct PingBody {
+    std::int64_t sent_ns = 0;  // the asker's clock
+};
+struct PongBody {
+    std::int64_t ping_sent_ns = 0;
+    std::int64_t received_ns = 0;  // the answerer's clock
+    std::int64_t sent_ns = 0;
+};
+
+struct BatchPiece {
+    std::uint64_t sequence = 0;
+    std::uint32_t offset = 0, total = 0;  // bytes of BatchHeader + entries
+};
+
+struct ReportPiece {
+    std::uint64_t number = 0;  // of the stream's reports: 1, 2, ...
+    std::uint64_t feedback_cycle = 0;
+    std::uint64_t answers = 0;  // to commands, that went by TCP before this
+    std::uint32_t flags = 0;
+    std::uint32_t first_entry = 0, entries = 0;  // FeedbackEntry at the end of this datagram
+    std::uint32_t reserved = 0;
+};
+namespace piece_flags {
+inline constexpr std::uint32_t report = 1u << 0;    // a Report comes first,
+inline constexpr std::uint32_t feedback = 1u << 1;  // then a FeedbackHeader,
+inline constexpr std::uint32_t felt = 1u << 2;      // then this piece of its entries
+}  // namespace piece_flags
+
+static_assert(sizeof(Hello) == 88 && sizeof(Welcome) == 24 && sizeof(DeviceRow) == 320);
+static_assert(sizeof(Refused) == 520 && sizeof(Attached) == sizeof(protocol::Claimed) + 8);
+static_assert(sizeof(DatagramHeader) == 24 && sizeof(BatchPiece) == 16 && sizeof(ReportPiece) == 40);
+
+/// Of everything that travels, the servo's structs included.
+inline std::uint64_t wire_hash() noexcept {
+    std::uint64_t hash = protocol::wire_hash();
+    for (const std::uint64_t size :
+         {std::uint64_t{wire_version}, std::uint64_t{sizeof(Hello)}, std::uint64_t{sizeof(Welcome)},
+          std::uint64_t{sizeof(DeviceRow)}, std::uint64_t{sizeof(Refused)}, std::uint64_t{sizeof(Attach)},
+          std::uint64_t{sizeof(Attached)}, std::uint64_t{sizeof(DatagramHeader)},
+          std::uint64_t{sizeof(BatchPiece)}, std::uint64_t{sizeof(ReportPiece)}})
+        hash = (hash ^ size) * 0x100000001b3;
+    return hash;
+}
+
+// ------------------------------------------------------------------------------------------------- bytes
+
+template <class T>
+std::span<const std::byte> bytes_of(const T& value) noexcept {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return std::as_bytes(std::span(&value, 1));
+}
+
+/// The struct at the front of `from`, which moves on behind it. False: too short.
+template <class T>
+bool take(std::span<const std::byte>& from, T& value) noexcept {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (from.size() < sizeof value) return false;
+    std::memcpy(static_cast<void*>(&value), from.data(), sizeof value);
+    from = from.subspan(sizeof value);
+    return true;
+}
+
+template <std::size_t n>
+void put_text(char (&field)[n], std::string_view text) noexcept {
+    text.copy(field, n - 1);
+}
+template <std::size_t n>
+std::string text_of(const char (&field)[n]) {
+    return {field, ::strnlen(field, n)};
+}
+
+}  // namespace knurl::bridge

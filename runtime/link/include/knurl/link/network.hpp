@@ -1,0 +1,27 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace knurl {
+
+/// What lies between an application and its servo. On one box nothing does: all 0.
+struct Network {
+    std::uint64_t lost = 0;                         // reports that were sent and never came
+    std::uint64_t late = 0;                         // that came after a newer one, and were dropped
+    std::uint64_t duplicated = 0;                   // datagrams that came again, and were dropped
+    std::uint64_t resent = 0;                       // batches sent again because no answer had come
+    std::chrono::nanoseconds round_trip{0};         // the shortest of the last exchanges
+    std::chrono::nanoseconds clock_offset{0};       // the servo's CLOCK_MONOTONIC minus ours
+    std::chrono::nanoseconds clock_uncertainty{0};  // the offset is right within this
+    double drift = 0;                               // s/s: how much faster the servo's clock runs
+    bool encrypted = false;
+};
+
+/// How old something is now, by the servo's clock, and how far that may be off.
+struct Age {
+    std::chrono::nanoseconds age{0};
+    std::chrono::nanoseconds uncertainty{0};
+};
+
+}  // namespace knurl

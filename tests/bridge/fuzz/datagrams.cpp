@@ -1,0 +1,76 @@
+// Any datagrams at both ends of the data channel. The first byte says whether there is a key; then come
+// datagrams, each with a control byte and two of length. With a key nothing that a stranger sends is
+// believed; without one it may be, and then nothing reaches the servo but whole batches within the claim's
+// bounds.
+
+#include <array>
+
+#include "fake_claim.hpp"
+#include "feedback_assembly.hpp"
+#include "post.hpp"
+
+using namespace knurl::bridge;
+
+namespace {
+
+constexpr std::uint64_t session = 0x123456789abcdef0;
+// What the control byte sets right, so that chance gets further than the first check.
+constexpr unsigned right_session = 1, next_counter = 2, is_batch = 4, is_report = 8;
+
+/// As the client's end reads it.
+void to_feedback(FeedbackAssembly& assembly, const DatagramHeader& header, std::span<const std::byte> body) {
+    ReportPiece piece;
+    if (!take(body, piece)) return;
+    knurl::Report report;
+    knurl::protocol::FeedbackHeader feedback;
+    if ((piece.flags & piece_flags::report) != 0 && !take(body, report)) return;
+    if ((piece.flags & piece_flags::feedback) != 0) {
+        if (!take(body, feedback)) return;
+        assembly.header(feedback, piece.answers);
+    }
+    if ((piece.flags & piece_flags::felt) != 0) assembly.piece(header, piece, body);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    if (size < 1) return 0;
+    constexpr std::array<std::byte, key_bytes> key{};
+    const bool sealed = data[0] & 1;
+    Inbox inbox(session, sealed ? &key : nullptr);
+    std::array<CounterWindow, max_streams + 1> windows{};
+    fuzz::FakeClaim claim;
+    FeedbackAssembly feedback(16);
+    std::vector<knurl::protocol::FeedbackEntry> entries;
+    std::uint64_t counter = 0;
+
+    for (std::span<const std::uint8_t> rest(data + 1, size - 1); rest.size() >= 3;) {
+        const unsigned control = rest[0];
+        const std::size_t length = std::min<std::size_t>(rest[1] | rest[2] << 8, rest.size() - 3);
+        std::vector<std::byte> datagram(length);
+        if (length > 0) std::memcpy(datagram.data(), rest.data() + 3, length);
+        rest = rest.subspan(3 + length);
+        if (length >= sizeof(DatagramHeader)) {
+            DatagramHeader header;
+            std::memcpy(&header, datagram.data(), sizeof header);
+            if (control & right_session) header.session = session;
+            if (control & next_counter) header.counter = ++counter;
+            if (control & is_batch) header.kind = DatagramKind::batch, header.stream = 1;
+            if (control & is_report) header.kind = DatagramKind::report, header.stream = 1;
+            std::memcpy(datagram.data(), &header, sizeof header);
+        }
+        std::vector<std::byte> again = datagram;
+        const Inbox::Opened opened = inbox.open(datagram, windows);
+        if (opened.verdict != Inbox::Verdict::good) continue;
+        fuzz::require(!sealed);
+        fuzz::require(inbox.open(again, windows).verdict != Inbox::Verdict::good);  // once only
+        if (opened.header.kind == DatagramKind::batch) claim.stream.batch_piece(opened.header, opened.body);
+        if (opened.header.kind == DatagramKind::report) {
+            to_feedback(feedback, opened.header, opened.body);
+            knurl::protocol::FeedbackHeader header;
+            if (feedback.take(counter, header, entries))
+                fuzz::require(header.entries == entries.size() && entries.size() <= 16);
+        }
+    }
+    return 0;
+}

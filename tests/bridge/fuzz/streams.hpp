@@ -1,0 +1,38 @@
+#pragma once
+// What the targets share: bytes from a stranger into a connection of ours.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include "frame_stream.hpp"
+
+namespace knurl::bridge::fuzz {
+
+/// A claim that must hold; libFuzzer keeps the input that broke it.
+inline void require(bool holds) {
+    if (!holds) std::abort();
+}
+
+struct Ends {
+    shm::UniqueFd ours, theirs;
+};
+
+inline Ends connected() {
+    int fds[2];
+    require(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, fds) == 0);
+    return {shm::UniqueFd(fds[0]), shm::UniqueFd(fds[1])};
+}
+
+/// Eats what we answer, so that nothing waits for a reader.
+inline void discard(const shm::UniqueFd& theirs) {
+    char bytes[4096];
+    while (::recv(theirs.get(), bytes, sizeof bytes, MSG_DONTWAIT) > 0) {
+    }
+}
+
+}  // namespace knurl::bridge::fuzz

@@ -1,0 +1,80 @@
+#include "two_hosts.hpp"
+
+#include <cstdlib>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <sched.h>
+#include <unistd.h>
+
+namespace knurl::bridge::test {
+
+namespace {
+
+constexpr const char* own_space = "/proc/thread-self/ns/net";
+
+}  // namespace
+
+TwoHosts::TwoHosts(int mtu) : base_("knurl-" + std::to_string(::getpid())), net_(::getpid() % 250) {
+    const std::string a = name(Host::server), b = name(Host::client), width = "/24";
+    if (::geteuid() != 0) {
+        two_ = false;
+        why_ = "network namespaces take root";
+        return;
+    }
+    run("ip netns add " + a);
+    run("ip netns add " + b);
+    run("ip -n " + a + " link add wire mtu " + std::to_string(mtu) + " type veth peer name wire mtu " +
+        std::to_string(mtu) + " netns " + b);
+    run("ip -n " + a + " address add " + address(Host::server) + width + " dev wire");
+    run("ip -n " + b + " address add " + address(Host::client) + width + " dev wire");
+    for (const std::string& host : {a, b})
+        for (const char* link : {"lo", "wire"}) run("ip -n " + host + " link set " + link + " up");
+    for (const Host host : {Host::server, Host::client}) {
+        auto& space = spaces_[static_cast<std::size_t>(host)];
+        space = shm::UniqueFd(::open(("/run/netns/" + name(host)).c_str(), O_RDONLY | O_CLOEXEC));
+        if (two_ && !space) {
+            two_ = false;
+            why_ = "no /run/netns/" + name(host);
+        }
+    }
+}
+
+TwoHosts::~TwoHosts() {
+    if (::geteuid() != 0) return;
+    for (const Host host : {Host::server, Host::client}) {
+        spaces_[static_cast<std::size_t>(host)].reset();
+        // Also where only one could be made. The wire goes with its ends.
+        [[maybe_unused]] const int gone =
+            std::system(("ip netns delete " + name(host) + " >/dev/null 2>&1").c_str());
+    }
+}
+
+std::string TwoHosts::name(Host host) const {
+    return base_ + (host == Host::server ? "-server" : "-client");
+}
+
+std::string TwoHosts::address(Host host) const {
+    if (!two_) return "127.0.0.1";
+    return "10.99." + std::to_string(net_) + (host == Host::server ? ".1" : ".2");
+}
+
+void TwoHosts::run(const std::string& command) {
+    if (!two_) return;
+    if (std::system((command + " >/dev/null 2>&1").c_str()) == 0) return;
+    two_ = false;
+    why_ = "'" + command + "' failed";
+}
+
+TwoHosts::On::On(const TwoHosts& hosts, Host host) {
+    if (!hosts.two()) return;
+    before_ = shm::UniqueFd(::open(own_space, O_RDONLY | O_CLOEXEC));
+    if (!before_ || ::setns(hosts.spaces_[static_cast<std::size_t>(host)].get(), CLONE_NEWNET) != 0)
+        throw std::runtime_error("cannot enter the network namespace");
+}
+
+TwoHosts::On::~On() {
+    if (before_) ::setns(before_.get(), CLONE_NEWNET);
+}
+
+}  // namespace knurl::bridge::test

@@ -1,0 +1,104 @@
+#pragma once
+// A servo with its bridge, a bad network before it, and who looks on from the servo's own host: the local
+// observer's reports are the force trace.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <knurl/client/client.hpp>
+
+#include "../relay_support.hpp"
+#include "proxy.hpp"
+
+namespace knurl::bridge::test {
+
+using proxy::Proxy;
+using proxy::Weather;
+
+/// One cycle as the local observer saw it.
+struct Cycle {
+    std::uint64_t number;
+    double dt;           // s, since the one before; a period at least
+    double scene, sent;  // N along x: what the scene wants, and what the supervisor passes
+};
+
+/// The scene's force never changes by more than `slope` (N/s) allows; on a busy machine a cycle may be late,
+/// and its step is then larger. (What is sent may fall to 0 at once besides: a servo that could not run for
+/// 20 ms ramps up anew.)
+inline void expect_no_bumps(const std::vector<Cycle>& trace, double slope, std::uint64_t seed = 0) {
+    for (std::size_t i = 1; i < trace.size(); ++i)
+        ASSERT_LE(std::abs(trace[i].scene - trace[i - 1].scene), slope * trace[i].dt)
+            << "cycle " << trace[i].number << ", seed " << seed;
+}
+
+class Setting {
+  public:
+    explicit Setting(const Weather& weather = {}, std::uint64_t seed = 1) : proxy(options(weather, seed)) {
+        local_ = std::make_unique<Client>(Client::connect("knurl:default", {.name = "watcher", .wait = 20s}));
+        watcher_ = std::make_unique<Observer>(local_->observe());
+    }
+
+    std::string address() const { return "knurl://127.0.0.1:" + std::to_string(proxy.port()); }
+    Client remote() const { return Client::connect(address(), {.name = "remote", .wait = 20s}); }
+
+    /// Lets that many cycles of the servo pass; in each `step` cycles-th, `app` does what an application
+    /// does. The trace goes on.
+    template <class App>
+    void pass(std::uint64_t cycles, std::uint64_t step, App app) {
+        for (std::uint64_t i = 0; i < cycles; ++i) {
+            const auto report = watcher_->next_report(10s);
+            ASSERT_TRUE(report) << "the servo stands still";
+            const double dt = std::max(1e-3, 1e-9 * static_cast<double>(report->read_ns - last_read_ns_));
+            trace.push_back({report->cycle, dt, report->scene_force.x, report->sent_force.x});
+            last_read_ns_ = report->read_ns;
+            state = report->state;
+            if (i % step == 0) app();
+        }
+    }
+    void pass(std::uint64_t cycles) {
+        pass(cycles, cycles, [] {});
+    }
+    /// Until `so`, at most for a minute of the servo's time.
+    template <class So, class App>
+    void pass_until(So so, App app) {
+        for (int rounds = 0; rounds < 6000 && !so(); ++rounds) pass(10, 10, app);
+        ASSERT_TRUE(so());
+    }
+
+    std::uint64_t missed() const { return watcher_->missed(); }
+    double felt() const { return trace.empty() ? 0 : trace.back().scene; }  // N along x, in the newest cycle
+
+    std::vector<Cycle> trace;
+    DeviceState state = DeviceState::disconnected;
+
+  private:
+    Proxy::Options options(const Weather& weather, std::uint64_t seed) const {
+        Proxy::Options o;
+        const std::string& at = bridge.address();
+        o.to_port = static_cast<std::uint16_t>(std::stoi(at.substr(at.rfind(':') + 1)));
+        o.seed = seed;
+        o.weather = weather;
+        return o;
+    }
+
+    ServoProcess servo_;
+
+  public:
+    BridgeProcess bridge;
+    Proxy proxy;
+
+  private:
+    std::int64_t last_read_ns_ = 0;
+    std::unique_ptr<Client> local_;
+    std::unique_ptr<Observer> watcher_;
+};
+
+}  // namespace knurl::bridge::test

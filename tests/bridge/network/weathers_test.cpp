@@ -1,0 +1,167 @@
+// A remote application under every weather: what the hand feels is what it was to feel, newest first, and
+// nothing from the past. The servo's own reports are the judge; they count in cycles.
+
+#include <algorithm>
+#include <optional>
+
+#include "setting.hpp"
+
+namespace knurl::bridge::test {
+namespace {
+
+struct Case {
+    const char* name;
+    Weather weather;
+};
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+    return out << c.name;
+}
+
+constexpr std::uint64_t seed = 7;
+constexpr std::uint64_t interval = 20;  // cycles between two commits
+
+const Case weathers[] = {
+    {"Lossy", {.loss = 0.3}},
+    {"Far", {.delay = 0.1}},
+    {"Doubled", {.duplicate = 0.5, .reorder = 0.5, .held = 0.03}},
+    {"Swinging", {.delay = 0.001, .swing = 0.2, .swing_period = 0.2}},
+    {"Foul", {.loss = 0.3, .duplicate = 0.2, .reorder = 0.3, .held = 0.2, .delay = 0.02, .jitter = 0.1}},
+};
+
+ConstantForce along_x(double x) {
+    return at_once({x, 0, 0});
+}
+
+/// A remote application that holds a force, armed and in full effect.
+struct Remote {
+    Remote(Setting& setting, const ConstantForce& first, const Use& use = {})
+        : client(setting.remote()),
+          hand(client.claim("", {.update_interval = 20ms})),
+          force(hand.add(first, use)) {
+        hand.arm();
+        setting.pass_until(
+            [&] { return setting.state == DeviceState::active && setting.felt() == first.force.x; },
+            [&] { hand.commit(); });
+        setting.trace.clear();
+    }
+    void commit(const ConstantForce& params) {
+        force.set(params);
+        hand.commit();
+    }
+
+    Client client;
+    Claim hand;
+    Representing<ConstantForce> force;
+};
+
+class Under : public testing::TestWithParam<Case> {
+  protected:
+    Setting setting{GetParam().weather, seed};
+};
+INSTANTIATE_TEST_SUITE_P(Weather, Under, testing::ValuesIn(weathers),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+TEST_P(Under, OnlyTheNewestIsAppliedNothingFromThePastAndTheLastOneArrives) {
+    Remote remote(setting, along_x(0.01), {.on_silence = OnSilence::hold});
+    // 0.011, 0.012, ... N: each can be told from every other, and later is more.
+    std::vector<double> committed{0.01};
+    setting.pass(1200, 10, [&] {
+        committed.push_back(0.01 + 0.001 * static_cast<double>(committed.size()));
+        remote.commit(along_x(committed.back()));
+    });
+    setting.pass_until([&] { return setting.felt() == committed.back(); }, [] {});  // nobody commits again
+
+    double newest = 0;
+    for (const Cycle& cycle : setting.trace) {
+        ASSERT_GE(cycle.scene, newest) << "from the past, in cycle " << cycle.number << ", seed " << seed;
+        ASSERT_TRUE(std::ranges::binary_search(committed, cycle.scene))
+            << cycle.scene << " N was never committed, cycle " << cycle.number << ", seed " << seed;
+        newest = cycle.scene;
+    }
+    EXPECT_EQ(setting.missed(), 0u) << "the judge must have seen all";
+}
+
+TEST_P(Under, EachLastUpdateArrivesThoughNobodyCommitsAgain) {
+    Remote remote(setting, along_x(0.01), {.on_silence = OnSilence::hold});
+    for (int round = 1; round <= 8; ++round) {
+        const double force = 0.01 + 0.01 * round;
+        remote.commit(along_x(force));
+        setting.pass_until([&] { return setting.felt() == force; }, [] {});
+    }
+}
+
+TEST_P(Under, ALivePeerNeverCountsAsSilent) {
+    Remote remote(setting, along_x(0.2));
+    setting.pass(1500, interval, [&] { remote.hand.commit(); });
+    for (const Cycle& cycle : setting.trace)
+        ASSERT_EQ(cycle.scene, 0.2) << "cycle " << cycle.number << ", seed " << seed;
+}
+
+TEST_P(Under, TheForceChangesWithoutBumps) {
+    constexpr double step = 0.3;        // N, of the force that is asked for
+    constexpr double recovery = 0.050;  // s, in which the hand gets it
+    const auto gently = [](double x) { return ConstantForce{.force = {x, 0, 0}, .recovery = recovery}; };
+    Remote remote(setting, gently(0.1));
+    bool up = false;
+    setting.pass(1200, interval, [&] { remote.commit(gently((up = !up) ? 0.1 + step : 0.1)); });
+    // A smooth step rises at most 1.5 or 1.875 times as fast as a straight line does (of third or fifth
+    // order), and a change may come in the middle of another.
+    expect_no_bumps(setting.trace, 2 * 1.875 * step / recovery, seed);
+    for (const Cycle& cycle : setting.trace) {
+        ASSERT_GE(cycle.scene, 0.1 - 1e-9);
+        ASSERT_LE(cycle.scene, 0.1 + step + 1e-9);
+    }
+}
+
+TEST_P(Under, EachReportIsReadOnceInOrderAndTheOthersAreCounted) {
+    Client client = setting.remote();
+    Observer observer = client.observe();
+    std::optional<HandReport> first = observer.next_report(20s);
+    ASSERT_TRUE(first);
+    std::uint64_t read = 1, last = first->cycle;
+    const Network before = observer.network();
+    const std::uint64_t missed_before = observer.missed();
+    setting.pass(1200, 1, [&] {
+        while (const auto report = observer.next_report(0ns)) {
+            ASSERT_GT(report->cycle, last) << "newest first, and once";
+            last = report->cycle;
+            ++read;
+        }
+    });
+    const Network now = observer.network();
+    const std::uint64_t missed = observer.missed() - missed_before;
+    EXPECT_EQ(read + missed, last - first->cycle + 1)
+        << "each cycle's report is read or counted, seed " << seed;
+    EXPECT_EQ((now.lost - before.lost) + (now.late - before.late), missed) << "seed " << seed;
+    const Weather& weather = GetParam().weather;
+    if (weather.loss == 0 && weather.jitter == 0 && weather.reorder == 0) {
+        EXPECT_EQ(now.lost, before.lost);
+    }
+    EXPECT_EQ(now.duplicated > before.duplicated, weather.duplicate > 0);
+}
+
+TEST_P(Under, TheClockIsKnownWithinWhatItSays) {
+    Client client = setting.remote();
+    Observer observer = client.observe();
+    std::uint64_t looked = 0;
+    setting.pass(1200, 10, [&] {
+        while (const auto report = observer.next_report(0ns)) {
+            const Age age = observer.age(*report);
+            // Both ends are on this host: the truth is known.
+            const auto truth = std::chrono::steady_clock::now().time_since_epoch() -
+                               std::chrono::nanoseconds(report->read_ns);
+            if (age.uncertainty > 10s) continue;  // no exchange yet
+            EXPECT_LE(age.age - age.uncertainty, truth) << "seed " << seed;
+            EXPECT_GE(age.age + age.uncertainty + 5ms, truth) << "seed " << seed;  // looked at a little later
+            ++looked;
+        }
+        const Network network = observer.network();
+        if (network.round_trip > 0ns) {
+            EXPECT_LE(std::chrono::abs(network.clock_offset), network.clock_uncertainty);
+        }
+    });
+    EXPECT_GT(looked, 20u);
+}
+
+}  // namespace
+}  // namespace knurl::bridge::test

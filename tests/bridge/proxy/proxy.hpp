@@ -1,0 +1,52 @@
+#pragma once
+// A network in user space between a client and a server: one TCP and one UDP port of the same number, carried
+// to the server's with the weather of a seed. In a thread of its own.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "weather.hpp"
+
+namespace knurl::bridge::proxy {
+
+struct Counts {
+    std::uint64_t datagrams[2] = {};  // that came in, by way
+    std::uint64_t lost[2] = {};       // by weather or by a cut
+    std::uint64_t doubled[2] = {};
+    std::uint64_t delivered[2] = {};
+    std::uint64_t connections = 0;  // TCP, so far
+    std::uint64_t fates = 0;        // digest of all fates so far: the same for the same seed and datagrams
+};
+
+class Proxy {
+  public:
+    struct Options {
+        std::string listen = "127.0.0.1";  // IPv4
+        std::uint16_t port = 0;            // 0: any
+        std::string to = "127.0.0.1";      // IPv4
+        std::uint16_t to_port = 0;
+        std::uint64_t seed = 1;
+        Weather weather;
+    };
+    /// Throws std::runtime_error, one line: a bad address, or it is in use.
+    explicit Proxy(const Options& options);
+    ~Proxy();
+    Proxy(const Proxy&) = delete;
+    Proxy& operator=(const Proxy&) = delete;
+
+    std::uint16_t port() const noexcept;
+    void set(const Weather& weather);  // from now on
+    /// The cable is out: datagrams are lost, streams stand still, nobody is told. Until heal().
+    void cut();
+    void heal();
+    /// Ends all connections with a reset.
+    void hang_up();
+    Counts counts() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace knurl::bridge::proxy

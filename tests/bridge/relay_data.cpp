@@ -1,0 +1,257 @@
+// The data channel's two ends, with a network between them that loses, doubles and reorders: what must hold
+// whatever it does. No sockets; a seed says what happened.
+
+#include <deque>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "batch_assembly.hpp"
+#include "counter_window.hpp"
+#include "feedback_assembly.hpp"
+#include "pending_batch.hpp"
+#include "unanswered.hpp"
+
+namespace knurl::bridge {
+namespace {
+
+constexpr std::uint32_t slots = 40;
+constexpr std::uint32_t param_bytes = 88;
+
+/// The servo's rule: newer versions win, of handles that are there.
+struct Scene {
+    std::array<std::uint64_t, slots> version{}, value{};
+    std::uint64_t sequence = 0;
+    void apply(std::span<const std::byte> whole) {
+        protocol::BatchHeader header;
+        ASSERT_TRUE(take(whole, header));
+        ASSERT_EQ(header.bytes, whole.size());
+        EXPECT_GT(header.sequence, sequence) << "never back, never twice";
+        sequence = header.sequence;
+        for (std::uint32_t i = 0; i < header.entries; ++i) {
+            protocol::EntryHeader entry;
+            ASSERT_TRUE(take(whole, entry));
+            std::uint64_t first = 0;
+            std::memcpy(&first, whole.data(), sizeof first);
+            whole = whole.subspan((entry.bytes + 7) / 8 * 8);
+            if (entry.version <= version[entry.handle.slot]) continue;
+            version[entry.handle.slot] = entry.version;
+            value[entry.handle.slot] = first;
+        }
+        EXPECT_TRUE(whole.empty());
+    }
+};
+
+struct Datagram {
+    DatagramHeader header;
+    BatchPiece piece;
+    std::vector<std::byte> bytes;
+};
+
+std::vector<Datagram> pieces_of(const PendingBatch& batch, std::size_t most) {
+    const std::span<const std::byte> message = batch.message();
+    const std::size_t count = (message.size() + most - 1) / most;
+    std::vector<Datagram> result;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto part = message.subspan(i * most, std::min(most, message.size() - i * most));
+        result.push_back({.header = {.kind = DatagramKind::batch,
+                                     .piece = static_cast<std::uint8_t>(i),
+                                     .pieces = static_cast<std::uint8_t>(count)},
+                          .piece = {.sequence = batch.sequence(),
+                                    .offset = static_cast<std::uint32_t>(i * most),
+                                    .total = static_cast<std::uint32_t>(message.size())},
+                          .bytes = {part.begin(), part.end()}});
+    }
+    return result;
+}
+
+TEST(Data, after_any_losses_the_newest_of_everything_is_there) {
+    const std::uint32_t seed = std::random_device{}();
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    for (int trial = 0; trial < 200; ++trial) {
+        PendingBatch batch({.representations = slots, .batch_bytes = slots * 128});
+        BatchAssembly assembly;
+        Scene servo, truth;
+        std::deque<Datagram> air;
+        std::deque<std::uint64_t> answers;
+        const std::uint64_t loss = random() % 60;
+        std::uint64_t version = 0;
+        const auto fly = [&](const std::vector<Datagram>& datagrams) {
+            for (const Datagram& datagram : datagrams) {
+                if (random() % 100 < loss) continue;
+                for (unsigned copies = random() % 10 == 0 ? 2 : 1; copies > 0; --copies) {
+                    const auto at = random() % 5 == 0 && !air.empty() ? random() % air.size() : air.size();
+                    air.insert(air.begin() + static_cast<std::ptrdiff_t>(at), datagram);
+                }
+            }
+        };
+        const auto land = [&] {
+            if (air.empty()) return;
+            const Datagram datagram = air.front();
+            air.pop_front();
+            const auto whole = assembly.add(datagram.header, datagram.piece, datagram.bytes);
+            if (!whole.empty()) servo.apply(whole);
+            if (random() % 100 >= loss) answers.push_back(servo.sequence);
+        };
+        const std::size_t most = random() % 2 == 0 ? 1136 : 1104;
+        for (std::uint64_t commit = 1; commit <= 60; ++commit) {
+            std::vector<std::byte> entries;
+            protocol::BatchHeader header{.sequence = commit};
+            for (std::uint64_t n = random() % 4; n > 0; --n) {
+                const auto slot = static_cast<std::uint32_t>(random() % slots);
+                const protocol::EntryHeader entry{.handle = {.slot = slot, .generation = 1},
+                                                  .kind = 1,
+                                                  .bytes = param_bytes,
+                                                  .version = ++version};
+                std::vector<std::byte> params(param_bytes);
+                truth.value[slot] = random();
+                std::memcpy(params.data(), &truth.value[slot], sizeof truth.value[slot]);
+                const auto bytes = bytes_of(entry);
+                entries.insert(entries.end(), bytes.begin(), bytes.end());
+                entries.insert(entries.end(), params.begin(), params.end());
+                ++header.entries;
+            }
+            header.bytes = static_cast<std::uint32_t>(entries.size());
+            batch.merge(header, entries);
+            ASSERT_LE(batch.message().size(), max_pieces * most);
+            fly(pieces_of(batch, most));
+            for (std::uint64_t n = random() % 4; n > 0; --n) land();
+            for (; random() % 3 == 0 && !answers.empty(); answers.pop_front())
+                batch.acknowledged(answers.front());
+        }
+        for (int again = 0; again < 1000 && batch.unacknowledged(); ++again) {
+            fly(pieces_of(batch, most));
+            while (!air.empty()) land();
+            for (; !answers.empty(); answers.pop_front()) batch.acknowledged(answers.front());
+        }
+        ASSERT_FALSE(batch.unacknowledged());
+        EXPECT_EQ(batch.entries(), 0u) << "what is acknowledged is sent no more";
+        ASSERT_EQ(servo.value, truth.value) << "trial " << trial;
+        EXPECT_EQ(servo.sequence, 60u);
+    }
+}
+
+TEST(Data, pieces_that_were_never_sent_do_no_harm) {
+    std::mt19937 random(1);
+    BatchAssembly assembly;
+    std::vector<std::byte> bytes(datagram_bytes);
+    for (int i = 0; i < 200'000; ++i) {
+        for (auto& byte : bytes) byte = static_cast<std::byte>(i);
+        const auto any = [&](std::uint32_t most) { return static_cast<std::uint32_t>(random() % most); };
+        const auto whole = assembly.add(
+            {.piece = static_cast<std::uint8_t>(any(6)), .pieces = static_cast<std::uint8_t>(any(6))},
+            {.sequence = any(8) + static_cast<std::uint64_t>(i / 100),
+             .offset = any(3) == 0 ? ~0u - any(2000) : any(5000),
+             .total = any(3) == 0 ? ~0u - any(2000) : any(5000)},
+            std::span(bytes).first(any(datagram_bytes)));
+        ASSERT_LE(whole.size(), max_pieces * datagram_bytes);
+    }
+}
+
+TEST(Data, a_counter_is_accepted_once_and_never_when_it_is_old) {
+    const std::uint32_t seed = std::random_device{}();
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    CounterWindow window;
+    std::vector<bool> accepted(5000);
+    std::uint64_t newest = 0;
+    EXPECT_NE(window.look(0), CounterWindow::Seen::never);
+    for (int i = 0; i < 20'000; ++i) {
+        const std::uint64_t counter = 1 + std::min<std::uint64_t>(4998, newest + random() % 4) -
+                                      std::min<std::uint64_t>(newest, random() % 100);
+        const bool expected = !accepted[counter] && counter + CounterWindow::width > newest;
+        ASSERT_EQ(window.look(counter) == CounterWindow::Seen::never, expected)
+            << counter << " after " << newest;
+        if (!expected) continue;
+        window.accept(counter);
+        accepted[counter] = true;
+        newest = std::max(newest, counter);
+    }
+}
+
+protocol::FeedbackHeader feedback(std::uint64_t cycle, std::uint32_t entries, std::uint64_t batch = 0) {
+    protocol::FeedbackHeader header;
+    header.cycle = cycle;
+    header.batch = batch;
+    header.entries = entries;
+    return header;
+}
+
+TEST(Data, what_is_felt_is_of_one_cycle_and_never_goes_back) {
+    FeedbackAssembly assembly(4);
+    protocol::FeedbackHeader header;
+    std::vector<protocol::FeedbackEntry> entries, none;
+    const auto piece = [&](std::uint64_t cycle, std::uint8_t index, double force) {
+        protocol::FeedbackEntry entry;
+        entry.force.x = force;
+        assembly.piece({.piece = index, .pieces = 2},
+                       {.feedback_cycle = cycle, .first_entry = index, .entries = 1}, bytes_of(entry));
+    };
+    assembly.header(feedback(10, 2), 0);
+    piece(10, 0, 1);
+    ASSERT_TRUE(assembly.take(0, header, entries));
+    EXPECT_TRUE(entries.empty()) << "half of it is nothing";
+    piece(10, 1, 1);
+    ASSERT_TRUE(assembly.take(0, header, entries));
+    ASSERT_EQ(entries.size(), 2u);
+    EXPECT_EQ(header.cycle, 10u);
+    piece(12, 1, 3);  // overtakes
+    piece(11, 0, 2);
+    piece(11, 1, 2);
+    piece(12, 0, 3);
+    ASSERT_TRUE(assembly.take(0, header, entries));
+    EXPECT_EQ(header.cycle, 12u);
+    for (const auto& entry : entries) EXPECT_EQ(entry.force.x, 3);
+    piece(11, 0, 2);
+    piece(11, 1, 2);
+    EXPECT_FALSE(assembly.take(0, header, entries));
+}
+
+TEST(Data, an_acknowledgement_is_shown_after_the_answers_that_went_before_it) {
+    FeedbackAssembly assembly(4);
+    protocol::FeedbackHeader header;
+    std::vector<protocol::FeedbackEntry> entries;
+    assembly.header(feedback(10, 0, 5), 3);
+    assembly.take(2, header, entries);
+    EXPECT_EQ(header.batch, 0u);
+    assembly.header(feedback(11, 0, 6), 4);  // a steady stream of commands
+    ASSERT_TRUE(assembly.take(3, header, entries));
+    EXPECT_EQ(header.batch, 5u) << "the next one waits, this one need not";
+    ASSERT_TRUE(assembly.take(4, header, entries));
+    EXPECT_EQ(header.batch, 6u);
+}
+
+TEST(Data, commands_keep_within_the_ring_until_their_answers_are_read) {
+    Unanswered unanswered(8);
+    std::array<std::byte, 2 * shm::cell_bytes> command{};
+    protocol::CommandHeader header{.cells = 2, .type = protocol::CommandType::remove, .number = 1};
+    const Handle handle{.slot = 3, .generation = 7};
+    std::memcpy(command.data(), &header, sizeof header);
+    std::memcpy(command.data() + sizeof header, &handle, sizeof handle);
+    for (std::uint64_t n = 1; n <= 4; ++n) {
+        header.number = n;
+        std::memcpy(command.data(), &header, sizeof header);
+        ASSERT_TRUE(unanswered.fits(2));
+        unanswered.sent(command.data(), 2);
+    }
+    EXPECT_FALSE(unanswered.fits(1));
+    unanswered.answered({.command = 1});
+    unanswered.answered({.command = 2, .code = static_cast<std::uint32_t>(Verdict::Code::refused)});
+    EXPECT_FALSE(unanswered.fits(1)) << "not read yet";
+    Unanswered::Answer answer;
+    ASSERT_TRUE(unanswered.next(answer));
+    EXPECT_TRUE(answer.removed);
+    EXPECT_EQ(answer.handle, handle);
+    EXPECT_TRUE(unanswered.fits(2));
+    ASSERT_TRUE(unanswered.next(answer));
+    EXPECT_FALSE(answer.removed) << "refused";
+    EXPECT_FALSE(unanswered.next(answer));
+    for (int i = 0; i < 100; ++i) unanswered.answered({.command = 9});  // that nobody asked for
+    int taken = 0;
+    while (unanswered.next(answer)) ++taken;
+    EXPECT_LE(taken, 2);
+}
+
+}  // namespace
+}  // namespace knurl::bridge

@@ -1,0 +1,103 @@
+// What a remote application has beyond a local one: decimated reports, how old they are, how far away the
+// servo is.
+
+#include <cmath>
+
+#include <knurl/link/clock.hpp>
+
+#include "relay_support.hpp"
+
+namespace knurl::bridge::test {
+namespace {
+
+TEST(Path, reports_come_as_seldom_as_asked_for_and_answers_at_once) {
+    ServoProcess servo;
+    BridgeProcess bridge;
+    Client client = connect_to(bridge, {}, 50);
+    Claim hand = client.claim();
+    auto force = hand.add(at_once({0.1, 0, 0}));
+    const auto first = hand.next_report(10s);
+    ASSERT_TRUE(first);
+    std::optional<HandReport> last;
+    for (int i = 0; i < 20; ++i) {
+        last = hand.next_report(10s);
+        ASSERT_TRUE(last);
+    }
+    // By the servo's own stamps: 50 Hz in the mean, whatever this machine was busy with.
+    EXPECT_NEAR(static_cast<double>(last->deadline_ns - first->deadline_ns) / 20, 20e6, 2e6);
+    EXPECT_EQ(last->missed, 0u) << "what was not asked for is not missed";
+    // An update is acknowledged within the next cycles, not within the next report.
+    const std::uint64_t before = hand.latest()->cycle;
+    for (int i = 0; i < 10; ++i) {
+        force.set(at_once({0.001 * i, 0, 0}));
+        ASSERT_TRUE(hand.wait_applied(hand.commit(), 10s));
+    }
+    const auto felt = force.felt();
+    ASSERT_TRUE(felt);
+    EXPECT_LT(felt->cycle, before + 150) << "ten waits of 20 ms would be 200 cycles";
+}
+
+TEST(Path, a_report_s_age_is_known_within_its_uncertainty) {
+    ServoProcess servo;
+    BridgeProcess bridge;
+    Client client = connect_to(bridge);
+    Observer observer = client.observe();
+    for (int i = 0; i < 200; ++i) ASSERT_TRUE(observer.next_report(10s));
+    const auto report = observer.next_report(10s);
+    ASSERT_TRUE(report);
+    // On one host both clocks are the same one.
+    const std::int64_t before = detail::monotonic_ns() - report->read_ns;
+    const Age age = observer.age(*report);
+    const std::int64_t after = detail::monotonic_ns() - report->read_ns;
+    EXPECT_GE(age.age.count() + age.uncertainty.count(), before);
+    EXPECT_LE(age.age.count() - age.uncertainty.count(), after);
+    EXPECT_GT(age.uncertainty, 0ns);
+    const Network network = observer.network();
+    EXPECT_LE(std::abs(network.clock_offset.count()), network.clock_uncertainty.count());
+    EXPECT_GT(network.round_trip, 0ns);
+    EXPECT_EQ(network.late, 0u);
+    EXPECT_EQ(network.duplicated, 0u);
+    EXPECT_FALSE(network.encrypted);
+}
+
+TEST(Path, on_one_box_there_is_no_network) {
+    ServoProcess servo;
+    Client client = Client::connect("knurl:default", {.wait = 20s});
+    Observer observer = client.observe();
+    const auto report = observer.next_report(10s);
+    ASSERT_TRUE(report);
+    EXPECT_EQ(observer.network().round_trip, 0ns);
+    const Age age = observer.age(*report);
+    EXPECT_GT(age.age, 0ns);
+    EXPECT_EQ(age.uncertainty, 0ns);
+}
+
+TEST(Path, a_batch_of_any_size_arrives_whole) {
+    ServoProcess servo;
+    BridgeProcess bridge;
+    Client client = connect_to(bridge);
+    // From one datagram over several to what goes by TCP.
+    for (const std::uint32_t count : {1u, 20u, 30u, 400u}) {
+        Claim hand = client.claim("", {.shared = true, .representations = count, .batch_bytes = 128 * 1024});
+        std::vector<Representing<ConstantForce>> forces;
+        for (std::uint32_t i = 0; i < count; ++i) forces.push_back(hand.add(at_once({})));
+        hand.arm();
+        for (int round = 1; round <= 5; ++round) {
+            const double share = 0.1 * round / count;
+            for (auto& force : forces) force.set(at_once({share, 0, 0}));
+            const std::uint64_t number = hand.commit();
+            ASSERT_TRUE(hand.wait_applied(number, 10s)) << count;
+            read_until(hand, [&](const HandReport& report) {
+                return std::abs(report.scene_force.x - 0.1 * round) < 1e-9;
+            });
+            for (auto& force : forces) {
+                read_until(hand,
+                           [&](const HandReport&) { return force.felt() && force.felt()->force.x == share; });
+            }
+        }
+        EXPECT_EQ(hand.timing().refused, 0u);
+    }
+}
+
+}  // namespace
+}  // namespace knurl::bridge::test

@@ -1,0 +1,75 @@
+#pragma once
+// A servo, a bridge before it, keys for those who come.
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "../client/servo_process.hpp"
+#include "keys.hpp"
+
+namespace knurl::bridge::test {
+
+using namespace client_test;
+
+template <class Call>
+Error refusal(Call call) {
+    try {
+        call();
+    } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
+        return error;
+    }
+    ADD_FAILURE() << "it was not refused";
+    return Error(Error::Kind::refused, "");
+}
+
+inline void says(const std::string& text, const std::string& words) {
+    EXPECT_NE(text.find(words), std::string::npos) << "\"" << text << "\" does not say \"" << words << "\"";
+}
+
+/// A folder with the bridge's keys file, and one file per key for its owner.
+class KeyRing {
+  public:
+    KeyRing() {
+        std::string name = (std::filesystem::temp_directory_path() / "knurl-keys-XXXXXX").string();
+        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test");
+        folder_ = name;
+    }
+    ~KeyRing() { std::filesystem::remove_all(folder_); }
+    KeyRing(const KeyRing&) = delete;
+    KeyRing& operator=(const KeyRing&) = delete;
+
+    /// The owner's file.
+    std::string add(const std::string& name, Role role) {
+        const Key key = make_key(name, role);
+        add_key(file(), key);
+        add_key(folder_ / name, key);
+        return (folder_ / name).string();
+    }
+    std::string stranger(const std::string& name, Role role) {
+        add_key(folder_ / ("stranger-" + name), make_key(name, role));
+        return (folder_ / ("stranger-" + name)).string();
+    }
+    std::string file() const { return (folder_ / "bridge.keys").string(); }
+
+  private:
+    std::filesystem::path folder_;
+};
+
+inline Client connect_to(const BridgeProcess& bridge, const std::string& key = {}, double report_rate = 0) {
+    return Client::connect(bridge.address(),
+                           {.name = "test", .wait = 10s, .report_rate = report_rate, .key_file = key});
+}
+inline Error refused_by(const BridgeProcess& bridge, const std::string& key = {}) {
+    return refusal(
+        [&] { Client::connect(bridge.address(), {.name = "test", .wait = 0ms, .key_file = key}); });
+}
+
+inline ConstantForce at_once(Vec3 force) {
+    return {.force = force, .recovery = 0};
+}
+
+}  // namespace knurl::bridge::test

@@ -1,0 +1,279 @@
+// An application on another host: its network, its bridge, strangers at the bridge's door. The wall is then
+// held through the proxy of tests/bridge; each fault begins and ends with a hand that feels a wall of this
+// box.
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <fstream>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "../bridge/proxy/proxy.hpp"
+#include "faults.hpp"
+
+namespace knurl::chaos {
+
+using bridge::proxy::Proxy;
+using bridge::proxy::Weather;
+using test::eventually;
+using test::Program;
+
+namespace {
+
+/// The bridge and the network before it; the application that holds the wall is behind both while this lives.
+class Remote {
+  public:
+    explicit Remote(Stage& stage, const Weather& weather = {.delay = 0.002}) : stage_(stage) {
+        start_bridge("127.0.0.1:0");
+        Proxy::Options options;
+        options.to_port = port_;
+        options.seed = stage.random();
+        options.weather = weather;
+        proxy.emplace(options);
+        stage.start_wall("knurl://127.0.0.1:" + std::to_string(proxy->port()));
+    }
+    ~Remote() { stage_.wall.reset(); }
+
+    void start_bridge(const std::string& listen) {
+        bridge.reset();
+        bridge.emplace(stage_.home, KNURL_BRIDGE, std::vector<std::string>{"--listen", listen});
+        const std::string mark = "is reached at knurl://127.0.0.1:";
+        bridge->wait_for_output(mark);
+        while (bridge->output().find('\n') == std::string::npos) bridge->wait_for_output("\n");
+        port_ = static_cast<std::uint16_t>(
+            std::stoi(bridge->output().substr(bridge->output().find(mark) + mark.size())));
+    }
+    std::uint16_t port() const { return port_; }
+    /// Bytes of memory that the bridge really has.
+    std::size_t resident() const {
+        std::ifstream statm("/proc/" + std::to_string(bridge->pid()) + "/statm");
+        std::size_t total = 0, pages = 0;
+        statm >> total >> pages;
+        return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    }
+
+    std::optional<Program> bridge;
+    std::optional<Proxy> proxy;
+
+  private:
+    Stage& stage_;
+    std::uint16_t port_ = 0;
+};
+
+double share(Stage& stage) {
+    return std::uniform_real_distribution<>()(stage.random);
+}
+
+void wait_for_return(Stage& stage) {
+    stage.wall->wait_for_output("reattached-to " + std::to_string(stage.knurld->pid()));
+}
+
+// --------------------------------------------------------------------------------------------- the network
+
+void bad_network(Stage& stage) {
+    const Weather weather{.loss = 0.3 * share(stage),
+                          .duplicate = 0.3 * share(stage),
+                          .reorder = 0.3 * share(stage),
+                          .held = 0.1 * share(stage),
+                          .delay = 0.05 * share(stage),
+                          .jitter = 0.05 * share(stage),
+                          .swing = 0.1 * share(stage)};
+    const Remote remote(stage, weather);
+    const std::int64_t from = Stage::now();
+    stage.let_pass(2.0);
+    demand_undisturbed(stage, from, "a network that loses, delays, doubles and reorders");
+}
+
+/// Everything comes once more, up to a second late.
+void replayed_datagrams(Stage& stage) {
+    const Remote remote(stage, {.duplicate = 1, .reorder = 0.5, .held = 1});
+    const std::int64_t from = Stage::now();
+    stage.let_pass(2.0);
+    demand_undisturbed(stage, from, "a network that replays each datagram");
+}
+
+void fluctuating_delay(Stage& stage) {
+    const Remote remote(stage, {.swing = 0.2, .swing_period = 0.05 + 0.4 * share(stage)});
+    const std::int64_t from = Stage::now();
+    stage.let_pass(3.0);
+    demand_undisturbed(stage, from, "a delay that goes up and down by 200 ms");
+}
+
+void network_cut(Stage& stage) {
+    Remote remote(stage);
+    const std::int64_t from = Stage::now();
+    remote.proxy->cut();
+    stage.measured("network cut: silence (250 + 200 ms) and fade (100 ms)",
+                   static_cast<double>(stage.wait_until_zero(from) - from) * 1e-6);
+    remote.proxy->heal();
+    stage.wait_until_felt();  // the same claim: it was away for a second only
+}
+
+void long_cut(Stage& stage) {
+    Remote remote(stage);
+    const std::int64_t from = Stage::now();
+    remote.proxy->cut();
+    const std::int64_t zero = stage.wait_until_zero(from);
+    demand(eventually([&] { return stage.state() == DeviceState::idle; }),
+           "the claim of a peer that is gone ends");
+    remote.proxy->heal();
+    wait_for_return(stage);
+    demand_off_until_armed(stage, zero, "after a long cut");
+    stage.wait_until_felt();
+}
+
+void connection_reset(Stage& stage) {
+    Remote remote(stage);
+    const std::int64_t from = Stage::now();
+    remote.proxy->hang_up();
+    const std::int64_t zero = stage.wait_until_zero(from);
+    stage.measured("connection reset: zero within 60 ms", static_cast<double>(zero - from) * 1e-6);
+    wait_for_return(stage);
+    demand_off_until_armed(stage, zero, "after a reset");
+    stage.wait_until_felt();
+}
+
+// ------------------------------------------------------------------------------------- what runs at its ends
+
+void peer_killed(Stage& stage) {
+    const Remote remote(stage);
+    const std::int64_t from = Stage::now();
+    stage.wall->signal(SIGKILL);
+    stage.measured("remote application killed: zero within 60 ms",
+                   static_cast<double>(stage.wait_until_zero(from) - from) * 1e-6);
+    demand(eventually([&] { return stage.state() == DeviceState::idle; }),
+           "a device that nobody holds is idle");
+}
+
+void peer_stopped(Stage& stage) {
+    const Remote remote(stage);
+    const std::int64_t from = Stage::now();
+    stage.wall->signal(SIGSTOP);
+    stage.measured("remote application stopped: silence (250 + 200 ms) and fade (100 ms)",
+                   static_cast<double>(stage.wait_until_zero(from) - from) * 1e-6);
+    stage.wall->signal(SIGCONT);
+    stage.wait_until_felt();
+}
+
+void bridge_killed(Stage& stage) {
+    Remote remote(stage);
+    const std::int64_t from = Stage::now();
+    remote.bridge->signal(SIGKILL);
+    const std::int64_t zero = stage.wait_until_zero(from);
+    stage.measured("bridge killed: zero within 60 ms", static_cast<double>(zero - from) * 1e-6);
+    remote.start_bridge("127.0.0.1:" + std::to_string(remote.port()));
+    wait_for_return(stage);
+    demand_off_until_armed(stage, zero, "after a restart of the bridge");
+    stage.wait_until_felt();
+}
+
+void servo_killed_under_bridge(Stage& stage) {
+    Remote remote(stage);
+    const std::int64_t from = Stage::now();
+    stage.knurld->signal(SIGKILL);
+    const std::int64_t zero = stage.wait_until_zero(from);
+    stage.start_servo();
+    wait_for_return(stage);
+    demand_off_until_armed(stage, zero, "after a restart of the servo under the bridge");
+    stage.wait_until_felt();
+}
+
+// ----------------------------------------------------------------------------------------------- strangers
+
+int dial(std::uint16_t port, int type) {
+    const int fd = ::socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    ::connect(fd, reinterpret_cast<sockaddr*>(&to), sizeof to);
+    return fd;
+}
+
+void hostile_packets(Stage& stage) {
+    Remote remote(stage, {});
+    const std::size_t before = remote.resident();
+    std::mt19937_64 random(stage.random());
+    std::atomic<bool> done = false;
+    const std::int64_t from = Stage::now();
+    std::thread stranger([&] {
+        std::array<char, 1500> bytes;
+        const int udp = dial(remote.port(), SOCK_DGRAM);
+        while (!done) {
+            const int tcp = dial(remote.port(), SOCK_STREAM);
+            for (int i = 0; i < 100; ++i) {
+                for (char& byte : bytes) byte = static_cast<char>(random() % 4 ? random() : 0);
+                const std::size_t size = random() % 8 ? random() % bytes.size() : 0;
+                ::send(udp, bytes.data(), size, MSG_NOSIGNAL);
+                if (i % 10 == 0) ::send(tcp, bytes.data(), size, MSG_NOSIGNAL);
+            }
+            ::close(tcp);
+            std::this_thread::yield();
+        }
+        ::close(udp);
+    });
+    stage.let_pass(1.0);
+    done = true;
+    stranger.join();
+    demand_undisturbed(stage, from, "a flood of packets at the bridge");
+    demand(remote.resident() < before + (32u << 20), "a flood costs the bridge no memory to speak of");
+}
+
+void half_open_peers(Stage& stage) {
+    Remote remote(stage, {});
+    const std::int64_t from = Stage::now();
+    std::vector<int> silent;
+    for (int i = 0; i < 40; ++i) silent.push_back(dial(remote.port(), SOCK_STREAM));
+    const std::int64_t asked = Stage::now();
+    {
+        Client client =
+            Client::connect("knurl://127.0.0.1:" + std::to_string(remote.port()), {.wait = test::patience});
+        demand(client.observe().next_report(test::patience).has_value(),
+               "who comes after 40 silent peers gets in");
+    }
+    stage.measured("after 40 half-open peers: the next one is in",
+                   static_cast<double>(Stage::now() - asked) * 1e-6);
+    for (const int fd : silent) ::close(fd);
+    demand_undisturbed(stage, from, "40 peers that say nothing");
+}
+
+constexpr Fault all[] = {
+    {"bad network", bad_network},
+    {"replayed datagrams", replayed_datagrams},
+    {"fluctuating delay", fluctuating_delay},
+    {"network cut", network_cut},
+    {"long cut", long_cut},
+    {"connection reset", connection_reset},
+    {"remote application killed", peer_killed},
+    {"remote application stopped", peer_stopped},
+    {"bridge killed", bridge_killed},
+    {"servo killed under the bridge", servo_killed_under_bridge},
+    {"hostile packets", hostile_packets},
+    {"half-open peers", half_open_peers},
+};
+
+/// The wall of this box again.
+template <std::size_t i>
+void and_back(Stage& stage) {
+    all[i].happen(stage);
+    stage.start_wall();
+}
+
+}  // namespace
+
+std::span<const Fault> network_faults() {
+    static constexpr auto wrapped = []<std::size_t... i>(std::index_sequence<i...>) {
+        return std::array{Fault{all[i].name, and_back<i>}...};
+    }
+    (std::make_index_sequence<std::size(all)>());
+    return wrapped;
+}
+
+}  // namespace knurl::chaos
