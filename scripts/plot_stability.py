@@ -182,15 +182,10 @@ def main(arguments):
         with open(arguments[0]) as file:
             tables = {table["key"]: table for table in json.load(file)["tables"]}
         os.makedirs(arguments[1], exist_ok=True)
-<<<<<<< HEAD
-        for name, draw in (("bound", draw_bound), ("methods", draw_methods), ("factors", draw_factors)):
-=======
-        plt.rcParams.update({"font.family": "DejaVu Sans", "axes.edgecolor": "#c4c7c5", "text.color": INK})
         drawings = (("bound", draw_bound), ("methods", draw_methods), ("factors", draw_factors))
         if "network_delay" in tables:
             drawings = (("network", draw_network),)
         for name, draw in drawings:
->>>>>>> net
             path = os.path.join(arguments[1], name + ".png")
             draw(tables, path)
             print(f"{path}: {os.path.getsize(path) // 1024} KB")

@@ -17,17 +17,6 @@ std::string contains(const std::string& output, const std::string& part) {
     return output.find(part) == std::string::npos ? "missing '" + part + "' in: " + output : "";
 }
 
-<<<<<<< HEAD
-/// The wall is felt throughout as if nothing happened.
-void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by) {
-    const Span span = force_span(stage.device->log(), from);
-    demand(span.smallest > 1.6 - 4 * steady && span.largest < 1.6 + 4 * steady,
-           by + " leaves the others' force alone: " + std::to_string(span.smallest) + " to " +
-               std::to_string(span.largest) + " N; " + how_it_fell(stage.device->log(), from));
-}
-
-=======
->>>>>>> net
 // ------------------------------------------------------------------------------------- an application
 
 void application_killed(Stage& stage) {
@@ -191,7 +180,7 @@ void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by) 
     const Span span = force_span(stage.device->log(), from);
     demand(span.smallest > 1.6 - 4 * steady && span.largest < 1.6 + 4 * steady,
            by + " leaves the others' force alone: " + std::to_string(span.smallest) + " to " +
-               std::to_string(span.largest) + " N");
+               std::to_string(span.largest) + " N; " + how_it_fell(stage.device->log(), from));
 }
 
 void demand_off_until_armed(Stage& stage, std::int64_t from, const std::string& after) {
