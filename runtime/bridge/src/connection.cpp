@@ -105,8 +105,7 @@ void Connection::broken() const {
             Error::Kind::no_servo,
             fmt::format("no bridge listens at {} ({}); start one there: `knurl-bridge --listen HOST:PORT`",
                         bridge_.text, reason));
-    throw Error(frames_.encrypted() || reason.find("key") != std::string::npos ? Error::Kind::permission
-                                                                               : Error::Kind::disconnected,
+    throw Error(reason.find("key") != std::string::npos ? Error::Kind::permission : Error::Kind::disconnected,
                 fmt::format("bridge {}: {}", bridge_.text, reason.empty() ? "it hung up" : reason));
 }
 
@@ -383,7 +382,13 @@ Connection::Joined Connection::attach(std::uint32_t device, const protocol::Clai
         die();
         nonsense();
     }
-    auto stream = std::make_shared<Stream>(shared_from_this(), attached);
+    std::shared_ptr<Stream> stream;
+    try {
+        stream = std::make_shared<Stream>(shared_from_this(), attached);
+    } catch (...) {
+        give_back(attached.stream);
+        throw;
+    }
     streams_[attached.stream - 1] = stream;
     stream->tick(detail::monotonic_ns());  // says hello: reports come from here on
     return {.stream = std::move(stream), .terms = attached.terms};
@@ -394,10 +399,14 @@ void Connection::release(std::uint32_t id) noexcept {
     if (stream_of(id) == nullptr) return;
     streams_[id - 1]->wake();
     streams_[id - 1].reset();
+    give_back(id);
+}
+
+/// A claim that cannot be given back ends with the connection.
+void Connection::give_back(std::uint32_t id) noexcept {
     const Nothing nothing;
     const std::span<const std::byte> part = bytes_of(nothing);
-    if (!dead_ && !send(FrameType::release, id, {&part, 1}))
-        die();  // a claim that cannot be given back ends with all
+    if (!dead_ && !send(FrameType::release, id, {&part, 1})) die();
 }
 
 bool Connection::send(FrameType type, std::uint32_t stream,

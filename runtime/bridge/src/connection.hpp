@@ -90,6 +90,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void serve_clock() noexcept;
     void ping(std::int64_t now) noexcept;
     void die() noexcept;
+    void give_back(std::uint32_t stream) noexcept;
     Stream* stream_of(std::uint32_t id) noexcept;
 
     const Endpoint bridge_;

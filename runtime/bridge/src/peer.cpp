@@ -88,11 +88,8 @@ bool Peer::take_frame(const Frame& frame, Desk& desk) {
         case FrameType::release:
             release(frame.stream, desk);
             return true;
-        case FrameType::commands: {
-            Report newest;
-            const bool known = role_ == Role::render && desk.pulse.newest(stream->device(), newest);
-            return stream->commands(frame.payload, role_, known ? &newest : nullptr, why) || fail(why);
-        }
+        case FrameType::commands:
+            return stream->commands(frame.payload, role_, why) || fail(why);
         case FrameType::batch:
             return stream->batch(frame.payload, why) || fail(why);
         default:

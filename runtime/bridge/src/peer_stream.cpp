@@ -31,29 +31,16 @@ bool well_formed(std::span<const std::byte> cells) noexcept {
     return !more;
 }
 
-bool switched_on(const Report* newest) noexcept {
-    return newest != nullptr &&
-           (newest->state == DeviceState::ramp_up || newest->state == DeviceState::active);
-}
-
-bool allowed(std::uint32_t type, const Report* newest) noexcept {
-    if (type == static_cast<std::uint32_t>(protocol::CommandType::reset_fault)) return false;
-    return type != static_cast<std::uint32_t>(protocol::CommandType::arm) || switched_on(newest);
-}
-
-void mark_forbidden(std::span<std::byte> cells, const Report* newest) noexcept {
+/// The servo decides, with the device's state of that cycle.
+void restrict(std::span<std::byte> cells) noexcept {
     for (std::size_t at = 0; at < cells.size();) {
-        std::uint32_t type = 0;
-        protocol::CommandHeader header;
-        std::memcpy(&type, cells.data() + at + offsetof(protocol::CommandHeader, type), sizeof type);
-        std::memcpy(&header.cells, cells.data() + at, sizeof header.cells);
-        if (!allowed(type, newest)) {
-            std::byte* const more = cells.data() + at + offsetof(protocol::CommandHeader, more);
-            std::memcpy(&header.more, more, sizeof header.more);
-            header.more |= protocol::forbidden_command;
-            std::memcpy(more, &header.more, sizeof header.more);
-        }
-        at += std::size_t{header.cells} * shm::cell_bytes;
+        std::uint32_t count = 0, more = 0;
+        std::byte* const flags = cells.data() + at + offsetof(protocol::CommandHeader, more);
+        std::memcpy(&count, cells.data() + at, sizeof count);
+        std::memcpy(&more, flags, sizeof more);
+        more |= protocol::restricted_command;
+        std::memcpy(flags, &more, sizeof more);
+        at += std::size_t{count} * shm::cell_bytes;
     }
 }
 
@@ -77,8 +64,7 @@ void PeerStream::bind(const sockaddr_storage& to, socklen_t length) noexcept {
 
 // ------------------------------------------------------------------------------------------ to the servo
 
-bool PeerStream::commands(std::span<const std::byte> cells, Role role, const Report* newest,
-                          const char*& why) noexcept {
+bool PeerStream::commands(std::span<const std::byte> cells, Role role, const char*& why) noexcept {
     why = "commands of an observer";
     if (!attachment_.channel) return false;
     why = "commands that are not whole groups of messages";
@@ -88,7 +74,7 @@ bool PeerStream::commands(std::span<const std::byte> cells, Role role, const Rep
     if (cells.size() > scratch_.capacity() || waiting_.size() + cells.size() > waiting_.capacity())
         return false;
     scratch_.assign(cells.begin(), cells.end());
-    if (role == Role::render) mark_forbidden(scratch_, newest);
+    if (role == Role::render) restrict(scratch_);
     if (push_waiting() && attachment_.channel->push(
                               scratch_.data(), static_cast<std::uint32_t>(scratch_.size() / shm::cell_bytes)))
         return true;

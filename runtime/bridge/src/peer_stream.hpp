@@ -32,8 +32,7 @@ class PeerStream {
     void bind(const sockaddr_storage& to, socklen_t length) noexcept;
 
     // Each false: the peer is to be closed, for `why`.
-    bool commands(std::span<const std::byte> cells, Role role, const Report* newest,
-                  const char*& why) noexcept;
+    bool commands(std::span<const std::byte> cells, Role role, const char*& why) noexcept;
     bool batch(std::span<const std::byte> whole, const char*& why) noexcept;  // by TCP
     /// A cycle has ended: its report, answers, feedback.
     bool cycle(const Report& report, std::int64_t now, const Way& way, const char*& why) noexcept;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/epoll.h>
 #include <sys/random.h>
 #include <sys/socket.h>
@@ -82,17 +83,19 @@ void Relay::watch(int fd, std::uint32_t events, std::uint64_t from, int operatio
         throw std::runtime_error(fmt::format("epoll: {}", std::strerror(errno)));
 }
 
-/// So much a second: a scan must not fill the disk.
+/// So much a second: a scan must not fill the disk. And never waiting for whoever should read it.
 void Relay::say(const std::string& line, std::int64_t now) {
     if (now / 1'000'000'000 != talk_second_) {
-        if (unsaid_ > 0) std::printf("(%d lines more in that second)\n", unsaid_);
         talk_second_ = now / 1'000'000'000;
-        talked_ = unsaid_ = 0;
+        talked_ = 0;
     }
-    if (talked_++ >= most_lines) {
+    pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+    if (talked_++ >= most_lines || ::poll(&out, 1, 0) <= 0) {
         ++unsaid_;
         return;
     }
+    if (unsaid_ > 0) std::printf("(%d lines were left out)\n", unsaid_);
+    unsaid_ = 0;
     std::puts(line.c_str());
     std::fflush(stdout);
 }
@@ -217,7 +220,10 @@ void Relay::serve_device(std::size_t device, std::int64_t now) {
         for (std::size_t place = 0; place < places; ++place) {
             Peer* const peer = places_[place].peer.get();
             if (peer == nullptr || !peer->greeted()) continue;
-            if (peer->cycle(static_cast<std::uint32_t>(device), report, now, desk_)) continue;
+            if (peer->cycle(static_cast<std::uint32_t>(device), report, now, desk_)) {
+                follow(place);  // what did not go out at once
+                continue;
+            }
             say(fmt::format("{}: out: {}", peer->name(), peer->why()), now);
             close(place, Error::Kind::disconnected, "the bridge ends this connection: " + peer->why());
         }

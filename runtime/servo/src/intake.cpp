@@ -217,7 +217,13 @@ Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const A
         if (refusal == Refusal::hand_too_fast) value = authority.speed;
         return {{Code::refused, Verdict::no_field, value}, refusal};
     };
-    if ((command.header.more & protocol::forbidden_command) != 0) return state(Refusal::forbidden);
+    if ((command.header.more & protocol::restricted_command) != 0) {
+        const DeviceState device = authority.supervisor.state();
+        const bool on = device == DeviceState::ramp_up || device == DeviceState::active;
+        if (command.header.type == CommandType::reset_fault ||
+            (command.header.type == CommandType::arm && !on))
+            return state(Refusal::forbidden);
+    }
     switch (command.header.type) {
         case CommandType::add:
             return check_add(claim, command);

@@ -19,15 +19,16 @@ enum class CommandType : std::uint32_t {
     reset_fault = 6,  // no body
 };
 
-/// In `more`, set by a bridge: the peer's role does not allow this command. The servo refuses it, as it does
-/// any other, in order and with its whole group.
-inline constexpr std::uint32_t forbidden_command = 2;
+/// In `more`, set by a bridge: this peer may join a device that somebody else has switched on, and no more.
+/// The servo refuses the command if it is `reset_fault`, or `arm` while the device is neither in ramp_up nor
+/// active; in its place in the order and with its whole group, as it refuses any other.
+inline constexpr std::uint32_t restricted_command = 2;
 
 struct CommandHeader {
     std::uint32_t cells = 0;  // of the whole message, this header included
     CommandType type{};
     std::uint64_t number = 0;  // 1, 2, ... in order, without gaps
-    std::uint32_t more = 0;    // 1: the next message belongs to the same group; + forbidden_command
+    std::uint32_t more = 0;    // 1: the next message belongs to the same group; + restricted_command
     std::uint32_t bytes = 0;   // of parameters behind the body
 };
 
@@ -77,7 +78,7 @@ enum class Refusal : std::uint32_t {
     group_refused,  // another command of the same group was refused
     disconnected,
     malformed,  // the message does not parse
-    forbidden,  // forbidden_command
+    forbidden,  // restricted_command
 };
 
 /// A batch of parameter updates in the triple buffer: this header, then per entry an EntryHeader and its
