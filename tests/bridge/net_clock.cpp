@@ -130,6 +130,21 @@ TEST(ClockEstimate, OneSlowDirectionWidensTheBoundByItsShortestWayOnly) {
     EXPECT_LT(static_cast<double>(estimate.uncertainty(World::floor(end))), 30 * ms);
 }
 
+TEST(ClockEstimate, AllowsForADriftThatWanders) {
+    World world(8);
+    world.drift = 50e-6;
+    world.wander = 1e-6;  // 1 us to and fro within 7 s: more than the way's 0.2 us would allow
+    world.forth = world.back = 200;
+    world.forth_jitter = world.back_jitter = 0;
+    ClockEstimate estimate;
+    for (int i = 0; i < 300; ++i) {
+        double end = 0;
+        world.exchange(estimate, 100.0 * i * ms, &end);
+        ASSERT_LE(outside(estimate, world, end), 2) << "exchange " << i;
+        ASSERT_LE(outside(estimate, world, end + 1 * s), 2) << "exchange " << i;
+    }
+}
+
 TEST(ClockEstimate, GrowsMoreUncertainWhileNothingComes) {
     World world(6);
     world.drift = 100e-6;

@@ -85,7 +85,7 @@ TEST_F(Keys, ANameTwiceIsRefused) {
 }
 
 TEST_F(Keys, AFileThatOthersMayReadIsRefused) {
-    for (const mode_t mode : {0640, 0604, 0620, 0602, 0610}) {
+    for (const mode_t mode : {0640u, 0604u, 0620u, 0602u, 0610u}) {
         write("a observe " + hex_, mode);
         EXPECT_THAT(mistake(), HasSubstr("chmod 600")) << std::oct << mode;
         EXPECT_THROW(add_key(file_, make_key("b", Role::control)), std::runtime_error);

@@ -10,8 +10,9 @@ using test::Program;
 
 namespace {
 
-constexpr double felt = 0.5;     // N: the wall, with a hand of 200 N/m against 800 N/m, gives 1.6
-constexpr double steady = 0.25;  // N: how far from there it may wander when nothing happens to it
+// N: the wall, with a hand of 200 N/m against 800 N/m, gives 1.6; how far from there it may wander when
+// nothing happens to it.
+constexpr double steady = 0.25;
 
 std::string contains(const std::string& output, const std::string& part) {
     return output.find(part) == std::string::npos ? "missing '" + part + "' in: " + output : "";
