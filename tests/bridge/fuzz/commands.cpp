@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         claim.channel->full = control & 2;
         const char* why = "";
         const bool good =
-            control & 1 ? claim.stream.batch(frame, why) : claim.stream.commands(frame, role, nullptr, why);
+            control & 1 ? claim.stream.batch(frame, why) : claim.stream.commands(frame, role, why);
         if (!good) {
             fuzz::require(*why != '\0');
             return 0;  // the peer is closed

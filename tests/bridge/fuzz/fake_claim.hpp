@@ -29,8 +29,7 @@ class FakeChannel final : public detail::ClaimChannel {
             protocol::CommandHeader header;
             std::memcpy(static_cast<void*>(&header), at + std::size_t{i} * shm::cell_bytes, sizeof header);
             require(header.cells > 0 && header.cells <= count - i);
-            if (render && header.type == protocol::CommandType::reset_fault)
-                require((header.more & protocol::forbidden_command) != 0);
+            if (render) require((header.more & protocol::restricted_command) != 0);
             more = (header.more & 1) != 0;
             i += header.cells;
         }

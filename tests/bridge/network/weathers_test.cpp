@@ -132,8 +132,14 @@ TEST_P(Under, EachReportIsReadOnceInOrderAndTheOthersAreCounted) {
     const std::uint64_t missed = observer.missed() - missed_before;
     EXPECT_EQ(read + missed, last - first->cycle + 1)
         << "each cycle's report is read or counted, seed " << seed;
-    EXPECT_EQ((now.lost - before.lost) + (now.late - before.late), missed) << "seed " << seed;
     const Weather& weather = GetParam().weather;
+    // A copy that comes more than 64 behind the newest cannot be told from a first that is late.
+    const std::uint64_t lost = now.lost - before.lost, late = now.late - before.late;
+    if (weather.duplicate == 0 || weather.jitter == 0) {
+        EXPECT_EQ(lost + late, missed) << "seed " << seed;
+    } else {
+        EXPECT_LE(lost, missed) << "seed " << seed;
+    }
     if (weather.loss == 0 && weather.jitter == 0 && weather.reorder == 0) {
         EXPECT_EQ(now.lost, before.lost);
     }
