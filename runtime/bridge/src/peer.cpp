@@ -198,6 +198,7 @@ bool Peer::attach(std::span<const std::byte> payload, Desk& desk) {
         next_stream_ = id;  // the place after this one
         *free = std::make_unique<PeerStream>(id, std::move(attachment), message.report_rate);
         desk.pulse.join(attached.device);
+        if (const Report* last = desk.pulse.last(attached.device)) (*free)->note(*last);
         return frames_.send(static_cast<std::uint16_t>(FrameType::attached), 0, bytes_of(attached)) ||
                fail("it does not read");
     } catch (const Error& error) {
@@ -270,9 +271,7 @@ void Peer::datagram(std::span<std::byte> datagram, const sockaddr_storage& from,
         stream->batch_piece(opened.header, body);
     } else if (opened.header.kind == DatagramKind::hello && take(body, hello)) {
         stream->bind(from, from_length);
-        Report newest;
-        if (hello.received == 0 && desk.pulse.newest(stream->device(), newest))
-            stream->repeat(newest, way(desk));
+        if (hello.received == 0) stream->repeat(way(desk));
     }
 }
 

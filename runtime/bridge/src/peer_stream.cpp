@@ -152,14 +152,24 @@ bool PeerStream::cycle(const Report& report, std::int64_t now, const Way& way, c
         why = "it does not read what it is sent";
         if (!send_felt(now, way)) return false;
     }
+    const bool is_due = due(report);
+    if (is_due) note(report);
     if (to_length_ == 0) return true;
-    if (due(report)) {
-        ++number_;
+    if (is_due) {
         send(&report, way);
     } else if (acknowledges) {
         send(nullptr, way);  // whoever reads seldom still learns at once what has taken effect
     }
     return true;
+}
+
+void PeerStream::note(const Report& newest) noexcept {
+    ++number_;
+    newest_ = newest;
+}
+
+void PeerStream::repeat(const Way& way) noexcept {
+    if (number_ > 0) send(&newest_, way);
 }
 
 bool PeerStream::due(const Report& report) noexcept {

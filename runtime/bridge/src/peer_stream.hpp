@@ -38,8 +38,10 @@ class PeerStream {
     bool cycle(const Report& report, std::int64_t now, const Way& way, const char*& why) noexcept;
 
     void batch_piece(const DatagramHeader& header, std::span<const std::byte> body) noexcept;
-    /// For a peer that has none: the newest again, under its own number.
-    void repeat(const Report& report, const Way& way) noexcept { send(&report, way); }
+    /// The newest report, and its number. From outside: where it begins, before the first cycle().
+    void note(const Report& newest) noexcept;
+    /// For a peer that has none: the newest, under its own number.
+    void repeat(const Way& way) noexcept;
 
   private:
     bool push_waiting() noexcept;
@@ -56,7 +58,9 @@ class PeerStream {
     sockaddr_storage to_{};
     socklen_t to_length_ = 0;  // 0: not bound yet
     std::size_t limit_ = datagram_bytes;
-    std::uint64_t number_ = 0;
+    std::uint64_t number_ =
+        0;  // of the newest report, whether it was sent or nobody was there yet to send it to
+    Report newest_{};
 
     std::vector<std::byte> waiting_;  // commands that the servo's ring had no room for; reserved
     std::vector<std::byte> scratch_;  // commands, to be marked; reserved

@@ -13,7 +13,7 @@ bool Pulse::open() {
     request.observe = 1;
     std::vector<Device> devices;
     for (std::uint32_t i = 0; i < link->devices().size(); ++i)
-        devices.push_back({.attachment = link->attach(i, request), .streams = 0});
+        devices.push_back({.attachment = link->attach(i, request)});
     link_ = std::move(link);
     devices_ = std::move(devices);
     return true;
@@ -21,8 +21,11 @@ bool Pulse::open() {
 
 void Pulse::join(std::size_t device) noexcept {
     if (device >= devices_.size() || devices_[device].streams++ > 0) return;
-    Report report;  // those of the time when nobody listened
-    devices_[device].attachment.reports->latest(report);
+    // Those of the time when nobody listened are nobody's.
+    if (Report report; devices_[device].attachment.reports->latest(report)) {
+        devices_[device].last = report;
+        devices_[device].any = true;
+    }
     rearm(device);
 }
 
@@ -31,15 +34,19 @@ void Pulse::leave(std::size_t device) noexcept {
 }
 
 bool Pulse::next(std::size_t device, Report& report) noexcept {
-    return devices_[device].attachment.reports->next(report);
+    Device& from = devices_[device];
+    if (!from.attachment.reports->next(report)) return false;
+    from.last = report;
+    from.any = true;
+    return true;
 }
 
 void Pulse::rearm(std::size_t device) noexcept {
     if (devices_[device].streams > 0) devices_[device].attachment.reports->rearm();
 }
 
-bool Pulse::newest(std::size_t device, Report& report) const noexcept {
-    return device < devices_.size() && devices_[device].attachment.reports->newest(report);
+const Report* Pulse::last(std::size_t device) const noexcept {
+    return device < devices_.size() && devices_[device].any ? &devices_[device].last : nullptr;
 }
 
 }  // namespace knurl::bridge

@@ -29,13 +29,16 @@ class Pulse {
     /// The next report in order.
     bool next(std::size_t device, Report& report) noexcept;
     void rearm(std::size_t device) noexcept;
-    /// False: there was none yet.
-    bool newest(std::size_t device, Report& report) const noexcept;
+    /// What next() gave last, or the newest when the first stream came: those that follow begin behind it.
+    /// Null: none yet.
+    const Report* last(std::size_t device) const noexcept;
 
   private:
     struct Device {
         detail::Attachment attachment;
         std::size_t streams = 0;
+        Report last{};
+        bool any = false;
     };
     std::string servo_;
     std::unique_ptr<detail::Link> link_;
