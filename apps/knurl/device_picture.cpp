@@ -1,6 +1,8 @@
 // The arm and what it reaches, from the side and from above.
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <numbers>
 #include <stdexcept>
@@ -66,10 +68,12 @@ class Canvas {
         cairo_show_text(pen_.get(), text.c_str());
     }
     void write(const std::string& path) {
-        if (const cairo_status_t status = cairo_surface_write_to_png(surface_.get(), path.c_str());
-            status != CAIRO_STATUS_SUCCESS)
+        errno = 0;
+        const cairo_status_t status = cairo_surface_write_to_png(surface_.get(), path.c_str());
+        if (status != CAIRO_STATUS_SUCCESS)
             throw std::runtime_error(
-                fmt::format("cannot write {}: {}", path, cairo_status_to_string(status)));
+                fmt::format("{}: cannot be written: {}", path,
+                            errno != 0 ? std::strerror(errno) : cairo_status_to_string(status)));
     }
 
   private:

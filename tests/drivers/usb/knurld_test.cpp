@@ -36,6 +36,12 @@ class FalconUnderKnurld : public testing::Test {
         ASSERT_GT(steady_, 0);
     }
 
+    void TearDown() override {
+        bus_.freeze(false);
+        if (servo_->pid() > 0)
+            servo_->end(SIGTERM);  // in order: a kill would have to wait for the bus, as below
+    }
+
     /// Whatever it takes: resets faults, arms, until the motors push.
     bool pushes() {
         const auto deadline = std::chrono::steady_clock::now() + 60s;
