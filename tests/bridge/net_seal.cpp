@@ -127,17 +127,6 @@ TEST_F(Seal, OfEverySizeAndContent) {
     }
 }
 
-TEST(Newest, OldDoubledAndReplayedAreNotNew) {
-    NewestCounter counter;
-    EXPECT_FALSE(counter.is_new(0));
-    EXPECT_TRUE(counter.is_new(1));
-    counter.accept(1);
-    EXPECT_FALSE(counter.is_new(1));
-    counter.accept(9);
-    EXPECT_FALSE(counter.is_new(8)) << "late: a newer state is here already";
-    EXPECT_TRUE(counter.is_new(10));
-}
-
 TEST_F(Seal, AllocatesNothing) {
     Datagram datagram = sealed(1, "head", "text");
     opener.open(1, datagram, 4);

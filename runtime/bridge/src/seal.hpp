@@ -49,16 +49,4 @@ class Opener {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Which counters of a peer are still to be accepted: those above the newest accepted. A replayed, doubled or
-/// overtaken datagram is old by definition: newest wins.
-class NewestCounter {
-  public:
-    bool is_new(std::uint64_t counter) const noexcept { return counter > newest_; }
-    void accept(std::uint64_t counter) noexcept { newest_ = counter; }  // only after it was opened
-    std::uint64_t newest() const noexcept { return newest_; }
-
-  private:
-    std::uint64_t newest_ = 0;  // counters begin at 1
-};
-
 }  // namespace knurl::bridge
