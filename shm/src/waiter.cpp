@@ -24,6 +24,12 @@ void signal_event(int event_fd) noexcept {
     [[maybe_unused]] const ssize_t written = ::write(event_fd, &one, sizeof one);
 }
 
+bool wake_one(const Sleeper& sleeper) noexcept {
+    if (!lower_flag<>(sleeper.flag->waiting)) return false;
+    signal_event(sleeper.event_fd);
+    return true;
+}
+
 long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value) noexcept {
     static_assert(sizeof word == sizeof(std::uint32_t) && std::atomic<std::uint32_t>::is_always_lock_free);
     return ::syscall(SYS_futex, &word, operation | FUTEX_PRIVATE_FLAG, value, nullptr, nullptr, 0);
@@ -76,24 +82,20 @@ void Waiter::drain() noexcept {
 }
 
 struct Waker::Table {
-    struct Entry {
-        WaiterFlag* flag = nullptr;
-        int event_fd = -1;
-    };
     // Between the waker's thread and the broker only; the servo never takes it.
     std::mutex mutex;
-    std::array<Entry, max_entries> entries;
+    std::array<Sleeper, max_entries> entries;
     std::size_t count = 0;
 };
 
 Waker::Waker() : table_(std::make_unique<Table>()) {}
 Waker::~Waker() = default;
 
-void Waker::add(WaiterFlag* flag, int event_fd) {
+void Waker::add(const Sleeper& sleeper) {
     const std::lock_guard lock(table_->mutex);
     if (table_->count == max_entries)
         throw std::runtime_error("waker: " + std::to_string(max_entries) + " waiters; no room for one more");
-    table_->entries[table_->count++] = {.flag = flag, .event_fd = event_fd};
+    table_->entries[table_->count++] = sleeper;
 }
 
 void Waker::remove(const WaiterFlag* flag) noexcept {
@@ -108,13 +110,18 @@ void Waker::remove(const WaiterFlag* flag) noexcept {
 std::size_t Waker::run_once() noexcept {
     const std::lock_guard lock(table_->mutex);
     std::size_t woken = 0;
-    for (std::size_t i = 0; i < table_->count; ++i) {
-        const Table::Entry& entry = table_->entries[i];
-        if (!lower_flag<>(entry.flag->waiting)) continue;
-        signal_event(entry.event_fd);
-        ++woken;
-    }
+    for (std::size_t i = 0; i < table_->count; ++i)
+        if (wake_one(table_->entries[i])) ++woken;
     return woken;
+}
+
+std::size_t Waker::wake(std::span<const Sleeper> sleepers) noexcept {
+    const Waiting waiting = who_waits(sleepers);
+    // A switch to the thread and back costs a sleeper some 9 us, which one alone need not pay. Should the
+    // thread be at it too, from a poke before: only one of the two finds the flag up.
+    if (waiting.count == 1) wake_one(sleepers[waiting.last]);
+    if (waiting.count > 1) poke();
+    return waiting.count;
 }
 
 void Waker::poke() noexcept {

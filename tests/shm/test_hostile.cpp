@@ -183,7 +183,7 @@ TEST_F(Hostile, FlagsWithAnyBytesOnlyWakeTheirOwner) {
     WaiterFlag flag;
     const UniqueFd event = make_event();
     Waker waker;
-    waker.add(&flag, event.get());
+    waker.add({.flag = &flag, .event_fd = event.get()});
     for (int round = 0; round < 1000; ++round) {
         flag.waiting = adversarial();
         ASSERT_LE(waker.run_once(), 1u);

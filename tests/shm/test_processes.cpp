@@ -29,7 +29,7 @@ class Processes : public testing::Test {
         spsc_init(claim_.data() + replies_at);
         triple_init(claim_.data() + batches_at);
         reports_.seal_against_new_writers();
-        waker_.add(flag_, event_.get());
+        waker_.add({.flag = flag_, .event_fd = event_.get()});
         thread_ = std::thread([this] { waker_.run(); });
     }
     ~Processes() override {
@@ -83,13 +83,17 @@ TEST_F(Processes, ASleepingClientGetsEveryReportWhole) {
     constexpr std::uint64_t count = 3000;
     start("reports", count);
     BroadcastWriter writer(reports_.data(), report_slots, sizeof(Report));
-    const WaiterFlag* const flags[] = {flag_};
+    const Sleeper sleepers[] = {{.flag = flag_, .event_fd = event_.get()}};
     for (std::uint64_t n = 0; n < count; ++n) {
         const Report report = Report::numbered(n);
         writer.publish(&report);
-        if (anyone_waiting(flags)) waker_.poke();
+        // By turns, as it is for one that sleeps alone, and for several.
+        if (n % 2 == 0)
+            waker_.wake(sleepers);
+        else if (who_waits(sleepers).count > 0)
+            waker_.poke();
         if (n % 128 == 0)  // until the client has caught up and sleeps
-            while (alive() && !anyone_waiting(flags)) std::this_thread::yield();
+            while (alive() && who_waits(sleepers).count == 0) std::this_thread::yield();
     }
     EXPECT_EQ(exit_code(), 0);
 }

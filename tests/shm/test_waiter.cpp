@@ -32,23 +32,24 @@ class Waiting : public testing::Test {
     }
 
     void start_waker() {
-        waker_.add(&flag_, event_.get());
+        waker_.add(sleeper());
         thread_ = std::thread([this] { waker_.run(); });
     }
     /// What the servo does at the end of its cycle.
     void publish() {
         const std::uint64_t report = writer_.published();
         writer_.publish(&report);
-        const WaiterFlag* const flags[] = {&flag_};
-        if (anyone_waiting(flags)) waker_.poke();
+        const Sleeper sleepers[] = {sleeper()};
+        if (who_waits(sleepers).count > 0) waker_.poke();
     }
+    Sleeper sleeper() { return {.flag = &flag_, .event_fd = event_.get()}; }
     bool readable() const {
         pollfd event{.fd = event_.get(), .events = POLLIN, .revents = 0};
         return ::poll(&event, 1, 0) == 1;
     }
-    bool anyone() const {
-        const WaiterFlag* const flags[] = {&flag_};
-        return anyone_waiting(flags);
+    bool anyone() {
+        const Sleeper sleepers[] = {sleeper()};
+        return who_waits(sleepers).count > 0;
     }
 
     Memory memory_;
@@ -102,7 +103,7 @@ TEST_F(Waiting, NoReportIsSleptThrough) {
 TEST_F(Waiting, TheDescriptorIsReadableWhenAReportHasCome) {
     // The waker's sweeps are made here, one for each poke: a thread's first sweep could come at any moment,
     // and find this waiter before there is a report.
-    waker_.add(&flag_, event_.get());
+    waker_.add(sleeper());
     waiter_.rearm();
     EXPECT_FALSE(readable());
     EXPECT_TRUE(anyone());
@@ -123,6 +124,31 @@ TEST_F(Waiting, WhoeverPollsTheDescriptorIsWokenByTheWakersThread) {
     EXPECT_TRUE(reader_.next(&report_));
 }
 
+TEST_F(Waiting, OneThatSleepsAloneIsWokenWithoutTheWakersThread) {
+    const Sleeper sleepers[] = {sleeper()};
+    EXPECT_EQ(waker_.wake(sleepers), 0u);
+    EXPECT_FALSE(readable());
+    waiter_.rearm();
+    EXPECT_EQ(waker_.wake(sleepers), 1u);
+    EXPECT_TRUE(readable());
+    EXPECT_FALSE(anyone());  // it is woken once
+    EXPECT_EQ(waker_.wake(sleepers), 0u);
+}
+
+TEST_F(Waiting, SeveralAreLeftToTheWakersThread) {
+    WaiterFlag other;
+    const UniqueFd others_event = make_event();
+    const Sleeper sleepers[] = {sleeper(), {.flag = &other, .event_fd = others_event.get()}};
+    for (const Sleeper& each : sleepers) {
+        waker_.add(each);
+        each.flag->waiting = 1;
+    }
+    EXPECT_EQ(waker_.wake(sleepers), 2u);
+    EXPECT_FALSE(readable());
+    EXPECT_EQ(waker_.run_once(), 2u);
+    EXPECT_TRUE(readable());
+}
+
 TEST_F(Waiting, AReportThatCameBeforeRearmingMakesTheDescriptorReadableAtOnce) {
     publish();  // nobody was waiting: nobody was woken
     waiter_.rearm();
@@ -135,7 +161,7 @@ TEST_F(Waiting, AReportThatCameBeforeRearmingMakesTheDescriptorReadableAtOnce) {
 }
 
 TEST_F(Waiting, ASleeperIsWokenOnceHoweverLongItTakesToWakeUp) {
-    waker_.add(&flag_, event_.get());
+    waker_.add(sleeper());
     waiter_.rearm();
     publish();
     EXPECT_EQ(waker_.run_once(), 1u);
@@ -152,7 +178,7 @@ TEST_F(Waiting, WhoeverIsRemovedIsNotTouchedAnyMore) {
         ASSERT_NE(page, MAP_FAILED);
         auto* flag = new (page) WaiterFlag{.waiting = 1};
         UniqueFd event = make_event();
-        waker_.add(flag, event.get());
+        waker_.add({.flag = flag, .event_fd = event.get()});
         waker_.poke();
         waker_.remove(flag);
         ASSERT_EQ(::munmap(page, 4096), 0);
@@ -161,11 +187,12 @@ TEST_F(Waiting, WhoeverIsRemovedIsNotTouchedAnyMore) {
 
 TEST_F(Waiting, TheTableIsBoundedAndSaysSo) {
     std::vector<WaiterFlag> flags(Waker::max_entries + 1);
-    for (std::size_t i = 0; i < Waker::max_entries; ++i) waker_.add(&flags[i], event_.get());
-    EXPECT_THROW(waker_.add(&flags.back(), event_.get()), std::runtime_error);
+    for (std::size_t i = 0; i < Waker::max_entries; ++i)
+        waker_.add({.flag = &flags[i], .event_fd = event_.get()});
+    EXPECT_THROW(waker_.add({.flag = &flags.back(), .event_fd = event_.get()}), std::runtime_error);
     waker_.remove(&flags[17]);
     waker_.remove(&flags[17]);  // unknown by now
-    waker_.add(&flags.back(), event_.get());
+    waker_.add({.flag = &flags.back(), .event_fd = event_.get()});
     flags[17].waiting = 1;
     flags[18].waiting = 1;
     flags.back().waiting = 1;
@@ -185,11 +212,11 @@ TEST_F(Waiting, EveryWaiterOfManyIsWoken) {
     constexpr std::uint64_t reports = 200;
     std::vector<WaiterFlag> flags(clients);
     std::vector<UniqueFd> events;
-    std::vector<const WaiterFlag*> views;
+    std::vector<Sleeper> sleepers;
     for (WaiterFlag& flag : flags) {
         events.push_back(make_event());
-        waker_.add(&flag, events.back().get());
-        views.push_back(&flag);
+        sleepers.push_back({.flag = &flag, .event_fd = events.back().get()});
+        waker_.add(sleepers.back());
     }
     thread_ = std::thread([this] { waker_.run(); });
     std::atomic<std::uint64_t> seen = 0;
@@ -207,7 +234,7 @@ TEST_F(Waiting, EveryWaiterOfManyIsWoken) {
         });
     for (std::uint64_t n = 0; n < reports && !lost; ++n) {
         writer_.publish(&n);
-        if (anyone_waiting(views)) waker_.poke();
+        waker_.wake(sleepers);
         while (seen.load() < (n + 1) * clients && !lost) std::this_thread::yield();
     }
     for (std::thread& thread : threads) thread.join();

@@ -68,7 +68,7 @@ struct Claim::Impl {
     ClaimTerms terms;
     protocol::ClaimLayout layout;
     std::optional<Channels> channels;  // none: an observer
-    const shm::WaiterFlag* waiter;
+    shm::Sleeper sleeper;
     protocol::ClientRow* row;  // may be null: nobody looks
     Scene scene;
 

@@ -113,8 +113,9 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
         fresh.observer = observer;
         fresh.shared = terms.shared;
         fresh.peer = peer;
+        terms.event_fd = fresh.event.get();
         fresh.claim = std::make_unique<Claim>(terms, fresh.segment.data(), &shared_row(index));
-        waker_.add(flag_in(fresh.segment), fresh.event.get());
+        waker_.add({.flag = flag_in(fresh.segment), .event_fd = fresh.event.get()});
     } catch (const std::exception& error) {
         throw Refusal(fmt::format("claim of device \"{}\": the servo has no memory or descriptors left ({})",
                                   device_.name, error.what()));

@@ -109,10 +109,8 @@ void Loop::run() noexcept {
         }
         if (suspend.slept(now)) servo_.clock_jumped();
         servo_.step(deadline, now);
-        if (servo_.anyone_waiting()) {
-            waker_.poke();
-            counters_.increment(static_cast<std::size_t>(protocol::Count::pokes));
-        }
+        if (waker_.wake(servo_.sleepers()) > 0)
+            counters_.increment(static_cast<std::size_t>(protocol::Count::wakes));
 
         ++seen_.cycles;
         seen_.worst_lateness = std::max(seen_.worst_lateness, now - deadline);

@@ -115,7 +115,7 @@ void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
     }
     Claim::Impl& c = *claim->impl;
     claims[claims_size] = claim;
-    waiters[claims_size] = c.waiter;
+    sleepers[claims_size] = c.sleeper;
     ++claims_size;
     c.silence.begin(now);
     if (!options.clamp_stiffness) {
@@ -259,9 +259,9 @@ void Servo::Impl::let_go() noexcept {
             std::copy(claims.begin() + static_cast<std::ptrdiff_t>(i) + 1,
                       claims.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
                       claims.begin() + static_cast<std::ptrdiff_t>(i));
-            std::copy(waiters.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                      waiters.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
-                      waiters.begin() + static_cast<std::ptrdiff_t>(i));
+            std::copy(sleepers.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                      sleepers.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
+                      sleepers.begin() + static_cast<std::ptrdiff_t>(i));
         } else {
             ++i;
         }
@@ -289,9 +289,8 @@ Claim* Servo::released() noexcept {
     return impl_->outbox.take(claim) ? claim : nullptr;
 }
 
-bool Servo::anyone_waiting() const noexcept {
-    return shm::anyone_waiting(
-        std::span<const shm::WaiterFlag* const>(impl_->waiters.data(), impl_->claims_size));
+std::span<const shm::Sleeper> Servo::sleepers() const noexcept {
+    return {impl_->sleepers.data(), impl_->claims_size};
 }
 
 const Report& Servo::last() const noexcept {

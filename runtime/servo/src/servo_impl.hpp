@@ -56,7 +56,7 @@ struct Servo::Impl {
     shm::Counters counters;
 
     std::array<Claim*, protocol::max_clients> claims = {};  // observers too
-    std::array<const shm::WaiterFlag*, protocol::max_clients> waiters = {};
+    std::array<shm::Sleeper, protocol::max_clients> sleepers = {};
     std::size_t claims_size = 0;
     Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
     Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
@@ -72,7 +72,7 @@ struct Servo::Impl {
     Report report;
     std::array<Nanoseconds, protocol::report_slots> read_times =
         {};  // of the last reports, for the age of a batch
-    std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, pokes = 0, evaluated = 0,
+    std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, evaluated = 0,
                   present = 0;
 };
 

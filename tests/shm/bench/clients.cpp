@@ -37,13 +37,13 @@ struct Client {
 struct Ends {
     std::vector<TripleReader> batches;
     std::vector<SpscConsumer> rings;
-    std::vector<const WaiterFlag*> flags;
+    std::vector<Sleeper> sleepers;
 
     explicit Ends(std::vector<Client>& clients) {
         for (Client& client : clients) {
             batches.emplace_back(client.base + batches_at, sizeof(Message));
             rings.emplace_back(client.base + ring_at, cells);
-            flags.push_back(reinterpret_cast<const WaiterFlag*>(client.base + flag_at));
+            sleepers.push_back({.flag = reinterpret_cast<WaiterFlag*>(client.base + flag_at)});
         }
     }
 
@@ -87,7 +87,7 @@ std::vector<Result> clients(const Place& place, const Stopwatch& clock) {
 
     // Idle: nothing is fresh.
     const auto idle = [&] { return ends.take_batches(out); };
-    const auto idle_with_flags = [&] { return ends.take_batches(out) + anyone_waiting(ends.flags); };
+    const auto idle_with_flags = [&] { return ends.take_batches(out) + who_waits(ends.sleepers).count; };
     Series warm, warm_flags, cold;
     for (unsigned block = 0; block < 20 * place.effort; ++block) {
         warm.begin_block();

@@ -79,11 +79,11 @@ std::vector<Result> publishing(const Place& place, const Stopwatch& clock) {
     };
     const auto publish = [&](const Message& message) { ring.writer.publish(&message); };
     WaiterFlag flag;
-    const WaiterFlag* const flags[] = {&flag};
+    const Sleeper sleepers[] = {{.flag = &flag}};
     bool waited_for = false;
     const auto publish_and_look = [&](const Message& message) {
         ring.writer.publish(&message);
-        waited_for |= anyone_waiting(flags);
+        waited_for |= who_waits(sleepers).count > 0;
     };
 
     Paced paced_copy, paced_publish, paced_look, read_publish, read_look;

@@ -24,21 +24,16 @@ double now() {
 struct Sleepers {
     std::vector<WaiterFlag> flags;
     std::vector<UniqueFd> events;
-    std::vector<const WaiterFlag*> views;
+    std::vector<Sleeper> views;
 
     Sleepers(std::size_t n, Waker& waker) : flags(n) {
         for (WaiterFlag& flag : flags) {
             events.push_back(make_event());
-            views.push_back(&flag);
-            waker.add(&flag, events.back().get());
+            views.push_back({.flag = &flag, .event_fd = events.back().get()});
+            waker.add(views.back());
         }
     }
-    std::size_t asleep() const {
-        std::size_t n = 0;
-        for (const WaiterFlag* flag : views)
-            n += HardwareMemory::load(flag->waiting, std::memory_order::relaxed);
-        return n;
-    }
+    std::size_t asleep() const { return who_waits(views).count; }
 };
 
 struct Cell {
@@ -82,7 +77,7 @@ void measure_cell(std::size_t k, int cycles, const Place& place, const Stopwatch
         message.word[0] = static_cast<std::uint64_t>(now());
         const std::uint64_t begin = Stopwatch::begin();
         writer.publish(&message);
-        if (anyone_waiting(sleepers.views)) waker.poke();
+        waker.wake(sleepers.views);
         cell.servo.add(clock.nanoseconds(begin, Stopwatch::end()));
     }
     stop = true;

@@ -1,8 +1,8 @@
 #pragma once
 // Sleeping until the next report. The reports are mapped read-only, so a client cannot count itself in there:
-// it sets a flag in its own segment. The servo reads the flags of its clients after it has published, and
-// pokes, only if one is set, a thread of lower priority on its own core, which wakes the clients while the
-// servo sleeps.
+// it sets a flag in its own segment. The servo reads the flags of its clients after it has published. One
+// that sleeps alone it wakes itself; for several it pokes a thread of lower priority on its own core, which
+// wakes them while the servo sleeps. Either is one system call, whatever the number of clients.
 //
 //   client: flag = 1   ─sb─> fence(seq_cst) ─sb─> read end: nothing new ⇒ sleep
 //   servo:  end = n+1  ─sb─> fence(seq_cst) ─sb─> read flag: not set    ⇒ wake nobody
@@ -42,7 +42,7 @@ void fence_after_publish() noexcept {
     Memory::fence(Orders::publisher_fence);
 }
 
-/// The waker: was the flag up? It is down now. Lowered before the client is signalled: one that waits again
+/// Who wakes: was the flag up? It is down now. Lowered before the client is signalled: one that waits again
 /// meanwhile raises it again, and that is not overwritten.
 template <class Memory = HardwareMemory>
 bool lower_flag(typename Memory::Word& flag) noexcept {
@@ -51,19 +51,32 @@ bool lower_flag(typename Memory::Word& flag) noexcept {
 }
 
 /// One client's flag, in the client's segment, a line for itself. Not 0: it waits. The client sets it, the
-/// waker clears it. Zero-initialise it with the segment.
+/// one who wakes it clears it. Zero-initialise it with the segment.
 struct alignas(line_bytes) WaiterFlag {
     std::uint64_t waiting = 0;
 };
 static_assert(sizeof(WaiterFlag) == line_bytes);
 
-/// Servo, after publishing: does anybody wait? The fence is inside. Costs a fence and a load per flag.
-inline bool anyone_waiting(std::span<const WaiterFlag* const> flags) noexcept {
+/// One who may sleep: its flag, and the descriptor that it sleeps on. Neither is owned.
+struct Sleeper {
+    WaiterFlag* flag = nullptr;
+    int event_fd = -1;
+};
+
+/// Servo, after publishing: who waits? The fence is inside. Costs a fence and a load per flag.
+struct Waiting {
+    std::size_t count = 0;
+    std::size_t last = 0;  // of those who do
+};
+inline Waiting who_waits(std::span<const Sleeper> sleepers) noexcept {
     fence_after_publish<>();
-    std::uint64_t any = 0;
-    for (const WaiterFlag* flag : flags)
-        any |= HardwareMemory::load(flag->waiting, std::memory_order::relaxed);
-    return any != 0;
+    Waiting found;
+    for (std::size_t i = 0; i < sleepers.size(); ++i) {
+        if (HardwareMemory::load(sleepers[i].flag->waiting, std::memory_order::relaxed) == 0) continue;
+        ++found.count;
+        found.last = i;
+    }
+    return found;
 }
 
 /// A non-blocking, close-on-exec eventfd for a client to sleep on. Throws std::runtime_error.
@@ -109,14 +122,16 @@ class Waker {
     Waker(const Waker&) = delete;
     Waker& operator=(const Waker&) = delete;
 
-    /// Neither is owned: remove(flag) before unmapping the one or closing the other. Throws
-    /// std::runtime_error when the table is full. Safe while the thread runs, never called by the servo's
-    /// thread.
-    void add(WaiterFlag* flag, int event_fd);
+    /// remove(flag) before unmapping the one or closing the other. Throws std::runtime_error when the table
+    /// is full. Safe while the thread runs, never called by the servo's thread.
+    void add(const Sleeper& sleeper);
     /// On return nobody touches the flag or the descriptor any more. Unknown flags are ignored.
     void remove(const WaiterFlag* flag) noexcept;
 
-    /// From the servo's thread, if anyone_waiting(): at most one futex wake, no lock, no allocation.
+    /// From the servo's thread, after publishing: wakes whoever of these waits, with one system call at most,
+    /// no lock, no allocation. How many did.
+    std::size_t wake(std::span<const Sleeper> sleepers) noexcept;
+    /// The thread will look through its table: a futex wake at most.
     void poke() noexcept;
 
     /// The thread's body: sleeps until poked, wakes, and again, until stop(). The caller makes the thread,

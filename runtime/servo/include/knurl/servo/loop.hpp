@@ -55,7 +55,7 @@ struct LoopCounts {
 
 class Loop {
   public:
-    /// `counters`: the device's, of which the loop writes Count::pokes. `guardian_acts`: how often the
+    /// `counters`: the device's, of which the loop writes Count::wakes. `guardian_acts`: how often the
     /// guardian has zeroed this device, in memory shared with it.
     Loop(Servo& servo, shm::Waker& waker, const shm::Counters& counters,
          const std::atomic<std::uint64_t>& guardian_acts, const LoopOptions& options);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include <knurl/drivers/device.hpp>
 #include <knurl/protocol/device_segment.hpp>
@@ -48,8 +49,8 @@ class Servo {
     /// ns).
     void step(Nanoseconds deadline, Nanoseconds now) noexcept;
 
-    /// After step: someone waits for a report, poke the waker (the only wake-up there is).
-    bool anyone_waiting() const noexcept;
+    /// After step: those who may wait for its report, for Waker::wake.
+    std::span<const shm::Sleeper> sleepers() const noexcept;
     /// The report of the last cycle.
     const Report& last() const noexcept;
     // From the servo's thread, before the next step:
