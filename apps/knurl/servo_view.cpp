@@ -11,6 +11,7 @@
 #include <sys/socket.h>
 
 #include <knurl/protocol/attach.hpp>
+#include <knurl/protocol/text.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/counters.hpp>
 #include <knurl/shm/socket.hpp>
@@ -21,11 +22,6 @@ namespace {
 
 constexpr int answer_within_ms = 2000;
 
-template <std::size_t N>
-std::string text_of(const char (&text)[N]) {
-    return {text, strnlen(text, N)};
-}
-
 std::string name_of(const std::string& socket) {
     return std::filesystem::path(socket).stem().string();
 }
@@ -34,7 +30,7 @@ std::string name_of(const std::string& socket) {
 protocol::Welcome greet(const shm::UniqueFd& connection, std::vector<shm::UniqueFd>& segments) {
     protocol::Hello hello;
     hello.layout = protocol::wire_hash();
-    std::strncpy(hello.client, "knurl", sizeof hello.client - 1);
+    protocol::put_text(hello.client, "knurl");
     if (!shm::send_message(connection, std::as_bytes(std::span(&hello, 1)))) {
         throw std::runtime_error("the servo hung up");
     }
@@ -51,7 +47,7 @@ protocol::Welcome greet(const shm::UniqueFd& connection, std::vector<shm::Unique
         received.bytes == sizeof(protocol::Refused)) {
         protocol::Refused refused;
         std::memcpy(&refused, buffer, sizeof refused);
-        throw std::runtime_error(text_of(refused.text));
+        throw std::runtime_error(protocol::text_of(refused.text));
     }
     protocol::Welcome welcome;
     if (header.magic != protocol::attach_magic || header.type != protocol::MessageType::welcome ||
@@ -86,7 +82,7 @@ std::optional<ClientView> read_row(const protocol::ClientRow& row) {
         if (before == 0 || pid == 0) return std::nullopt;
         char text[protocol::name_bytes];
         std::memcpy(text, name, sizeof text);
-        view.name = text_of(text);
+        view.name = protocol::text_of(text);
         view.pid = static_cast<pid_t>(pid);
         view.observer = role == 2;
         view.shared = shared != 0;

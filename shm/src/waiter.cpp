@@ -1,12 +1,13 @@
 #include <array>
+#include <cerrno>
 #include <mutex>
 
 #include <linux/futex.h>
-#include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <knurl/shm/deadline.hpp>
 #include <knurl/shm/waiter.hpp>
 
 #include "system_error.hpp"
@@ -14,9 +15,6 @@
 namespace knurl::shm {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-using std::chrono::nanoseconds;
 
 void signal_event(int event_fd) noexcept {
     const std::uint64_t one = 1;
@@ -35,12 +33,6 @@ long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value)
     return ::syscall(SYS_futex, &word, operation | FUTEX_PRIVATE_FLAG, value, nullptr, nullptr, 0);
 }
 
-/// nanoseconds::max() from now is for ever.
-Clock::time_point deadline_after(nanoseconds timeout) noexcept {
-    const auto now = Clock::now();
-    return timeout >= Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
-}
-
 }  // namespace
 
 UniqueFd make_event() {
@@ -49,19 +41,14 @@ UniqueFd make_event() {
     return fd;
 }
 
-bool Waiter::wait(nanoseconds timeout) noexcept {
+bool Waiter::wait(std::chrono::nanoseconds timeout) noexcept {
     if (reader_->fresh()) return true;
-    const Clock::time_point deadline = deadline_after(timeout);
+    const Deadline deadline = deadline_after(timeout);
     while (announce_wait<>(flag_->waiting, reader_->end_word(), reader_->position())) {
-        const nanoseconds left = std::max(nanoseconds(0), deadline - Clock::now());
-        const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-        const timespec span{.tv_sec = static_cast<time_t>(seconds.count()),
-                            .tv_nsec = (left - seconds).count()};
         pollfd event{.fd = event_, .events = POLLIN, .revents = 0};
-        const int ready = ::ppoll(&event, 1, deadline == Clock::time_point::max() ? nullptr : &span, nullptr);
+        const int ready = poll_until({&event, 1}, deadline);
         if (ready > 0) drain();
-        if (reader_->fresh() || (ready == 0 && left == nanoseconds(0)) || (ready < 0 && errno != EINTR))
-            break;
+        if (reader_->fresh() || ready == 0 || (ready < 0 && errno != EINTR)) break;
     }
     disarm();
     return reader_->fresh();

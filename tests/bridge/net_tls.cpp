@@ -109,7 +109,17 @@ TEST(Tls, AClientWithAKeyAtABridgeWithoutIsTold) {
     ::shutdown(pair.server.fd(), SHUT_RDWR);
     EXPECT_TRUE(serve({&pair.client}, [&] { return is_closed(pair.client); }));
     EXPECT_EQ(pair.client.reason(),
-              "the other end hung up in the handshake: no bridge, one without keys, or it is full");
+              "the other end does not speak TLS: no bridge, or one without keys (then leave KNURL_KEY "
+              "unset)");
+    EXPECT_EQ(pair.client.how_it_ended(), FrameStream::End::keys) << "trying again changes nothing";
+}
+
+TEST(Tls, ABridgeThatHangsUpInTheHandshakeIsNoMatterOfKeys) {
+    Pair pair(TlsContext::client(key_of("lab", 1)), nullptr);
+    ::shutdown(pair.server.fd(), SHUT_RDWR);
+    EXPECT_TRUE(serve({&pair.client}, [&] { return is_closed(pair.client); }));
+    EXPECT_EQ(pair.client.reason(), "the other end hung up in the handshake: no bridge, or it is full");
+    EXPECT_EQ(pair.client.how_it_ended(), FrameStream::End::broken) << "it may be restarting";
 }
 
 /// A server that ignores the client's key and shows a certificate of its own making.

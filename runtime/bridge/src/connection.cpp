@@ -2,231 +2,35 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 
 #include <fmt/format.h>
-#include <netinet/in.h>
 #include <poll.h>
-#include <sys/eventfd.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <knurl/link/clock.hpp>
-#include <knurl/shm/waiter.hpp>
+#include <knurl/link/thread.hpp>
 
-#include "datagram_socket.hpp"
 #include "stream.hpp"
 
 namespace knurl::bridge {
 
 namespace {
 
-using std::chrono::milliseconds;
-using SteadyClock = std::chrono::steady_clock;
-
 constexpr std::int64_t tick_ns = 10'000'000;
 constexpr std::int64_t quick_ping_ns = 10'000'000, ping_ns = 100'000'000;
 constexpr std::int64_t quick_for_ns = 200'000'000;
-constexpr std::size_t thread_stack = 256 * 1024;  // explicit: an application may lock all its memory
-constexpr std::uint32_t most_devices = protocol::max_devices;
-
-int milliseconds_until(SteadyClock::time_point deadline) {
-    const auto left = std::chrono::ceil<milliseconds>(deadline - SteadyClock::now());
-    return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 60'000));
-}
-
-shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
-    shm::UniqueFd fd(::socket(bridge.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-    // What goes wrong now shows again when the connection is asked how it is.
-    if (fd && ::connect(fd.get(), bridge.get(), bridge.length) != 0 && errno != EINPROGRESS &&
-        errno != ECONNREFUSED)
-        throw Error(Error::Kind::no_servo,
-                    fmt::format("bridge {}: cannot connect ({}); is the address right?", bridge.text,
-                                std::strerror(errno)));
-    if (!fd)
-        throw Error(Error::Kind::refused,
-                    fmt::format("bridge {}: no socket ({})", bridge.text, std::strerror(errno)));
-    return fd;
-}
-
-std::shared_ptr<const TlsContext> key_of(const std::string& file) {
-    if (file.empty()) return nullptr;
-    try {
-        const std::vector<Key> keys = read_keys(file);
-        if (keys.size() != 1)
-            throw std::runtime_error(
-                fmt::format("{}: holds {} keys; an application uses one: give it a file with just the line "
-                            "that is its own",
-                            file, keys.size()));
-        return TlsContext::client(keys.front());
-    } catch (const std::runtime_error& reason) {
-        throw Error(Error::Kind::permission, reason.what());
-    }
-}
-
-DeviceDescription describe(const DeviceRow& row) {
-    return {.name = text_of(row.name),
-            .address = text_of(row.address),
-            .profile = text_of(row.profile),
-            .serial = text_of(row.serial),
-            .rate = row.rate,
-            .workspace_centre = row.workspace_centre,
-            .workspace_radius = row.workspace_radius,
-            .peak_force = row.peak_force,
-            .max_stiffness = row.max_stiffness,
-            .renders_torque = row.renders_torque != 0};
-}
 
 }  // namespace
 
-Connection::Connection(const Endpoint& bridge, const RemoteOptions& options)
-    : bridge_(bridge),
-      answer_time_(options.answer_time),
-      report_rate_(options.report_rate),
-      frames_(begin_to_connect(bridge), false, key_of(options.key_file)),
-      frames_lost_in_child_(std::in_place, frames_.fd()),
-      stop_(shm::make_event()) {
-    const auto deadline = SteadyClock::now() + answer_time_;
-    connect(deadline);
-    greet(options.client_name, deadline);
-    clock_socket_ = datagram_socket();
-    try_datagrams(deadline);
-    started_ns_ = heard_ns_ = last_tick_ns_ = detail::monotonic_ns();
-}
-
 Connection::~Connection() = default;
-
-// ------------------------------------------------------------------------------------------- the handshake
-
-void Connection::broken() const {
-    const std::string& reason = frames_.reason();
-    if (reason.starts_with("cannot connect"))
-        throw Error(
-            Error::Kind::no_servo,
-            fmt::format("no bridge listens at {} ({}); start one there: `knurl-bridge --listen HOST:PORT`",
-                        bridge_.text, reason));
-    throw Error(reason.find("key") != std::string::npos ? Error::Kind::permission : Error::Kind::disconnected,
-                fmt::format("bridge {}: {}", bridge_.text, reason.empty() ? "it hung up" : reason));
-}
-
-void Connection::nonsense() const {
-    throw Error(
-        Error::Kind::incompatible,
-        fmt::format("what answers at {} is no knurl-bridge of this version; build the application and the "
-                    "bridge from the same version",
-                    bridge_.text));
-}
-
-Error Connection::refusal(const Refused& refused) const {
-    const auto most = static_cast<std::uint32_t>(Error::Kind::stale_handle);
-    return {static_cast<Error::Kind>(std::min(refused.kind, most)), text_of(refused.text),
-            static_cast<pid_t>(refused.holder_pid)};
-}
-
-void Connection::connect(SteadyClock::time_point deadline) {
-    while (frames_.pump() == FrameStream::State::handshaking) {
-        pollfd socket{.fd = frames_.fd(),
-                      .events = static_cast<short>(POLLIN | (frames_.wants_write() ? POLLOUT : 0)),
-                      .revents = 0};
-        if (::poll(&socket, 1, milliseconds_until(deadline)) == 0)
-            throw Error(
-                Error::Kind::no_servo,
-                fmt::format("bridge {} does not answer (waited {} ms); is the address right, and does a "
-                            "firewall let TCP and UDP through?",
-                            bridge_.text, answer_time_.count()));
-    }
-    if (frames_.state() == FrameStream::State::closed) broken();
-}
-
-const Frame* Connection::await_frame(SteadyClock::time_point deadline) {
-    for (;;) {
-        if (const Frame* frame = frames_.next()) return frame;
-        if (frames_.state() == FrameStream::State::closed) broken();
-        pollfd socket{.fd = frames_.fd(),
-                      .events = static_cast<short>(POLLIN | (frames_.wants_write() ? POLLOUT : 0)),
-                      .revents = 0};
-        if (::poll(&socket, 1, milliseconds_until(deadline)) == 0)
-            throw Error(Error::Kind::no_servo, fmt::format("bridge {} does not answer (waited {} ms)",
-                                                           bridge_.text, answer_time_.count()));
-        frames_.pump();
-    }
-}
-
-void Connection::greet(const std::string& name, SteadyClock::time_point deadline) {
-    Hello hello;
-    hello.layout = wire_hash();
-    put_text(hello.client, name);
-    frames_.send(static_cast<std::uint16_t>(FrameType::hello), 0, bytes_of(hello));
-    const Frame* frame = await_frame(deadline);
-    if (frame->type == static_cast<std::uint16_t>(FrameType::welcome)) return welcome(frame->payload);
-    std::span<const std::byte> payload = frame->payload;
-    Refused refused;
-    if (frame->type != static_cast<std::uint16_t>(FrameType::refused) || !take(payload, refused)) nonsense();
-    throw refusal(refused);
-}
-
-void Connection::welcome(std::span<const std::byte> payload) {
-    Welcome welcome;
-    if (!take(payload, welcome) || welcome.devices > most_devices ||
-        payload.size() != welcome.devices * sizeof(DeviceRow))
-        nonsense();
-    for (DeviceRow row; take(payload, row);) devices_.push_back(describe(row));
-    servo_pid_ = static_cast<pid_t>(welcome.servo_pid);
-    const std::optional<DirectionKeys> keys = frames_.export_keys(exporter_label);
-    outbox_ = Outbox(welcome.session, keys ? &keys->send : nullptr);
-    inbox_ = Inbox(welcome.session, keys ? &keys->receive : nullptr);
-}
-
-shm::UniqueFd Connection::datagram_socket() const {
-    shm::UniqueFd fd = make_datagram_socket(bridge_.family());
-    if (!fd || ::connect(fd.get(), bridge_.get(), bridge_.length) != 0)
-        throw Error(Error::Kind::refused,
-                    fmt::format("bridge {}: no socket for datagrams ({}); see the limit of open "
-                                "files (ulimit -n)",
-                                bridge_.text, std::strerror(errno)));
-    return fd;
-}
-
-void Connection::try_datagrams(SteadyClock::time_point deadline) {
-    constexpr milliseconds patience{50};
-    while (!clock_.known()) {
-        if (SteadyClock::now() > deadline)
-            throw Error(
-                Error::Kind::no_servo,
-                fmt::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
-                            "through the firewalls between",
-                            bridge_.text,
-                            ntohs(reinterpret_cast<const sockaddr_in*>(bridge_.get())->sin_port)));
-        ping(detail::monotonic_ns());
-        pollfd socket{.fd = clock_socket_.get(), .events = POLLIN, .revents = 0};
-        ::poll(&socket, 1, static_cast<int>(patience.count()));
-        serve_clock();
-    }
-}
 
 // --------------------------------------------------------------------------------------------- the thread
 
 void Connection::start() {
-    pthread_attr_t attributes;
-    ::pthread_attr_init(&attributes);
-    ::pthread_attr_setstacksize(&attributes, thread_stack);
-    // The application's signals are the application's threads' business.
-    sigset_t all, before;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = ::pthread_create(
-        &thread_, &attributes,
-        [](void* self) -> void* {
-            static_cast<Connection*>(self)->run();
-            return nullptr;
-        },
-        this);
-    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
-    ::pthread_attr_destroy(&attributes);
-    if (error != 0)
-        throw Error(Error::Kind::refused,
-                    "no thread for the connection; see the limit of processes (ulimit -u)");
-    ::pthread_setname_np(thread_, "knurl-bridge");
+    thread_ = detail::start_thread(
+        "knurl-bridge", [](void* self) { static_cast<Connection*>(self)->run(); }, this);
     running_ = true;
 }
 
@@ -284,9 +88,7 @@ void Connection::ping(std::int64_t now) noexcept {
     alignas(8) std::array<std::byte, 128> room;
     const DatagramHeader header{.kind = DatagramKind::ping};
     const PingBody body{.sent_ns = now};
-    std::memcpy(room.data(), &header, sizeof header);
-    std::memcpy(room.data() + sizeof header, &body, sizeof body);
-    post(clock_socket_.get(), room, sizeof header + sizeof body);
+    post(clock_socket_.get(), room, write(room, header, body));
     next_ping_ns_ = now + (now - started_ns_ < quick_for_ns ? quick_ping_ns : ping_ns);
 }
 

@@ -16,6 +16,7 @@
 
 #include <knurl/bridge/remote.hpp>
 #include <knurl/link/fork_guard.hpp>
+#include <knurl/shm/deadline.hpp>
 #include <knurl/shm/fd.hpp>
 
 #include "clock_estimate.hpp"
@@ -74,11 +75,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
         std::optional<Refused> refused;
     };
 
-    void connect(std::chrono::steady_clock::time_point deadline);
-    void greet(const std::string& name, std::chrono::steady_clock::time_point deadline);
+    // connection_greeting.cpp, before there is a thread.
+    void connect(shm::Deadline deadline);
+    void greet(const std::string& name, shm::Deadline deadline);
     void welcome(std::span<const std::byte> payload);
-    void try_datagrams(std::chrono::steady_clock::time_point deadline);
-    const Frame* await_frame(std::chrono::steady_clock::time_point deadline);
+    void try_datagrams(shm::Deadline deadline);
+    void await_socket(shm::Deadline deadline);
+    const Frame* await_frame(shm::Deadline deadline);
     [[noreturn]] void broken() const;
     [[noreturn]] void nonsense() const;
     Error refusal(const Refused& refused) const;

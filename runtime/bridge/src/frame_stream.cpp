@@ -66,7 +66,7 @@ void FrameStream::connect_and_handshake() noexcept {
         // On Linux a failed connect is told once by SO_ERROR; the hang-up stays.
         if (error != 0 || (socket.revents & POLLERR) != 0) {
             error_ = error != 0 ? error : ECONNREFUSED;
-            return end("cannot connect: ");
+            return end(End::unreachable, "cannot connect: ");
         }
         connected_ = true;
     }
@@ -76,8 +76,8 @@ void FrameStream::connect_and_handshake() noexcept {
     }
     const Io io = tls_->handshake();
     if (io == Io::done) state_ = State::open;
-    if (io == Io::failed) end(tls_->reason());
-    if (io == Io::closed) end("the peer closed the connection in the handshake");
+    if (io == Io::failed) end_of_tls();
+    if (io == Io::closed) end(End::broken, "the peer closed the connection in the handshake");
 }
 
 TlsSession::Moved FrameStream::read(std::span<std::byte> into) noexcept {
@@ -111,10 +111,11 @@ void FrameStream::read_some(From from) noexcept {
         if (from == From::decrypted && tls_->pending() == 0) return;
         const auto [io, bytes] = read({in_.get() + in_end_, in_capacity_ - in_end_});
         if (io == Io::again) return;
-        if (io == Io::failed) return end(tls_ ? std::string_view(tls_->reason()) : "the connection broke: ");
+        if (io == Io::failed) return end_of_socket();
         if (io == Io::closed) {
             const bool silent = !server_ && first_frame_ && in_end_ == 0;
-            return end(silent ? "the other end hung up without a word: no bridge, or it is full" : "");
+            if (!silent) return end(End::in_order, "");
+            return end(End::broken, "the other end hung up without a word: no bridge, or it is full");
         }
         in_end_ += bytes;
     }
@@ -130,7 +131,7 @@ void FrameStream::write_some() noexcept {
             read_some(From::socket);
             if (state_ == State::closed) return;
             error_ = error;
-            return end(tls_ ? std::string_view(tls_->reason()) : "the connection broke: ");
+            return end_of_socket();
         }
         out_begin_ += bytes;
     }
@@ -174,7 +175,7 @@ const Frame* FrameStream::next() noexcept {
         if (const Frame* frame = take()) return frame;
     }
     if (state_ == State::closed && in_begin_ != in_end_ && reason_.empty())
-        end("the peer hung up in the middle of a frame");
+        end(End::broken, "the peer hung up in the middle of a frame");
     return nullptr;
 }
 
@@ -182,10 +183,15 @@ const Frame* FrameStream::take() noexcept {
     const std::size_t there = in_end_ - in_begin_;
     if (first_frame_ && !tls_ && there >= record_start && begins_as_tls()) {
         in_begin_ = in_end_ = 0;
-        end(server_ ? "the peer uses a key, and this bridge has none; start it with --keys, or leave "
-                      "KNURL_KEY unset at "
-                      "the peer"
-                    : "the bridge wants a key; set KNURL_KEY to a file that holds yours");
+        if (server_) {
+            // Words that are no TLS tell the peer's why it is alone.
+            constexpr std::string_view plain = "no keys here";
+            [[maybe_unused]] const ssize_t sent =
+                ::send(fd_.get(), plain.data(), plain.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        }
+        end(End::keys, server_ ? "the peer uses a key, and this bridge has none; start it with --keys, or "
+                                 "leave KNURL_KEY unset at the peer"
+                               : "the bridge wants a key; set KNURL_KEY to a file that holds yours");
         return nullptr;
     }
     if (there < header_bytes) return nullptr;
@@ -194,8 +200,8 @@ const Frame* FrameStream::take() noexcept {
     if (header.bytes == 0 || header.bytes > max_payload_) {
         // Nothing of what follows can be told apart any more.
         in_begin_ = in_end_ = 0;
-        end(header.bytes == 0 ? "a frame of length zero came"
-                              : "a frame came that is longer than is allowed here");
+        end(End::broken, header.bytes == 0 ? "a frame of length zero came"
+                                           : "a frame came that is longer than is allowed here");
         return nullptr;
     }
     if (there < header_bytes + header.bytes) return nullptr;
@@ -234,8 +240,18 @@ std::optional<DirectionKeys> FrameStream::export_keys(std::string_view label) co
     return keys;
 }
 
-void FrameStream::end(std::string_view why) noexcept {
+void FrameStream::end_of_tls() noexcept {
+    end(tls_->about_keys() ? End::keys : End::broken, tls_->reason());
+}
+
+void FrameStream::end_of_socket() noexcept {
+    if (tls_) return end_of_tls();
+    end(End::broken, "the connection broke: ");
+}
+
+void FrameStream::end(End how, std::string_view why) noexcept {
     state_ = State::closed;
+    end_ = how;
     try {
         reason_ = why;
         if (why.ends_with(": ")) reason_ += system_text(error_);

@@ -40,6 +40,12 @@ struct Frame {
 class FrameStream {
   public:
     enum class State : std::uint8_t { handshaking, open, closed };
+    enum class End : std::uint8_t {
+        in_order,     // or not yet; or by close()
+        unreachable,  // nobody listens there
+        keys,         // who has which key: trying again changes nothing
+        broken,
+    };
 
     struct Limits {
         std::size_t payload = 640 * 1024;       // of one frame that comes in or goes out
@@ -84,6 +90,7 @@ class FrameStream {
     std::optional<DirectionKeys> export_keys(std::string_view label) const noexcept;
     /// Why it is closed: one line; empty: the peer closed it in order, between two frames.
     const std::string& reason() const noexcept { return reason_; }
+    End how_it_ended() const noexcept { return end_; }
     /// Writes what the socket takes at once and closes.
     void close() noexcept;
 
@@ -96,7 +103,9 @@ class FrameStream {
     TlsSession::Moved write(std::span<const std::byte> from) noexcept;
     const Frame* take() noexcept;
     bool begins_as_tls() const noexcept;
-    void end(std::string_view why) noexcept;  // a text that ends with ": " goes on with error_
+    void end(End how, std::string_view why) noexcept;  // a text that ends with ": " goes on with error_
+    void end_of_tls() noexcept;
+    void end_of_socket() noexcept;
 
     shm::UniqueFd fd_;
     bool server_;
@@ -111,6 +120,7 @@ class FrameStream {
     bool first_frame_ = true;  // none was whole so far
     int error_ = 0;            // errno of a plain connection's end
     Frame frame_;
+    End end_ = End::in_order;
     std::string reason_;
 };
 

@@ -13,17 +13,7 @@ namespace knurl::bridge {
 
 namespace {
 
-constexpr std::chrono::milliseconds answer_time{500};  // of the servo's broker: all peers wait meanwhile
-constexpr std::size_t waiting_bytes = 256 * 1024;      // for a peer that reads slowly
-constexpr std::size_t most_sessions = 128;             // as many clients as a device takes
-
-template <std::size_t n>
-std::string printable(const char (&field)[n]) {
-    std::string text = text_of(field);
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    return text.empty() ? "unnamed" : text;
-}
+constexpr std::size_t waiting_bytes = 256 * 1024;  // for a peer that reads slowly
 
 DeviceRow row_of(const DeviceDescription& device) {
     DeviceRow row;
@@ -60,6 +50,12 @@ bool Peer::fail(std::string why) {
     return false;
 }
 
+bool Peer::holds_one_of(std::span<const Key> keys) const noexcept {
+    if (!key_) return false;
+    const Key* const key = find_key(keys, key_->name);
+    return key != nullptr && key->role == key_->role && key->secret == key_->secret;
+}
+
 PeerStream* Peer::stream_of(std::uint32_t id) noexcept {
     return id >= 1 && id <= streams_.size() ? streams_[id - 1].get() : nullptr;
 }
@@ -89,7 +85,7 @@ bool Peer::take_frame(const Frame& frame, Desk& desk) {
             release(frame.stream, desk);
             return true;
         case FrameType::commands:
-            return stream->commands(frame.payload, role_, why) || fail(why);
+            return stream->commands(frame.payload, role(), why) || fail(why);
         case FrameType::batch:
             return stream->batch(frame.payload, why) || fail(why);
         default:
@@ -117,22 +113,22 @@ bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
             "restart the other"));
         return fail("it is of another version");
     }
-    name_ = fmt::format("{}@{}", printable(hello.client), numeric(from_));
+    name_ = fmt::format("{}@{}", protocol::printable(hello.client), numeric(from_));
     if (!desk.keys.empty()) {
         const Key* key = find_key(desk.keys, frames_.peer_identity());
         if (key == nullptr) return fail("its key is not in the file");  // TLS has let nobody else in
-        role_ = key->role;
+        key_ = *key;
         name_ = fmt::format("{}@{}", key->name, numeric(from_));
     }
-    if (desk.sessions >= most_sessions) {
+    if (desk.sessions >= max_sessions) {
         refuse(
             Error(Error::Kind::refused,
-                  fmt::format("the bridge has {} sessions, which is all it takes; end one", most_sessions)));
+                  fmt::format("the bridge has {} sessions, which is all it takes; end one", max_sessions)));
         return fail("there are too many");
     }
     try {
         desk.pulse.open();
-        link_ = detail::connect_local(desk.servo, name_, answer_time);
+        link_ = detail::connect_local(desk.servo, name_, servo_answer_time);
     } catch (const Error& error) {
         refuse(Error(error.kind, fmt::format("the bridge is there, but {}", error.what())));
         return fail(error.what());
@@ -144,8 +140,7 @@ bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
 
     const Welcome welcome{.session = session_,
                           .devices = static_cast<std::uint32_t>(link_->devices().size()),
-                          .servo_pid = static_cast<std::uint32_t>(link_->servo_pid()),
-                          .role = static_cast<std::uint32_t>(role_)};
+                          .servo_pid = static_cast<std::uint32_t>(link_->servo_pid())};
     std::vector<DeviceRow> rows;
     for (const DeviceDescription& device : link_->devices()) rows.push_back(row_of(device));
     const std::array parts{bytes_of(welcome), std::as_bytes(std::span(rows))};
@@ -153,8 +148,8 @@ bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
 }
 
 std::optional<std::string> Peer::forbidden(const protocol::ClaimRequest& request) const {
-    if (request.observe != 0 || role_ == Role::control) return std::nullopt;
-    if (role_ == Role::observe)
+    if (request.observe != 0 || role() == Role::control) return std::nullopt;
+    if (role() == Role::observe)
         return fmt::format(
             "the key of {} has role observe: it reads reports; to claim a device use one of role render "
             "or control (knurl-bridge keygen --role control)",
@@ -217,12 +212,7 @@ void Peer::release(std::uint32_t id, Desk& desk) noexcept {
 
 void Peer::close(Desk& desk, Error::Kind kind, const std::string& text) noexcept {
     for (std::uint32_t id = 1; id <= streams_.size(); ++id) release(id, desk);
-    if (frames_.state() == FrameStream::State::open && !text.empty()) {
-        Refused refused;
-        refused.kind = static_cast<std::uint32_t>(kind);
-        put_text(refused.text, text);
-        frames_.send(static_cast<std::uint16_t>(FrameType::refused), 0, bytes_of(refused));
-    }
+    if (frames_.state() == FrameStream::State::open && !text.empty()) refuse(Error(kind, text));
     frames_.close();
 }
 
@@ -258,9 +248,7 @@ void Peer::datagram(std::span<std::byte> datagram, const sockaddr_storage& from,
         const DatagramHeader header{.kind = DatagramKind::pong};
         const PongBody pong{
             .ping_sent_ns = ping.sent_ns, .received_ns = now, .sent_ns = detail::monotonic_ns()};
-        std::memcpy(room.data(), &header, sizeof header);
-        std::memcpy(room.data() + sizeof header, &pong, sizeof pong);
-        if (const std::size_t length = outbox_.close(room, sizeof header + sizeof pong))
+        if (const std::size_t length = outbox_.close(room, write(room, header, pong)))
             desk.out.put(length, from, from_length, nullptr);
         return;
     }

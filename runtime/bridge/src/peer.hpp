@@ -38,7 +38,9 @@ class Peer {
     std::uint64_t session() const noexcept { return session_; }
     const sockaddr_storage& from() const noexcept { return from_; }
     const std::string& name() const noexcept { return name_; }  // name@host:port
-    Role role() const noexcept { return role_; }
+    Role role() const noexcept { return key_ ? key_->role : Role::control; }
+    /// Or came in without one, where none was asked for. Whoever has not said who it is does not.
+    bool holds_one_of(std::span<const Key> keys) const noexcept;
     std::int64_t heard_ns() const noexcept { return heard_ns_; }
     void heard(std::int64_t now) noexcept { heard_ns_ = now; }
 
@@ -68,7 +70,7 @@ class Peer {
     const sockaddr_storage from_;
     const std::uint64_t session_;
     std::string name_;
-    Role role_ = Role::control;
+    std::optional<Key> key_;
     std::unique_ptr<detail::Link> link_;  // null: not greeted yet
     Outbox outbox_;
     Inbox inbox_;

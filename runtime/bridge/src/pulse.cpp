@@ -2,13 +2,9 @@
 
 namespace knurl::bridge {
 
-namespace {
-constexpr std::chrono::milliseconds answer_time{500};
-}
-
 bool Pulse::open() {
     if (link_) return false;
-    auto link = detail::connect_local(servo_, "knurl-bridge", answer_time);
+    auto link = detail::connect_local(servo_, "knurl-bridge", servo_answer_time);
     protocol::ClaimRequest request;
     request.observe = 1;
     std::vector<Device> devices;

@@ -10,6 +10,8 @@
 
 namespace knurl::bridge {
 
+inline constexpr std::chrono::milliseconds servo_answer_time{500};  // all peers wait meanwhile
+
 class Pulse {
   public:
     explicit Pulse(std::string servo) : servo_(std::move(servo)) {}

@@ -73,6 +73,7 @@ Relay::Relay(RelayOptions options)
     ::getsockname(listener_.get(), at.get(), &at.length);
     if (!datagrams_ || ::bind(datagrams_.get(), at.get(), at.length) != 0) cannot(what + " (UDP)");
     listening_at_ = numeric(at.address);
+    watch(datagrams_.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
 }
 
 Relay::~Relay() = default;
@@ -192,12 +193,27 @@ void Relay::close(std::size_t index, Error::Kind kind, const std::string& text) 
     ++place.use;
 }
 
+void Relay::admit(std::vector<Key> keys) {
+    if (!tls_ || keys.empty()) return;
+    tls_ = TlsContext::server(keys);
+    options_.keys = std::move(keys);
+    desk_.keys = options_.keys;
+    const std::int64_t now = detail::monotonic_ns();
+    for (std::size_t i = 0; i < places; ++i) {
+        if (!places_[i].peer || places_[i].peer->holds_one_of(options_.keys)) continue;
+        const std::string why = "its key is not in the file any more";
+        say(fmt::format("{}: out: {}", places_[i].peer->name(), why), now);
+        close(i, Error::Kind::permission, "the bridge ends this connection: " + why);
+    }
+}
+
 // ----------------------------------------------------------------------------------------------- the servo
 
 void Relay::follow_servo() {
     watch(pulse_.hang_up(), EPOLLRDHUP, source(Source::servo), EPOLL_CTL_ADD);
     for (std::size_t i = 0; i < pulse_.devices(); ++i)
-        watch(pulse_.event(i), EPOLLIN, source(Source::device, i), EPOLL_CTL_ADD);
+        // By its edge: one that was raised when the last stream had just gone is lowered by nobody.
+        watch(pulse_.event(i), std::uint32_t{EPOLLIN} | EPOLLET, source(Source::device, i), EPOLL_CTL_ADD);
     watching_servo_ = true;
 }
 
@@ -276,7 +292,6 @@ void Relay::tick(std::int64_t now) {
 
 void Relay::run(int signals) {
     watch(signals, EPOLLIN, source(Source::signals), EPOLL_CTL_ADD);
-    watch(datagrams_.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
     for (std::array<epoll_event, 64> events;;) {
         std::int64_t now = detail::monotonic_ns();
         const bool anyone = std::any_of(places_.begin(), places_.end(),
@@ -299,7 +314,8 @@ void Relay::run(int signals) {
             const bool there = which < places && places_[which].peer && places_[which].use == use;
             switch (what) {
                 case Source::signals:
-                    return;
+                    out_.flush();
+                    return watch(signals, 0, 0, EPOLL_CTL_DEL);
                 case Source::listener:
                     accept_all(now);
                     break;

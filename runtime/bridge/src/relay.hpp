@@ -26,7 +26,7 @@ class Relay {
   public:
     static constexpr std::size_t most_pending = 16;  // that have not said who they are
     static constexpr double greeting_seconds = 2;    // for that, TLS included
-    static constexpr std::size_t places = 128 + most_pending;
+    static constexpr std::size_t places = max_sessions + most_pending;
     static_assert(places <= 256);  // a session's number ends with its place
 
     /// Listens. Throws std::runtime_error, one line.
@@ -36,8 +36,11 @@ class Relay {
     Relay& operator=(const Relay&) = delete;
 
     const std::string& listening_at() const { return listening_at_; }
-    /// Until `signals` (a signalfd) is readable.
+    /// Until `signals` (a signalfd) is readable. May be called again.
     void run(int signals);
+    /// Between two run(): whose keys are these may come in from now on; whose key is not among them, or is
+    /// another by now, is sent away. Not without keys at the beginning, and never none.
+    void admit(std::vector<Key> keys);
 
   private:
     struct Place {

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include <knurl/link/clock.hpp>
+#include <knurl/shm/deadline.hpp>
 #include <knurl/shm/waiter.hpp>
 
 namespace knurl::bridge {
@@ -21,7 +22,6 @@ namespace knurl::bridge {
 namespace {
 
 using std::chrono::nanoseconds;
-using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::align_val_t ring_alignment{shm::line_bytes};
 constexpr std::int64_t hello_interval_ns = 50'000'000;  // until the first report has come
@@ -105,9 +105,7 @@ bool Stream::newest(Report& out) noexcept {
 }
 
 void Stream::wait(nanoseconds timeout, bool for_any) noexcept {
-    const auto now = SteadyClock::now();
-    const auto deadline =
-        timeout >= SteadyClock::time_point::max() - now ? SteadyClock::time_point::max() : now + timeout;
+    const shm::Deadline deadline = shm::deadline_after(timeout);
     std::uint64_t seen = 0;
     for (bool first = true;; first = false) {
         {
@@ -119,14 +117,10 @@ void Stream::wait(nanoseconds timeout, bool for_any) noexcept {
             drain();
             if (for_any ? arrivals_ != seen : reader_.fresh()) return;
         }
-        const nanoseconds left = deadline - SteadyClock::now();
-        if (left <= nanoseconds(0)) return;
-        const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-        const timespec span{.tv_sec = static_cast<time_t>(seconds.count()),
-                            .tv_nsec = (left - seconds).count()};
+        if (std::chrono::steady_clock::now() >= deadline) return;
         pollfd sources[] = {{.fd = socket_.get(), .events = POLLIN, .revents = 0},
                             {.fd = event_.get(), .events = POLLIN, .revents = 0}};
-        ::ppoll(sources, 2, deadline == SteadyClock::time_point::max() ? nullptr : &span, nullptr);
+        shm::poll_until(sources, deadline);
     }
 }
 
@@ -281,10 +275,9 @@ bool Stream::send_pieces(std::span<const std::byte> message) noexcept {
         const BatchPiece piece{.sequence = batch_.sequence(),
                                .offset = static_cast<std::uint32_t>(i * most),
                                .total = static_cast<std::uint32_t>(message.size())};
-        std::memcpy(room.data(), &header, sizeof header);
-        std::memcpy(room.data() + sizeof header, &piece, sizeof piece);
-        std::memcpy(room.data() + sizeof header + sizeof piece, part.data(), part.size());
-        if (connection_->post(socket_.get(), room, sizeof header + sizeof piece + part.size())) continue;
+        const std::size_t head = write(room, header, piece);
+        std::memcpy(room.data() + head, part.data(), part.size());
+        if (connection_->post(socket_.get(), room, head + part.size())) continue;
         // The path carries less than was thought. It is sent again in smaller ones, or by TCP.
         datagram_limit_ = std::max(least_datagram_bytes, datagram_limit_ * 3 / 4);
         return false;
@@ -296,9 +289,7 @@ void Stream::hello() noexcept {
     alignas(8) std::array<std::byte, 128> room;
     const DatagramHeader header{.kind = DatagramKind::hello, .stream = static_cast<std::uint8_t>(id_)};
     const HelloBody body{.received = number_};
-    std::memcpy(room.data(), &header, sizeof header);
-    std::memcpy(room.data() + sizeof header, &body, sizeof body);
-    connection_->post(socket_.get(), room, sizeof header + sizeof body);
+    connection_->post(socket_.get(), room, write(room, header, body));
 }
 
 void Stream::tick(std::int64_t now) noexcept {

@@ -64,11 +64,12 @@ struct TlsSession::Impl {
     bool done = false;
     bool wants_write = false;
     std::string reason;
+    bool about_keys = false;
 
     bool server() const noexcept { return context->impl_->server; }
     Io judge(int result) noexcept;
     void explain(unsigned long error) noexcept;
-    std::string sentence(unsigned long error) const;
+    std::string sentence(unsigned long error);
 
     static int use_key(SSL* ssl, const EVP_MD* md, const unsigned char** name, std::size_t* bytes,
                        SSL_SESSION** session) noexcept;
@@ -186,7 +187,7 @@ void TlsSession::Impl::explain(unsigned long error) noexcept try {
     reason.clear();
 }
 
-std::string TlsSession::Impl::sentence(unsigned long error) const {
+std::string TlsSession::Impl::sentence(unsigned long error) {
     const char* openssl = ERR_reason_error_string(error);
     const std::string detail = openssl ? " (" + std::string(openssl) + ")" : "";
     const int why = ERR_GET_REASON(error);
@@ -212,14 +213,17 @@ std::string TlsSession::Impl::sentence(unsigned long error) const {
         return "the TLS handshake failed" + detail;
     }
     const std::string name = printable(context->impl_->keys.front().name);
+    about_keys = true;
     if (alert)
         return "the bridge refused the key " + name +
                ": its keys file has no such name, or another secret under it" + detail;
     if (socket.spoke && !socket.began_as_tls())
         return "the other end does not speak TLS: no bridge, or one without keys (then leave KNURL_KEY "
                "unset)";
-    if (socket.ended || socket.error != 0)
-        return "the other end hung up in the handshake: no bridge, one without keys, or it is full";
+    if (socket.ended || socket.error != 0) {
+        about_keys = false;
+        return "the other end hung up in the handshake: no bridge, or it is full";
+    }
     return "the other end does not hold the key " + name + ": it is not the bridge that this key is for" +
            detail;
 }
@@ -297,6 +301,10 @@ bool TlsSession::export_keys(std::string_view label, DirectionKeys& out) const n
 
 const std::string& TlsSession::reason() const noexcept {
     return impl_->reason;
+}
+
+bool TlsSession::about_keys() const noexcept {
+    return impl_->about_keys;
 }
 
 }  // namespace knurl::bridge

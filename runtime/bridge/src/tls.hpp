@@ -69,6 +69,8 @@ class TlsSession {
     bool export_keys(std::string_view label, DirectionKeys& out) const noexcept;
     /// One line: what went wrong and what to do.
     const std::string& reason() const noexcept;
+    /// It went wrong because of who has which key: trying again changes nothing.
+    bool about_keys() const noexcept;
 
   private:
     friend class TlsContext;

@@ -26,8 +26,12 @@
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/command.hpp>
 #include <knurl/protocol/report.hpp>
+#include <knurl/protocol/text.hpp>
 
 namespace knurl::bridge {
+
+using protocol::put_text;
+using protocol::text_of;
 
 inline constexpr std::uint64_t wire_magic = 0x656764697262;  // "bridge"
 inline constexpr std::uint32_t wire_version = 1;
@@ -35,6 +39,7 @@ inline constexpr const char* exporter_label = "EXPORTER-knurl-bridge-datagrams";
 
 // ------------------------------------------------------------------------------------------------ bounds
 
+inline constexpr std::size_t max_sessions = protocol::max_clients;
 inline constexpr std::uint32_t max_streams = 32;     // claims and observers of one connection
 inline constexpr std::size_t datagram_bytes = 1200;  // to begin with; the path may allow less
 inline constexpr std::size_t least_datagram_bytes =
@@ -74,8 +79,6 @@ struct Welcome {
     std::uint64_t session = 0;
     std::uint32_t devices = 0;  // as many DeviceRow follow
     std::uint32_t servo_pid = 0;
-    std::uint32_t role = 0;
-    std::uint32_t reserved = 0;
 };
 
 struct DeviceRow {
@@ -164,7 +167,7 @@ inline constexpr std::uint32_t feedback = 1u << 1;  // then a FeedbackHeader,
 inline constexpr std::uint32_t felt = 1u << 2;      // then this piece of its entries
 }  // namespace piece_flags
 
-static_assert(sizeof(Hello) == 88 && sizeof(Welcome) == 24 && sizeof(DeviceRow) == 320);
+static_assert(sizeof(Hello) == 88 && sizeof(Welcome) == 16 && sizeof(DeviceRow) == 320);
 static_assert(sizeof(Refused) == 520 && sizeof(Attached) == sizeof(protocol::Claimed) + 8);
 static_assert(sizeof(DatagramHeader) == 24 && sizeof(BatchPiece) == 16 && sizeof(ReportPiece) == 40);
 
@@ -198,13 +201,13 @@ bool take(std::span<const std::byte>& from, T& value) noexcept {
     return true;
 }
 
-template <std::size_t n>
-void put_text(char (&field)[n], std::string_view text) noexcept {
-    text.copy(field, n - 1);
-}
-template <std::size_t n>
-std::string text_of(const char (&field)[n]) {
-    return {field, ::strnlen(field, n)};
+/// One after another into `room`, which holds them. How many bytes that were.
+template <class... T>
+std::size_t write(std::span<std::byte> room, const T&... values) noexcept {
+    static_assert((std::is_trivially_copyable_v<T> && ...));
+    std::size_t at = 0;
+    ((std::memcpy(room.data() + at, &values, sizeof values), at += sizeof values), ...);
+    return at;
 }
 
 }  // namespace knurl::bridge

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstdlib>
 #include <thread>
 
@@ -15,6 +14,7 @@
 #include <knurl/bridge/remote.hpp>
 #include <knurl/client/error.hpp>
 #include <knurl/link/local.hpp>
+#include <knurl/link/thread.hpp>
 
 #include "address.hpp"
 #include "reader.hpp"
@@ -26,13 +26,11 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds answer_time{2000};         // the broker is given this long
-constexpr milliseconds first_try{10};             // between attempts to reach a servo that starts
-constexpr milliseconds watcher_answer_time{500};  // while readers are locked out
-constexpr milliseconds short_retry{20};           // right after a hang-up: back within 500 ms means this
+constexpr milliseconds answer_time{2000};  // the broker, or the bridge, is given this long
+constexpr milliseconds first_try{10};      // between attempts to reach a servo that starts
+constexpr milliseconds short_retry{20};    // right after a hang-up: back within 500 ms means this
 constexpr milliseconds long_retry{250};
 constexpr milliseconds retry_shortly_for{30'000};
-constexpr std::size_t watcher_stack = 256 * 1024;  // explicit: an application may lock all its memory
 
 bool may_be_starting(const Error& error) {
     return error.kind == Error::Kind::no_servo || error.kind == Error::Kind::disconnected;
@@ -48,7 +46,7 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
     const auto deadline = Clock::now() + options_.wait;
     while (!link_) {
         try {
-            link_ = open_link(answer_time);
+            link_ = open_link();
         } catch (const Error& error) {
             if (!may_be_starting(error)) throw;
             if (Clock::now() + first_try > deadline)
@@ -57,16 +55,17 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
             std::this_thread::sleep_for(first_try);
         }
     }
-    start_watcher();
+    watcher_ = start_thread(
+        "knurl-watcher", [](void* self) { static_cast<ClientState*>(self)->watch(); }, this);
 }
 
-std::unique_ptr<Link> ClientState::open_link(milliseconds wait_for_answer) const {
+std::unique_ptr<Link> ClientState::open_link() const {
     const std::string name = options_.name.empty() ? program_invocation_short_name : options_.name;
-    if (!bridge_) return connect_local(servo_, name, wait_for_answer);
+    if (!bridge_) return connect_local(servo_, name, answer_time);
     const char* key = std::getenv("KNURL_KEY");
     return bridge::connect_remote(
         *bridge_, {.client_name = name,
-                   .answer_time = answer_time,  // a network may take its time
+                   .answer_time = answer_time,
                    .report_rate = options_.report_rate,
                    .key_file = options_.key_file.empty() && key != nullptr ? key : options_.key_file});
 }
@@ -150,29 +149,6 @@ void ClientState::close() {
     ::pthread_join(watcher_, nullptr);
 }
 
-void ClientState::start_watcher() {
-    pthread_attr_t attributes;
-    ::pthread_attr_init(&attributes);
-    ::pthread_attr_setstacksize(&attributes, watcher_stack);
-    // The application's signals are the application's threads' business.
-    sigset_t all, before;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = ::pthread_create(
-        &watcher_, &attributes,
-        [](void* self) -> void* {
-            static_cast<ClientState*>(self)->watch();
-            return nullptr;
-        },
-        this);
-    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
-    ::pthread_attr_destroy(&attributes);
-    if (error != 0)
-        throw Error(Error::Kind::refused,
-                    "no thread to watch the servo with; see the limit of processes (ulimit -u)");
-    ::pthread_setname_np(watcher_, "knurl-watcher");
-}
-
 bool ClientState::sleep_on(int descriptor, milliseconds timeout) {
     pollfd events[] = {{.fd = stop_.get(), .events = POLLIN, .revents = 0},
                        {.fd = descriptor, .events = POLLRDHUP, .revents = 0}};
@@ -182,7 +158,7 @@ bool ClientState::sleep_on(int descriptor, milliseconds timeout) {
 
 void ClientState::watch() {
     constexpr milliseconds forever{-1};
-    // link_ is replaced by this thread alone, so that its descriptor may be looked at without the lock.
+    // link_ is replaced by this thread alone, so that it may be looked at here without the lock.
     while (sleep_on(link_->hang_up(), forever)) {
         lose_link();
         if (!options_.reattach) return;
@@ -215,12 +191,15 @@ void ClientState::lose_link() {
 }
 
 void ClientState::reattach() {
-    const Lock lock(mutex_);
+    std::unique_ptr<Link> fresh;
     try {
-        if (!link_) link_ = open_link(watcher_answer_time);
+        // Without the lock: it may take seconds to learn that nobody answers.
+        if (!link_) fresh = open_link();
     } catch (const std::exception&) {
         return;  // not there yet
     }
+    const Lock lock(mutex_);
+    if (fresh) link_ = std::move(fresh);
     for (Reader* reader : readers_) {
         if (reader->connected()) continue;
         try {

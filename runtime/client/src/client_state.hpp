@@ -44,8 +44,7 @@ class ClientState {
   private:
     using Lock = std::unique_lock<std::mutex>;
 
-    std::unique_ptr<Link> open_link(std::chrono::milliseconds answer_time) const;
-    void start_watcher();
+    std::unique_ptr<Link> open_link() const;
     void watch();
     bool sleep_on(int descriptor, std::chrono::milliseconds timeout);  // false: close() was called
     void lose_link();

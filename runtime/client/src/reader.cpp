@@ -11,6 +11,7 @@
 
 #include <knurl/client/error.hpp>
 #include <knurl/link/clock.hpp>
+#include <knurl/shm/deadline.hpp>
 
 #include "client_state.hpp"
 #include "frame.hpp"
@@ -21,11 +22,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
-
-Clock::time_point deadline_after(nanoseconds timeout) {
-    const auto now = Clock::now();
-    return timeout >= Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
-}
 
 }  // namespace
 
@@ -76,7 +72,7 @@ std::optional<HandReport> Reader::latest() {
 }
 
 std::optional<HandReport> Reader::next_report(nanoseconds timeout) {
-    const auto deadline = deadline_after(timeout);
+    const auto deadline = shm::deadline_after(timeout);
     Lock lock = enter();
     bool waited = false;
     for (;;) {
@@ -161,7 +157,8 @@ DeviceDescription Reader::description() {
 
 Network Reader::network() {
     const Lock lock = enter();
-    return attachment_ ? attachment_->reports->network() : Network{};
+    if (!attachment_) throw_disconnected();
+    return attachment_->reports->network();
 }
 
 Age Reader::age(const Report& report) {

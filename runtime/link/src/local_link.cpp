@@ -25,16 +25,8 @@ namespace knurl::detail {
 namespace {
 
 using protocol::MessageType;
-
-template <std::size_t n>
-std::string text_of(const char (&field)[n]) {
-    return {field, ::strnlen(field, n)};
-}
-
-template <std::size_t n>
-void put_text(char (&field)[n], const std::string& text) {
-    text.copy(field, n - 1);
-}
+using protocol::put_text;
+using protocol::text_of;
 
 /// The socket exists and is not ours to open: whose is it, and what to do.
 std::optional<std::string> forbidden(const std::string& path) {
@@ -53,19 +45,6 @@ std::optional<std::string> forbidden(const std::string& path) {
         "$USER`, then log in again) or start a servo of your own",
         path, owner != nullptr ? owner->pw_name : std::to_string(status.st_uid), group_name,
         status.st_mode & 0777u, group_name);
-}
-
-DeviceDescription describe(const protocol::DeviceInfo& info) {
-    return {.name = text_of(info.name),
-            .address = text_of(info.address),
-            .profile = text_of(info.profile),
-            .serial = text_of(info.serial),
-            .rate = info.rate,
-            .workspace_centre = info.workspace_centre,
-            .workspace_radius = info.workspace_radius,
-            .peak_force = info.peak_force,
-            .max_stiffness = info.max_stiffness,
-            .renders_torque = info.renders_torque != 0};
 }
 
 class LocalLink final : public Link {

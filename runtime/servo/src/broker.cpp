@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include <knurl/protocol/attach.hpp>
+#include <knurl/protocol/text.hpp>
 #include <knurl/servo/broker.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/socket.hpp>
@@ -73,18 +74,6 @@ std::optional<std::uint32_t> type_of(const Buffer& buffer, std::size_t bytes) {
 template <class Message>
 std::span<const std::byte> bytes_of(const Message& message) {
     return std::as_bytes(std::span(&message, 1));
-}
-
-/// A client's name is printed on other people's terminals.
-std::string printable(const char (&name)[protocol::name_bytes]) {
-    std::string text(name, strnlen(name, sizeof name));
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    return text.empty() ? "unnamed" : text;
-}
-
-void copy_name(char (&to)[protocol::name_bytes], const std::string& from) {
-    from.copy(to, sizeof to - 1);
 }
 
 }  // namespace
@@ -157,7 +146,7 @@ struct Broker::Impl {
     static bool refuse(const Connection& to, const Refusal& why) {
         protocol::Refused message;
         message.holder_pid = static_cast<std::uint32_t>(why.holder_pid);
-        std::string(why.what()).copy(message.text, sizeof message.text - 1);
+        protocol::put_text(message.text, why.what());
         return shm::send_message(to.socket, bytes_of(message));
     }
 
@@ -239,14 +228,14 @@ struct Broker::Impl {
         }
         connection.greeted = true;
         --half_open;
-        connection.peer.name = printable(hello.client);
+        connection.peer.name = protocol::printable(hello.client);
 
         protocol::Welcome welcome;
         welcome.devices = static_cast<std::uint32_t>(tables.size());
         welcome.servo_pid = static_cast<std::uint32_t>(getpid());
         std::vector<int> segments;
         for (std::size_t i = 0; i < tables.size(); ++i) {
-            copy_name(welcome.names[i], tables[i]->device().name);
+            protocol::put_text(welcome.names[i], tables[i]->device().name);
             segments.push_back(tables[i]->device().segment.fd());
         }
         return shm::send_message(connection.socket, bytes_of(welcome), segments);

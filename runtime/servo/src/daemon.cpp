@@ -20,6 +20,7 @@
 #include <knurl/drivers/registry.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/device_segment.hpp>
+#include <knurl/protocol/text.hpp>
 #include <knurl/servo/broker.hpp>
 #include <knurl/servo/daemon.hpp>
 #include <knurl/servo/guardian.hpp>
@@ -110,14 +111,9 @@ class Door {
     shm::UniqueFd socket_;
 };
 
-template <std::size_t n>
-void copy_text(char (&to)[n], const std::string& from) {
-    from.copy(to, n - 1);
-}
-
 /// 0: nothing is real time here.
-int below(int priority, int by) {
-    return priority == 0 ? 0 : priority - by;
+int raised(int priority, int by) {
+    return priority == 0 ? 0 : priority + by;
 }
 
 /// One device and all that runs it.
@@ -134,7 +130,7 @@ struct Station {
         device =
             drivers::open_device(config.address, {.hand_file = config.hand_file,
                                                   .seed = config.seed,
-                                                  .io_priority = below(daemon.priority, -io_above_servo)});
+                                                  .io_priority = raised(daemon.priority, io_above_servo)});
         const drivers::LinkConfig& link = device->link();
         if (config.rate == 0) config.rate = daemon.rate;
         if (config.name.empty()) {
@@ -148,11 +144,11 @@ struct Station {
         auto& info = *reinterpret_cast<protocol::DeviceInfo*>(segment.data() + layout.info);
         info.magic = protocol::segment_magic;
         info.layout_hash = protocol::wire_hash();
-        copy_text(info.servo, daemon.name);
-        copy_text(info.name, config.name);
-        copy_text(info.address, config.address);
-        copy_text(info.profile, link.name);
-        copy_text(info.serial, link.serial);
+        protocol::put_text(info.servo, daemon.name);
+        protocol::put_text(info.name, config.name);
+        protocol::put_text(info.address, config.address);
+        protocol::put_text(info.profile, link.name);
+        protocol::put_text(info.serial, link.serial);
         info.joints = static_cast<std::uint32_t>(link.sensed_joints);
         info.renders_torque = link.renders_torque ? 1 : 0;
         info.senses_orientation = link.senses_orientation ? 1 : 0;
@@ -268,7 +264,7 @@ int loop_priority(const DaemonConfig& config, const std::vector<std::unique_ptr<
     std::set<double> faster;
     for (const auto& other : stations)
         if (other->config.rate > station.config.rate) faster.insert(other->config.rate);
-    return below(config.priority, static_cast<int>(faster.size()));
+    return raised(config.priority, -static_cast<int>(faster.size()));
 }
 
 }  // namespace
@@ -292,7 +288,7 @@ int run_daemon(const DaemonConfig& config) {
     for (const auto& station : stations) guarded.push_back({station->device.get(), station->segment.data()});
     std::vector<int> not_for_the_guardian{door.socket().get(), signals.get()};
     if (idle_polling) not_for_the_guardian.push_back(idle_polling.get());
-    Guardian guardian(guarded, {.priority = below(config.priority, -guardian_above_servo),
+    Guardian guardian(guarded, {.priority = raised(config.priority, guardian_above_servo),
                                 .servo_cpu = cpu,
                                 .stall = config.guardian_stall,
                                 .state_directory = protocol::state_directory(),
@@ -328,13 +324,14 @@ int run_daemon(const DaemonConfig& config) {
         Thread thread;
         ~WakerThread() { waker.stop(); }
     } waker_thread{
-        waker, Thread(
-                   {.name = "knurl-waker", .priority = below(config.priority, waker_below_servo), .cpu = cpu},
-                   [&waker] { waker.run(); }, missing)};
+        waker,
+        Thread(
+            {.name = "knurl-waker", .priority = raised(config.priority, -waker_below_servo), .cpu = cpu},
+            [&waker] { waker.run(); }, missing)};
     Broker::End end = Broker::End::at_once;
     {
         const StopLoops stop_loops{stations};
-        become_real_time(below(config.priority, broker_below_servo), "knurl-broker", missing);
+        become_real_time(raised(config.priority, -broker_below_servo), "knurl-broker", missing);
         for (const auto& station : stations) {
             station->thread = std::make_unique<Thread>(
                 ThreadOptions{

@@ -111,9 +111,10 @@ class Observer {
         const;  // reports overwritten before they were read; those latest() passes over are not
     DeviceDescription device() const;
 
-    /// How old a report is now: since the device was read, by the servo's clock.
+    /// How old a report is now: since the device was read, by the servo's clock. Throws while detached.
     Age age(const Report& report) const;
-    Network network() const;  // between here and the servo; all 0 on one box
+    /// What is between here and the servo; all 0 on one box. Throws while detached.
+    Network network() const;
 
     bool connected() const;               // false: the servo is gone, and not back yet
     std::uint64_t reattachments() const;  // how often it came back

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include <knurl/protocol/text.hpp>
 #include <knurl/reps/vec.hpp>
 
 namespace knurl {
@@ -15,5 +16,25 @@ struct DeviceDescription {
     double max_stiffness = 0;     // N/m
     bool renders_torque = false;
 };
+
+namespace detail {
+
+/// From the servo's own row in shared memory, or from its like that came over a network.
+template <class Row>
+DeviceDescription describe(const Row& row) {
+    using protocol::text_of;
+    return {.name = text_of(row.name),
+            .address = text_of(row.address),
+            .profile = text_of(row.profile),
+            .serial = text_of(row.serial),
+            .rate = row.rate,
+            .workspace_centre = row.workspace_centre,
+            .workspace_radius = row.workspace_radius,
+            .peak_force = row.peak_force,
+            .max_stiffness = row.max_stiffness,
+            .renders_torque = row.renders_torque != 0};
+}
+
+}  // namespace detail
 
 }  // namespace knurl

@@ -1,0 +1,173 @@
+// How a connection begins: TCP, TLS, who is who, and whether datagrams come through.
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <poll.h>
+
+#include <knurl/link/clock.hpp>
+#include <knurl/shm/deadline.hpp>
+#include <knurl/shm/waiter.hpp>
+
+#include "connection.hpp"
+#include "datagram_socket.hpp"
+#include "keys.hpp"
+
+namespace knurl::bridge {
+
+namespace {
+
+shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
+    shm::UniqueFd fd(::socket(bridge.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    // What goes wrong now shows again when the connection is asked how it is.
+    if (fd && ::connect(fd.get(), bridge.get(), bridge.length) != 0 && errno != EINPROGRESS &&
+        errno != ECONNREFUSED)
+        throw Error(Error::Kind::no_servo,
+                    fmt::format("bridge {}: cannot connect ({}); is the address right?", bridge.text,
+                                std::strerror(errno)));
+    if (!fd)
+        throw Error(Error::Kind::refused,
+                    fmt::format("bridge {}: no socket ({})", bridge.text, std::strerror(errno)));
+    return fd;
+}
+
+std::shared_ptr<const TlsContext> key_of(const std::string& file) {
+    if (file.empty()) return nullptr;
+    try {
+        const std::vector<Key> keys = read_keys(file);
+        if (keys.size() != 1)
+            throw std::runtime_error(
+                fmt::format("{}: holds {} keys; an application uses one: give it a file with just the line "
+                            "that is its own",
+                            file, keys.size()));
+        return TlsContext::client(keys.front());
+    } catch (const std::runtime_error& reason) {
+        throw Error(Error::Kind::permission, reason.what());
+    }
+}
+
+}  // namespace
+
+Connection::Connection(const Endpoint& bridge, const RemoteOptions& options)
+    : bridge_(bridge),
+      answer_time_(options.answer_time),
+      report_rate_(options.report_rate),
+      frames_(begin_to_connect(bridge), false, key_of(options.key_file)),
+      frames_lost_in_child_(std::in_place, frames_.fd()),
+      stop_(shm::make_event()) {
+    const shm::Deadline deadline = shm::deadline_after(answer_time_);
+    connect(deadline);
+    greet(options.client_name, deadline);
+    clock_socket_ = datagram_socket();
+    try_datagrams(deadline);
+    started_ns_ = heard_ns_ = last_tick_ns_ = detail::monotonic_ns();
+}
+
+void Connection::broken() const {
+    const std::string& reason = frames_.reason();
+    const FrameStream::End how = frames_.how_it_ended();
+    if (how == FrameStream::End::unreachable)
+        throw Error(
+            Error::Kind::no_servo,
+            fmt::format("no bridge listens at {} ({}); start one there: `knurl-bridge --listen HOST:PORT`",
+                        bridge_.text, reason));
+    throw Error(how == FrameStream::End::keys ? Error::Kind::permission : Error::Kind::disconnected,
+                fmt::format("bridge {}: {}", bridge_.text, reason.empty() ? "it hung up" : reason));
+}
+
+void Connection::nonsense() const {
+    throw Error(
+        Error::Kind::incompatible,
+        fmt::format("what answers at {} is no knurl-bridge of this version; build the application and the "
+                    "bridge from the same version",
+                    bridge_.text));
+}
+
+Error Connection::refusal(const Refused& refused) const {
+    const auto most = static_cast<std::uint32_t>(Error::Kind::stale_handle);
+    return {static_cast<Error::Kind>(std::min(refused.kind, most)), text_of(refused.text),
+            static_cast<pid_t>(refused.holder_pid)};
+}
+
+/// Something comes, or what waits can go out.
+void Connection::await_socket(shm::Deadline deadline) {
+    pollfd socket{.fd = frames_.fd(),
+                  .events = static_cast<short>(POLLIN | (frames_.wants_write() ? POLLOUT : 0)),
+                  .revents = 0};
+    if (shm::poll_until({&socket, 1}, deadline) == 0)
+        throw Error(Error::Kind::no_servo,
+                    fmt::format("bridge {} does not answer (waited {} ms); is the address right, and does a "
+                                "firewall let TCP and UDP through?",
+                                bridge_.text, answer_time_.count()));
+}
+
+void Connection::connect(shm::Deadline deadline) {
+    while (frames_.pump() == FrameStream::State::handshaking) await_socket(deadline);
+    if (frames_.state() == FrameStream::State::closed) broken();
+}
+
+const Frame* Connection::await_frame(shm::Deadline deadline) {
+    for (;;) {
+        if (const Frame* frame = frames_.next()) return frame;
+        if (frames_.state() == FrameStream::State::closed) broken();
+        await_socket(deadline);
+        frames_.pump();
+    }
+}
+
+void Connection::greet(const std::string& name, shm::Deadline deadline) {
+    Hello hello;
+    hello.layout = wire_hash();
+    put_text(hello.client, name);
+    frames_.send(static_cast<std::uint16_t>(FrameType::hello), 0, bytes_of(hello));
+    const Frame* frame = await_frame(deadline);
+    if (frame->type == static_cast<std::uint16_t>(FrameType::welcome)) return welcome(frame->payload);
+    std::span<const std::byte> payload = frame->payload;
+    Refused refused;
+    if (frame->type != static_cast<std::uint16_t>(FrameType::refused) || !take(payload, refused)) nonsense();
+    throw refusal(refused);
+}
+
+void Connection::welcome(std::span<const std::byte> payload) {
+    Welcome welcome;
+    if (!take(payload, welcome) || welcome.devices > protocol::max_devices ||
+        payload.size() != welcome.devices * sizeof(DeviceRow))
+        nonsense();
+    for (DeviceRow row; take(payload, row);) devices_.push_back(detail::describe(row));
+    servo_pid_ = static_cast<pid_t>(welcome.servo_pid);
+    const std::optional<DirectionKeys> keys = frames_.export_keys(exporter_label);
+    outbox_ = Outbox(welcome.session, keys ? &keys->send : nullptr);
+    inbox_ = Inbox(welcome.session, keys ? &keys->receive : nullptr);
+}
+
+shm::UniqueFd Connection::datagram_socket() const {
+    shm::UniqueFd fd = make_datagram_socket(bridge_.family());
+    if (!fd || ::connect(fd.get(), bridge_.get(), bridge_.length) != 0)
+        throw Error(Error::Kind::refused,
+                    fmt::format("bridge {}: no socket for datagrams ({}); see the limit of open "
+                                "files (ulimit -n)",
+                                bridge_.text, std::strerror(errno)));
+    return fd;
+}
+
+void Connection::try_datagrams(shm::Deadline deadline) {
+    constexpr std::chrono::milliseconds patience{50};
+    while (!clock_.known()) {
+        if (std::chrono::steady_clock::now() > deadline)
+            throw Error(
+                Error::Kind::no_servo,
+                fmt::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
+                            "through the firewalls between",
+                            bridge_.text,
+                            ntohs(reinterpret_cast<const sockaddr_in*>(bridge_.get())->sin_port)));
+        ping(detail::monotonic_ns());
+        pollfd socket{.fd = clock_socket_.get(), .events = POLLIN, .revents = 0};
+        ::poll(&socket, 1, static_cast<int>(patience.count()));
+        serve_clock();
+    }
+}
+
+}  // namespace knurl::bridge

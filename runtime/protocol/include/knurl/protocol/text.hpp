@@ -1,0 +1,32 @@
+#pragma once
+// Texts in the fixed fields of messages and of shared memory: cut to fit, a zero behind them.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+namespace knurl::protocol {
+
+/// Into a field of zeros.
+template <std::size_t n>
+void put_text(char (&field)[n], std::string_view text) noexcept {
+    text.copy(field, n - 1);
+}
+
+template <std::size_t n>
+std::string text_of(const char (&field)[n]) {
+    return {field, ::strnlen(field, n)};
+}
+
+/// A client's name as it may be printed on other people's terminals.
+template <std::size_t n>
+std::string printable(const char (&field)[n]) {
+    std::string text = text_of(field);
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return text.empty() ? "unnamed" : text;
+}
+
+}  // namespace knurl::protocol
