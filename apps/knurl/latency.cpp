@@ -59,6 +59,7 @@ class EchoFloor {
         if (!arguments.connect.starts_with(network_scheme)) return;
         if (!arguments.echo.empty()) {
             at_ = bridge::resolve(arguments.echo);
+            require_echo(*at_);
         } else if (bridge::resolve(arguments.connect.substr(std::strlen(network_scheme))).loopback()) {
             own_.emplace(placement);
             at_ = own_->at();
@@ -77,6 +78,15 @@ class EchoFloor {
     std::optional<UdpEcho> own_;
     std::optional<bridge::Endpoint> at_;
 };
+
+/// Where a report comes from: a floor that is measured here says nothing about another host.
+enum class Way { shared_memory, loopback, network };
+
+Way way_of(const Arguments& arguments) {
+    if (!arguments.connect.starts_with(network_scheme)) return Way::shared_memory;
+    const std::string where = arguments.connect.substr(std::strlen(network_scheme));
+    return bridge::resolve(where).loopback() ? Way::loopback : Way::network;
+}
 
 Placement placement_for(const Arguments& arguments) {
     const auto cpus = measure::allowed_cpus();
@@ -146,39 +156,41 @@ std::vector<double> one_after_another(const std::vector<double>& a, const std::v
     return sums;
 }
 
-measure::Run summary(const PathSamples& paths, const FloorSamples& floors, Nanoseconds period) {
+measure::Run summary(const PathSamples& paths, const FloorSamples& floors, Nanoseconds period, Way way) {
     const auto result = [](const char* name, const std::vector<double>& samples) {
         return measure::summarise(name, "us", in_microseconds(samples));
     };
     const auto related = [&](const char* name, const std::vector<double>& samples,
-                             const measure::Result& floor) {
+                             const measure::Result& floor, bool fits) {
         auto r = result(name, samples);
-        measure::relate(r, floor);
+        if (fits) measure::relate(r, floor);
         return r;
     };
+    const bool local = way == Way::shared_memory;
     const auto ping_pong = result("floor.cache_line", floors.ping_pong);
     const auto eventfd = result("floor.eventfd_wake", floors.eventfd);
     const auto bare_loop = result("floor.bare_loop_lateness", floors.bare_loop);
     std::vector<double> cycles = paths.wait_for_use;
     for (double& wait : cycles) wait /= static_cast<double>(period);
-    measure::Run run{.machine = measure::this_machine(),
-                     .results = {result("update.commit_to_write", paths.commit_to_write),
-                                 result("update.age_at_use", paths.wait_for_use),
-                                 measure::summarise("update.age_at_use_cycles", "cyc", std::move(cycles)),
-                                 measure::summarise("update.cycles_overlooked", "cyc", paths.overlooked),
-                                 result("update.report_age_at_use", paths.report_age),
-                                 related("report.spinning", paths.spinning, ping_pong),
-                                 related("report.blocking", paths.blocking, eventfd),
-                                 related("report.descriptor", paths.descriptor, eventfd),
-                                 result("report.spinning_from_deadline", paths.spinning_deadline),
-                                 result("report.blocking_from_deadline", paths.blocking_deadline),
-                                 result("report.descriptor_from_deadline", paths.descriptor_deadline),
-                                 related("servo.lateness", paths.servo_lateness, bare_loop), ping_pong,
-                                 eventfd, bare_loop}};
+    measure::Run run{
+        .machine = measure::this_machine(),
+        .results = {result("update.commit_to_write", paths.commit_to_write),
+                    result("update.age_at_use", paths.wait_for_use),
+                    measure::summarise("update.age_at_use_cycles", "cyc", std::move(cycles)),
+                    measure::summarise("update.cycles_overlooked", "cyc", paths.overlooked),
+                    result("update.report_age_at_use", paths.report_age),
+                    related("report.spinning", paths.spinning, ping_pong, local),
+                    related("report.blocking", paths.blocking, eventfd, local),
+                    related("report.descriptor", paths.descriptor, eventfd, local),
+                    result("report.spinning_from_deadline", paths.spinning_deadline),
+                    result("report.blocking_from_deadline", paths.blocking_deadline),
+                    result("report.descriptor_from_deadline", paths.descriptor_deadline),
+                    related("servo.lateness", paths.servo_lateness, bare_loop, way != Way::network),
+                    ping_pong, eventfd, bare_loop}};
     if (floors.udp.empty()) return run;
     // Over a network a report wakes the bridge, goes one way, and wakes the reader.
     const auto wake_and_udp = result("floor.wake_and_udp", one_after_another(floors.eventfd, floors.udp));
-    run.results.push_back(related("report.blocking_after_write", paths.after_write, wake_and_udp));
+    run.results.push_back(related("report.blocking_after_write", paths.after_write, wake_and_udp, true));
     run.results.push_back(result("floor.udp_one_way", floors.udp));
     run.results.push_back(wake_and_udp);
     return run;
@@ -243,12 +255,12 @@ int run_latency(const Arguments& arguments) {
     LatencyPaths paths(hand, arguments.seed);
     const FloorSamples floors = run_blocks(paths, placement, echo, arguments.updates);
     const double rate = hand.device().rate;
-    const bool remote = arguments.connect.starts_with(network_scheme);
-    const std::string network = remote ? network_line(hand.network()) : "";
+    const Way way = way_of(arguments);
+    const std::string network = way == Way::shared_memory ? "" : network_line(hand.network());
     hand.release();
 
     const PathSamples& samples = paths.samples();
-    show(arguments, summary(samples, floors, paths.period()),
+    show(arguments, summary(samples, floors, paths.period(), way),
          fmt::format(
              "\n{} at {:g} Hz on CPU {}, client on CPU {} ({}), seed {}; {} updates merged, {} "
              "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "

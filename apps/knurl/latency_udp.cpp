@@ -1,8 +1,10 @@
 #include "latency_udp.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <span>
 #include <stdexcept>
 #include <thread>
 
@@ -22,8 +24,9 @@ namespace knurl::cli {
 namespace {
 
 constexpr Nanoseconds pace = 1'000'000;
-constexpr int patience_ms = 500;  // for an echo; above any way that haptics makes sense on
 constexpr std::size_t cold_samples = 2;
+constexpr int most_calls = 20;  // until somebody answers
+constexpr Nanoseconds call_interval = 100'000'000;
 
 shm::UniqueFd bound_socket(const bridge::Endpoint& at) {
     shm::UniqueFd fd(::socket(at.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -41,6 +44,36 @@ void echo_one(int fd) {
     if (got > 0)
         ::sendto(fd, bytes, static_cast<std::size_t>(got), 0, reinterpret_cast<sockaddr*>(&from), length);
 }
+
+/// One caller of an echo.
+class Caller {
+  public:
+    explicit Caller(const bridge::Endpoint& echo)
+        : fd_(::socket(echo.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+        if (!fd_ || ::connect(fd_.get(), echo.get(), echo.length) != 0)
+            throw std::runtime_error(
+                fmt::format("cannot reach the echo at {}: {}", echo.text, std::strerror(errno)));
+    }
+
+    /// False: it did not come back by then.
+    bool call(std::span<char> datagram, Nanoseconds until) {
+        ++number_;
+        std::memcpy(datagram.data(), &number_, sizeof number_);
+        ::send(fd_.get(), datagram.data(), datagram.size(), MSG_NOSIGNAL);
+        for (std::uint64_t got = 0; got != number_;) {  // an earlier one may come late
+            pollfd wait{.fd = fd_.get(), .events = POLLIN, .revents = 0};
+            const Nanoseconds left = std::max<Nanoseconds>(0, until - now_ns());
+            if (::poll(&wait, 1, static_cast<int>((left + 999'999) / 1'000'000)) <= 0) return false;
+            if (::recv(fd_.get(), &got, sizeof got, MSG_TRUNC) < static_cast<ssize_t>(sizeof got))
+                return false;
+        }
+        return true;
+    }
+
+  private:
+    shm::UniqueFd fd_;
+    std::uint64_t number_ = 0;
+};
 
 }  // namespace
 
@@ -76,34 +109,30 @@ void serve_udp_echo(const bridge::Endpoint& at) {
     for (;;) echo_one(fd.get());
 }
 
+void require_echo(const bridge::Endpoint& echo) {
+    Caller caller(echo);
+    char datagram[8] = {};
+    for (int i = 0; i < most_calls; ++i) {
+        const Nanoseconds next = now_ns() + call_interval;
+        if (caller.call(datagram, next)) return;
+        sleep_until(next);
+    }
+    throw std::runtime_error(
+        fmt::format("nobody echoes at {}; start `knurl latency --serve-echo HOST:PORT` there", echo.text));
+}
+
 void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds length,
                     std::vector<double>& samples) {
-    const shm::UniqueFd fd(::socket(echo.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
-    if (!fd || ::connect(fd.get(), echo.get(), echo.length) != 0)
-        throw std::runtime_error(
-            fmt::format("cannot reach the echo at {}: {}", echo.text, std::strerror(errno)));
+    Caller caller(echo);
     std::vector<char> datagram(bytes);
     const Nanoseconds begin = now_ns(), end = begin + length;
-    std::size_t seen = 0, answered = 0;
-    std::uint64_t number = 0;
+    std::size_t answered = 0;
     for (Nanoseconds at = begin + pace; at < end; at = std::max(at + pace, now_ns())) {
         sleep_until(at);
-        ++number;
-        std::memcpy(datagram.data(), &number, sizeof number);
         const Nanoseconds sent = now_ns();
-        ::send(fd.get(), datagram.data(), datagram.size(), MSG_NOSIGNAL);
-        std::uint64_t got = 0;
-        pollfd wait{.fd = fd.get(), .events = POLLIN, .revents = 0};
-        while (got != number && ::poll(&wait, 1, patience_ms) > 0 &&
-               ::recv(fd.get(), &got, sizeof got, MSG_TRUNC) >= static_cast<ssize_t>(sizeof got)) {
-        }
-        if (got != number) continue;
-        ++answered;
-        if (seen++ >= cold_samples) samples.push_back(static_cast<double>(now_ns() - sent) / 2);
+        if (caller.call(datagram, end) && answered++ >= cold_samples)
+            samples.push_back(static_cast<double>(now_ns() - sent) / 2);
     }
-    if (answered == 0)
-        throw std::runtime_error(fmt::format(
-            "nobody echoes at {}; start `knurl latency --serve-echo HOST:PORT` there", echo.text));
 }
 
 }  // namespace knurl::cli

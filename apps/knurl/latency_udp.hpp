@@ -29,8 +29,10 @@ class UdpEcho {
 /// Does the same in this thread, for a measurement from another host, until it is ended by a signal.
 [[noreturn]] void serve_udp_echo(const bridge::Endpoint& at);
 
-/// Half of a round trip of `bytes`, one each millisecond, appended in ns. Those that are lost are left out;
-/// throws if nobody answers at all.
+/// Throws std::runtime_error, with what to start where, if nobody echoes there.
+void require_echo(const bridge::Endpoint& echo);
+
+/// Half of a round trip of `bytes`, one each millisecond, appended in ns. Those that are lost are left out.
 void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds length,
                     std::vector<double>& samples);
 

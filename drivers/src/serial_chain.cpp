@@ -56,10 +56,8 @@ void check(const SerialChainTable& table) {
 
 double SerialChainTable::variable(std::size_t row, std::span<const double> motors) const {
     if (coupling.size() == 0) return motors[row];
-    double sum = 0;
-    for (std::size_t m = 0; m < rows.size(); ++m)
-        sum += coupling(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(m)) * motors[m];
-    return sum;
+    return coupling.row(static_cast<Eigen::Index>(row))
+        .dot(Eigen::Map<const Eigen::VectorXd>(motors.data(), coupling.cols()));
 }
 
 SerialChain::SerialChain(const SerialChainTable& table)

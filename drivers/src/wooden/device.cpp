@@ -16,6 +16,7 @@ namespace knurl::drivers::wooden {
 
 namespace {
 
+// What every Teensy with the RawHID sketch calls itself.
 constexpr UsbId ids[] = {{0x16c0, 0x0486}};
 
 /// Counts per axis are 16 bits: one lap of them is followed.

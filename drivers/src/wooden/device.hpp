@@ -5,7 +5,6 @@
 
 namespace knurl::drivers::wooden {
 
-/// What every Teensy with the RawHID sketch calls itself.
 Driver driver();
 
 }  // namespace knurl::drivers::wooden

@@ -18,6 +18,15 @@ Hand::Hand(drivers::Device& device, bool trusting)
     const std::vector<double>& counts = device.link().radians_per_count;
     for (std::size_t i = 0; i < drivers::max_joints; ++i)
         count_[static_cast<Eigen::Index>(i)] = i < counts.size() ? std::abs(counts[i]) : 0;
+    const drivers::LinkConfig& link = device.link();
+    driven_ = link.actuated_joints > 0 ? link.actuated_joints : link.sensed_joints;
+    for (std::size_t i = 0; i < drivers::max_joints; ++i) {
+        const double least = link.joint_least[i], greatest = link.joint_greatest[i];
+        // Of a range without an end nothing is 1 %.
+        const double near = std::isfinite(greatest - least) ? limit_share * (greatest - least) : 0;
+        near_least_[i] = least + near;
+        near_greatest_[i] = greatest - near;
+    }
 }
 
 Trouble Hand::read(Nanoseconds now) noexcept {
@@ -71,7 +80,6 @@ Trouble Hand::read(Nanoseconds now) noexcept {
     last_good_ = now;
     if (place(gap)) {
         poseless_in_row_ = 0;
-        if (++since_posture_ >= posture_every) judge_posture();
         return {};
     }
     ++kinematics_failures;
@@ -103,7 +111,8 @@ bool Hand::impossible(const JointSample& next, double gap) const noexcept {
 }
 
 void Hand::restart() noexcept {
-    known_ = false;
+    known_ = near_singular = at_joint_limit = false;
+    since_posture_ = posture_every;
     damping_.reset();
     slow_.reset();
     turning_.reset();
@@ -130,18 +139,14 @@ bool Hand::place(double gap) noexcept {
     return true;
 }
 
-void Hand::judge_posture() noexcept {
+void Hand::look_at_posture() noexcept {
+    if (!known_ || ++since_posture_ < posture_every) return;
     since_posture_ = 0;
-    const drivers::LinkConfig& link = device_.link();
-    const int driven = link.actuated_joints > 0 ? link.actuated_joints : link.sensed_joints;
-    near_singular = drivers::conditioning(jacobian, driven) < poor_conditioning;
+    // Fewer joints than directions are no posture: such a device moves along a line or a surface only.
+    near_singular = driven_ >= 3 && drivers::conditioning(jacobian, driven_) < poor_conditioning;
     at_joint_limit = false;
-    for (std::size_t i = 0; i < joints_; ++i) {
-        const double least = link.joint_least[i], greatest = link.joint_greatest[i];
-        // Of a range without an end nothing is 1 %.
-        const double near = std::isfinite(greatest - least) ? limit_share * (greatest - least) : 0;
-        at_joint_limit |= sample.position[i] <= least + near || sample.position[i] >= greatest - near;
-    }
+    for (std::size_t i = 0; i < joints_; ++i)
+        at_joint_limit |= sample.position[i] <= near_least_[i] || sample.position[i] >= near_greatest_[i];
 }
 
 void Hand::differentiate(const drivers::TipPose& previous, double gap) noexcept {

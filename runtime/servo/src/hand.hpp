@@ -29,13 +29,16 @@ class Hand {
 
     static constexpr double poor_conditioning = 0.05;  // drivers::conditioning: 1 in 20
     static constexpr double limit_share = 0.01;
-    static constexpr std::uint32_t posture_every = 16;  // samples
+    static constexpr std::uint32_t posture_every = 16;  // looks
 
     /// `trusting`: every finite sample is believed (offline evaluation along a given motion).
     Hand(drivers::Device& device, bool trusting);
 
     /// One reading. Afterwards the members below are the hand as this cycle knows it.
     Trouble read(Nanoseconds now) noexcept;
+    /// After the write: what an application should know about, nothing that the force depends on. Every 16th
+    /// call looks.
+    void look_at_posture() noexcept;
 
     drivers::JointSample sample;  // the last good one
     drivers::TipPose pose;
@@ -46,11 +49,9 @@ class Hand {
     Eigen::Vector3d slow_velocity = Eigen::Vector3d::Zero();     // m/s, first order 20 Hz: prediction
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
     bool connected = false;
-    bool has_pose = false;  // this cycle: the mechanism had a pose for the sample
-    bool stale = false;     // this cycle: no new sample
-    // Of the posture, as of one of the last 16 cycles: what an application should know about, nothing that
-    // the force depends on.
-    bool near_singular = false;   // conditioning below `poor_conditioning`
+    bool has_pose = false;        // this cycle: the mechanism had a pose for the sample
+    bool stale = false;           // this cycle: no new sample
+    bool near_singular = false;   // conditioning below `poor_conditioning`, of three joints or more
     bool at_joint_limit = false;  // within `limit_share` of its range of a stop, or past it
     std::uint64_t bad_samples = 0, stale_samples = 0, kinematics_failures = 0;
 
@@ -59,12 +60,13 @@ class Hand {
     bool impossible(const drivers::JointSample& next, double gap) const noexcept;
     void restart() noexcept;
     bool place(double gap) noexcept;
-    void judge_posture() noexcept;
     void differentiate(const drivers::TipPose& previous, double gap) noexcept;
 
     drivers::Device& device_;
     bool trusting_;
     std::size_t joints_;
+    int driven_;
+    drivers::JointArray near_least_, near_greatest_;       // rad: `at_joint_limit` beyond
     Eigen::Matrix<double, drivers::max_joints, 1> count_;  // rad per count of each joint
     std::uint32_t bad_in_row_ = 0, poseless_in_row_ = 0, since_posture_ = posture_every;
     Nanoseconds last_good_ = 0, last_sample_ = 0;

@@ -12,6 +12,7 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
     report.read_ns = read_ns;
     report.write_ns = write_ns;
     report.joints = hand.sample.position;
+    hand.look_at_posture();
     report.position = to_plain(hand.pose.position);
     report.orientation = to_plain(hand.pose.orientation);
     report.velocity = to_plain(hand.smooth_velocity);

@@ -63,9 +63,11 @@ inline constexpr std::uint32_t stale = 1u << 1;     // no new joint sample in th
 inline constexpr std::uint32_t guardian = 1u << 2;  // the guardian had zeroed the device before this cycle
 inline constexpr std::uint32_t touching = 1u << 3;  // some surface is felt
 // Looked at in every 16th cycle:
-inline constexpr std::uint32_t near_singular =
-    1u << 4;  // the arm hardly moves, and pushes badly, in one direction
-inline constexpr std::uint32_t at_joint_limit = 1u << 5;  // a joint is within 1 % of its range of a stop
+// The arm hardly moves, and pushes badly, in one direction. Of devices with three driven joints or more.
+inline constexpr std::uint32_t near_singular = 1u << 4;
+// A joint is within 1 % of its range of a stop. Of joints with stops of their own, not of rows that several
+// motors turn together.
+inline constexpr std::uint32_t at_joint_limit = 1u << 5;
 }  // namespace report_flags
 
 static_assert(std::is_trivially_copyable_v<Report> && sizeof(Report) == 368 && sizeof(Report) <= 384);
