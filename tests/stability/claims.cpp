@@ -104,7 +104,8 @@ std::vector<Claim> claims_of(const std::vector<Table>& tables) {
 
 std::vector<Claim> network_claims(const std::vector<Table>& tables) {
     if (tables.size() < 4) return {};  // --only
-    const Table &wall = named(tables, "network_wall"), &delay = named(tables, "network_delay");
+    const Table &wall = named(tables, "network_wall"), &delay = named(tables, "network_delay"),
+                &loss = named(tables, "network_loss");
     std::vector<Claim> claims;
     claims.push_back(
         {"a wall that the servo evaluates does not know how far the application is: 0 and 100 ms",
@@ -113,6 +114,10 @@ std::vector<Claim> network_claims(const std::vector<Table>& tables) {
     claims.push_back(
         times("a plane from 50 ms away against a force from here, gentle .15: ten times at least",
               delay.at(" 50 ms", usual), delay.at(" 0 ms", way::force), 10, false));
+    claims.push_back(times("30 % lost against nothing lost: nine tenths at least", loss.at(" 30 %", usual),
+                           loss.at(" 0 %", usual), 0.9, false));
+    claims.push_back(times("from 50 ms on the plain cross-fade is the stiffer one",
+                           delay.at(" 50 ms", way::faded), delay.at(" 50 ms", usual), 1, false));
     return claims;
 }
 
