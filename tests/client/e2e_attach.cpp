@@ -102,9 +102,12 @@ TEST(Attach, observers_need_no_claim_and_disturb_none) {
     auto mine = hand.next_report(10s);
     while (mine && mine->cycle < seen->cycle) mine = hand.next_report(10s);
     ASSERT_TRUE(mine);
+    ASSERT_EQ(mine->cycle, seen->cycle);
     const DeviceDescription device = hand.device();
     const double scale = 1.0 / device.workspace_radius;
-    EXPECT_NEAR(mine->position.x, scale * (seen->position.x - device.workspace_centre.x) + 5, 0.1);
+    EXPECT_NEAR(mine->position.x, scale * (seen->position.x - device.workspace_centre.x) + 5, 1e-12);
+    EXPECT_NEAR(mine->position.y, scale * (seen->position.y - device.workspace_centre.y) + 6, 1e-12);
+    EXPECT_NEAR(mine->position.z, scale * (seen->position.z - device.workspace_centre.z) + 7, 1e-12);
     EXPECT_NEAR(hand.limits().max_stiffness * scale, device.max_stiffness, 1e-6 * device.max_stiffness);
 }
 
