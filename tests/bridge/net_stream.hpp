@@ -15,7 +15,7 @@ inline constexpr std::uint8_t stream_id = 5;
 
 /// The servo's side of the claim: what it was given, and what it will say.
 struct Played {
-    bool room = true;
+    std::size_t room = 1000;  // cells
     std::vector<std::vector<std::byte>> groups;
     std::vector<std::uint64_t> batches;
     std::deque<protocol::Reply> replies;
@@ -28,8 +28,10 @@ class PlayedChannel final : public detail::ClaimChannel {
     explicit PlayedChannel(Played& played) : played_(played) {}
     bool push(const void* commands, std::uint32_t cells) noexcept override {
         const auto* at = static_cast<const std::byte*>(commands);
-        if (played_.room) played_.groups.emplace_back(at, at + cells * shm::cell_bytes);
-        return played_.room;
+        if (cells > played_.room) return false;
+        played_.room -= cells;
+        played_.groups.emplace_back(at, at + cells * shm::cell_bytes);
+        return true;
     }
     std::uint32_t command_cells() const noexcept override { return ring_cells; }
     bool reply(protocol::Reply& out) noexcept override {

@@ -79,11 +79,14 @@ TEST_F(Hostile, commands_and_batches_of_no_sense_end_that_session_alone) {
 TEST_F(Hostile, callers_who_never_say_who_they_are_are_dropped_after_two_seconds) {
     Bystander bystander(bridge);
     std::vector<shm::UniqueFd> silent;
+    bridge.stop();  // so that it finds them all at once
     for (std::size_t i = 0; i < Relay::most_pending + 4; ++i) silent.push_back(dial(bridge));
+    bridge.go_on();
     bystander.expect_well();
     // Somebody good comes behind more than are let in at a time, and gets in when those have had their time.
     EXPECT_TRUE(connect_to(bridge).connected());
     for (std::size_t i = 0; i < Relay::most_pending; ++i) EXPECT_TRUE(hung_up(silent[i], 0)) << i;
+    EXPECT_FALSE(hung_up(silent.back(), 0)) << "its time begins when it is let in";
     bystander.expect_well();
 }
 
