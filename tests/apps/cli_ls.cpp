@@ -104,13 +104,11 @@ TEST(Ls, ShowsWhoHoldsADeviceAndWhatIsToBeFelt) {
     const Observer observer = other.observe();
 
     json device;
-    eventually(
-        [&] {
-            device = servos().at(0).at("devices").at(0);
-            const json& clients = device["clients"];
-            return clients.size() == 2 && clients[0]["representations"]["plane"] == 2;
-        },
-        "both clients and the planes are listed");
+    EXPECT_TRUE(eventually([&] {
+        device = servos().at(0).at("devices").at(0);
+        const json& clients = device["clients"];
+        return clients.size() == 2 && clients[0]["representations"]["plane"] == 2;
+    })) << "both clients and the planes are listed";
     EXPECT_EQ(device["held_by"], json::array({::getpid()}));
     const json& claim = device["clients"][0];
     EXPECT_EQ(claim["pid"], ::getpid());
@@ -130,15 +128,15 @@ TEST(Ls, ShowsWhoHoldsADeviceAndWhatIsToBeFelt) {
     EXPECT_TRUE(says(text, "viewer observes")) << text.out;
 
     hand.release();
-    eventually([&] { return servos().at(0).at("devices").at(0).at("held_by").empty(); },
-               "the device is free again");
+    EXPECT_TRUE(eventually([&] { return servos().at(0).at("devices").at(0).at("held_by").empty(); }))
+        << "the device is free again";
 }
 
 TEST(Ls, AServoThatWasKilledIsDeadAtOnce) {
     const Home home;
     Servo servo({"--device", "sim:premium15"});
-    servo.kill();
-    eventually([&] { return says(knurl({"ls"}), "knurl:default: dead"); }, "its socket is seen to be dead");
+    servo.end(SIGKILL);
+    EXPECT_TRUE(says(knurl({"ls"}), "knurl:default: dead"));
 }
 
 TEST(Ls, AProgramThatIsNoServoIsNotWaitedForForEver) {

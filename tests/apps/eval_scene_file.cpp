@@ -1,39 +1,13 @@
-// Scene files: what they may say, and what a person reads who says something else.
+// Scene files: what they may say of each representation.
 
-#include <cmath>
-#include <cstring>
 #include <limits>
-#include <string>
-
-#include <gtest/gtest.h>
 
 #include <knurl/reps/presets.hpp>
-#include <knurl/scenefile/scene_file.hpp>
+
+#include "eval_scene_text.hpp"
 
 namespace knurl::scenefile {
 namespace {
-
-SceneFile scene_of(const std::string& text) {
-    return parse_scene(text, "S.toml");
-}
-
-template <class R>
-R params_of(const Change& change) {
-    EXPECT_EQ(change.kind, kind_of<R>);
-    EXPECT_EQ(change.params.size(), sizeof(R));
-    R params;
-    std::memcpy(&params, change.params.data(), sizeof params);
-    return params;
-}
-
-std::string error_of(const std::string& text) {
-    try {
-        scene_of(text);
-    } catch (const SceneError& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 TEST(SceneFile, ReadsEveryFieldOfAPlane) {
     const auto scene = scene_of(R"(
@@ -141,16 +115,6 @@ damping = 7
     EXPECT_EQ(third.friction.dynamic, ice.friction.dynamic);
 }
 
-TEST(SceneFile, AMaterialMustBeOneOfTheList) {
-    EXPECT_EQ(
-        error_of("[[plane]]\nmaterial = \"ruber\"\n"),
-        "S.toml:2:12: material of the plane of line 1 is 'ruber'; it must be one of: concrete, sand, rubber, "
-        "skin, cloth, ice, sandpaper");
-    EXPECT_EQ(error_of("[[spring]]\nmaterial = \"ice\"\n").find("S.toml:2:1: unknown key 'material'"), 0u)
-        << "an effect has none";
-    EXPECT_NE(error_of("[[plane]]\nmateral = \"ice\"\n").find("did you mean 'material'?"), std::string::npos);
-}
-
 TEST(SceneFile, AKeyWithADotMayBeATableInside) {
     const auto scene = scene_of(R"(
 [[plane]]
@@ -215,19 +179,6 @@ TEST(SceneFile, PointsAreAListOfAnyLengthThatTheFieldAllows) {
     EXPECT_EQ(three.vertices.at[3], Vec3{}) << "nothing of the old ones is left";
 }
 
-TEST(SceneFile, WhatDescribesTheChangeGoesBackToTheDefaultOfItsRepresentation) {
-    const auto scene = scene_of("[[gravity]]\nid = 1\nrecovery = 1\n[[gravity]]\nid = 1\nat = 1\nmass = 2\n");
-    EXPECT_EQ(params_of<Gravity>(scene.changes.at(1)).recovery, 0.1);
-}
-
-TEST(SceneFile, AnUpdateInheritsWhatMayBeAutomaticUnlessItDescribesTheChange) {
-    const auto scene = scene_of(
-        "[[plane]]\nid = 1\nfriction.static = 0.5\nrecovery = 0.1\n[[plane]]\nid = 1\nat = 1\noffset = 1\n");
-    const auto updated = params_of<Plane>(scene.changes.at(1));
-    EXPECT_EQ(updated.friction.static_, 0.5);
-    EXPECT_EQ(updated.recovery, automatic);
-}
-
 TEST(SceneFile, InfiniteStiffnessMeansAsStiffAsTheDeviceAllows) {
     const auto scene = scene_of("[[plane]]\nstiffness = inf\n");
     EXPECT_EQ(params_of<Plane>(scene.changes.at(0)).stiffness, std::numeric_limits<double>::infinity());
@@ -244,205 +195,6 @@ TEST(SceneFile, ProbesAreNumberedInOrder) {
 
 TEST(SceneFile, AnEmptyFileIsAnEmptyScene) {
     EXPECT_TRUE(scene_of("").changes.empty());
-}
-
-TEST(SceneFile, ChangesAreInOrderOfTimeThenOfTheFile) {
-    const auto scene = scene_of(R"(
-[[spring]]
-id = "late"
-at = 2
-[[plane]]
-id = "b"
-at = 1
-[[spring]]
-id = "c"
-at = 1
-[[plane]]
-id = "first"
-)");
-    ASSERT_EQ(scene.changes.size(), 4u);
-    EXPECT_EQ(scene.changes[0].id, "first");
-    EXPECT_EQ(scene.changes[1].id, "b");
-    EXPECT_EQ(scene.changes[2].id, "c");
-    EXPECT_EQ(scene.changes[3].id, "late");
-}
-
-TEST(SceneFile, ALaterEntryOfTheSameIdIsAnUpdateThatInheritsWhatItDoesNotState) {
-    const auto scene = scene_of(R"(
-[[plane]]
-id = 7
-stiffness = 800
-damping = 2
-recovery = 0.03
-[[plane]]
-id = 7
-at = 0.5
-offset = 0.003
-[[plane]]
-id = 7
-at = 0.7
-stiffness = 100
-recovery = 0
-)");
-    ASSERT_EQ(scene.changes.size(), 3u);
-    EXPECT_EQ(scene.items, 1u);
-    EXPECT_EQ(scene.changes[1].type, Change::Type::update);
-    EXPECT_EQ(scene.changes[1].item, 0u);
-    EXPECT_EQ(scene.changes[1].at, 0.5);
-    const auto second = params_of<Plane>(scene.changes[1]);
-    EXPECT_EQ(second.stiffness, 800);
-    EXPECT_EQ(second.damping, 2);
-    EXPECT_EQ(second.offset, 0.003);
-    EXPECT_EQ(second.recovery, automatic) << "recovery belongs to the change: absent, it is automatic";
-    const auto third = params_of<Plane>(scene.changes[2]);
-    EXPECT_EQ(third.offset, 0.003);
-    EXPECT_EQ(third.stiffness, 100);
-    EXPECT_EQ(third.recovery, 0);
-}
-
-TEST(SceneFile, AnIdMayBeUsedAgainAfterItsRemoval) {
-    const auto scene = scene_of(R"(
-[[plane]]
-id = "a"
-[[plane]]
-id = "a"
-at = 1
-remove = true
-[[spring]]
-id = "a"
-at = 2
-)");
-    ASSERT_EQ(scene.changes.size(), 3u);
-    EXPECT_EQ(scene.changes[1].type, Change::Type::remove);
-    EXPECT_EQ(scene.changes[1].item, 0u);
-    EXPECT_EQ(scene.changes[2].type, Change::Type::add);
-    EXPECT_EQ(scene.changes[2].item, 1u);
-    EXPECT_EQ(scene.changes[2].kind, kind_of<Spring>);
-}
-
-TEST(SceneFile, ARemovalMayStateTheTimeOverWhichItFades) {
-    const auto scene = scene_of(
-        "[[plane]]\nid = 1\nstiffness = 9\n[[plane]]\nid = 1\nat = 1\nremove = true\nrecovery = 0.2\n");
-    ASSERT_EQ(scene.changes.size(), 2u);
-    EXPECT_EQ(params_of<Plane>(scene.changes[1]).recovery, 0.2);
-    EXPECT_EQ(params_of<Plane>(scene.changes[1]).stiffness, 9);
-}
-
-TEST(SceneFile, EntriesWithoutAnIdAreEachTheirOwn) {
-    const auto scene = scene_of("[[plane]]\n[[plane]]\n[[plane]]\nat = 1\n");
-    ASSERT_EQ(scene.items, 3u);
-    for (const auto& change : scene.changes) EXPECT_EQ(change.type, Change::Type::add);
-}
-
-// Every mistake: where it is (line:column of the word to mend) and what a person reads.
-struct Mistake {
-    const char* name;
-    const char* text;
-    const char* where;
-    const char* says;
-};
-void PrintTo(const Mistake& mistake, std::ostream* out) {
-    *out << mistake.name;
-}
-class SceneFileMistakes : public testing::TestWithParam<Mistake> {};
-
-TEST_P(SceneFileMistakes, NamesFileLineAndColumnAndSaysWhatToDo) {
-    const std::string error = error_of(GetParam().text);
-    EXPECT_EQ(error.find(std::string("S.toml:") + GetParam().where + ": "), 0u) << error;
-    EXPECT_NE(error.find(GetParam().says), std::string::npos) << error;
-    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    All, SceneFileMistakes,
-    testing::Values(
-        Mistake{"NotToml", "[[plane]]\nstiffness = = 3\n", "2:13", ""},
-        Mistake{"UnknownTable", "[[plame]]\nstiffness = 3\n", "1:3", "did you mean [[plane]]?"},
-        Mistake{"UnknownTableFarFromAll", "[[accordion]]\n", "1:3", "[[constant_force]]"},
-        Mistake{"NoList", "[plane]\nstiffness = 3\n", "1:2", "[[plane]]"},
-        Mistake{"UnknownKey", "[[plane]]\nid = 'floor'\nstifness = 3\n", "3:1", "did you mean 'stiffness'?"},
-        Mistake{"UnknownKeyFarFromAll", "[[spring]]\nqqqqqqqq = 3\n", "2:1", "rest_length"},
-        Mistake{"UnknownInnerKey", "[[plane]]\nfriction.statik = 3\n", "2:10", "friction.statik"},
-        Mistake{"WrongType", "[[plane]]\n  stiffness = \"800 N/m\"\n", "2:15",
-                "must be a number in N/m, not a string"},
-        Mistake{"WrongVector", "[[plane]]\nnormal = [0, 1]\n", "2:10", "three numbers"},
-        Mistake{"WrongVectorPart", "[[spring]]\nanchor = [0, \"a\", 1]\n", "2:10", "three numbers in m"},
-        Mistake{"WrongChoice", "[[plane]]\nupdate = \"jump\"\n", "2:10", "fade, paper, last_depth"},
-        Mistake{"WrongSilence", "[[plane]]\non_silence = \"stay\"\n", "2:14", "fade, hold, move"},
-        Mistake{"NegativeStiffness", "[[plane]]\nid = 'w'\nstiffness = -1\n", "3:13",
-                "plane 'w': plane.stiffness = -1 N/m is out of range"},
-        Mistake{"NegativeStiffnessRange", "[[plane]]\nstiffness = -1\n", "2:13", "from 0 to"},
-        Mistake{"Nan", "[[plane]]\noffset = nan\n", "2:10", "offset"},
-        Mistake{"NanInVector", "[[plane]]\nnormal = [0, nan, 1]\n", "2:10", "normal"},
-        Mistake{"InfiniteOffset", "[[plane]]\noffset = inf\n", "2:10", "offset"},
-        Mistake{"ZeroNormal", "[[plane]]\nnormal = [0, 0, 0]\n", "2:10", "normal"},
-        Mistake{"NegativeRecovery", "[[plane]]\nrecovery = -0.5\n", "2:12", "recovery"},
-        Mistake{"AutomaticAsNumber", "[[plane]]\nrecovery = -1\n", "2:12", "or \"automatic\""},
-        Mistake{"MatrixWithAShortRow", "[[taylor]]\njacobian = [[1, 0, 0],\n  [0, 1],\n  [0, 0, 1]]\n", "3:3",
-                "row 2 of jacobian of the taylor of line 1 must be three numbers in N/m, not an array of 2"},
-        Mistake{"MatrixWithTwoRows", "[[taylor]]\njacobian = [[1, 0, 0], [0, 1, 0]]\n", "2:12",
-                "has 2 rows; it must have 3"},
-        Mistake{"MatrixOfAWord", "[[taylor]]\njacobian = 'stiff'\n", "2:12", "three rows of three numbers"},
-        Mistake{"MatrixOutOfRange", "[[taylor]]\njacobian = [[1, 0, 0], [0, 1e10, 0], [0, 0, 1]]\n", "2:12",
-                "taylor.jacobian = 10000000000 N/m is out of range"},
-        Mistake{"QuaternionOfThree", "[[taylor6]]\norientation = [1, 0, 0]\n", "2:15",
-                "four numbers, not an array of 3; write orientation = [1, 0, 0, 0]"},
-        Mistake{"QuaternionOfNothing", "[[taylor6]]\norientation = [0, 0, 0, 0]\n", "2:15", "no orientation"},
-        Mistake{"MagnetThatEndsTooSoon", "[[magnet]]\nstiffness = 100\nmax_force = 2\nmax_distance = 0.01\n",
-                "4:16", "magnet.max_distance = 0.01 m is not beyond max_force / stiffness = 0.02 m"},
-        Mistake{"PointsOfANumber", "[[polygon]]\nvertices = 3\n", "2:12", "must be a list of points in m"},
-        Mistake{"PointOfTwoNumbers", "[[polygon]]\nvertices = [[0, 0, 0], [1, 0],\n  [1, 1, 0]]\n", "2:24",
-                "point 2 of vertices of the polygon of line 1 must be three numbers in m, not an array of 2"},
-        Mistake{"TooFewPoints", "[[polygon]]\nvertices = [[0, 0, 0], [1, 0, 0]]\n", "2:12",
-                "has 2 points; give from 3 to"},
-        Mistake{"DottedKey", "[[plane]]\nfriction = { statics = 1 }\n", "2:14",
-                "did you mean 'friction.static'?"},
-        Mistake{"DottedKeyAlone", "[[plane]]\nstatic = 1\n", "2:1", "did you mean 'friction.static'?"},
-        Mistake{"TableWithAValue", "[[plane]]\nfriction = 0.5\n", "2:1", "friction.static, friction.dynamic"},
-        Mistake{"TableInsteadOfAValue", "[[plane]]\nnormal = { x = 1 }\n", "2:12", "did you mean 'normal'?"},
-        Mistake{"AutomaticFrictionAsNumber", "[[plane]]\nfriction.static = -1\n", "2:19",
-                "must be 0 or more, or \"automatic\""},
-        Mistake{"Contradiction", "[[plane]]\nid = 'w'\nfriction.dynamic = 0.5\nfriction.static = 0.25\n",
-                "4:19", "plane 'w': plane.friction.static = 0.25 is below friction.dynamic"},
-        Mistake{"IntegerIsAReal", "[[plane]]\nsnag.seed = 1.5\n", "2:13", "must be an integer, not a number"},
-        Mistake{"IntegerTooLarge", "[[plane]]\nsnag.seed = 4294967296\n", "2:13",
-                "it must be 0 to 4294967295"},
-        Mistake{"NegativeRestLength", "[[spring]]\nrest_length = -0.1\n", "2:15", "rest_length"},
-        Mistake{"NegativeAt", "[[plane]]\nat = -0.1\n", "2:6", "0 s or more"},
-        Mistake{"NanAt", "[[plane]]\nat = nan\n", "2:6", "finite"},
-        Mistake{"ProbeOutOfRange", "[[plane]]\nprobe = 16\n", "2:9", "0 to 15"},
-        Mistake{"ProbeNoInteger", "[[plane]]\nprobe = 1.5\n", "2:9", "integer"},
-        Mistake{"NegativeRadius", "[[probe]]\nradius = -1e-3\n", "2:10", "radius of probe 0"},
-        Mistake{"NanProbeOffset", "[[probe]]\noffset = [nan, 0, 0]\n", "2:10", "offset of probe 0"},
-        Mistake{"UnknownProbeKey", "[[probe]]\nradios = 1\n", "2:1", "did you mean 'radius'?"},
-        Mistake{"EmptyId", "[[plane]]\nid = ''\n", "2:6", "string or an integer"},
-        Mistake{"RemoveNoBoolean", "[[plane]]\nremove = 1\n", "2:10", "true or false"},
-        Mistake{"TwiceAtTheSameTime", "[[plane]]\nid = 1\n[[plane]]\nid = 1\noffset = 1\n", "3:1",
-                "two entries at 0 s"},
-        Mistake{"RemovedAndAddedAtTheSameTime",
-                "[[plane]]\nid = 1\n[[plane]]\nid = 1\nat = 1\nremove = true\n[[plane]]\nid = 1\nat = 1\n",
-                "7:1", "two entries at 1 s"},
-        Mistake{"RemovalOfNothing", "[[plane]]\nid = 'x'\nremove = true\nat = 1\n", "1:1",
-                "nothing of that id"},
-        Mistake{"RemovedTwice",
-                "[[plane]]\nid = 1\n[[plane]]\nid = 1\nat = 1\nremove = true\n[[plane]]\nid = 1\nat = "
-                "2\nremove = true\n",
-                "7:1", "nothing of that id"},
-        Mistake{"UpdateOfAnotherKind", "[[plane]]\nid = 'a'\n[[spring]]\nid = 'a'\nat = 1\n", "3:1",
-                "must be of the same kind"},
-        Mistake{"UpdateOfTheProbe", "[[plane]]\nid = 1\n[[plane]]\nid = 1\nat = 1\nprobe = 2\n", "6:9",
-                "remove it and add it again"},
-        Mistake{"BadUpdate", "[[plane]]\nid = 1\n[[plane]]\nid = 1\nat = 1\nstiffness = -4\n", "6:13", "-4"}),
-    [](const auto& each) { return std::string(each.param.name); });
-
-TEST(SceneFile, AFileThatCannotBeReadIsNamed) {
-    try {
-        read_scene("/no/such/scene.toml");
-        FAIL();
-    } catch (const SceneError& error) {
-        EXPECT_NE(std::string(error.what()).find("/no/such/scene.toml"), std::string::npos) << error.what();
-        EXPECT_NE(std::string(error.what()).find("No such file"), std::string::npos) << error.what();
-    }
 }
 
 }  // namespace

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -45,66 +45,85 @@ std::string text_of_file(const std::string& path) {
     return text.str();
 }
 
-Outcome run(const std::vector<std::string>& words) {
-    const Folder folder;
-    const std::string out = folder.path("out"), err = folder.path("err");
+namespace {
+
+/// A child with these descriptors as its streams; it does not outlive the test.
+pid_t start(const std::vector<std::string>& words, int out, int err) {
     std::vector<char*> argv;
     for (const auto& word : words) argv.push_back(const_cast<char*>(word.c_str()));
     argv.push_back(nullptr);
     const pid_t child = ::fork();
     if (child == 0) {
-        ::dup2(::open(out.c_str(), O_CREAT | O_WRONLY, 0600), 1);
-        ::dup2(::open(err.c_str(), O_CREAT | O_WRONLY, 0600), 2);
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        ::dup2(out, STDOUT_FILENO);
+        ::dup2(err, STDERR_FILENO);
         ::execv(argv[0], argv.data());
         ::_exit(127);
     }
+    return child;
+}
+
+int wait_for(pid_t child) {
     int status = 0;
     ::waitpid(child, &status, 0);
-    return {.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-            .out = text_of_file(out),
-            .err = text_of_file(err)};
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-void eventually(const std::function<bool()>& condition, const char* what) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > end) {
-            ADD_FAILURE() << "never: " << what;
-            return;
-        }
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+shm::UniqueFd new_file(const std::string& path) {
+    return shm::UniqueFd(::open(path.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600));
 }
 
-Servo::Servo(const std::vector<std::string>& words) {
-    std::vector<std::string> all = words;
-    all.insert(all.begin(), KNURLD_PROGRAM);
-    std::vector<char*> argv;
-    for (const auto& word : all) argv.push_back(const_cast<char*>(word.c_str()));
-    argv.push_back(nullptr);
-    pid_ = ::fork();
-    if (pid_ == 0) {
-        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-        const int nowhere = ::open("/dev/null", O_WRONLY);
-        ::dup2(nowhere, 1);
-        ::dup2(nowhere, 2);
-        ::execv(argv[0], argv.data());
-        ::_exit(127);
-    }
-    eventually([&] { return knurl({"ls"}).out.find("pid " + std::to_string(pid_)) != std::string::npos; },
-               "the servo listens");
+}  // namespace
+
+Outcome run(const std::vector<std::string>& words) {
+    const Folder folder;
+    const std::string out = folder.path("out"), err = folder.path("err");
+    const int code = wait_for(start(words, new_file(out).get(), new_file(err).get()));
+    return {.code = code, .out = text_of_file(out), .err = text_of_file(err)};
 }
 
-void Servo::kill() {
-    ::kill(pid_, SIGKILL);
-    ::waitpid(pid_, nullptr, 0);
+Background::Background(const std::vector<std::string>& words) {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe for the test");
+    output_ = shm::UniqueFd(ends[0]);
+    const shm::UniqueFd its_end(ends[1]);
+    pid_ = start(words, its_end.get(), its_end.get());
+}
+
+bool Background::read_some(int timeout_ms) {
+    pollfd one{.fd = output_.get(), .events = POLLIN, .revents = 0};
+    if (::poll(&one, 1, timeout_ms) != 1) return false;
+    char text[4096];
+    const ssize_t n = ::read(output_.get(), text, sizeof text);
+    if (n <= 0) return false;
+    said_.append(text, static_cast<std::size_t>(n));
+    return true;
+}
+
+bool Background::says(const std::string& text) {
+    constexpr int patience_ms = static_cast<int>(std::chrono::milliseconds(patience).count());
+    while (said_.find(text) == std::string::npos)
+        if (!read_some(patience_ms)) return false;
+    return true;
+}
+
+int Background::end(int signal) {
+    if (pid_ <= 0) return -1;
+    ::kill(pid_, signal);
+    const int code = wait_for(pid_);
     pid_ = -1;
+    while (read_some(0)) {
+    }
+    return code;
 }
 
-Servo::~Servo() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGTERM);
-    ::waitpid(pid_, nullptr, 0);
+Servo::Servo(const std::vector<std::string>& words)
+    : Background([&] {
+          std::vector<std::string> all = words;
+          all.insert(all.begin(), KNURLD_PROGRAM);
+          return all;
+      }()) {
+    EXPECT_TRUE(says("knurld: ready")) << said();
 }
 
 std::string knurl_program() {

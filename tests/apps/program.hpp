@@ -1,11 +1,15 @@
 #pragma once
 // Runs the programs as a person does, and looks at what they say.
 
-#include <functional>
+#include <csignal>
 #include <string>
 #include <vector>
 
 #include <sys/types.h>
+
+#include <knurl/shm/fd.hpp>
+
+#include "../eventually.hpp"
 
 namespace knurl::test {
 
@@ -21,25 +25,35 @@ std::string knurl_program();
 /// `knurl WORDS...`
 Outcome knurl(std::vector<std::string> words);
 
-/// A knurld, where KNURL_RUNTIME_DIR says. Ends with this object.
-class Servo {
+/// A program that runs beside the test. Ended by SIGTERM at the latest with this object.
+class Background {
   public:
-    /// Returns when it listens; fails the test if it does not.
-    explicit Servo(const std::vector<std::string>& words);
-    ~Servo();
-    Servo(const Servo&) = delete;
-    Servo& operator=(const Servo&) = delete;
+    explicit Background(const std::vector<std::string>& words);
+    ~Background() { end(SIGTERM); }
+    Background(const Background&) = delete;
+    Background& operator=(const Background&) = delete;
 
     pid_t pid() const { return pid_; }
-    /// SIGKILL: it leaves its socket behind.
-    void kill();
+    /// Waits until it has said this, on either stream. False: it has ended, or has not for half a minute.
+    bool says(const std::string& text);
+    /// All that it has said, up to its end.
+    const std::string& said() const { return said_; }
+    /// Sends the signal and waits for its end: the exit code, 128 + signal if it was killed.
+    int end(int signal);
 
   private:
-    pid_t pid_;
+    bool read_some(int timeout_ms);
+
+    pid_t pid_ = -1;
+    shm::UniqueFd output_;
+    std::string said_;
 };
 
-/// Until `condition` holds; fails the test after 10 s.
-void eventually(const std::function<bool()>& condition, const char* what);
+/// A knurld, where KNURL_RUNTIME_DIR says; it listens, else the test has failed.
+class Servo : public Background {
+  public:
+    explicit Servo(const std::vector<std::string>& words);
+};
 
 /// A directory that goes away with this object.
 class Folder {

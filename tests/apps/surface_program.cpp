@@ -1,69 +1,21 @@
 // knurl-surface as a person runs it: beside a servo of its own, with a small model so that it takes seconds.
 
 #include <cmath>
-#include <csignal>
 #include <cstdlib>
 #include <sstream>
-#include <thread>
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "program.hpp"
 
 namespace {
 
+using knurl::test::Background;
 using knurl::test::Folder;
 using knurl::test::run;
 using testing::HasSubstr;
-
-/// A program in the background, its output in a file; ended by SIGTERM at the latest by the destructor.
-class Background {
-  public:
-    Background(std::vector<std::string> words, std::string log) : log_(std::move(log)) {
-        std::vector<char*> argv;
-        for (auto& word : words) argv.push_back(word.data());
-        argv.push_back(nullptr);
-        child_ = ::fork();
-        if (child_ == 0) {
-            const int out = ::open(log_.c_str(), O_CREAT | O_WRONLY | O_APPEND, 0600);
-            ::dup2(out, 1);
-            ::dup2(out, 2);
-            ::execv(argv[0], argv.data());
-            ::_exit(127);
-        }
-    }
-    ~Background() { end(SIGTERM); }
-    Background(const Background&) = delete;
-    Background& operator=(const Background&) = delete;
-
-    /// Waits until the program has said this; false: it has not for half a minute.
-    bool says(const std::string& text) const {
-        const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-        while (knurl::test::text_of_file(log_).find(text) == std::string::npos) {
-            if (std::chrono::steady_clock::now() > deadline) return false;
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        }
-        return true;
-    }
-    /// The exit code.
-    int end(int signal) {
-        if (child_ <= 0) return -1;
-        ::kill(child_, signal);
-        int status = 0;
-        ::waitpid(child_, &status, 0);
-        child_ = -1;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    }
-
-  private:
-    std::string log_;
-    pid_t child_ = -1;
-};
 
 class SurfaceProgram : public testing::Test {
   protected:
@@ -90,10 +42,10 @@ class SurfaceProgram : public testing::Test {
 };
 
 TEST_F(SurfaceProgram, StrokesOncePerWayAndSaysHowItWent) {
-    Background knurld(servo(), folder_.path("knurld.log"));  // in whichever order the two start
+    Background knurld(servo());  // in whichever order the two start
     const auto outcome = run({KNURL_SURFACE_PROGRAM, model_, "--wait", "30", "--ways", "force,knurl",
                               "--json", folder_.path("out.json"), "--csv", folder_.path("out.csv")});
-    ASSERT_EQ(outcome.code, 0) << outcome.err << knurl::test::text_of_file(folder_.path("knurld.log"));
+    ASSERT_EQ(outcome.code, 0) << outcome.err << knurld.said();
     EXPECT_THAT(outcome.out, HasSubstr("hill.pgm: 0.5 mm per cell"));
     const auto json = nlohmann::json::parse(knurl::test::text_of_file(folder_.path("out.json")));
     ASSERT_EQ(json.at("strokes").size(), 2u);
@@ -111,14 +63,12 @@ TEST_F(SurfaceProgram, StrokesOncePerWayAndSaysHowItWent) {
 }
 
 TEST_F(SurfaceProgram, AnInterruptReleasesTheDeviceAndSaysWhatWasSeen) {
-    Background knurld(servo(), folder_.path("knurld.log"));
+    Background knurld(servo());
     ASSERT_TRUE(knurld.says("ready"));
-    {
-        Background surface({KNURL_SURFACE_PROGRAM, model_, "--ways", "knurl"}, folder_.path("surface.log"));
-        ASSERT_TRUE(surface.says("planes at 20 Hz"));
-        EXPECT_EQ(surface.end(SIGINT), 130);
-    }
-    EXPECT_THAT(knurl::test::text_of_file(folder_.path("surface.log")), HasSubstr("interrupted"));
+    Background surface({KNURL_SURFACE_PROGRAM, model_, "--ways", "knurl"});
+    ASSERT_TRUE(surface.says("planes at 20 Hz"));
+    EXPECT_EQ(surface.end(SIGINT), 130);
+    EXPECT_THAT(surface.said(), HasSubstr("interrupted"));
     // The device is free: another program may claim it.
     EXPECT_EQ(run({KNURL_SURFACE_PROGRAM, model_, "--ways", "knurl"}).code, 0);
 }

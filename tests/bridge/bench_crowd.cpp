@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <latch>
 #include <thread>
 
 #include <sched.h>
@@ -61,7 +62,7 @@ double median(std::vector<double> values) {
 
 void run(const fs::path& thread, const BridgeProcess* bridge, int clients, double seconds, Cost& cost) {
     std::atomic<bool> done = false;
-    std::atomic<int> ready = 0;
+    std::latch ready(clients);
     std::atomic<std::uint64_t> reports = 0, missed = 0;
     std::vector<std::thread> crowd;
     const std::string address = bridge != nullptr ? bridge->address() : "knurl:default";
@@ -71,7 +72,7 @@ void run(const fs::path& thread, const BridgeProcess* bridge, int clients, doubl
             knurl::Claim hand =
                 client.claim("", {.shared = true, .update_interval = 10ms, .representations = 4});
             auto force = hand.add(knurl::ConstantForce{.force = {1e-4, 0, 0}});
-            ++ready;
+            ready.count_down();
             std::uint64_t read = 0;
             for (std::uint64_t n = static_cast<std::uint64_t>(i); !done; ++n) {
                 if (hand.next_report(100ms)) ++read;
@@ -82,8 +83,8 @@ void run(const fs::path& thread, const BridgeProcess* bridge, int clients, doubl
             reports += read;
             missed += hand.missed();
         });
-    while (ready < clients) std::this_thread::sleep_for(10ms);
-    std::this_thread::sleep_for(300ms);
+    ready.wait();
+    std::this_thread::sleep_for(300ms);  // a benchmark's pace: what their coming cost is not counted
     knurl::Client watcher = knurl::Client::connect("knurl:default", {.wait = 20s});
     knurl::Observer observer = watcher.observe();
     const auto begun = std::chrono::steady_clock::now();
@@ -91,7 +92,7 @@ void run(const fs::path& thread, const BridgeProcess* bridge, int clients, doubl
     double elapsed = 0, servo_before = ran(thread);
     std::uint64_t cycle_before = observer.latest() ? observer.latest()->cycle : 0;
     while (elapsed < seconds) {
-        std::this_thread::sleep_for(std::chrono::duration<double>(window));
+        std::this_thread::sleep_for(std::chrono::duration<double>(window));  // so long is one window
         const auto report = observer.latest();
         const double servo_now = ran(thread);
         if (report && cycle_before != 0 && report->cycle > cycle_before)

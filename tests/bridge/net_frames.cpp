@@ -254,18 +254,8 @@ TEST_F(Hostile, AFloodOfFramesIsReadByPartsAndTheRestWaitsOutside) {
 }
 
 TEST(Connecting, IsWaitedForByPollingForWriting) {
-    const shm::UniqueFd listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t bytes = sizeof address;
-    ASSERT_EQ(::bind(listener.get(), reinterpret_cast<sockaddr*>(&address), bytes), 0);
-    ::getsockname(listener.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
-    const auto connecting = [&] {
-        shm::UniqueFd fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-        ::connect(fd.get(), reinterpret_cast<sockaddr*>(&address), bytes);
-        return fd;
-    };
+    const shm::UniqueFd listener = bound(SOCK_STREAM);
+    const auto connecting = [&] { return dial(port_of(listener), SOCK_STREAM | SOCK_NONBLOCK); };
     FrameStream nobody(connecting(), false);
     EXPECT_TRUE(nobody.wants_write());
     EXPECT_TRUE(serve({&nobody}, [&] { return is_closed(nobody); }));

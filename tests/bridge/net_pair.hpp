@@ -11,14 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "frame_stream.hpp"
+#include "loopback.hpp"
 
 namespace knurl::bridge::test {
 
@@ -27,17 +26,10 @@ struct Sockets {
 };
 
 inline Sockets connected_sockets() {
-    const shm::UniqueFd listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t bytes = sizeof address;
-    EXPECT_EQ(::bind(listener.get(), reinterpret_cast<sockaddr*>(&address), bytes), 0);
+    const shm::UniqueFd listener = bound(SOCK_STREAM);
     EXPECT_EQ(::listen(listener.get(), 1), 0);
-    ::getsockname(listener.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
     Sockets sockets;
-    sockets.client = shm::UniqueFd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    EXPECT_EQ(::connect(sockets.client.get(), reinterpret_cast<sockaddr*>(&address), bytes), 0);
+    sockets.client = dial(port_of(listener), SOCK_STREAM);
     sockets.server = shm::UniqueFd(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
     return sockets;
 }

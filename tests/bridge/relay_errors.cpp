@@ -2,10 +2,10 @@
 
 #include <thread>
 
-#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 
+#include "loopback.hpp"
 #include "relay_support.hpp"
 
 namespace knurl::bridge::test {
@@ -56,16 +56,11 @@ TEST(Mistakes, a_bridge_without_a_servo_says_so_to_its_peers_and_takes_them_when
 }
 
 TEST(Mistakes, something_else_that_listens_there_is_no_bridge) {
-    const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in at{
-        .sin_family = AF_INET, .sin_port = 0, .sin_addr = {htonl(INADDR_LOOPBACK)}, .sin_zero = {}};
-    socklen_t length = sizeof at;
-    ASSERT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&at), sizeof at), 0);
-    ASSERT_EQ(::listen(listener, 4), 0);
-    ::getsockname(listener, reinterpret_cast<sockaddr*>(&at), &length);
-    const std::string address = "knurl://127.0.0.1:" + std::to_string(ntohs(at.sin_port));
+    const shm::UniqueFd listener = bound(SOCK_STREAM);
+    ASSERT_EQ(::listen(listener.get(), 4), 0);
+    const std::string address = "knurl://127.0.0.1:" + std::to_string(port_of(listener));
     std::thread other([&] {
-        const int peer = ::accept(listener, nullptr, nullptr);
+        const int peer = ::accept(listener.get(), nullptr, nullptr);
         const std::string text = "HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n";
         [[maybe_unused]] const ssize_t sent = ::write(peer, text.data(), text.size());
         char answer[256];
@@ -74,13 +69,13 @@ TEST(Mistakes, something_else_that_listens_there_is_no_bridge) {
         ::close(peer);
     });
     const Error error = refusal([&] { Client::connect(address, {.wait = 0ms}); });
-    EXPECT_NE(std::string(error.what()).size(), 0u);
+    EXPECT_EQ(error.kind, Error::Kind::disconnected) << error.what();
+    says(error.what(), "frame");
     other.join();
     // One that accepts and says nothing is waited for, and not for ever.
     const Error mute = refusal([&] { Client::connect(address, {.wait = 0ms}); });
     EXPECT_EQ(mute.kind, Error::Kind::no_servo);
     says(mute.what(), "does not answer");
-    ::close(listener);
 }
 
 }  // namespace

@@ -3,121 +3,40 @@
 #include <random>
 #include <thread>
 
-#include <poll.h>
-#include <sys/socket.h>
-
-#include <knurl/bridge/endpoint.hpp>
-
-#include "frame_stream.hpp"
-#include "relay_support.hpp"
-#include "wire.hpp"
+#include "relay.hpp"
+#include "relay_stranger.hpp"
 
 namespace knurl::bridge::test {
 namespace {
 
-/// A good application beside the bad ones: its reports come, its updates take effect, its session is still
-/// the first.
-class Bystander {
-  public:
-    explicit Bystander(const BridgeProcess& bridge)
-        : client_(connect_to(bridge)), hand_(client_.claim("", {.shared = true})) {
-        force_.emplace(hand_.add(at_once({})));
-    }
-    void expect_well() {
-        for (int i = 0; i < 20; ++i) {
-            ASSERT_TRUE(hand_.next_report(10s));
-            force_->set(at_once({1e-3 * ++count_, 0, 0}));
-            ASSERT_TRUE(hand_.wait_applied(hand_.commit(), 10s));
-        }
-        EXPECT_EQ(hand_.reattachments(), 0u);
-    }
-
-  private:
-    Client client_;
-    Claim hand_;
-    std::optional<Representing<ConstantForce>> force_;
-    int count_ = 0;
+struct Hostile : testing::Test {
+    const ServoUp servo;
+    BridgeProcess bridge;
+    const std::uint32_t seed = std::random_device{}();
+    const testing::ScopedTrace trace{__FILE__, __LINE__, "seed " + std::to_string(seed)};
+    std::mt19937 random{seed};
 };
 
-shm::UniqueFd dial(const BridgeProcess& bridge, int type = SOCK_STREAM) {
-    const Endpoint at = resolve(bridge.host_and_port());
-    shm::UniqueFd fd(::socket(at.family(), type | SOCK_CLOEXEC, 0));
-    if (::connect(fd.get(), at.get(), at.length) != 0) throw std::runtime_error("cannot connect");
-    return fd;
-}
-
-/// Until the other end has hung up.
-bool hung_up(const shm::UniqueFd& fd, int patience_ms = 20'000) {
-    char buffer[4096];
-    for (;;) {
-        pollfd one{.fd = fd.get(), .events = POLLIN, .revents = 0};
-        if (::poll(&one, 1, patience_ms) <= 0) return false;
-        const ssize_t got = ::recv(fd.get(), buffer, sizeof buffer, 0);
-        if (got <= 0) return true;
-    }
-}
-
-void put(const shm::UniqueFd& fd, const std::vector<std::byte>& bytes) {
-    [[maybe_unused]] const ssize_t sent = ::send(fd.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
-}
-
-template <class T>
-std::vector<std::byte> frame(FrameType type, std::uint16_t stream, const T& body,
-                             std::uint32_t bytes = sizeof(T)) {
-    const FrameHeader header{.bytes = bytes, .type = static_cast<std::uint16_t>(type), .stream = stream};
-    std::vector<std::byte> result(sizeof header + sizeof body);
-    std::memcpy(result.data(), &header, sizeof header);
-    std::memcpy(result.data() + sizeof header, &body, sizeof body);
-    return result;
-}
-
-Hello hello() {
-    Hello message;
-    message.layout = wire_hash();
-    put_text(message.client, "stranger");
-    return message;
-}
-
-/// In, with the session's number.
-std::uint64_t greet(FrameStream& stream) {
-    stream.send(static_cast<std::uint16_t>(FrameType::hello), 0, bytes_of(hello()));
-    for (;;) {
-        pollfd one{.fd = stream.fd(), .events = POLLIN, .revents = 0};
-        ::poll(&one, 1, 10'000);
-        stream.pump();
-        if (const Frame* answer = stream.next()) {
-            std::span<const std::byte> payload = answer->payload;
-            Welcome welcome;
-            if (answer->type != static_cast<std::uint16_t>(FrameType::welcome) || !take(payload, welcome))
-                throw std::runtime_error("no welcome");
-            return welcome.session;
-        }
-    }
-}
-
-TEST(Hostile, bytes_on_the_connection_end_that_connection_alone) {
-    ServoProcess servo;
-    BridgeProcess bridge;
+TEST_F(Hostile, bytes_on_the_connection_end_that_connection_alone) {
     Bystander bystander(bridge);
-    const std::uint32_t seed = std::random_device{}();
-    SCOPED_TRACE(seed);
-    std::mt19937 random(seed);
     const Nothing nothing;
     const std::vector<std::vector<std::byte>> openings{
         frame(FrameType::hello, 0, hello(), 0),           // of length zero
         frame(FrameType::hello, 0, hello(), 0xffffffff),  // longer than memory
-        frame(FrameType::hello, 0, hello(), 700 * 1024),  // longer than allowed
-        frame(FrameType::hello, 0, nothing),              // cut short
-        frame(FrameType::attach, 0, nothing),             // before hello
+        frame(FrameType::hello, 0, hello(), max_greeting_bytes + 1),
+        frame(FrameType::hello, 0, nothing),   // cut short
+        frame(FrameType::attach, 0, nothing),  // before hello
         frame(static_cast<FrameType>(999), 0, nothing),
     };
+    says(bridge.line(), "in, role control");
     for (const auto& bytes : openings) {
         const shm::UniqueFd fd = dial(bridge);
         put(fd, bytes);
         EXPECT_TRUE(hung_up(fd));
+        says(bridge.line(), "not let in: ");  // for what it said, not for its silence
         bystander.expect_well();
     }
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < 60; ++i) {
         std::vector<std::byte> bytes(1 + random() % 2000);
         for (auto& byte : bytes) byte = static_cast<std::byte>(random());
         if (random() % 2 == 0) {  // behind a good hello
@@ -129,13 +48,8 @@ TEST(Hostile, bytes_on_the_connection_end_that_connection_alone) {
     bystander.expect_well();
 }
 
-TEST(Hostile, commands_and_batches_of_no_sense_end_that_session_alone) {
-    ServoProcess servo;
-    BridgeProcess bridge;
+TEST_F(Hostile, commands_and_batches_of_no_sense_end_that_session_alone) {
     Bystander bystander(bridge);
-    const std::uint32_t seed = std::random_device{}();
-    SCOPED_TRACE(seed);
-    std::mt19937 random(seed);
     for (int i = 0; i < 60; ++i) {
         FrameStream stream(dial(bridge), false);
         stream.pump();
@@ -149,30 +63,34 @@ TEST(Hostile, commands_and_batches_of_no_sense_end_that_session_alone) {
             std::vector<std::byte> body(random() % 4 == 0 ? 64 * (1 + random() % 8) : 1 + random() % 600);
             for (auto& byte : body) byte = static_cast<std::byte>(random() % 3 == 0 ? random() : 0);
             if (random() % 2 == 0) body[0] = std::byte{1};
-            stream.send(static_cast<std::uint16_t>(random() % 12), static_cast<std::uint16_t>(random() % 3),
-                        body);
+            const auto type = static_cast<FrameType>(random() % 12);
+            if (type == FrameType::release) continue;  // what is not there is left alone
+            stream.send(static_cast<std::uint16_t>(type), static_cast<std::uint16_t>(random() % 3), body);
         }
+        const bool attached = i % 4 != 3;
+        if (attached) stream.send(static_cast<std::uint16_t>(FrameType::commands), 1, bytes_of(Nothing{}));
         stream.pump();
+        if (!attached) continue;
+        EXPECT_TRUE(ended(stream)) << "at the latest by half a command";
     }
     bystander.expect_well();
 }
 
-TEST(Hostile, callers_who_never_say_who_they_are_are_dropped_after_two_seconds) {
-    ServoProcess servo;
-    BridgeProcess bridge;
+TEST_F(Hostile, callers_who_never_say_who_they_are_are_dropped_after_two_seconds) {
     Bystander bystander(bridge);
     std::vector<shm::UniqueFd> silent;
-    for (int i = 0; i < 40; ++i) silent.push_back(dial(bridge));  // more than are let in at a time
+    bridge.stop();  // so that it finds them all at once
+    for (std::size_t i = 0; i < Relay::most_pending + 4; ++i) silent.push_back(dial(bridge));
+    bridge.go_on();
     bystander.expect_well();
-    // Somebody good comes behind them, and gets in when they have had their time.
+    // Somebody good comes behind more than are let in at a time, and gets in when those have had their time.
     EXPECT_TRUE(connect_to(bridge).connected());
-    for (const auto& fd : silent) EXPECT_TRUE(hung_up(fd));
+    for (std::size_t i = 0; i < Relay::most_pending; ++i) EXPECT_TRUE(hung_up(silent[i], 0)) << i;
+    EXPECT_FALSE(hung_up(silent.back(), 0)) << "its time begins when it is let in";
     bystander.expect_well();
 }
 
-TEST(Hostile, one_that_asks_and_never_reads_is_closed) {
-    ServoProcess servo;
-    BridgeProcess bridge;
+TEST_F(Hostile, one_that_asks_and_never_reads_is_closed) {
     Bystander bystander(bridge);
     const shm::UniqueFd fd = dial(bridge);
     put(fd, frame(FrameType::hello, 0, hello()));
@@ -194,15 +112,12 @@ TEST(Hostile, one_that_asks_and_never_reads_is_closed) {
     bystander.expect_well();
 }
 
-TEST(Hostile, a_flood_of_datagrams_reaches_nobody) {
-    ServoProcess servo;
-    BridgeProcess bridge;
+TEST_F(Hostile, a_flood_of_datagrams_reaches_nobody) {
     Bystander bystander(bridge);
     FrameStream stream(dial(bridge), false);
     stream.pump();
     const std::uint64_t session = greet(stream);
     std::jthread flood([&](const std::stop_token& stop) {
-        std::mt19937 random(5);
         const shm::UniqueFd fd = dial(bridge, SOCK_DGRAM);
         std::vector<std::byte> bytes(1500);
         while (!stop.stop_requested()) {
@@ -223,9 +138,57 @@ TEST(Hostile, a_flood_of_datagrams_reaches_nobody) {
     for (int i = 0; i < 10; ++i) bystander.expect_well();
 }
 
-TEST(Hostile, a_peer_that_stands_still_loses_its_session_and_gets_another_when_it_goes_on) {
-    ServoProcess servo;
-    BridgeProcess bridge;
+TEST_F(Hostile, a_replayed_datagram_keeps_nobody_s_session_alive) {
+    FrameStream stream(dial(bridge), false);
+    const std::uint64_t session = greet(stream);
+    Pinger mine(session, bound(SOCK_DGRAM)), stranger(session, bound(SOCK_DGRAM));
+    const auto datagram = mine.ping(port_of(bridge), 1);
+    ASSERT_TRUE(mine.answered());
+    std::jthread replay([&](const std::stop_token& stop) {
+        while (!stop.stop_requested()) {
+            stranger.send(port_of(bridge), datagram);
+            std::this_thread::sleep_for(20ms);  // paces the replay; nothing waits for it
+        }
+    });
+    EXPECT_TRUE(ended(stream));
+    EXPECT_FALSE(stranger.answered(0ms));
+}
+
+TEST_F(Hostile, a_datagram_of_the_session_from_another_host_is_dropped) {
+    FrameStream stream(dial(bridge), false);
+    const std::uint64_t session = greet(stream);
+    Pinger foreign(session, bound_at("127.0.0.2")), mine(session, bound(SOCK_DGRAM));
+    foreign.ping(port_of(bridge), 1);
+    mine.ping(port_of(bridge), 2);
+    EXPECT_TRUE(mine.answered());
+    EXPECT_FALSE(foreign.answered(0ms)) << "it came before the one that was answered";
+    mine.ping(port_of(bridge), 1);
+    EXPECT_TRUE(mine.answered()) << "and nothing of it was taken for this session's";
+}
+
+TEST_F(Hostile, a_crowd_that_is_turned_away_does_not_fill_the_log) {
+    const auto garbage = frame(FrameType::attach, 0, Nothing{});
+    int lines = 0;
+    const auto begun = std::chrono::steady_clock::now();
+    for (std::string line; line.find("lines were left out") == std::string::npos;) {
+        for (int i = 0; i < 100; ++i) {
+            const shm::UniqueFd fd = dial(bridge);
+            put(fd, garbage);
+            ASSERT_TRUE(hung_up(fd));
+        }
+        while (bridge.has_line() && line.find("lines were left out") == std::string::npos) {
+            line = bridge.line();
+            ++lines;
+        }
+        ASSERT_LT(lines, 1000) << "each caller has its line";
+    }
+    const auto seconds =
+        std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - begun);
+    EXPECT_LE(lines, 20 * (seconds.count() + 2) + 1);
+}
+
+TEST_F(Hostile, a_peer_that_stands_still_loses_its_session_and_gets_another_when_it_goes_on) {
+    BridgeProcess other;  // stands still itself, for as long, which is none of its peers' fault
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
     const pid_t application = ::fork();
@@ -247,11 +210,16 @@ TEST(Hostile, a_peer_that_stands_still_loses_its_session_and_gets_another_when_i
     Bystander bystander(bridge);
     char word = 0;
     ASSERT_EQ(::read(ready[0], &word, 1), 1);
+    FrameStream patient(dial(other), false);
+    greet(patient);
+    other.stop();
     ::kill(application, SIGSTOP);
     for (std::string line; line.find("out: nothing was heard") == std::string::npos;) {
         line = bridge.line();
         ASSERT_FALSE(line.empty());
     }
+    other.go_on();
+    EXPECT_EQ(attach_observer(patient).stream, 1u);
     bystander.expect_well();
     ::kill(application, SIGCONT);
     ASSERT_EQ(::read(ready[0], &word, 1), 1);

@@ -5,12 +5,18 @@
 namespace knurl::bridge::test {
 namespace {
 
-TEST(Keys, let_in_and_hide_what_is_said) {
+/// A servo, and before it a bridge that asks for keys: one of each role there is.
+struct Locked {
     ServoProcess servo;
     KeyRing ring;
-    const std::string key = ring.add("anna", Role::control);
-    BridgeProcess bridge({"--keys", ring.file()});
-    Client client = connect_to(bridge, key);
+    const std::string observe = ring.add("olga", Role::observe), render = ring.add("rita", Role::render),
+                      control = ring.add("carl", Role::control);
+    BridgeProcess bridge{{"--keys", ring.file()}};
+};
+
+TEST(Keys, let_in_and_hide_what_is_said) {
+    Locked locked;
+    Client client = connect_to(locked.bridge, locked.control);
     Claim hand = client.claim();
     auto force = hand.add(at_once({0.25, 0, 0}));
     hand.arm();
@@ -19,22 +25,21 @@ TEST(Keys, let_in_and_hide_what_is_said) {
     force.set(at_once({0.5, 0, 0}));
     ASSERT_TRUE(hand.wait_applied(hand.commit(), 10s));
     EXPECT_TRUE(hand.network().encrypted);
-    ::setenv("KNURL_KEY", key.c_str(), 1);
-    EXPECT_TRUE(connect_to(bridge).connected()) << "the key may be named by KNURL_KEY too";
+    ::setenv("KNURL_KEY", locked.control.c_str(), 1);
+    EXPECT_TRUE(connect_to(locked.bridge).connected()) << "the key may be named by KNURL_KEY too";
     ::unsetenv("KNURL_KEY");
 }
 
 TEST(Keys, that_are_wrong_or_missing_are_answered_with_a_line_that_says_so) {
-    ServoProcess servo;
-    KeyRing ring;
-    ring.add("anna", Role::control);
-    BridgeProcess bridge({"--keys", ring.file()}), open;
+    Locked locked;
+    KeyRing& ring = locked.ring;
+    const BridgeProcess &bridge = locked.bridge, open;
     Client::connect(open.address(), {.wait = 10s});  // the servo is up
 
     const Error none = refused_by(bridge);
     EXPECT_EQ(none.kind, Error::Kind::permission) << none.what();
     says(none.what(), "KNURL_KEY");
-    const Error wrong = refused_by(bridge, ring.stranger("anna", Role::control));
+    const Error wrong = refused_by(bridge, ring.stranger("carl", Role::control));
     EXPECT_EQ(wrong.kind, Error::Kind::permission) << wrong.what();
     says(wrong.what(), "key");
     const Error unknown = refused_by(bridge, ring.stranger("bert", Role::control));
@@ -42,21 +47,15 @@ TEST(Keys, that_are_wrong_or_missing_are_answered_with_a_line_that_says_so) {
     const Error missing = refused_by(bridge, "/no/such/file");
     EXPECT_EQ(missing.kind, Error::Kind::permission);
     says(missing.what(), "/no/such/file");
-    const Error several = [&] {
-        ring.add("carl", Role::observe);
-        return refused_by(bridge, ring.file());
-    }();
+    const Error several = refused_by(bridge, ring.file());
     says(several.what(), "an application uses one");
     const Error needless = refused_by(open, ring.stranger("dora", Role::control));
     EXPECT_EQ(needless.kind, Error::Kind::permission) << needless.what();
 }
 
 TEST(Roles, observe_reads_and_claims_nothing) {
-    ServoProcess servo;
-    KeyRing ring;
-    const std::string key = ring.add("anna", Role::observe);
-    BridgeProcess bridge({"--keys", ring.file()});
-    Client client = connect_to(bridge, key);
+    Locked locked;
+    Client client = connect_to(locked.bridge, locked.observe);
     Observer observer = client.observe();
     EXPECT_TRUE(observer.next_report(10s));
     for (const bool shared : {false, true}) {
@@ -68,11 +67,9 @@ TEST(Roles, observe_reads_and_claims_nothing) {
 }
 
 TEST(Roles, render_joins_a_device_that_is_on_and_never_switches_it_on) {
-    ServoProcess servo;
-    KeyRing ring;
-    const std::string render = ring.add("anna", Role::render), control = ring.add("bert", Role::control);
-    BridgeProcess bridge({"--keys", ring.file()});
-    Client client = connect_to(bridge, render), master = connect_to(bridge, control);
+    Locked locked;
+    Client client = connect_to(locked.bridge, locked.render),
+           master = connect_to(locked.bridge, locked.control);
     const Error alone = refusal([&] { client.claim(); });
     EXPECT_EQ(alone.kind, Error::Kind::permission);
     says(alone.what(), "ClaimOptions::shared");

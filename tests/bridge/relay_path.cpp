@@ -1,6 +1,7 @@
 // What a remote application has beyond a local one: decimated reports, how old they are, how far away the
 // servo is.
 
+#include <algorithm>
 #include <cmath>
 
 #include <knurl/link/clock.hpp>
@@ -35,6 +36,16 @@ TEST(Path, reports_come_as_seldom_as_asked_for_and_answers_at_once) {
     const auto felt = force.felt();
     ASSERT_TRUE(felt);
     EXPECT_LT(felt->cycle, before + 150) << "ten waits of 20 ms would be 200 cycles";
+}
+
+TEST(Path, the_newest_report_is_there_at_once_however_seldom_they_are_asked_for) {
+    ServoProcess servo;
+    BridgeProcess bridge;
+    Client client = connect_to(bridge, {}, 0.01);
+    for (int i = 0; i < 5; ++i) {
+        Observer observer = client.observe();
+        ASSERT_TRUE(observer.next_report(10s)) << "the next one comes in 100 s";
+    }
 }
 
 TEST(Path, a_report_s_age_is_known_within_its_uncertainty) {
@@ -90,10 +101,12 @@ TEST(Path, a_batch_of_any_size_arrives_whole) {
             read_until(hand, [&](const HandReport& report) {
                 return std::abs(report.scene_force.x - 0.1 * round) < 1e-9;
             });
-            for (auto& force : forces) {
-                read_until(hand,
-                           [&](const HandReport&) { return force.felt() && force.felt()->force.x == share; });
-            }
+            read_until(hand, [&](const HandReport&) {
+                return std::ranges::all_of(forces, [&](const Representing<ConstantForce>& force) {
+                    const auto felt = force.felt();
+                    return felt && felt->force.x == share;
+                });
+            });
         }
         EXPECT_EQ(hand.timing().refused, 0u);
     }

@@ -31,7 +31,7 @@ class OwnRelay {
 };
 
 void expect_no_allocation(const std::string& key_file, std::vector<Key> keys) {
-    ServoProcess servo;
+    ServoProcess servo({"--device", "sim:cartesian3", "--rate", "2000"});
     Client::connect("knurl:default", {.wait = 20s});
     OwnRelay relay(std::move(keys));
     Client client = Client::connect(relay.address(), {.wait = 10s, .key_file = key_file});

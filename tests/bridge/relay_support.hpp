@@ -7,28 +7,13 @@
 
 #include <gtest/gtest.h>
 
+#include "../client/refusal.hpp"
 #include "../client/servo_process.hpp"
 #include "keys.hpp"
 
 namespace knurl::bridge::test {
 
 using namespace client_test;
-
-template <class Call>
-Error refusal(Call call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
-        return error;
-    }
-    ADD_FAILURE() << "it was not refused";
-    return Error(Error::Kind::refused, "");
-}
-
-inline void says(const std::string& text, const std::string& words) {
-    EXPECT_NE(text.find(words), std::string::npos) << "\"" << text << "\" does not say \"" << words << "\"";
-}
 
 /// A folder with the bridge's keys file, and one file per key for its owner.
 class KeyRing {
@@ -66,10 +51,6 @@ inline Client connect_to(const BridgeProcess& bridge, const std::string& key = {
 inline Error refused_by(const BridgeProcess& bridge, const std::string& key = {}) {
     return refusal(
         [&] { Client::connect(bridge.address(), {.name = "test", .wait = 0ms, .key_file = key}); });
-}
-
-inline ConstantForce at_once(Vec3 force) {
-    return {.force = force, .recovery = 0};
 }
 
 }  // namespace knurl::bridge::test

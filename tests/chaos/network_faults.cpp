@@ -10,11 +10,10 @@
 #include <thread>
 #include <utility>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "../bridge/loopback.hpp"
 #include "../bridge/proxy/proxy.hpp"
 #include "faults.hpp"
 
@@ -22,6 +21,7 @@ namespace knurl::chaos {
 
 using bridge::proxy::Proxy;
 using bridge::proxy::Weather;
+using bridge::test::dial;
 using test::eventually;
 using test::Program;
 
@@ -71,8 +71,24 @@ double share(Stage& stage) {
     return std::uniform_real_distribution<>()(stage.random);
 }
 
-void wait_for_return(Stage& stage) {
+/// Waits until the force is zero; how long that took stands in the table under `promise`. Returns since when
+/// (ns).
+std::int64_t gone(Stage& stage, std::int64_t from, const std::string& promise) {
+    const std::int64_t zero = stage.wait_until_zero(from);
+    stage.measured(promise, static_cast<double>(zero - from) * 1e-6);
+    return zero;
+}
+
+/// The application finds its way back by itself; the force, which was `zero` since then, only by its owner's.
+void demand_return(Stage& stage, std::int64_t zero, const std::string& after) {
     stage.wall->wait_for_output("reattached-to " + std::to_string(stage.knurld->pid()));
+    demand_off_until_armed(stage, zero, after);
+    stage.wait_until_felt();
+}
+
+void demand_idle(Stage& stage) {
+    demand(eventually([&] { return stage.state() == DeviceState::idle; }),
+           "a device that nobody holds is idle");
 }
 
 // --------------------------------------------------------------------------------------------- the network
@@ -110,8 +126,7 @@ void network_cut(Stage& stage) {
     Remote remote(stage);
     const std::int64_t from = Stage::now();
     remote.proxy->cut();
-    stage.measured("network cut: silence (250 + 200 ms) and fade (100 ms)",
-                   static_cast<double>(stage.wait_until_zero(from) - from) * 1e-6);
+    gone(stage, from, "network cut: silence (250 + 200 ms) and fade (100 ms)");
     remote.proxy->heal();
     stage.wait_until_felt();  // the same claim: it was away for a second only
 }
@@ -121,23 +136,16 @@ void long_cut(Stage& stage) {
     const std::int64_t from = Stage::now();
     remote.proxy->cut();
     const std::int64_t zero = stage.wait_until_zero(from);
-    demand(eventually([&] { return stage.state() == DeviceState::idle; }),
-           "the claim of a peer that is gone ends");
+    demand_idle(stage);
     remote.proxy->heal();
-    wait_for_return(stage);
-    demand_off_until_armed(stage, zero, "after a long cut");
-    stage.wait_until_felt();
+    demand_return(stage, zero, "after a long cut");
 }
 
 void connection_reset(Stage& stage) {
     Remote remote(stage);
     const std::int64_t from = Stage::now();
     remote.proxy->hang_up();
-    const std::int64_t zero = stage.wait_until_zero(from);
-    stage.measured("connection reset: zero within 60 ms", static_cast<double>(zero - from) * 1e-6);
-    wait_for_return(stage);
-    demand_off_until_armed(stage, zero, "after a reset");
-    stage.wait_until_felt();
+    demand_return(stage, gone(stage, from, "connection reset: zero within 60 ms"), "after a reset");
 }
 
 // ------------------------------------------------------------------------------------- what runs at its ends
@@ -146,18 +154,15 @@ void peer_killed(Stage& stage) {
     const Remote remote(stage);
     const std::int64_t from = Stage::now();
     stage.wall->signal(SIGKILL);
-    stage.measured("remote application killed: zero within 60 ms",
-                   static_cast<double>(stage.wait_until_zero(from) - from) * 1e-6);
-    demand(eventually([&] { return stage.state() == DeviceState::idle; }),
-           "a device that nobody holds is idle");
+    gone(stage, from, "remote application killed: zero within 60 ms");
+    demand_idle(stage);
 }
 
 void peer_stopped(Stage& stage) {
     const Remote remote(stage);
     const std::int64_t from = Stage::now();
     stage.wall->signal(SIGSTOP);
-    stage.measured("remote application stopped: silence (250 + 200 ms) and fade (100 ms)",
-                   static_cast<double>(stage.wait_until_zero(from) - from) * 1e-6);
+    gone(stage, from, "remote application stopped: silence (250 + 200 ms) and fade (100 ms)");
     stage.wall->signal(SIGCONT);
     stage.wait_until_felt();
 }
@@ -166,12 +171,9 @@ void bridge_killed(Stage& stage) {
     Remote remote(stage);
     const std::int64_t from = Stage::now();
     remote.bridge->signal(SIGKILL);
-    const std::int64_t zero = stage.wait_until_zero(from);
-    stage.measured("bridge killed: zero within 60 ms", static_cast<double>(zero - from) * 1e-6);
+    const std::int64_t zero = gone(stage, from, "bridge killed: zero within 60 ms");
     remote.start_bridge("127.0.0.1:" + std::to_string(remote.port()));
-    wait_for_return(stage);
-    demand_off_until_armed(stage, zero, "after a restart of the bridge");
-    stage.wait_until_felt();
+    demand_return(stage, zero, "after a restart of the bridge");
 }
 
 void servo_killed_under_bridge(Stage& stage) {
@@ -180,22 +182,10 @@ void servo_killed_under_bridge(Stage& stage) {
     stage.knurld->signal(SIGKILL);
     const std::int64_t zero = stage.wait_until_zero(from);
     stage.start_servo();
-    wait_for_return(stage);
-    demand_off_until_armed(stage, zero, "after a restart of the servo under the bridge");
-    stage.wait_until_felt();
+    demand_return(stage, zero, "after a restart of the servo under the bridge");
 }
 
 // ----------------------------------------------------------------------------------------------- strangers
-
-int dial(std::uint16_t port, int type) {
-    const int fd = ::socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(port);
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    ::connect(fd, reinterpret_cast<sockaddr*>(&to), sizeof to);
-    return fd;
-}
 
 void hostile_packets(Stage& stage) {
     Remote remote(stage, {});
@@ -205,19 +195,17 @@ void hostile_packets(Stage& stage) {
     const std::int64_t from = Stage::now();
     std::thread stranger([&] {
         std::array<char, 1500> bytes;
-        const int udp = dial(remote.port(), SOCK_DGRAM);
+        const shm::UniqueFd udp = dial(remote.port(), SOCK_DGRAM | SOCK_NONBLOCK);
         while (!done) {
-            const int tcp = dial(remote.port(), SOCK_STREAM);
+            const shm::UniqueFd tcp = dial(remote.port(), SOCK_STREAM | SOCK_NONBLOCK);
             for (int i = 0; i < 100; ++i) {
                 for (char& byte : bytes) byte = static_cast<char>(random() % 4 ? random() : 0);
                 const std::size_t size = random() % 8 ? random() % bytes.size() : 0;
-                ::send(udp, bytes.data(), size, MSG_NOSIGNAL);
-                if (i % 10 == 0) ::send(tcp, bytes.data(), size, MSG_NOSIGNAL);
+                ::send(udp.get(), bytes.data(), size, MSG_NOSIGNAL);
+                if (i % 10 == 0) ::send(tcp.get(), bytes.data(), size, MSG_NOSIGNAL);
             }
-            ::close(tcp);
             std::this_thread::yield();
         }
-        ::close(udp);
     });
     stage.let_pass(1.0);
     done = true;
@@ -229,8 +217,8 @@ void hostile_packets(Stage& stage) {
 void half_open_peers(Stage& stage) {
     Remote remote(stage, {});
     const std::int64_t from = Stage::now();
-    std::vector<int> silent;
-    for (int i = 0; i < 40; ++i) silent.push_back(dial(remote.port(), SOCK_STREAM));
+    std::vector<shm::UniqueFd> silent;
+    for (int i = 0; i < 40; ++i) silent.push_back(dial(remote.port(), SOCK_STREAM | SOCK_NONBLOCK));
     const std::int64_t asked = Stage::now();
     {
         Client client =
@@ -240,7 +228,7 @@ void half_open_peers(Stage& stage) {
     }
     stage.measured("after 40 half-open peers: the next one is in",
                    static_cast<double>(Stage::now() - asked) * 1e-6);
-    for (const int fd : silent) ::close(fd);
+    silent.clear();
     demand_undisturbed(stage, from, "40 peers that say nothing");
 }
 

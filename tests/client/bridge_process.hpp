@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -59,6 +60,11 @@ class BridgeProcess {
         std::string text;
         for (char c = 0; ::read(output_, &c, 1) == 1 && c != '\n';) text += c;
         return text;
+    }
+    /// It has said something that was not read yet.
+    bool has_line() const {
+        pollfd one{.fd = output_, .events = POLLIN, .revents = 0};
+        return ::poll(&one, 1, 0) == 1;
     }
     /// Its exit status; waits for its end.
     int status() {

@@ -1,35 +1,16 @@
 // Getting in: what a user sees when something is wrong, in one line each.
 
-#include <thread>
-
 #include <grp.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "refusal.hpp"
 #include "servo_process.hpp"
 
 namespace {
 
 using namespace knurl;
 using namespace client_test;
-
-template <class Call>
-Error refusal(Call call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
-        return error;
-    }
-    ADD_FAILURE() << "it was not refused";
-    return Error(Error::Kind::refused, "");
-}
-
-bool says(const Error& error, const std::string& words) {
-    const bool found = std::string(error.what()).find(words) != std::string::npos;
-    EXPECT_TRUE(found) << "\"" << error.what() << "\" does not say \"" << words << "\"";
-    return found;
-}
 
 TEST(Attach, waits_for_a_servo_that_is_still_starting) {
     ServoProcess servo;  // just forked: it listens later
@@ -44,8 +25,8 @@ TEST(Attach, without_a_servo_names_the_socket_and_the_command_that_starts_one) {
     ServoProcess servo;
     const Error error = refusal([] { Client::connect("knurl:other", {.wait = 30ms}); });
     EXPECT_EQ(error.kind, Error::Kind::no_servo);
-    says(error, "other.sock");
-    says(error, "knurld --name other");
+    says(error.what(), "other.sock");
+    says(error.what(), "knurld --name other");
 }
 
 TEST(Attach, without_the_right_says_whose_socket_it_is_and_what_to_do) {
@@ -79,10 +60,10 @@ TEST(Attach, a_device_that_does_not_exist_is_answered_with_those_that_do) {
     Client client = connect();
     const Error unknown = refusal([&] { client.claim("middle"); });
     EXPECT_EQ(unknown.kind, Error::Kind::no_such_device);
-    says(unknown, "left, right");
+    says(unknown.what(), "left, right");
     const Error which = refusal([&] { client.claim(); });
     EXPECT_EQ(which.kind, Error::Kind::no_such_device);
-    says(which, "say which one: left, right");
+    says(which.what(), "say which one: left, right");
     EXPECT_EQ(client.claim("right").device().profile, "premium15");
 }
 
@@ -93,7 +74,7 @@ TEST(Attach, the_second_claim_is_told_who_holds_the_device) {
     const Error error = refusal([&] { connect().claim(); });
     EXPECT_EQ(error.kind, Error::Kind::device_held);
     EXPECT_EQ(error.holder, servo.claimant());
-    says(error, std::to_string(servo.claimant()));
+    says(error.what(), std::to_string(servo.claimant()));
     EXPECT_TRUE(first.next_report(10s));
 }
 
@@ -107,17 +88,7 @@ TEST(Attach, a_released_device_can_be_claimed_again) {
         EXPECT_EQ(refusal([&] { first.commit(); }).kind, Error::Kind::stale_handle);
         EXPECT_EQ(refusal([&] { handle.set({}); }).kind, Error::Kind::stale_handle);
     }
-    // Its force fades first: the slot is free within a second.
-    for (int i = 0;; ++i) {
-        try {
-            client.claim();
-            break;
-        } catch (const Error& error) {
-            ASSERT_EQ(error.kind, Error::Kind::device_held) << error.what();
-            ASSERT_LT(i, 500);
-            std::this_thread::sleep_for(10ms);
-        }
-    }
+    claim_when_free(client);  // its force fades first
 }
 
 TEST(Attach, observers_need_no_claim_and_disturb_none) {
@@ -131,9 +102,12 @@ TEST(Attach, observers_need_no_claim_and_disturb_none) {
     auto mine = hand.next_report(10s);
     while (mine && mine->cycle < seen->cycle) mine = hand.next_report(10s);
     ASSERT_TRUE(mine);
+    ASSERT_EQ(mine->cycle, seen->cycle);
     const DeviceDescription device = hand.device();
     const double scale = 1.0 / device.workspace_radius;
-    EXPECT_NEAR(mine->position.x, scale * (seen->position.x - device.workspace_centre.x) + 5, 0.1);
+    EXPECT_NEAR(mine->position.x, scale * (seen->position.x - device.workspace_centre.x) + 5, 1e-12);
+    EXPECT_NEAR(mine->position.y, scale * (seen->position.y - device.workspace_centre.y) + 6, 1e-12);
+    EXPECT_NEAR(mine->position.z, scale * (seen->position.z - device.workspace_centre.z) + 7, 1e-12);
     EXPECT_NEAR(hand.limits().max_stiffness * scale, device.max_stiffness, 1e-6 * device.max_stiffness);
 }
 

@@ -14,10 +14,6 @@ namespace {
 using namespace knurl;
 using namespace client_test;
 
-ConstantForce at_once(Vec3 force) {
-    return {.force = force, .recovery = 0};
-}
-
 TEST(Claim, bad_parameters_throw_at_the_call_and_change_nothing) {
     ServoProcess servo;
     Client client = connect();
@@ -71,7 +67,7 @@ TEST(Claim, what_is_committed_together_is_felt_in_one_cycle) {
         z = hand.add(at_once({0, 0, 0.1}));
     });
     hand.arm();
-    read_until(hand, is_active);
+    read_until(hand, [](const HandReport& report) { return report.scene_force.x == 0.1; });
 
     Observer watch = client.observe();
     const std::uint32_t seed = std::random_device{}();
@@ -79,7 +75,8 @@ TEST(Claim, what_is_committed_together_is_felt_in_one_cycle) {
     for (int i = 1; i <= 60; ++i) {
         const double force = 0.1 + 0.002 * i;
         x->set(at_once({force, 0, 0}));
-        std::this_thread::sleep_for(std::chrono::microseconds(random() % 2000));  // any phase of the cycle
+        // No wait for anything: so that the commit falls into any phase of the cycle.
+        std::this_thread::sleep_for(std::chrono::microseconds(random() % 2000));
         y->set(at_once({0, force, 0}));
         z->set(at_once({0, 0, force}));
         hand.commit();
@@ -189,7 +186,7 @@ TEST(Claim, felt_force_and_applied_stiffness_come_back) {
     std::optional<Felt> felt;
     read_until(hand, [&](const HandReport& report) {
         felt = floor.felt();
-        return is_active(report) && felt && felt->force.z > 0;
+        return is_on(report) && felt && felt->force.z > 0;
     });
     EXPECT_EQ(felt->force.x, 0);
     EXPECT_NE(felt->flags & Feedback::touching, 0u);
@@ -225,7 +222,7 @@ TEST(Claim, follows_a_model_with_the_plane_under_the_hand) {
     const double height = hand.device().workspace_centre.z + 0.002;
     auto floor = hand.add(Plane{.offset = -1, .stiffness = 500});
     hand.arm();
-    read_until(hand, is_active);
+    read_until(hand, is_on);
     for (int i = 0; i < 10; ++i) {
         floor.follow([&](const Vec3& q) {
             return SurfacePoint{.foot = {q.x, q.y, height}, .normal = {0, 0, 2}};
@@ -248,8 +245,9 @@ TEST(Claim, that_falls_silent_fades_and_comes_back_with_the_next_commit) {
     read_until(hand, [](const HandReport& report) { return report.scene_force.x == 0.5; });
     const auto start = hand.latest();
     ASSERT_TRUE(hand.wait_applied(hand.commit(), 10s));
-    // From here on nothing is committed. 250 ms count as silence, then it fades within 100 ms; judged by the
-    // servo's own stamps.
+    // From here on nothing is committed. 250 ms count as silence, over a network 450 ms; then it fades within
+    // 100 ms. Judged by the servo's own stamps.
+    const std::int64_t whole_ns = ServoProcess::through_bridge() ? 400'000'000 : 200'000'000;
     double previous = 0.5;
     bool whole_at_first = true;
     std::int64_t gone_after = 0;
@@ -257,7 +255,7 @@ TEST(Claim, that_falls_silent_fades_and_comes_back_with_the_next_commit) {
         const auto report = hand.next_report(10s);
         ASSERT_TRUE(report);
         const std::int64_t silent = report->read_ns - start->read_ns;
-        if (silent < 150'000'000) whole_at_first = whole_at_first && report->scene_force.x == 0.5;
+        if (silent < whole_ns) whole_at_first = whole_at_first && report->scene_force.x == 0.5;
         EXPECT_LE(report->scene_force.x, previous) << "it only falls";
         previous = report->scene_force.x;
         if (report->scene_force.x == 0) gone_after = silent;

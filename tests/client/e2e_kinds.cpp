@@ -74,7 +74,7 @@ struct Held {
         std::optional<Felt> felt;
         read_until(hand, [&](const HandReport& report) {
             felt = what.felt();
-            return is_active(report) && felt && wanted(*felt);
+            return is_on(report) && felt && wanted(*felt);
         });
         return *felt;
     }
@@ -121,7 +121,7 @@ TEST(Follow, sends_a_cap_that_curves_as_the_model_says) {
     Held held;
     auto bowl = held.hand.add(Cap{.foot = {0, 0, -1}, .rim = 0.2, .stiffness = 200});
     held.hand.arm();
-    read_until(held.hand, is_active);
+    read_until(held.hand, is_on);
     const SurfaceModel model = [&](const Vec3& q) {
         return SurfacePoint{.foot = {q.x, q.y, held.at.z + 0.002},
                             .normal = {0, 0, 2},
@@ -150,7 +150,7 @@ TEST(Follow, sends_both_sides_of_a_corner_and_takes_them_back) {
     Held held;
     auto floor = held.hand.add(Plane{.offset = -1, .stiffness = 200});
     held.hand.arm();
-    read_until(held.hand, is_active);
+    read_until(held.hand, is_on);
     double wall = 0.02;  // m, how far before the hand
     const SurfaceModel corner = [&](const Vec3& q) -> SurfacePoint {
         const double over = q.z - (held.at.z + 0.002), before = held.at.x + wall - q.x;
@@ -190,7 +190,7 @@ TEST(Follow, counts_the_updates_that_come_too_seldom) {
     Held held;
     auto floor = held.hand.add(Plane{.offset = -1, .stiffness = 200});
     held.hand.arm();
-    read_until(held.hand, is_active);
+    read_until(held.hand, is_on);
     // An inclined floor, so that the hand is pushed along it, and a curvature for which that is too fast.
     const auto inclined = [&](double curvature) -> SurfaceModel {
         const Vector n = Vector(0.6, 0, 0.8), through = to_eigen(held.at) + 0.003 * n;

@@ -38,7 +38,7 @@ TEST(Reports, come_one_by_one_in_order) {
 }
 
 TEST(Reports, a_reader_that_slept_is_told_exactly_how_many_it_missed) {
-    ServoProcess servo({"--device", "sim:cartesian3", "--rate", "8000"});
+    ServoProcess servo({"--device", "sim:cartesian3", "--rate", "16000"});
     Client client = connect();
     Observer sleeper = client.observe(), watch = client.observe();
     const auto before = sleeper.next_report(10s);

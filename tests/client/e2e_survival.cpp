@@ -1,7 +1,5 @@
 // Deaths: of the servo, of the application, and of an application that has forked.
 
-#include <thread>
-
 #include <gtest/gtest.h>
 #include <poll.h>
 
@@ -11,17 +9,6 @@ namespace {
 
 using namespace knurl;
 using namespace client_test;
-
-ConstantForce at_once(Vec3 force) {
-    return {.force = force, .recovery = 0};
-}
-
-/// Waits for what must come, without a bound that a busy machine could break.
-template <class Happened>
-void wait_until(Happened happened) {
-    for (int i = 0; i < 60'000 && !happened(); ++i) std::this_thread::sleep_for(1ms);
-    ASSERT_TRUE(happened());
-}
 
 TEST(Survival, a_claim_outlives_its_servo_and_force_stays_off_until_armed_again) {
     ServoProcess servo;
@@ -42,7 +29,7 @@ TEST(Survival, a_claim_outlives_its_servo_and_force_stays_off_until_armed_again)
     while (observer.next_report(0ns)) {
     }
     servo.end(SIGKILL);
-    wait_until([&] { return !hand.connected(); });
+    ASSERT_TRUE(eventually([&] { return !hand.connected(); }));
     EXPECT_FALSE(hand.next_report(1ms));
     EXPECT_FALSE(hand.latest());
     EXPECT_EQ(client.servo_pid(), 0);
@@ -60,7 +47,7 @@ TEST(Survival, a_claim_outlives_its_servo_and_force_stays_off_until_armed_again)
     auto late = hand.add(at_once({0, 0.4, 0}));  // kept for its return
 
     servo.start();
-    wait_until([&] { return hand.connected() && observer.connected(); });
+    ASSERT_TRUE(eventually([&] { return hand.connected() && observer.connected(); }));
     EXPECT_EQ(hand.reattachments(), 1u);
     EXPECT_EQ(client.servo_pid(), servo.pid());
     EXPECT_EQ(::poll(&ready, 1, 10'000), 1) << "the same descriptor";
@@ -85,15 +72,15 @@ TEST(Survival, without_reattach_the_end_is_an_error) {
     Client client = connect(false);
     Claim hand = client.claim();
     servo.end(SIGKILL);
-    wait_until([&] { return !hand.connected(); });
-    wait_until([&] {
+    ASSERT_TRUE(eventually([&] { return !hand.connected(); }));
+    EXPECT_TRUE(eventually([&] {
         try {
             hand.next_report(1ms);
         } catch (const Error& error) {
             return error.kind == Error::Kind::disconnected;
         }
         return false;
-    });
+    }));
 }
 
 TEST(Survival, a_servo_that_ends_orderly_is_found_again_too) {
@@ -102,9 +89,9 @@ TEST(Survival, a_servo_that_ends_orderly_is_found_again_too) {
     Claim hand = client.claim();
     for (std::uint64_t round = 1; round <= 3; ++round) {
         servo.end(SIGTERM);
-        wait_until([&] { return !hand.connected(); });
+        ASSERT_TRUE(eventually([&] { return !hand.connected(); }));
         servo.start();
-        wait_until([&] { return hand.connected(); });
+        ASSERT_TRUE(eventually([&] { return hand.connected(); }));
         EXPECT_EQ(hand.reattachments(), round);
         EXPECT_TRUE(hand.next_report(10s));
     }
@@ -175,15 +162,7 @@ TEST(Survival, an_application_that_is_killed_frees_the_device_though_its_child_l
     EXPECT_THROW(client.claim(), Error);
     ::kill(application, SIGKILL);
     ::waitpid(application, nullptr, 0);
-    wait_until([&] {
-        try {
-            client.claim();
-            return true;
-        } catch (const Error& error) {
-            EXPECT_EQ(error.kind, Error::Kind::device_held) << error.what();
-            return false;
-        }
-    });
+    claim_when_free(client);
     ::kill(child, SIGKILL);
     for (const int fd : {ready[0], ready[1], test_lives[0], test_lives[1]}) ::close(fd);
 }

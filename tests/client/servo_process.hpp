@@ -18,11 +18,13 @@
 
 #include <knurl/client/client.hpp>
 
+#include "../eventually.hpp"
 #include "bridge_process.hpp"
 
 namespace client_test {
 
 using namespace std::chrono_literals;
+using knurl::test::eventually;
 
 class ServoProcess {
   public:
@@ -117,6 +119,30 @@ knurl::HandReport read_until(knurl::Claim& hand, Wanted wanted) {
 
 inline bool is_active(const knurl::HandReport& report) {
     return report.state == knurl::DeviceState::active;
+}
+/// Active, or on the way: the half second of the ramp up is waited for only where the whole force matters.
+inline bool is_on(const knurl::HandReport& report) {
+    return is_active(report) || report.state == knurl::DeviceState::ramp_up;
+}
+
+/// In full effect with its first cycle.
+inline knurl::ConstantForce at_once(const knurl::Vec3& force) {
+    return {.force = force, .recovery = 0};
+}
+
+/// A device whose holder has gone is free when its force has faded. Throws if it never is.
+inline knurl::Claim claim_when_free(knurl::Client& client) {
+    std::optional<knurl::Claim> claim;
+    const auto claimed = [&] {
+        try {
+            claim.emplace(client.claim());
+        } catch (const knurl::Error& error) {
+            if (error.kind != knurl::Error::Kind::device_held) throw;
+        }
+        return claim.has_value();
+    };
+    if (!eventually(claimed)) throw std::runtime_error("the device is never free");
+    return std::move(*claim);
 }
 
 }  // namespace client_test

@@ -129,12 +129,13 @@ TEST_F(SharedSim, AForkedGuardianZeroesItAfterTheServoWasKilled) {
     if (servo == 0) {
         const auto device = open_device(fake.address());
         close(died[0]);
-        const pid_t parent = getpid();  // asked for later, it may be dead already
+        int lives[2];
+        if (pipe(lives) != 0) _exit(1);
         const pid_t guardian = fork();
         if (guardian == 0) {
-            close(died[1]);
-            while (getppid() == parent) {
-                usleep(200);
+            close(lives[1]);
+            char nothing;
+            while (read(lives[0], &nothing, 1) > 0) {  // ends with the servo
             }
             device->make_safe();
             _exit(0);

@@ -1,8 +1,8 @@
 #include "process_knurld.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <cstring>
-#include <thread>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -31,15 +31,6 @@ bool readable(int fd, int timeout_ms) {
 }
 
 }  // namespace
-
-bool eventually(const std::function<bool()>& so) {
-    const auto deadline = std::chrono::steady_clock::now() + patience;
-    while (!so()) {
-        if (std::chrono::steady_clock::now() > deadline) return false;
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));  // between two looks, not instead of them
-    }
-    return true;
-}
 
 Home::Home() {
     std::string name = (std::filesystem::temp_directory_path() / "knurl-test-XXXXXX").string();

@@ -2,9 +2,7 @@
 // knurld as a user starts it, and a client that speaks the raw protocol to it. Every wait is for an event,
 // with a deadline after which the test fails.
 
-#include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -19,12 +17,9 @@
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/spsc_ring.hpp>
 
+#include "../eventually.hpp"
+
 namespace knurl::test {
-
-inline constexpr std::chrono::seconds patience{30};  // a loaded machine under a sanitizer
-
-/// Looks again and again until it is so. False after `patience`.
-bool eventually(const std::function<bool()>& so);
 
 /// A directory of its own for one test's sockets and state, gone afterwards.
 class Home {

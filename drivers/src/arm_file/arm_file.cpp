@@ -1,5 +1,6 @@
 // TOML -> ArmFile.
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -263,8 +264,10 @@ ArmFile parse_arm(std::string_view text, const std::string& name) {
         table = toml::parse(text, name);
     } catch (const toml::parse_error& error) {
         const toml::source_position at = error.source().begin;
+        std::string what(error.description());
+        std::replace(what.begin(), what.end(), '\n', ' ');  // it quotes the file, line ends too
         throw std::runtime_error(name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
-                                 ": " + std::string(error.description()));
+                                 ": " + what);
     }
     ArmFile arm;
     arm.path = name;

@@ -4,6 +4,7 @@
 // two of length.
 
 #include "fake_claim.hpp"
+#include "pieces.hpp"
 
 using namespace knurl::bridge;
 
@@ -13,22 +14,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     claim.channel->render = data[0] & 1;
     const Role role = claim.channel->render ? Role::render : Role::control;
     std::uint64_t sent = 0;
-    for (std::span<const std::uint8_t> rest(data + 1, size - 1); rest.size() >= 3;) {
-        const unsigned control = rest[0];
-        const std::size_t length = std::min<std::size_t>(rest[1] | rest[2] << 8, rest.size() - 3);
-        // A copy to the byte: reading past its end is seen.
-        std::vector<std::byte> frame(length);
-        if (length > 0) std::memcpy(frame.data(), rest.data() + 3, length);
-        rest = rest.subspan(3 + length);
-        claim.channel->full = control & 2;
+    fuzz::Pieces frames({data + 1, size - 1});
+    for (fuzz::Pieces::Piece frame; frames.next(frame);) {
+        const bool is_batch = frame.control & 1;
+        claim.channel->full = frame.control & 2;
         const char* why = "";
         const bool good =
-            control & 1 ? claim.stream.batch(frame, why) : claim.stream.commands(frame, role, why);
+            is_batch ? claim.stream.batch(frame.bytes, why) : claim.stream.commands(frame.bytes, role, why);
         if (!good) {
             fuzz::require(*why != '\0');
             return 0;  // the peer is closed
         }
-        if (!(control & 1)) sent += length / knurl::shm::cell_bytes;
+        if (!is_batch) sent += frame.bytes.size() / knurl::shm::cell_bytes;
         fuzz::require(claim.channel->cells <= sent);
     }
     return 0;

@@ -7,6 +7,7 @@
 
 #include "fake_claim.hpp"
 #include "feedback_assembly.hpp"
+#include "pieces.hpp"
 #include "post.hpp"
 
 using namespace knurl::bridge;
@@ -44,13 +45,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::vector<knurl::protocol::FeedbackEntry> entries;
     std::uint64_t counter = 0;
 
-    for (std::span<const std::uint8_t> rest(data + 1, size - 1); rest.size() >= 3;) {
-        const unsigned control = rest[0];
-        const std::size_t length = std::min<std::size_t>(rest[1] | rest[2] << 8, rest.size() - 3);
-        std::vector<std::byte> datagram(length);
-        if (length > 0) std::memcpy(datagram.data(), rest.data() + 3, length);
-        rest = rest.subspan(3 + length);
-        if (length >= sizeof(DatagramHeader)) {
+    fuzz::Pieces datagrams({data + 1, size - 1});
+    for (fuzz::Pieces::Piece next; datagrams.next(next);) {
+        const unsigned control = next.control;
+        std::vector<std::byte>& datagram = next.bytes;
+        if (datagram.size() >= sizeof(DatagramHeader)) {
             DatagramHeader header;
             std::memcpy(&header, datagram.data(), sizeof header);
             if (control & right_session) header.session = session;

@@ -9,18 +9,22 @@
 #include <thread>
 #include <vector>
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
 
 #include <knurl/shm/fd.hpp>
 
+#include "../loopback.hpp"
+
 namespace knurl::bridge::proxy {
 namespace {
 
 using shm::UniqueFd;
+using test::bound;
+using test::dial;
+using test::loopback;
+using test::port_of;
 
 TEST(Weather, IsTheSameForTheSameSeedWhateverIsAskedInBetween) {
     const Weather bad{
@@ -81,28 +85,6 @@ TEST(Weather, LosesNothingOfAStream) {
         const double delay = stream_delay(bad, 1, Way::forth, 0, n, 0);
         EXPECT_TRUE(std::abs(delay - 0.1) < 1e-9 || std::abs(delay - 0.31) < 1e-9) << delay;
     }
-}
-
-sockaddr_in loopback(std::uint16_t port) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    return address;
-}
-
-UniqueFd bound(int type, std::uint16_t port = 0) {
-    UniqueFd fd(::socket(AF_INET, type | SOCK_CLOEXEC, 0));
-    const sockaddr_in address = loopback(port);
-    EXPECT_EQ(::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    return fd;
-}
-
-std::uint16_t port_of(const UniqueFd& fd) {
-    sockaddr_in address{};
-    socklen_t bytes = sizeof address;
-    ::getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
-    return ntohs(address.sin_port);
 }
 
 /// A server with both sockets, the proxy, and a client of it.
@@ -196,9 +178,7 @@ TEST(Proxy, ACutLosesDatagramsAndTellsNobody) {
 
 TEST(Proxy, AStreamArrivesWholeInOrderHoweverBadTheNetwork) {
     Wire wire(Weather{.loss = 0.3, .reorder = 0.3, .delay = 0.001, .jitter = 0.005});
-    UniqueFd client(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    const sockaddr_in to = loopback(wire.proxy.port());
-    ASSERT_EQ(::connect(client.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    const UniqueFd client = dial(wire.proxy.port(), SOCK_STREAM);
     UniqueFd server(::accept(wire.tcp.get(), nullptr, nullptr));
     std::string sent, got;
     for (int i = 0; sent.size() < 500'000; ++i) sent += std::to_string(i);
@@ -215,9 +195,7 @@ TEST(Proxy, AStreamArrivesWholeInOrderHoweverBadTheNetwork) {
 
 TEST(Proxy, AHangUpResetsStreams) {
     Wire wire(Weather{});
-    UniqueFd client(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    const sockaddr_in to = loopback(wire.proxy.port());
-    ASSERT_EQ(::connect(client.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    const UniqueFd client = dial(wire.proxy.port(), SOCK_STREAM);
     UniqueFd server(::accept(wire.tcp.get(), nullptr, nullptr));
     wire.proxy.hang_up();
     char byte;

@@ -1,0 +1,35 @@
+#pragma once
+// Scenes out of text.
+
+#include <cstring>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <knurl/scenefile/scene_file.hpp>
+
+namespace knurl::scenefile {
+
+inline SceneFile scene_of(const std::string& text) {
+    return parse_scene(text, "S.toml");
+}
+
+template <class R>
+R params_of(const Change& change) {
+    EXPECT_EQ(change.kind, kind_of<R>);
+    EXPECT_EQ(change.params.size(), sizeof(R));
+    R params;
+    std::memcpy(&params, change.params.data(), sizeof params);
+    return params;
+}
+
+inline std::string error_of(const std::string& text) {
+    try {
+        scene_of(text);
+    } catch (const SceneError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+}  // namespace knurl::scenefile

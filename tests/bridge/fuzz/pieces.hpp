@@ -1,0 +1,36 @@
+#pragma once
+// An input as a row of pieces: each has a control byte, two of length (little-endian), and its bytes.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+namespace knurl::bridge::fuzz {
+
+class Pieces {
+  public:
+    explicit Pieces(std::span<const std::uint8_t> input) : rest_(input) {}
+
+    struct Piece {
+        unsigned control = 0;
+        std::vector<std::byte> bytes;  // a copy to the byte: reading past its end is seen
+    };
+    /// The last piece may be shorter than it says. False: there is none left.
+    bool next(Piece& piece) {
+        if (rest_.size() < 3) return false;
+        piece.control = rest_[0];
+        const std::size_t length = std::min<std::size_t>(rest_[1] | rest_[2] << 8, rest_.size() - 3);
+        piece.bytes = std::vector<std::byte>(length);
+        if (length > 0) std::memcpy(piece.bytes.data(), rest_.data() + 3, length);
+        rest_ = rest_.subspan(3 + length);
+        return true;
+    }
+
+  private:
+    std::span<const std::uint8_t> rest_;
+};
+
+}  // namespace knurl::bridge::fuzz

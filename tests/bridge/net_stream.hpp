@@ -1,0 +1,123 @@
+#pragma once
+// The servo's end of one claim of a peer; its servo is played by the test.
+
+#include <deque>
+
+#include "net_pair.hpp"
+#include "peer_stream.hpp"
+
+namespace knurl::bridge::test {
+
+inline constexpr std::uint32_t ring_cells = 64;
+inline constexpr std::uint32_t batch_capacity = 4096;  // bytes
+inline constexpr std::int64_t start_ns = 1'000'000'000'000, cycle_ns = 1'000'000;
+inline constexpr std::uint8_t stream_id = 5;
+
+/// The servo's side of the claim: what it was given, and what it will say.
+struct Played {
+    std::size_t room = 1000;  // cells
+    std::vector<std::vector<std::byte>> groups;
+    std::vector<std::uint64_t> batches;
+    std::deque<protocol::Reply> replies;
+    protocol::FeedbackHeader feedback;
+    std::vector<protocol::FeedbackEntry> entries;
+};
+
+class PlayedChannel final : public detail::ClaimChannel {
+  public:
+    explicit PlayedChannel(Played& played) : played_(played) {}
+    bool push(const void* commands, std::uint32_t cells) noexcept override {
+        const auto* at = static_cast<const std::byte*>(commands);
+        if (cells > played_.room) return false;
+        played_.room -= cells;
+        played_.groups.emplace_back(at, at + cells * shm::cell_bytes);
+        return true;
+    }
+    std::uint32_t command_cells() const noexcept override { return ring_cells; }
+    bool reply(protocol::Reply& out) noexcept override {
+        if (played_.replies.empty()) return false;
+        out = played_.replies.front();
+        played_.replies.pop_front();
+        return true;
+    }
+    bool publish(const protocol::BatchHeader& header, std::span<const std::byte>) noexcept override {
+        played_.batches.push_back(header.sequence);
+        return true;
+    }
+    bool feedback(protocol::FeedbackHeader& header, std::vector<protocol::FeedbackEntry>& entries) override {
+        header = played_.feedback;
+        entries = played_.entries;
+        return true;
+    }
+
+  private:
+    Played& played_;
+};
+
+/// A datagram that reached the peer.
+struct Came {
+    DatagramHeader header;
+    ReportPiece piece;
+    std::optional<Report> report;
+    std::optional<protocol::FeedbackHeader> feedback;
+    std::vector<std::byte> felt;
+};
+
+struct Stream : testing::Test {
+    Stream() { pair.open(); }
+
+    detail::Attachment attachment() {
+        detail::Attachment attached;
+        attached.terms.capacity = {.representations = 300, .batch_bytes = batch_capacity};
+        attached.channel = std::make_unique<PlayedChannel>(servo);
+        return attached;
+    }
+    /// Where datagrams go from now on.
+    void bind(PeerStream& stream) {
+        sockaddr_storage to{};
+        const sockaddr_in at = loopback(port_of(peer));
+        std::memcpy(&to, &at, sizeof at);
+        stream.bind(to, sizeof at);
+    }
+    /// The cycle `number` ends, 1 ms after the one before it.
+    bool cycle(PeerStream& stream, std::int64_t number) {
+        Report report;
+        report.cycle = static_cast<std::uint64_t>(number);
+        report.deadline_ns = start_ns + number * cycle_ns;
+        const bool good = stream.cycle(report, report.deadline_ns, way, why);
+        out.flush();
+        return good;
+    }
+    std::vector<Came> datagrams() {
+        std::vector<Came> all;
+        std::array<std::byte, datagram_bytes> bytes;
+        for (ssize_t n; (n = ::recv(peer.get(), bytes.data(), bytes.size(), 0)) > 0;) {
+            std::span<const std::byte> rest(bytes.data(), static_cast<std::size_t>(n));
+            Came& came = all.emplace_back();
+            EXPECT_TRUE(take(rest, came.header) && take(rest, came.piece));
+            EXPECT_EQ(came.header.stream, stream_id);
+            if ((came.piece.flags & piece_flags::report) != 0) {
+                EXPECT_TRUE(take(rest, came.report.emplace()));
+            }
+            if ((came.piece.flags & piece_flags::feedback) != 0) {
+                EXPECT_TRUE(take(rest, came.feedback.emplace()));
+            }
+            came.felt.assign(rest.begin(), rest.end());
+        }
+        return all;
+    }
+    std::vector<Received> frames() {
+        pair.server.pump();
+        pair.client.pump();
+        return take_all(pair.client);
+    }
+    Pair pair;
+    shm::UniqueFd peer = bound(SOCK_DGRAM | SOCK_NONBLOCK), ours = bound(SOCK_DGRAM | SOCK_NONBLOCK);
+    OutQueue out{ours.get()};
+    Outbox outbox{1, nullptr};
+    Way way{.frames = pair.server, .outbox = outbox, .out = out};
+    Played servo;
+    const char* why = "";
+};
+
+}  // namespace knurl::bridge::test

@@ -1,0 +1,169 @@
+#pragma once
+// A peer that says what it likes, byte by byte.
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include "frame_stream.hpp"
+#include "loopback.hpp"
+#include "relay_support.hpp"
+#include "wire.hpp"
+
+namespace knurl::bridge::test {
+
+/// A servo that listens already: a stranger is told so once, and does not ask again.
+struct ServoUp : ServoProcess {
+    ServoUp() { Client::connect("knurl:default", {.wait = 20s}); }
+};
+
+inline std::uint16_t port_of(const BridgeProcess& bridge) {
+    const std::string& at = bridge.address();
+    return static_cast<std::uint16_t>(std::stoi(at.substr(at.rfind(':') + 1)));
+}
+inline shm::UniqueFd dial(const BridgeProcess& bridge, int type = SOCK_STREAM) {
+    return dial(port_of(bridge), type);
+}
+
+/// Until the other end has hung up. False: it has not in that time.
+inline bool hung_up(const shm::UniqueFd& fd, int patience_ms = 20'000) {
+    char buffer[4096];
+    for (;;) {
+        pollfd one{.fd = fd.get(), .events = POLLIN, .revents = 0};
+        if (::poll(&one, 1, patience_ms) <= 0) return false;
+        const ssize_t got = ::recv(fd.get(), buffer, sizeof buffer, 0);
+        if (got <= 0) return true;
+    }
+}
+
+inline void put(const shm::UniqueFd& fd, const std::vector<std::byte>& bytes) {
+    [[maybe_unused]] const ssize_t sent = ::send(fd.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+}
+
+template <class T>
+std::vector<std::byte> frame(FrameType type, std::uint16_t stream, const T& body,
+                             std::uint32_t bytes = sizeof(T)) {
+    const FrameHeader header{.bytes = bytes, .type = static_cast<std::uint16_t>(type), .stream = stream};
+    std::vector<std::byte> result(sizeof header + sizeof body);
+    std::memcpy(result.data(), &header, sizeof header);
+    std::memcpy(result.data() + sizeof header, &body, sizeof body);
+    return result;
+}
+
+inline Hello hello() {
+    Hello message;
+    message.layout = wire_hash();
+    put_text(message.client, "stranger");
+    return message;
+}
+
+/// The next frame of that type; those of others are passed over, but a
+/// refusal is thrown as what it says. Empty: the connection ended first.
+inline std::vector<std::byte> await(FrameStream& stream, FrameType type) {
+    while (stream.state() != FrameStream::State::closed) {
+        stream.pump();
+        while (const Frame* frame = stream.next()) {
+            if (frame->type == static_cast<std::uint16_t>(type))
+                return {frame->payload.begin(), frame->payload.end()};
+            Refused refused;
+            std::span<const std::byte> payload = frame->payload;
+            if (frame->type == static_cast<std::uint16_t>(FrameType::refused) && take(payload, refused))
+                throw std::runtime_error(text_of(refused.text));
+        }
+        pollfd one{.fd = stream.fd(), .events = POLLIN, .revents = 0};
+        if (::poll(&one, 1, 20'000) != 1) break;
+    }
+    return {};
+}
+/// The same as what it carries.
+template <class T>
+T await(FrameStream& stream, FrameType type) {
+    const std::vector<std::byte> payload = await(stream, type);
+    std::span<const std::byte> bytes = payload;
+    T message;
+    if (!take(bytes, message)) throw std::runtime_error("that frame did not come");
+    return message;
+}
+/// Reads on until the other end has closed it. False: it has not for 20 s.
+inline bool ended(FrameStream& stream) {
+    while (stream.state() != FrameStream::State::closed) {
+        pollfd one{.fd = stream.fd(), .events = POLLIN, .revents = 0};
+        if (::poll(&one, 1, 20'000) != 1) return false;
+        stream.pump();
+        while (stream.next() != nullptr) {
+        }
+    }
+    return true;
+}
+template <class T>
+void send(FrameStream& stream, FrameType type, const T& body, std::uint16_t id = 0) {
+    stream.send(static_cast<std::uint16_t>(type), id, bytes_of(body));
+}
+
+/// In, with the session's number.
+inline std::uint64_t greet(FrameStream& stream) {
+    send(stream, FrameType::hello, hello());
+    return await<Welcome>(stream, FrameType::welcome).session;
+}
+
+inline Attached attach_observer(FrameStream& stream) {
+    Attach attach;
+    attach.request.observe = 1;
+    send(stream, FrameType::attach, attach);
+    return await<Attached>(stream, FrameType::attached);
+}
+
+/// Sends datagrams of a session that has no key.
+class Pinger {
+  public:
+    Pinger(std::uint64_t session, shm::UniqueFd socket) : session_(session), socket_(std::move(socket)) {}
+
+    std::vector<std::byte> ping(std::uint16_t port, std::uint64_t counter) {
+        const DatagramHeader header{.session = session_, .counter = counter, .kind = DatagramKind::ping};
+        std::vector<std::byte> bytes(sizeof header + sizeof(PingBody));
+        std::memcpy(bytes.data(), &header, sizeof header);
+        send(port, bytes);
+        return bytes;
+    }
+    void send(std::uint16_t port, const std::vector<std::byte>& bytes) {
+        const sockaddr_in to = loopback(port);
+        ::sendto(socket_.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+                 sizeof to);
+    }
+    /// Takes one answer.
+    bool answered(std::chrono::milliseconds patience = 10s) {
+        pollfd one{.fd = socket_.get(), .events = POLLIN, .revents = 0};
+        char nothing;
+        return ::poll(&one, 1, static_cast<int>(patience.count())) == 1 &&
+               ::recv(socket_.get(), &nothing, 1, 0) > 0;
+    }
+
+  private:
+    std::uint64_t session_;
+    shm::UniqueFd socket_;
+};
+
+/// A good application beside the bad ones: its reports come, its updates take effect, its session is still
+/// the first.
+class Bystander {
+  public:
+    explicit Bystander(const BridgeProcess& bridge)
+        : client_(connect_to(bridge)), hand_(client_.claim("", {.shared = true})) {
+        force_.emplace(hand_.add(at_once({})));
+    }
+    void expect_well() {
+        for (int i = 0; i < 20; ++i) {
+            ASSERT_TRUE(hand_.next_report(10s));
+            force_->set(at_once({1e-3 * ++count_, 0, 0}));
+            ASSERT_TRUE(hand_.wait_applied(hand_.commit(), 10s));
+        }
+        EXPECT_EQ(hand_.reattachments(), 0u);
+    }
+
+  private:
+    Client client_;
+    Claim hand_;
+    std::optional<Representing<ConstantForce>> force_;
+    int count_ = 0;
+};
+
+}  // namespace knurl::bridge::test
