@@ -10,10 +10,11 @@ std::vector<std::byte> group(std::initializer_list<std::uint64_t> numbers) {
     std::vector<std::byte> cells(numbers.size() * shm::cell_bytes);
     std::byte* at = cells.data();
     for (const std::uint64_t number : numbers) {
-        const protocol::CommandHeader header{.cells = 1,
-                                             .type = protocol::CommandType::arm,
-                                             .number = number,
-                                             .more = number == *(numbers.end() - 1) ? 0u : 1u};
+        const protocol::CommandHeader header{
+            .cells = 1,
+            .type = protocol::CommandType::arm,
+            .number = number,
+            .flags = number == *(numbers.end() - 1) ? 0u : protocol::command_flags::more};
         std::memcpy(at, &header, sizeof header);
         at += shm::cell_bytes;
     }
@@ -72,7 +73,7 @@ TEST_F(Stream, CommandsThatAreNoWholeGroupEndThePeer) {
     };
     const auto with = [](std::uint32_t cells, std::uint32_t more) {
         std::vector<std::byte> one = group({1});
-        const protocol::CommandHeader header{.cells = cells, .more = more};
+        const protocol::CommandHeader header{.cells = cells, .flags = more};
         std::memcpy(one.data(), &header, sizeof header);
         return one;
     };
@@ -80,7 +81,7 @@ TEST_F(Stream, CommandsThatAreNoWholeGroupEndThePeer) {
     EXPECT_TRUE(refused(with(1, 1))) << "its group goes on, and there is no more";
     EXPECT_TRUE(refused(with(0, 0))) << "of no cells";
     EXPECT_TRUE(refused(with(2, 0))) << "longer than what came";
-    EXPECT_TRUE(refused(with(1, protocol::restricted_command))) << "marked by the peer itself";
+    EXPECT_TRUE(refused(with(1, protocol::command_flags::restricted))) << "marked by the peer itself";
     EXPECT_TRUE(refused({}));
     cut.resize(cut.size() - 8);
     EXPECT_TRUE(refused(cut)) << "half a cell";
@@ -91,12 +92,12 @@ TEST_F(Stream, EachCommandOfARenderingPeerIsMarkedAndNoneOfAControllingOne) {
     PeerStream stream(stream_id, attachment(), 0);
     ASSERT_TRUE(stream.commands(group({1, 2, 3}), Role::render, why)) << why;
     for (const protocol::CommandHeader& header : headers_of(servo.groups)) {
-        EXPECT_NE(header.more & protocol::restricted_command, 0u) << header.number;
-        EXPECT_EQ(header.more & 1u, header.number < 3 ? 1u : 0u) << "the group is the same";
+        EXPECT_NE(header.flags & protocol::command_flags::restricted, 0u) << header.number;
+        EXPECT_EQ(header.flags & 1u, header.number < 3 ? 1u : 0u) << "the group is the same";
     }
     servo.groups.clear();
     ASSERT_TRUE(stream.commands(group({4}), Role::control, why)) << why;
-    EXPECT_EQ(headers_of(servo.groups).at(0).more, 0u);
+    EXPECT_EQ(headers_of(servo.groups).at(0).flags, 0u);
 }
 
 TEST_F(Stream, ABatchThatDoesNotFitItsClaimReachesNobody) {

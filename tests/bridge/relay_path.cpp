@@ -89,7 +89,7 @@ TEST(Path, a_batch_of_any_size_arrives_whole) {
     Client client = connect_to(bridge);
     // From one datagram over several to what goes by TCP.
     for (const std::uint32_t count : {1u, 20u, 30u, 400u}) {
-        Claim hand = client.claim("", {.shared = true, .representations = count, .batch_bytes = 128 * 1024});
+        Claim hand = client.claim("", {.shared = true, .representations = count});
         std::vector<Representing<ConstantForce>> forces;
         for (std::uint32_t i = 0; i < count; ++i) forces.push_back(hand.add(at_once({})));
         hand.arm();

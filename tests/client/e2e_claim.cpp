@@ -143,7 +143,7 @@ TEST(Claim, a_group_that_the_servo_refuses_removes_nothing) {
 TEST(Claim, a_full_channel_is_told_and_nothing_is_dropped) {
     ServoProcess servo;
     Client client = connect();
-    Claim hand = client.claim("", {.representations = 1024, .batch_bytes = 256 * 1024});
+    Claim hand = client.claim("", {.representations = 1024});
     servo.stop();
     std::vector<Representing<Spring>> springs;
     std::uint64_t tries = 0;

@@ -184,9 +184,9 @@ TEST_F(Answers, of_a_group_the_member_at_fault_is_named_not_the_others) {
                                .reason = static_cast<std::uint32_t>(protocol::Refusal::group_refused)};
     };
     const auto first = servo.next_command(), second = servo.next_command(), third = servo.next_command();
-    EXPECT_EQ(first.more, 1u);
-    EXPECT_EQ(second.more, 1u);
-    EXPECT_EQ(third.more, 0u);
+    EXPECT_EQ(first.flags, 1u);
+    EXPECT_EQ(second.flags, 1u);
+    EXPECT_EQ(third.flags, 0u);
     servo.answer(group(first.number));
     servo.answer({.command = second.number,
                   .code = static_cast<std::uint32_t>(Verdict::Code::slot_in_use),

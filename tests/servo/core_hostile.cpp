@@ -240,8 +240,10 @@ TEST(Hostile, AGroupThatNeverEndsIsMalformed) {
     shm::SpscProducer commands(claim.memory() + claim.layout().commands, claim.layout().command_cells);
     std::vector<std::uint64_t> cells(std::size_t{claim.layout().command_cells} * 8);
     for (std::size_t i = 0; i < claim.layout().command_cells; ++i) {
-        const protocol::CommandHeader header{
-            .cells = 1, .type = protocol::CommandType::disarm, .number = i + 1, .more = 1};
+        const protocol::CommandHeader header{.cells = 1,
+                                             .type = protocol::CommandType::disarm,
+                                             .number = i + 1,
+                                             .flags = protocol::command_flags::more};
         std::memcpy(&cells[8 * i], &header, sizeof header);
     }
     commands.try_push(cells.data(), claim.layout().command_cells);

@@ -148,7 +148,7 @@ struct RawClient {
             .cells = static_cast<std::uint32_t>((bytes + shm::cell_bytes - 1) / shm::cell_bytes),
             .type = type,
             .number = ++issued,
-            .more = more,
+            .flags = more ? protocol::command_flags::more : 0u,
             .bytes = static_cast<std::uint32_t>(param_bytes)};
         std::memcpy(cells, &header, sizeof header);
         std::memcpy(cells + sizeof header, &body, body_bytes);

@@ -24,8 +24,9 @@ bool well_formed(std::span<const std::byte> cells) noexcept {
         if (cells.size() < shm::cell_bytes) return false;
         std::memcpy(static_cast<void*>(&header), cells.data(), sizeof header);
         const std::size_t bytes = std::size_t{header.cells} * shm::cell_bytes;
-        if (bytes == 0 || bytes > cells.size() || header.more > 1) return false;
-        more = header.more != 0;
+        if (bytes == 0 || bytes > cells.size() || (header.flags & ~protocol::command_flags::more) != 0)
+            return false;
+        more = header.flags != 0;
         cells = cells.subspan(bytes);
     }
     return !more;
@@ -34,12 +35,12 @@ bool well_formed(std::span<const std::byte> cells) noexcept {
 /// The servo decides, with the device's state of that cycle.
 void restrict(std::span<std::byte> cells) noexcept {
     for (std::size_t at = 0; at < cells.size();) {
-        std::uint32_t count = 0, more = 0;
-        std::byte* const flags = cells.data() + at + offsetof(protocol::CommandHeader, more);
+        std::uint32_t count = 0, bits = 0;
+        std::byte* const flags = cells.data() + at + offsetof(protocol::CommandHeader, flags);
         std::memcpy(&count, cells.data() + at, sizeof count);
-        std::memcpy(&more, flags, sizeof more);
-        more |= protocol::restricted_command;
-        std::memcpy(flags, &more, sizeof more);
+        std::memcpy(&bits, flags, sizeof bits);
+        bits |= protocol::command_flags::restricted;
+        std::memcpy(flags, &bits, sizeof bits);
         at += std::size_t{count} * shm::cell_bytes;
     }
 }
@@ -92,9 +93,9 @@ bool PeerStream::push_waiting() noexcept {
         while (more && end < waiting_.size()) {
             std::uint32_t cells = 0, flags = 0;
             std::memcpy(&cells, waiting_.data() + end, sizeof cells);
-            std::memcpy(&flags, waiting_.data() + end + offsetof(protocol::CommandHeader, more),
+            std::memcpy(&flags, waiting_.data() + end + offsetof(protocol::CommandHeader, flags),
                         sizeof flags);
-            more = (flags & 1u) != 0;
+            more = (flags & protocol::command_flags::more) != 0;
             end += std::size_t{cells} * shm::cell_bytes;
         }
         if (!attachment_.channel->push(waiting_.data() + done,

@@ -40,7 +40,8 @@ inline constexpr const char* exporter_label = "EXPORTER-knurl-bridge-datagrams";
 // ------------------------------------------------------------------------------------------------ bounds
 
 inline constexpr std::size_t max_sessions = protocol::max_clients;
-inline constexpr std::uint32_t max_streams = 32;     // claims and observers of one connection
+inline constexpr std::uint32_t max_streams =
+    protocol::max_claims_of_connection;              // claims and observers of one connection
 inline constexpr std::size_t datagram_bytes = 1200;  // to begin with; the path may allow less
 inline constexpr std::size_t least_datagram_bytes =
     760;                                               // a report and feedback; IPv6 carries 1280 everywhere

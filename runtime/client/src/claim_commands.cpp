@@ -166,11 +166,12 @@ void ClaimState::push(std::span<const Command> commands, ClaimChannel& channel) 
     for (std::size_t i = 0; i < commands.size(); ++i) {
         const Command& command = commands[i];
         const std::size_t cells = cells_for(command.body.size());
-        const protocol::CommandHeader header{.cells = static_cast<std::uint32_t>(cells),
-                                             .type = command.type,
-                                             .number = ++number,
-                                             .more = i + 1 < commands.size() ? 1u : 0u,
-                                             .bytes = command.parameter_bytes};
+        const protocol::CommandHeader header{
+            .cells = static_cast<std::uint32_t>(cells),
+            .type = command.type,
+            .number = ++number,
+            .flags = i + 1 < commands.size() ? protocol::command_flags::more : 0u,
+            .bytes = command.parameter_bytes};
         const std::size_t start = message.size();
         message.resize(start + cells * shm::cell_bytes);
         std::memcpy(message.data() + start, &header, sizeof header);

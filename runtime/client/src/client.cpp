@@ -21,8 +21,6 @@ void require_range(const char* what, std::uint32_t value, std::uint32_t most) {
 
 protocol::ClaimRequest request_of(const ClaimOptions& options) {
     require_range("representations", options.representations, protocol::max_representations);
-    if (options.batch_bytes != 0)
-        require_range("batch_bytes", options.batch_bytes, protocol::max_batch_bytes);
     if (!(options.workspace_radius >= 0 && options.workspace_radius < 1e6))
         throw Error(Error::Kind::bad_parameters,
                     "claim: workspace_radius = " + std::to_string(options.workspace_radius) +
@@ -35,9 +33,7 @@ protocol::ClaimRequest request_of(const ClaimOptions& options) {
     protocol::ClaimRequest request;
     request.shared = options.shared ? 1 : 0;
     request.capacity = {.representations = options.representations,
-                        .batch_bytes = options.batch_bytes != 0
-                                           ? options.batch_bytes / 8 * 8
-                                           : protocol::batch_bytes_for(options.representations)};
+                        .batch_bytes = protocol::batch_bytes_for(options.representations)};
     request.workspace_radius = options.workspace_radius;
     request.workspace_centre = options.workspace_centre;
     request.update_interval = seconds(options.update_interval);

@@ -41,8 +41,8 @@ Handle Table::add(Kind kind, std::span<const std::byte> params, const Use& use) 
             Error::Kind::bad_parameters,
             fmt::format(
                 "{}: its {} bytes do not fit the claim's batch of {} any more; remove a representation, "
-                "or claim with ClaimOptions::batch_bytes up to {}",
-                kinds()[kind].name, share, capacity_.batch_bytes, protocol::max_batch_bytes));
+                "or claim with a larger ClaimOptions::representations",
+                kinds()[kind].name, share, capacity_.batch_bytes));
     const std::uint32_t slot = free_.back();
     free_.pop_back();
     bytes_ += share;

@@ -179,7 +179,9 @@ SceneFile parse_scene(std::string_view text, const std::string& path) {
     try {
         root = toml::parse(text, path);
     } catch (const toml::parse_error& error) {
-        fail(path, error.source().begin, std::string(error.description()));
+        std::string what(error.description());
+        std::replace(what.begin(), what.end(), '\n', ' ');  // it quotes the file, line ends too
+        fail(path, error.source().begin, what);
     }
 
     SceneFile scene;

@@ -249,9 +249,9 @@ struct Broker::Impl {
             if (request.device >= tables.size()) {
                 throw Refusal(fmt::format("claim: device {} of {}", request.device, tables.size()));
             }
-            if (connection.holdings.size() >= broker_bounds::claims_of_one) {
+            if (connection.holdings.size() >= protocol::max_claims_of_connection) {
                 throw Refusal(fmt::format("claim: one connection holds up to {}; connect once more",
-                                          broker_bounds::claims_of_one));
+                                          protocol::max_claims_of_connection));
             }
             ClaimTable& table = *tables[request.device];
             const Grant grant = table.grant(request, connection.peer);

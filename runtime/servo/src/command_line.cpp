@@ -33,7 +33,7 @@ std::string bounds_help() {
         "  {} bytes of parameters of one representation, {} probes, {} joints\n"
         "  {} cells of commands and {} of replies waiting, {} taken in one cycle; {} reports kept\n",
         max_devices, max_clients, broker_bounds::connections, broker_bounds::half_open,
-        broker_bounds::hello_seconds, broker_bounds::claims_of_one, max_representations,
+        broker_bounds::hello_seconds, protocol::max_claims_of_connection, max_representations,
         max_batch_bytes / 1024, default_representations, default_batch_bytes / 1024,
         protocol::max_parameter_bytes, max_probes, max_joints, max_command_cells, reply_cells,
         command_cells_per_cycle, report_slots - 1);

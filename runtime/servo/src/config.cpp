@@ -243,7 +243,9 @@ DaemonConfig parse_config(std::string_view text, const std::string& path) {
         return read_daemon(toml::parse(text, path), path);
     } catch (const toml::parse_error& error) {
         const auto& begin = error.source().begin;
-        throw ConfigError(fmt::format("{}:{}:{}: {}", path, begin.line, begin.column, error.description()));
+        std::string what(error.description());
+        std::replace(what.begin(), what.end(), '\n', ' ');  // it quotes the file, line ends too
+        throw ConfigError(fmt::format("{}:{}:{}: {}", path, begin.line, begin.column, what));
     }
 }
 

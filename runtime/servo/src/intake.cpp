@@ -150,13 +150,15 @@ Intake::Parsed Intake::parse_group(Claim::Impl& claim, std::uint32_t from) noexc
         if (body == no_such_command || header.number != claim.commands_done + 1 + parsed.commands) break;
         if (header.bytes > (header.type == CommandType::add ? protocol::max_parameter_bytes : 0)) break;
         const std::size_t bytes = sizeof(CommandHeader) + body + header.bytes;
-        if (header.cells != (bytes + shm::cell_bytes - 1) / shm::cell_bytes || header.more > 3) break;
+        if (header.cells != (bytes + shm::cell_bytes - 1) / shm::cell_bytes ||
+            (header.flags & ~protocol::command_flags::all) != 0)
+            break;
         if (!copied_to(claim, at + std::size_t{header.cells})) break;
         group_[parsed.commands++] = {.header = header,
                                      .body = message + sizeof(CommandHeader),
                                      .params = message + sizeof(CommandHeader) + body};
         at += header.cells;
-        if ((header.more & 1u) != 0) continue;
+        if ((header.flags & protocol::command_flags::more) != 0) continue;
         parsed.cells = at - from;
         parsed.malformed = false;
         break;
@@ -217,7 +219,7 @@ Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const A
         if (refusal == Refusal::hand_too_fast) value = authority.speed;
         return {{Code::refused, Verdict::no_field, value}, refusal};
     };
-    if ((command.header.more & protocol::restricted_command) != 0) {
+    if ((command.header.flags & protocol::command_flags::restricted) != 0) {
         const DeviceState device = authority.supervisor.state();
         const bool on = device == DeviceState::ramp_up || device == DeviceState::active;
         if (command.header.type == CommandType::reset_fault ||

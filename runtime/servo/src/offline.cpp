@@ -44,7 +44,7 @@ void OfflineClaim::push(CommandType type, std::span<const std::byte> body,
     const CommandHeader header{.cells = static_cast<std::uint32_t>(cells),
                                .type = type,
                                .number = ++issued_,
-                               .more = 1,
+                               .flags = protocol::command_flags::more,
                                .bytes = static_cast<std::uint32_t>(params.size())};
     last_message_ = group_.size();
     group_.resize(group_.size() + cells * shm::cell_bytes);
@@ -58,7 +58,7 @@ void OfflineClaim::push(CommandType type, std::span<const std::byte> body,
 void OfflineClaim::flush() {
     if (group_.empty()) return;
     const std::uint32_t last = 0;
-    std::memcpy(group_.data() + last_message_ + offsetof(CommandHeader, more), &last, sizeof last);
+    std::memcpy(group_.data() + last_message_ + offsetof(CommandHeader, flags), &last, sizeof last);
     const bool fits = commands_.try_push(group_.data(), group_.size() / shm::cell_bytes);
     group_.clear();
     if (!fits) throw std::runtime_error("the command ring is full: let the servo take some first (step)");
@@ -105,7 +105,7 @@ std::uint64_t OfflineClaim::commit(std::uint64_t report_cycle, std::int64_t comm
     }
     if (sizeof(protocol::BatchHeader) + entries.size() > layout_.batch_slot_bytes)
         throw std::runtime_error(
-            "the batch is larger than the claim's batch_bytes: claim with a larger capacity");
+            "the batch is larger than the claim's room: give its ClaimTerms a larger capacity");
     const protocol::BatchHeader header{.sequence = ++sequence_,
                                        .commands_before = issued_,
                                        .report_cycle = report_cycle,

@@ -29,8 +29,8 @@ class FakeChannel final : public detail::ClaimChannel {
             protocol::CommandHeader header;
             std::memcpy(static_cast<void*>(&header), at + std::size_t{i} * shm::cell_bytes, sizeof header);
             require(header.cells > 0 && header.cells <= count - i);
-            if (render) require((header.more & protocol::restricted_command) != 0);
-            more = (header.more & 1) != 0;
+            if (render) require((header.flags & protocol::command_flags::restricted) != 0);
+            more = (header.flags & protocol::command_flags::more) != 0;
             i += header.cells;
         }
         require(count > 0 && count <= ring_cells && !more);

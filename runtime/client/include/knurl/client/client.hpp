@@ -54,7 +54,6 @@ struct ClaimOptions {
     Vec3 workspace_centre = {};                   // m, where the device's centre lies in that world
     std::chrono::nanoseconds update_interval{0};  // how often it means to commit; 0: measured
     std::uint32_t representations = 128;          // at most
-    std::uint32_t batch_bytes = 0;                // of one commit; 0: room for all representations
 };
 
 /// A report in the claim's world frame (an observer's: the device's), with what only the client knows.

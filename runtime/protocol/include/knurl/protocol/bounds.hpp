@@ -6,14 +6,15 @@
 
 namespace knurl::protocol {
 
-inline constexpr std::uint32_t max_clients = 128;  // claims and observers of one device together
-inline constexpr std::uint32_t max_devices = 8;    // of one servo process
+inline constexpr std::uint32_t max_clients = 128;              // claims and observers of one device together
+inline constexpr std::uint32_t max_claims_of_connection = 16;  // and observers
+inline constexpr std::uint32_t max_devices = 8;                // of one servo process
 inline constexpr std::uint32_t max_joints = 8;
 inline constexpr std::uint32_t max_representations = 1024;  // of one claim
-inline constexpr std::uint32_t max_parameter_bytes = 512;   // of one representation
-/// Of a batch that has room for each of so many representations, of any kind.
+inline constexpr std::uint32_t max_parameter_bytes = 480;   // of one representation
+/// Of a batch that has room for each of so many representations, of any kind: its EntryHeader and parameters.
 constexpr std::uint32_t batch_bytes_for(std::uint32_t representations) {
-    return representations * 512;  // 488 of parameters
+    return representations * 512;
 }
 inline constexpr std::uint32_t max_batch_bytes = batch_bytes_for(max_representations);
 inline constexpr std::uint32_t max_probes = 16;

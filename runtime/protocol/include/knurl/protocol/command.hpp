@@ -19,16 +19,20 @@ enum class CommandType : std::uint32_t {
     reset_fault = 6,  // no body
 };
 
-/// In `more`, set by a bridge: this peer may join a device that somebody else has switched on, and no more.
-/// The servo refuses the command if it is `reset_fault`, or `arm` while the device is neither in ramp_up nor
-/// active; in its place in the order and with its whole group, as it refuses any other.
-inline constexpr std::uint32_t restricted_command = 2;
+namespace command_flags {
+inline constexpr std::uint32_t more = 1u << 0;  // the next message belongs to the same group
+// Set by a bridge: this peer may join a device that somebody else has switched on, and no more. The servo
+// refuses the command if it is `reset_fault`, or `arm` while the device is neither in ramp_up nor active; in
+// its place in the order and with its whole group, as it refuses any other.
+inline constexpr std::uint32_t restricted = 1u << 1;
+inline constexpr std::uint32_t all = more | restricted;
+}  // namespace command_flags
 
 struct CommandHeader {
     std::uint32_t cells = 0;  // of the whole message, this header included
     CommandType type{};
     std::uint64_t number = 0;  // 1, 2, ... in order, without gaps
-    std::uint32_t more = 0;    // 1: the next message belongs to the same group; + restricted_command
+    std::uint32_t flags = 0;   // command_flags
     std::uint32_t bytes = 0;   // of parameters behind the body
 };
 
@@ -78,7 +82,7 @@ enum class Refusal : std::uint32_t {
     group_refused,  // another command of the same group was refused
     disconnected,
     malformed,  // the message does not parse
-    forbidden,  // restricted_command
+    forbidden,  // command_flags::restricted
 };
 
 /// A batch of parameter updates in the triple buffer: this header, then per entry an EntryHeader and its
@@ -98,6 +102,7 @@ struct EntryHeader {
     std::uint32_t bytes = 0;    // of parameters, before padding
     std::uint64_t version = 0;  // of these parameters: an entry may arrive twice
 };
+static_assert(sizeof(EntryHeader) + max_parameter_bytes <= batch_bytes_for(1));
 
 /// Feedback in a triple buffer back: this header, then `entries` FeedbackEntry. World frame of the claim.
 struct FeedbackHeader {

@@ -15,10 +15,9 @@
 namespace knurl::servo {
 
 namespace broker_bounds {
-inline constexpr std::size_t half_open = 16;      // connections that have not said Hello
-inline constexpr double hello_seconds = 2;        // to say it
-inline constexpr std::size_t connections = 256;   // in all
-inline constexpr std::size_t claims_of_one = 16;  // claims and observers of one connection
+inline constexpr std::size_t half_open = 16;     // connections that have not said Hello
+inline constexpr double hello_seconds = 2;       // to say it
+inline constexpr std::size_t connections = 256;  // in all
 inline constexpr int messages_at_once = 16;  // taken from one connection before the others have their turn
 inline constexpr int listen_backlog = 128;
 inline constexpr double ramp_down_seconds = 1;  // a device that is not idle by then is zeroed without a ramp
