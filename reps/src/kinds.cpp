@@ -37,19 +37,12 @@ Verdict check_whole(const void* params) noexcept {
 
 template <Representation R>
 Verdict validate(const void* params) noexcept {
-    if (!certainly_legal<R>(static_cast<const unsigned char*>(params))) {
+    if (!fields_are_legal<R>(params)) {
         const Verdict verdict =
             check_rows<R>(params, std::make_index_sequence<std::size(Describe<R>::fields)>{});
         if (!verdict) return verdict;
     }
     return check_whole<R>(params);
-}
-
-template <Representation R>
-Verdict validate_shape(const void* params) noexcept {
-    constexpr std::size_t bytes = shape_bytes_of<R>();
-    if (bytes != 0 && certainly_legal<R, bytes>(static_cast<const unsigned char*>(params))) return {};
-    return validate<R>(params);
 }
 
 template <class R>
@@ -64,9 +57,9 @@ constexpr auto table(TypeList<R...>) {
     return std::array<KindInfo, sizeof...(R)>{KindInfo{.name = Describe<R>::name,
                                                        .fields = Describe<R>::fields,
                                                        .size = sizeof(R),
+                                                       .shape_bytes = shape_bytes_of<R>(),
                                                        .surface = Surface<R>,
                                                        .validate = &validate<R>,
-                                                       .validate_shape = &validate_shape<R>,
                                                        .contradictions = contradictions_of<R>()}...};
 }
 
@@ -96,6 +89,7 @@ std::uint64_t layout_hash() noexcept {
     for (const KindInfo& kind : all_kinds) {
         hash.add(kind.name);
         hash.add(kind.size);
+        hash.add(kind.shape_bytes);
         for (const Field& field : kind.fields) {
             hash.add(field.name);
             hash.add(static_cast<std::uint64_t>(field.type));

@@ -65,7 +65,7 @@ Contact contact(const Plane& params, Plane::State& state, const Probe& probe, do
 
 std::optional<HalfSpace> standing(const Plane& params) noexcept {
     if (recovers_itself(params) || !(params.velocity == Vec3{})) return std::nullopt;
-    return HalfSpace{.normal = to_eigen(params.normal), .offset = params.offset, .damping = params.damping};
+    return half_space(params);
 }
 
 bool recovers_itself(const Plane& params) noexcept {

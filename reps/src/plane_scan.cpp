@@ -41,7 +41,7 @@ KNURL_AVX2 bool none_above_avx2(const PlaneArrays& a, std::uint32_t count, doubl
 #endif
 
 template <bool Store>
-[[gnu::noinline]] double largest_of_many(const PlaneArrays& a, std::uint32_t count, const Eigen::Vector3d& x,
+[[gnu::noinline]] double largest_of_many(PlaneArrays a, std::uint32_t count, const Eigen::Vector3d& x,
                                          double* out) noexcept {
 #if defined(__x86_64__)
     if (have_avx2) return largest_avx2<Store>(a, count, x, out);
@@ -58,7 +58,7 @@ template <bool Store>
 
 }  // namespace
 
-bool none_of_many_above(const PlaneArrays& a, std::uint32_t count, double x, double y, double z,
+bool none_of_many_above(PlaneArrays a, std::uint32_t count, double x, double y, double z,
                         double limit) noexcept {
 #if defined(__x86_64__)
     if (have_avx2) return none_above_avx2(a, count, x, y, z, limit);

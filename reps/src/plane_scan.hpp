@@ -98,7 +98,7 @@ template <bool Store>
     for (; i < count; ++i) above |= at(a, i, x, y, z) > limit;
     return !above;
 }
-bool none_of_many_above(const PlaneArrays& a, std::uint32_t count, double x, double y, double z,
+bool none_of_many_above(PlaneArrays a, std::uint32_t count, double x, double y, double z,
                         double limit) noexcept;
 
 }  // namespace scan

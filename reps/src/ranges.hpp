@@ -1,9 +1,8 @@
 #pragma once
-// Whether all fields of a kind lie inside their ranges, as one loop over its words without a branch. It only
-// ever says "certainly legal": whoever fails is judged field by field, which also finds out what to say.
+// Whether parameters are legal, as the few comparisons that their table stands for: where a row is a constant
+// all the rest folds away. It only ever says yes or no; whoever fails is judged once more by check_field,
+// which finds out what to say.
 
-#include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -25,76 +24,29 @@ constexpr std::size_t shape_bytes_of() {
     }
 }
 
-template <class R>
-struct Ranges {
-    static constexpr std::size_t words = sizeof(R) / 8;
-    std::array<double, words> low{}, high{}, also{};  // `also`: the one legal value outside of the range
-    std::array<std::uint64_t, words> mask{};          // 0 where there is no real number
-    bool complete = true;                             // every kind of field is understood
-
-    constexpr Ranges() {
-        also.fill(std::numeric_limits<double>::quiet_NaN());
-        for (const Field& field : Describe<R>::fields) {
-            std::size_t count = 0;
-            switch (field.type) {
-                case Field::Type::real:
-                    count = 1;
-                    break;
-                case Field::Type::vector:
-                    count = 3;
-                    break;
-                case Field::Type::matrix:
-                    count = std::size_t{field.count} * field.count;
-                    break;
-                case Field::Type::choice:
-                case Field::Type::integer:
-                    break;
-                case Field::Type::quaternion:
-                case Field::Type::points:
-                    complete = false;
-                    break;
-            }
-            for (std::size_t i = field.offset / 8; i < field.offset / 8 + count; ++i) {
-                mask[i] = ~std::uint64_t{0};
-                low[i] = field.minimum;
-                high[i] = field.maximum;
-                if (field.automatic_allowed) also[i] = automatic;
-                if (field.infinity_allowed) also[i] = std::numeric_limits<double>::infinity();
-                // A range without an end would let infinity pass.
-                complete = complete && field.minimum > -std::numeric_limits<double>::infinity() &&
-                           field.maximum < std::numeric_limits<double>::infinity() &&
-                           !(field.automatic_allowed && field.infinity_allowed);
-            }
-        }
-    }
-};
-
 namespace detail {
 
-// Two doubles at once: the compilers that this is built with turn comparisons of these into masks.
-using Two = double __attribute__((vector_size(16)));
-using TwoWords = std::uint64_t __attribute__((vector_size(16)));
-
-template <class T>
-T two(const void* at) noexcept {
-    T value;
-    std::memcpy(&value, at, sizeof value);
-    return value;
-}
-
 template <class R, std::size_t Row>
-bool no_row_objects(const unsigned char* params) noexcept {
+bool row_is_legal(const unsigned char* params) noexcept {
     constexpr Field field = Describe<R>::fields[Row];
     if constexpr (field.type == Field::Type::choice) {
         std::uint32_t value;
         std::memcpy(&value, params + field.offset, sizeof value);
         return value < field.choices.size();
-    } else if constexpr (field.type == Field::Type::vector && field.nonzero) {
-        double v[3];
-        std::memcpy(v, params + field.offset, sizeof v);
-        return v[0] * v[0] + v[1] * v[1] + v[2] * v[2] >= least_length * least_length;
+    } else if constexpr (field.reals() == 0 || field.type == Field::Type::points) {
+        return static_cast<bool>(check_field(field, Row, params));
     } else {
-        return true;
+        constexpr double end = std::numeric_limits<double>::infinity();
+        constexpr bool unbounded = !field.infinity_allowed && (field.minimum == -end || field.maximum == end);
+        double value[field.reals()];
+        std::memcpy(value, params + field.offset, sizeof value);
+        double square = 0;
+        for (const double v : value) {
+            if (!legal(field, v) || (unbounded && std::isinf(v))) return false;
+            square += v * v;
+        }
+        const bool needs_length = field.nonzero || field.type == Field::Type::quaternion;
+        return !needs_length || square >= least_length * least_length;
     }
 }
 
@@ -102,26 +54,26 @@ bool no_row_objects(const unsigned char* params) noexcept {
 
 /// `Bytes`: of the rows that begin before it; the others are known to be legal.
 template <class R, std::size_t Bytes = sizeof(R)>
-bool certainly_legal(const unsigned char* params) noexcept {
-    static constexpr Ranges<R> ranges{};
-    if constexpr (!ranges.complete || sizeof(R) % 16 != 0) {
-        return false;
-    } else {
-        using detail::Two, detail::TwoWords, detail::two;
-        TwoWords good = ~TwoWords{};
-        for (std::size_t i = 0; i < Bytes / 8; i += 2) {
-            const auto v = std::bit_cast<Two>(two<TwoWords>(params + 8 * i) & two<TwoWords>(&ranges.mask[i]));
-            good &=
-                std::bit_cast<TwoWords>(((v >= two<Two>(&ranges.low[i])) & (v <= two<Two>(&ranges.high[i]))) |
-                                        (v == two<Two>(&ranges.also[i])));
-        }
-        if ((good[0] & good[1]) != ~std::uint64_t{0}) return false;
-        return [&]<std::size_t... Row>(std::index_sequence<Row...>) {
-            return (... &&
-                    (Describe<R>::fields[Row].offset >= Bytes || detail::no_row_objects<R, Row>(params)));
-        }
-        (std::make_index_sequence<std::size(Describe<R>::fields)>{});
+bool fields_are_legal(const void* params) noexcept {
+    const auto* at = static_cast<const unsigned char*>(params);
+    return [&]<std::size_t... Row>(std::index_sequence<Row...>) {
+        return (... && (Describe<R>::fields[Row].offset >= Bytes || detail::row_is_legal<R, Row>(at)));
     }
+    (std::make_index_sequence<std::size(Describe<R>::fields)>{});
+}
+
+/// Whether so many bytes, whole words, are the same.
+template <std::size_t Bytes>
+bool same_words(const void* a, const void* b) noexcept {
+    static_assert(Bytes % 8 == 0);
+    std::uint64_t differ = 0;
+    for (std::size_t i = 0; i < Bytes; i += 8) {
+        std::uint64_t x, y;
+        std::memcpy(&x, static_cast<const char*>(a) + i, sizeof x);
+        std::memcpy(&y, static_cast<const char*>(b) + i, sizeof y);
+        differ |= x ^ y;
+    }
+    return differ == 0;
 }
 
 }  // namespace knurl

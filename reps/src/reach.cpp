@@ -46,6 +46,7 @@ void Reach::clear() noexcept {
     radii_ = 0;
     nodes_.clear();
     items_.clear();
+    item_balls_.clear();
 }
 
 void Reach::index() {
@@ -62,6 +63,8 @@ void Reach::index() {
     if (items_.empty()) return;
     nodes_.reserve(2 * items_.size() / leaf_size + 2);
     build(0, static_cast<std::uint32_t>(items_.size()));
+    item_balls_.resize(items_.size());
+    for (std::size_t i = 0; i < items_.size(); ++i) item_balls_[i] = ball_[items_[i]];
 }
 
 // Halves by the median of the longest side: balanced, so the stack of `collect` is bounded.
@@ -78,6 +81,12 @@ std::uint32_t Reach::build(std::uint32_t begin, std::uint32_t end) {
             node.low[axis] = std::min(node.low[axis], at[axis] - b.r);
             node.high[axis] = std::max(node.high[axis], at[axis] + b.r);
         }
+    }
+    double size = 0;
+    for (int axis = 0; axis < 3; ++axis) size += std::abs(node.low[axis]) + std::abs(node.high[axis]);
+    for (int axis = 0; axis < 3; ++axis) {
+        node.low[axis] -= rounding * size;
+        node.high[axis] += rounding * size;
     }
     const auto me = static_cast<std::uint32_t>(nodes_.size());
     nodes_.push_back(node);
@@ -107,32 +116,31 @@ std::uint32_t Reach::build(std::uint32_t begin, std::uint32_t end) {
 std::uint32_t Reach::collect(const Eigen::Vector3d& p, double within,
                              std::span<std::uint32_t> out) const noexcept {
     std::uint32_t n = 0;
+    const double px = p.x(), py = p.y(), pz = p.z();
     const double slack = within + rounding * p.lpNorm<1>();
-    const auto test = [&](std::uint32_t slot) {
-        const Ball& b = ball_[slot];
-        const double x = b.x - p.x(), y = b.y - p.y(), z = b.z - p.z();
+    const auto near = [&](const Ball& b) {
+        const double x = b.x - px, y = b.y - py, z = b.z - pz;
         const double reach = b.r + slack + rounding * (std::abs(b.x) + std::abs(b.y) + std::abs(b.z));
-        if (x * x + y * y + z * z < reach * reach && n < out.size()) out[n++] = slot;
+        return x * x + y * y + z * z < reach * reach;
     };
-    for (std::uint32_t i = 0; i < loose_size_; ++i) test(loose_[i]);
+    for (std::uint32_t i = 0; i < loose_size_; ++i) {
+        if (near(ball_[loose_[i]]) && n < out.size()) out[n++] = loose_[i];
+    }
     if (nodes_.empty()) return n;
     std::uint32_t stack[64];
     std::uint32_t depth = 0;
     stack[depth++] = 0;
+    const double limit = slack * slack;
     while (depth > 0) {
         const std::uint32_t at = stack[--depth];
         const Node& node = nodes_[at];
-        double square = 0, size = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double outside = std::max({node.low[axis] - p[axis], p[axis] - node.high[axis], 0.0});
-            square += outside * outside;
-            size += std::abs(node.low[axis]) + std::abs(node.high[axis]);
-        }
-        const double reach = slack + rounding * size;
-        if (!(square < reach * reach)) continue;
+        const double x = std::max(std::max(node.low[0] - px, px - node.high[0]), 0.0);
+        const double y = std::max(std::max(node.low[1] - py, py - node.high[1]), 0.0);
+        const double z = std::max(std::max(node.low[2] - pz, pz - node.high[2]), 0.0);
+        if (!(x * x + y * y + z * z < limit)) continue;
         if (node.end > node.begin) {
             for (std::uint32_t i = node.begin; i < node.end; ++i) {
-                if (in_tree_[items_[i]]) test(items_[i]);
+                if (near(item_balls_[i]) && in_tree_[items_[i]] && n < out.size()) out[n++] = items_[i];
             }
         } else {
             stack[depth++] = at + 1;

@@ -38,7 +38,7 @@ class Reach {
         double x = 0, y = 0, z = 0, r = 0;  // m
     };
     struct Node {
-        double low[3], high[3];            // m, encloses the balls
+        double low[3], high[3];            // m, encloses the balls, and what rounding may hide
         std::uint32_t begin = 0, end = 0;  // of a leaf: its items
         std::uint32_t second = 0;          // of a branch: its second child; the first follows it
     };
@@ -55,6 +55,7 @@ class Reach {
     double radii_ = 0;  // m, sum
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> items_;  // slots, in the tree's order
+    std::vector<Ball> item_balls_;      // theirs, as the tree was built
 };
 
 }  // namespace knurl::detail

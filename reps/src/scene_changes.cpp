@@ -57,15 +57,6 @@ void copy(const Record& from, Record& to) noexcept {
     std::memcpy(to.params, from.params, ops.params_size);
 }
 
-void SceneCore::keep_old(std::uint32_t i) noexcept {
-    Slot& slot = slots_[i];
-    slot.old_surface_of = static_cast<std::int32_t>(faded(i).probe);
-    slot.old_in_fade = 0;
-    if (slot.old_listed) return;
-    slot.old_listed = true;
-    fading_olds_[fading_olds_size_++] = i;
-}
-
 // What is felt becomes what fades out; its successor, if it is the same surface, goes on from its state.
 void SceneCore::turn(std::uint32_t i, bool same) noexcept {
     slots_[i].current ^= 1;
@@ -87,14 +78,21 @@ void SceneCore::note_change(const Record& judged) noexcept {
 // What a moving hand's planes are updated in, a thousand at a time: of the records no more than their first
 // lines is touched.
 void SceneCore::reshape(std::uint32_t i) noexcept {
+    Slot& slot = slots_[i];
+    slot.changed = false;
+    const Record& now = felt(i);
     Record& next = faded(i);
-    if (!kind_ops()[slots_[i].kind].reshape(&raw_[i * max_params], limits_, felt(i), next)) return;
-    release_old(i);
-    slots_[i].current ^= 1;
-    slots_[i].renewed = true;
-    note_change(next);
+    double recovery = 0;
+    if (!kind_ops()[slot.kind].reshape(&raw_[i * max_params], limits_, felt(i), next, recovery)) return;
+    slot.current ^= 1;
+    Group& group = groups_[next.probe];
+    // What still fades from `next` goes on as the bridge: the group is edited, and that interrupts its fade.
+    group.edited = group.fades = true;
+    group.fade_time = std::max(group.fade_time, recovery == automatic ? policy_.automatic : recovery);
     keep_old(i);
-    sets_edited_ = true;
+    slot.new_in_fade = slot.old_in_fade = next_fade(group);
+    sets_edited_ = sets_edited_ || next.stiffness != now.stiffness;
+    reshaped_[reshaped_size_++] = i;
 }
 
 void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) noexcept {
@@ -170,12 +168,8 @@ void SceneCore::take_slot(std::uint32_t i) noexcept {
     const bool same = was && is && slot.felt_generation == slot.generation;
     const bool shape_alone = same && slot.shape_alone;
     slot.shape_alone = true;
-    if (shape_alone && slot.twins) {
-        reshape(i);
-    } else {
-        change(i, was, is, same);
-        slot.twins = shape_alone && felt(i).stands && faded(i).stands && !felt(i).rough;
-    }
+    change(i, was, is, same);
+    slot.twins = shape_alone && felt(i).stands && faded(i).stands && !felt(i).rough;
     if (is)
         felt(i).clamped = kind_ops()[slot.kind].asked_stiffness(&raw_[i * max_params]) > felt(i).stiffness;
 }
@@ -232,12 +226,25 @@ void SceneCore::take_placements() noexcept {
 }
 
 void SceneCore::take_changes() noexcept {
-    for (std::uint32_t c = 0; c < changed_size_; ++c) take_slot(changed_[c]);
+    std::uint32_t others = 0;
+    for (std::uint32_t c = 0; c < changed_size_; ++c) {
+        const std::uint32_t i = changed_[c];
+        const Slot& slot = slots_[i];
+        if (slot.twins && slot.shape_alone && slot.present) {
+            reshape(i);
+        } else {
+            take_slot(i);
+            changed_[others++] = i;
+        }
+    }
+    changed_size_ = others;
     for (std::uint32_t rest = bounded_used_; rest != 0; rest &= rest - 1) {
         const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
         if (groups_[p].near.margin < 0 || groups_[p].replaced) collect_near(groups_[p], p);
     }
+    if (!sets_edited_ && reshaped_size_ > 0) sets_edited_ = !reshape_sets();
     if (sets_edited_) rebuild_sets();
+    reshaped_size_ = 0;
     if (effects_edited_) list_effects();
     for (std::uint32_t c = 0; c < changed_size_; ++c) slots_[changed_[c]].renewed = false;
     changed_size_ = 0;

@@ -80,9 +80,10 @@ struct alignas(64) Record : RecordHead {
 using Owner = std::uint32_t;
 inline constexpr Owner bridge_owner = 0xffffffff;
 
+/// Of parameters that were checked, against those that stand in the slot.
+enum class Differ : std::uint8_t { nowhere, in_shape, anywhere };
+
 struct alignas(64) Slot {
-    /// Of parameters that were checked, against those that stand in the slot.
-    enum class Differ : std::uint8_t { nowhere, in_shape, anywhere };
     enum class From : std::uint8_t { none, nothing, record, frozen };
 
     // As the application left it.
@@ -132,6 +133,7 @@ struct Layer {
 
 struct ContactSet {
     std::uint32_t begin = 0, count = 0;                // members in the arena, solved together
+    std::uint32_t room = 0, moving_room = 0;           // as many members may lie there, of either kind
     std::uint32_t standing = 0;                        // of those: planes that are not asked
     std::uint32_t summed = 0;                          // those behind them, whose forces add up
     std::uint32_t moving_begin = 0, moving_count = 0;  // surfaces that are asked each cycle
@@ -226,8 +228,11 @@ struct KindOps {
     bool (*unchanged)(std::byte* prepared, Record& now) noexcept = nullptr;
     // Of a surface that may stand: the leading bytes of its parameters that its plane follows from.
     std::size_t shape_bytes = 0;
+    // How a shape that was sent differs from the one that is there: anywhere, that is not legal.
+    Differ (*compare_shape)(const std::byte* raw, const std::byte* sent) noexcept = nullptr;
     // Puts a surface that stands elsewhere: `out` has all but the shape. False: it is there already.
-    bool (*reshape)(const std::byte* raw, const Limits&, Record& now, Record& out) noexcept = nullptr;
+    bool (*reshape)(const std::byte* raw, const Limits&, Record& now, Record& out,
+                    double& recovery) noexcept = nullptr;
     // Parameters and what follows from them; not state and use. `rough` only where the record says so.
     void (*install)(const std::byte* prepared, const Limits&, Record& out, Rough& rough) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&) noexcept = nullptr;
@@ -248,6 +253,12 @@ inline const std::array<KindOps, Representations::size>& kind_ops() noexcept {
 }
 
 Limits sane_limits(Limits limits) noexcept;
+/// As for a set that has never been solved.
+void forget_solution(ContactSet& set, const Group& group) noexcept;
+/// The number of the group's next fade.
+inline std::uint32_t next_fade(const Group& group) noexcept {
+    return group.fade + 1 != 0 ? group.fade + 1 : 1;
+}
 /// As long as the kind's parameters and state are.
 void copy(const Record& from, Record& to) noexcept;
 
@@ -260,6 +271,7 @@ class SceneCore {
     static Verdict check_params(Kind kind, const void* params, std::size_t bytes) noexcept;
     Verdict check_add(Handle, Kind, const void* params, std::size_t bytes, const Use&) const noexcept;
     Verdict check_update(Handle, Kind, const void* params, std::size_t bytes) noexcept;
+    Verdict validate(Kind, const std::byte* raw, const std::byte* sent, std::size_t bytes) noexcept;
     void write_checked(std::uint32_t slot, const void* params, std::size_t bytes) noexcept;
     void mark(std::uint32_t slot) noexcept;
     void clear() noexcept;
@@ -267,11 +279,18 @@ class SceneCore {
     // scene_changes.cpp
     void take_changes() noexcept;
     void take_slot(std::uint32_t slot) noexcept;
-    void reshape(std::uint32_t slot) noexcept;
+    [[gnu::always_inline]] inline void reshape(std::uint32_t slot) noexcept;
     void change(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void note_change(const Record& judged) noexcept;
     void renew(std::uint32_t slot, const Record* previous) noexcept;
-    void keep_old(std::uint32_t slot) noexcept;
+    void keep_old(std::uint32_t slot) noexcept {
+        Slot& s = slots_[slot];
+        s.old_surface_of = faded(slot).probe;
+        s.old_in_fade = 0;
+        if (s.old_listed) return;
+        s.old_listed = true;
+        fading_olds_[fading_olds_size_++] = slot;
+    }
     void turn(std::uint32_t slot, bool same) noexcept;
     void change_surface(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void change_effect(std::uint32_t slot, bool was, bool is, bool same) noexcept;
@@ -286,6 +305,7 @@ class SceneCore {
     std::uint32_t list_now(const Group& group, std::uint32_t probe) noexcept;
     void make_bridge(Group& group) noexcept;
     void build(ContactSet& set, const Group& group, Arena& into, std::span<const Owner> owners) noexcept;
+    void built(Group& group, std::uint32_t probe) noexcept;
     void end_fade(Group& group) noexcept;
     void release(Group& group) noexcept;
     Owner owner(std::uint32_t slot, bool old) const noexcept {
@@ -299,6 +319,12 @@ class SceneCore {
     Record& faded(std::uint32_t slot) noexcept { return records_[owner(slot, true)]; }
     Rough& rough(Owner owner) noexcept { return rough_[owner]; }
     const Rough& rough(Owner owner) const noexcept { return rough_[owner]; }
+
+    // scene_reshape.cpp
+    bool reshape_sets() noexcept;
+    bool make_room_for_old(Group& group) noexcept;
+    void copy_to_old(Group& group) noexcept;
+    void replace_old(Group& group, std::uint32_t probe) noexcept;
 
     // scene_near.cpp
     void place_surface(std::uint32_t slot) noexcept;   // in Reach, or among those that are always asked
@@ -372,6 +398,8 @@ class SceneCore {
     std::vector<std::uint32_t> fading_olds_;   // slots whose old record is in a fading set
     std::uint32_t fading_olds_size_ = 0;
     bool sets_edited_ = false;
+    std::vector<std::uint32_t> reshaped_;  // in this cycle: slots whose surface stands elsewhere now
+    std::uint32_t reshaped_size_ = 0;
     Arena arenas_[2];
     std::uint32_t arena_ = 0;
     std::vector<Owner> scratch_;

@@ -42,20 +42,11 @@ Vector3d point_of(const Group& group) noexcept {
     return depth > 0 ? Vector3d(p + dx - (group.probe.radius / depth) * dx) : p;
 }
 
-void surface_feedback(const SceneCore& core, std::uint32_t i, Feedback& out) noexcept {
+void touching_feedback(const SceneCore& core, std::uint32_t i, Feedback& out) noexcept {
     const Record& r = core.felt(i);
     const Group& group = core.groups_[r.probe];
     const ContactSet& set = group.now;
     const std::uint32_t first = core.slots_[i].member;
-    out.stiffness = r.stiffness;
-    if (r.rough) out.tangential_stiffness = core.rough(core.owner(i, false)).law.stiffness;
-    if (group.fading) out.flags |= Feedback::fading;
-    if (core.slots_[i].bounded && !core.slots_[i].near) return;
-    if (first == SceneCore::gone || set.count + set.summed == 0) return;
-    if (set.infeasible) out.flags |= Feedback::infeasible;
-    if (!r.summed && (set.scale != 1 || r.weight == 1))
-        out.stiffness = layer_stiffness(set, first - set.begin);
-    if (!set.touching) return;
     const Arena& a = core.arenas_[core.arena_];
     const double s = group.fading ? group.elapsed / group.time : 1;
     double push = 0;  // N; 0 too where damping outweighs the depth, and touched all the same
@@ -74,6 +65,26 @@ void surface_feedback(const SceneCore& core, std::uint32_t i, Feedback& out) noe
     if (group.rough && whole > 0) out.wrench.force += (push / whole) * (group.along + group.relief);
     if (group.placement.offset != Vec3{}) out.wrench.torque = group.arm.cross(out.wrench.force);
     out.contact_point = point_of(group);
+}
+
+void surface_feedback(const SceneCore& core, std::uint32_t i, const Record& r, Feedback& out) noexcept {
+    const Slot& slot = core.slots_[i];
+    const Group& group = core.groups_[r.probe];
+    const ContactSet& set = group.now;
+    if (r.rough) out.tangential_stiffness = core.rough(core.owner(i, false)).law.stiffness;
+    if (group.fading) out.flags |= Feedback::fading;
+    if (slot.bounded && !slot.near) return;
+    if (slot.member == SceneCore::gone || set.count + set.summed == 0) return;
+    if (set.infeasible) out.flags |= Feedback::infeasible;
+    if (!r.summed && (set.scale != 1 || r.weight == 1))
+        out.stiffness = layer_stiffness(set, slot.member - set.begin);
+    if (set.touching) touching_feedback(core, i, out);
+}
+
+void effect_feedback(const Slot& slot, Feedback& out) noexcept {
+    out.wrench = slot.last;
+    if (slot.last.force.squaredNorm() + slot.last.torque.squaredNorm() > 0) out.flags |= Feedback::touching;
+    if (slot.from != Slot::From::none) out.flags |= Feedback::fading;
 }
 
 }  // namespace
@@ -106,32 +117,30 @@ double Scene::stiffness_sum() const noexcept {
 }
 
 std::size_t Scene::feedback(std::span<Feedback> out) const noexcept {
+    const SceneCore& core = *impl_;
+    const std::uint32_t silent = core.silence_ > 0 ? Feedback::silent : 0;
     std::size_t n = 0;
-    for (const auto& [list, size] : {std::pair{&impl_->surfaces_, impl_->surfaces_size_},
-                                     std::pair{&impl_->effects_, impl_->effects_size_}}) {
-        for (std::uint32_t e = 0; e < size; ++e) {
-            const std::uint32_t i = (*list)[e];
-            const Slot& slot = impl_->slots_[i];
-            const Record& r = impl_->felt(i);
+    const auto take = [&](std::span<const std::uint32_t> list, auto fill) {
+        for (const std::uint32_t i : list) {
+            const Record& r = core.felt(i);
             if (!r.reported) continue;
-            if (n == out.size()) return n;
+            if (n == out.size()) return;
             Feedback& f = out[n++];
-            f = Feedback{};
-            f.handle = {i, slot.felt_generation};
-            f.contact_point = impl_->groups_[r.probe].probe.position;
-            if (kind_ops()[r.kind].surface) {
-                surface_feedback(*impl_, i, f);
-            } else {
-                f.wrench = slot.last;
-                f.stiffness = r.stiffness;
-                if (slot.last.force.squaredNorm() + slot.last.torque.squaredNorm() > 0)
-                    f.flags |= Feedback::touching;
-                if (slot.from != Slot::From::none) f.flags |= Feedback::fading;
-            }
+            f.handle = {i, core.slots_[i].felt_generation};
+            f.wrench = Wrench{};
+            f.contact_point = core.groups_[r.probe].probe.position;
+            f.stiffness = r.stiffness;
+            f.tangential_stiffness = 0;
+            f.flags = silent;
+            f.reserved = 0;
+            fill(i, r, f);
             if (r.clamped || f.stiffness < r.stiffness) f.flags |= Feedback::stiffness_clamped;
-            if (impl_->silence_ > 0) f.flags |= Feedback::silent;
         }
-    }
+    };
+    take(std::span(core.surfaces_.data(), core.surfaces_size_),
+         [&](std::uint32_t i, const Record& r, Feedback& f) { surface_feedback(core, i, r, f); });
+    take(std::span(core.effects_.data(), core.effects_size_),
+         [&](std::uint32_t i, const Record&, Feedback& f) { effect_feedback(core.slots_[i], f); });
     return n;
 }
 

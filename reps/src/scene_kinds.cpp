@@ -75,17 +75,30 @@ struct Ops {
             if (plane) out.plane = *plane;
         }
     }
-    static bool reshape(const std::byte* raw, const Limits& limits, Record& now, Record& out) noexcept {
+    static Differ compare_shape(const std::byte* raw, const std::byte* sent) noexcept {
+        constexpr std::size_t shape = shape_bytes_of<R>();
+        if constexpr (shape != 0) {
+            if (!same_words<shape>(raw, sent))
+                return fields_are_legal<R, shape>(sent) ? Differ::in_shape : Differ::anywhere;
+        }
+        return Differ::nowhere;
+    }
+    static bool reshape(const std::byte* raw, const Limits& limits, Record& now, Record& out,
+                        double& recovery) noexcept {
         if constexpr (shape_bytes_of<R>() != 0) {
             R& params = params_of<R>(out);
             std::memcpy(out.params, raw, shape_bytes_of<R>());
+            const double asked = params.stiffness;
             knurl::prepare(params, limits);
-            const HalfSpace plane = *standing(params);
-            if (std::memcmp(&plane, &now.plane, sizeof plane) == 0 && params.stiffness == now.stiffness) {
-                params_of<R>(now).recovery = params.recovery;
+            recovery = params.recovery;
+            const HalfSpace plane = half_space(params);
+            now.clamped = asked > params.stiffness;
+            if (same_words<sizeof plane>(&plane, &now.plane) && params.stiffness == now.stiffness) {
+                params_of<R>(now).recovery = recovery;
                 return false;
             }
-            static_cast<RecordLine&>(out) = now;
+            std::memcpy(static_cast<void*>(static_cast<RecordLine*>(&out)), static_cast<RecordLine*>(&now),
+                        sizeof(RecordLine));
             out.plane = plane;
             out.stiffness = params.stiffness;
             return true;
@@ -204,6 +217,7 @@ constexpr auto table(TypeList<R...>) {
                                                      .prepare = &Ops<R>::prepare,
                                                      .unchanged = &Ops<R>::unchanged,
                                                      .shape_bytes = shape_bytes_of<R>(),
+                                                     .compare_shape = &Ops<R>::compare_shape,
                                                      .reshape = &Ops<R>::reshape,
                                                      .install = &Ops<R>::install,
                                                      .adopt = &Ops<R>::adopt_new,

@@ -76,7 +76,9 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     const double typical = std::max(least_margin, reach_.mean_radius() / 2);
     if (!(near.wanted > 0)) near.wanted = typical;
     near.at = group.probe.position;
-    near.margin = std::max(near.wanted, 2 * std::max(group.now.slack, group.old.slack));
+    const double deep = std::max(group.now.slack, group.old.slack);
+    // Twice what a contact needs, but of a deep one no more than lets its need double: there are many.
+    near.margin = std::max(near.wanted, deep + std::min(deep, std::max(near.wanted, 0.6 * deep)));
     const std::uint32_t found = reach_.collect(near.at, near.margin + group.placement.radius, near_);
     if (found > many) near.wanted = std::max(1e-6, near.wanted / 2);
     if (found < few) near.wanted = std::min(typical, near.wanted * 2);

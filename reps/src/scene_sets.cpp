@@ -65,9 +65,17 @@ std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
         if (group.bridge_stiffness > 0) scratch_[n++] = bridge_owner;
         return n;
     }
+    // A plane that stood where one stands now: in the same order, so that no rounding differs from that of a
+    // set that is copied (reshape_sets).
+    const auto takes_its_place = [&](std::uint32_t i) {
+        const Slot& slot = slots_[i];
+        return slot.new_in_fade == group.fade && slot.old_in_fade == group.fade &&
+               slot.old_surface_of == static_cast<std::int32_t>(probe) && slot.felt &&
+               felt(i).probe == probe && felt(i).stands && faded(i).stands;
+    };
     for (std::uint32_t f = 0; f < fading_olds_size_; ++f) {
         const std::uint32_t i = fading_olds_[f];
-        if (slots_[i].old_surface_of != static_cast<std::int32_t>(probe)) continue;
+        if (slots_[i].old_surface_of != static_cast<std::int32_t>(probe) || takes_its_place(i)) continue;
         if (group.bounded > 0) {
             const std::optional<Bound> ball = kind_ops()[faded(i).kind].bound(faded(i));
             const double within = group.near.margin + group.placement.radius;
@@ -83,7 +91,11 @@ std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
         if (slots_[i].new_in_fade != group.fade) scratch_[n++] = owner(i, false);
     };
     for (std::uint32_t k = 0; k < always_size_; ++k) {
-        if (felt(always_[k]).probe == probe) take(always_[k]);
+        if (takes_its_place(always_[k])) {
+            scratch_[n++] = owner(always_[k], true);
+        } else if (felt(always_[k]).probe == probe) {
+            take(always_[k]);
+        }
     }
     for (std::uint32_t k = 0; k < group.near.size; ++k) take(group.near.slots[k]);
     return n;
@@ -135,7 +147,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     set.count = set.standing = set.summed = 0;
     set.layers = 0;
     set.moving_begin = into.moving_used;
-    set.moving_count = 0;
+    set.moving_count = set.room = set.moving_room = 0;
     set.infeasible = set.rough = false;
     if (owners.empty()) {
         set.force.setZero();
@@ -181,11 +193,10 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     for (std::uint32_t j = set.layers; j-- > 0;) {  // hardest first: each layer is a prefix
         next[j] = set.count;
         set.count += members[j];
-        set.layer[j] = Layer{};
         set.layer[j].stiffness = levels.k[j];
         set.layer[j].count = set.count;
-        set.layer[j].proxy = group.probe.position;
     }
+    forget_solution(set, group);
     set.summed = sums;
     std::uint32_t next_sum = set.count;
     for (std::size_t i = 0; i < owners.size(); ++i) {
@@ -222,8 +233,19 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         }
         if (o != bridge_owner && &set == &group.now) slots_[o >> 1].member = at;
     }
-    set.moving_count = into.moving_used - set.moving_begin;
-    into.used += (set.count + set.summed + 3) / 4 * 4;
+    set.moving_count = set.moving_room = into.moving_used - set.moving_begin;
+    set.room = (set.count + set.summed + 3) / 4 * 4;
+    into.used += set.room;
+}
+
+void forget_solution(ContactSet& set, const Group& group) noexcept {
+    set.infeasible = false;
+    for (std::uint32_t j = 0; j < set.layers; ++j) {
+        Layer& layer = set.layer[j];
+        layer.give = layer.given_at = 0;
+        layer.solution = ContactSolution{};
+        layer.proxy = group.probe.position;
+    }
 }
 
 void SceneCore::end_fade(Group& group) noexcept {
@@ -261,17 +283,21 @@ void SceneCore::rebuild_sets() noexcept {
         const std::uint32_t olds = list_old(group, p);
         build(group.old, group, into, std::span<const Owner>(scratch_.data(), olds));
         build(group.now, group, into, std::span<const Owner>(scratch_.data(), list_now(group, p)));
-        group.rough = group.now.rough || group.old.rough;
-        if (group.now.count + group.now.summed > 0 || group.fading) {
-            contacts_used_ |= 1u << p;
-        } else {
-            release(group);
-        }
-        group.edited = group.fades = group.interrupted = group.replaced = false;
-        group.fade_time = 0;
+        built(group, p);
     }
     arena_ ^= 1;
     sets_edited_ = false;
+}
+
+void SceneCore::built(Group& group, std::uint32_t probe) noexcept {
+    group.rough = group.now.rough || group.old.rough;
+    if (group.now.count + group.now.summed > 0 || group.fading) {
+        contacts_used_ |= 1u << probe;
+    } else {
+        release(group);
+    }
+    group.edited = group.fades = group.interrupted = group.replaced = false;
+    group.fade_time = 0;
 }
 
 // Nothing is touched any more.

@@ -41,6 +41,7 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
         arena.moving.resize(3 * n);
     }
     scratch_.resize(2 * n + 1);
+    reshaped_.resize(n);
     level_.resize(2 * n + 1);
 }
 
@@ -81,18 +82,26 @@ Verdict SceneCore::check_update(Handle handle, Kind kind, const void* params, st
         slots_[handle.slot].generation != handle.generation || slots_[handle.slot].kind != kind) {
         return {Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
     }
-    if (bytes != kinds()[kind].size) return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
+    const KindOps& ops = kind_ops()[kind];
+    const std::size_t shape = ops.shape_bytes;
+    const bool shape_alone = bytes == shape && shape != 0;
+    if (bytes != ops.params_size && !shape_alone)
+        return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
     // What stands in the slot is legal: where only the shape differs from it, only that is looked at.
     const std::byte* raw = &raw_[handle.slot * max_params];
     const auto* sent = static_cast<const std::byte*>(params);
-    const std::size_t shape = kind_ops()[kind].shape_bytes;
-    Slot& slot = slots_[handle.slot];
-    if (std::memcmp(raw + shape, sent + shape, bytes - shape) != 0) {
-        slot.differ = Slot::Differ::anywhere;
-        return kinds()[kind].validate(params);
-    }
-    slot.differ = std::memcmp(raw, sent, shape) != 0 ? Slot::Differ::in_shape : Slot::Differ::nowhere;
-    return slot.differ == Slot::Differ::nowhere ? Verdict{} : kinds()[kind].validate_shape(params);
+    const bool rest_stays = shape_alone || std::memcmp(raw + shape, sent + shape, bytes - shape) == 0;
+    slots_[handle.slot].differ = rest_stays ? ops.compare_shape(raw, sent) : Differ::anywhere;
+    return slots_[handle.slot].differ != Differ::anywhere ? Verdict{} : validate(kind, raw, sent, bytes);
+}
+
+// So many bytes of them, over those that are there.
+Verdict SceneCore::validate(Kind kind, const std::byte* raw, const std::byte* sent,
+                            std::size_t bytes) noexcept {
+    if (bytes == kind_ops()[kind].params_size) return kinds()[kind].validate(sent);
+    std::memcpy(prepared_.data(), raw, kind_ops()[kind].params_size);
+    std::memcpy(prepared_.data(), sent, bytes);
+    return kinds()[kind].validate(prepared_.data());
 }
 
 void SceneCore::mark(std::uint32_t slot) noexcept {
@@ -105,8 +114,8 @@ void SceneCore::mark(std::uint32_t slot) noexcept {
 // is what remains, whatever is copied of the others.
 void SceneCore::write_checked(std::uint32_t i, const void* params, std::size_t bytes) noexcept {
     Slot& slot = slots_[i];
-    if (slot.differ == Slot::Differ::nowhere) return;  // as it was asked for last
-    const bool shape = slot.differ == Slot::Differ::in_shape;
+    if (slot.differ == Differ::nowhere) return;  // as it was asked for last
+    const bool shape = slot.differ == Differ::in_shape;
     slot.shape_alone = slot.shape_alone && shape;
     std::memcpy(&raw_[i * max_params], params, shape ? kind_ops()[slot.kind].shape_bytes : bytes);
     mark(i);
@@ -141,7 +150,7 @@ void SceneCore::clear() noexcept {
         group.near.size = group.bounded = 0;
         group.near.margin = -1;
     }
-    contacts_used_ = bounded_used_ = collapsed_used_ = 0;
+    contacts_used_ = bounded_used_ = collapsed_used_ = reshaped_size_ = 0;
     probes_used_ = 1;
     sets_edited_ = effects_edited_ = true;
     kind_begin_ = {};

@@ -2,6 +2,7 @@
 // after a take is to the last byte what the application had committed with that batch: nothing lost, nothing
 // torn, nothing stale. The channel is the real one; the servo's side of it is played here.
 
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -30,8 +31,11 @@ constexpr ClaimCapacity capacity{.representations = 8, .batch_bytes = 4096};
 std::span<const std::byte> bytes_of(const Plane& plane) {
     return std::as_bytes(std::span(&plane, 1));
 }
+// Every fourth is of another material than those before: what goes beyond the shape changes now and then.
 Plane plane_at(double offset) {
-    return {.offset = offset, .stiffness = 100};
+    Plane plane{.offset = offset, .stiffness = 100};
+    plane.friction.dynamic = std::floor(offset / 4);
+    return plane;
 }
 
 /// What a world holds: generation and offset of the plane in each slot.
@@ -45,6 +49,7 @@ class ServoSide {
 
     void add(Handle handle, double offset) {
         world[handle.slot] = {handle.generation, offset};
+        planes_[handle.slot] = plane_at(offset);
         versions_[handle.slot] = 0;
     }
     void remove(Handle handle) { world.erase(handle.slot); }
@@ -59,14 +64,17 @@ class ServoSide {
         for (std::uint32_t i = 0; i < header.entries; ++i) {
             protocol::EntryHeader entry;
             std::memcpy(&entry, slot_.data() + at, sizeof entry);
-            Plane plane;
-            std::memcpy(&plane, slot_.data() + at + sizeof entry, sizeof plane);
-            at += sizeof entry + sizeof plane;
+            const std::byte* const params = slot_.data() + at + sizeof entry;
+            at += sizeof entry + entry.bytes;
             const auto found = world.find(entry.handle.slot);
             if (found == world.end() || found->second.first != entry.handle.generation) continue;
             if (entry.version <= versions_[entry.handle.slot]) continue;
             versions_[entry.handle.slot] = entry.version;
-            found->second.second = plane.offset;
+            Plane& plane = planes_[entry.handle.slot];  // what is not sent stays as it is
+            std::memcpy(&plane, params, entry.bytes);
+            const Plane want = plane_at(plane.offset);
+            const bool whole = std::memcmp(&plane, &want, sizeof plane) == 0;
+            found->second.second = whole ? plane.offset : std::nan("");
         }
         EXPECT_EQ(at, sizeof header + header.bytes);
         return header.sequence;
@@ -79,6 +87,7 @@ class ServoSide {
     shm::TripleReader batches_;
     std::vector<std::byte> slot_;
     std::map<std::uint32_t, std::uint64_t> versions_;
+    std::map<std::uint32_t, Plane> planes_;
 };
 
 struct Pair {

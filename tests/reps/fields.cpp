@@ -104,9 +104,9 @@ std::string refusal(const Sample& sample) {
     const KindInfo kind{.name = "sample",
                         .fields = sample_fields,
                         .size = sizeof(Sample),
+                        .shape_bytes = 0,
                         .surface = false,
                         .validate = nullptr,
-                        .validate_shape = nullptr,
                         .contradictions = {}};
     return describe(validate_fields(sample_fields, &sample), &kind, "");
 }

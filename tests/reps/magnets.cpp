@@ -47,9 +47,9 @@ std::string refusal(const Magnet& m) {
     const KindInfo kind{.name = "magnet",
                         .fields = Describe<Magnet>::fields,
                         .size = sizeof m,
+                        .shape_bytes = 0,
                         .surface = false,
                         .validate = nullptr,
-                        .validate_shape = nullptr,
                         .contradictions = Describe<Magnet>::contradictions};
     return describe(Describe<Magnet>::check(m), &kind, "");
 }

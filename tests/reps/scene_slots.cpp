@@ -37,6 +37,71 @@ TEST(SceneSlots, EveryRefusalSaysWhatAndChangesNothing) {
     EXPECT_EQ(scene.count(kind_of<Spring>), 0u);
 }
 
+TEST(SceneSlots, AnUpdateMayBringTheShapeAloneAndTheRestStays) {
+    constexpr std::size_t shape = Describe<Plane>::shape_bytes;
+    Scene whole = make_scene(), part = make_scene();
+    Rng rng(82);
+    Plane plane{.stiffness = 500, .damping = 1};
+    plane.friction.dynamic = 0.3;
+    for (Scene* scene : {&whole, &part}) ASSERT_TRUE(scene->add({0, 1}, plane));
+    for (int i = 0; i < 1000; ++i) {
+        plane.normal = to_plain(direction(rng));
+        plane.offset = uniform(rng, -0.001, 0.001);
+        plane.stiffness = uniform(rng, 0, 1000);
+        ASSERT_TRUE(whole.update({0, 1}, plane));
+        ASSERT_TRUE(part.update({0, 1}, kind_of<Plane>, &plane, shape));
+        const Probe probe = at(0.001 * direction(rng), 0.1 * direction(rng));
+        ASSERT_EQ(whole.evaluate(probe, dt).force, part.evaluate(probe, dt).force) << "cycle " << i;
+    }
+    plane.offset = std::nan("");
+    const Verdict verdict = part.update({0, 1}, kind_of<Plane>, &plane, shape);
+    EXPECT_EQ(verdict.code, Code::not_finite);
+    EXPECT_EQ(Describe<Plane>::fields[verdict.field].name, "offset");
+    EXPECT_EQ(part.update({0, 1}, kind_of<Plane>, &plane, shape - 8).code, Code::wrong_size);
+    const Spring spring{.stiffness = 100};
+    ASSERT_TRUE(part.add({1, 1}, spring));
+    EXPECT_EQ(part.update({1, 1}, kind_of<Spring>, &spring, 0).code, Code::wrong_size) << "it has no shape";
+}
+
+// A thousand planes that are put elsewhere keep their place in the sets, beside what is asked in each cycle;
+// so often, and so mixed with other changes, that the room for the sets that fade out runs full.
+TEST(SceneSlots, PlanesPutElsewhereInBatchesAreFeltAsThoseDescribedAnew) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        Rng rng(seed);
+        Scene put({.representations = 64, .probes = 2}, {}),
+            described({.representations = 64, .probes = 2}, {});
+        std::vector<Plane> planes(40);
+        const auto both = [&](auto act) { act(put), act(described); };
+        for (std::uint32_t i = 0; i < planes.size(); ++i) {
+            planes[i] = {.normal = to_plain(direction(rng)), .offset = -0.001, .stiffness = 500};
+            both([&](Scene& scene) { ASSERT_TRUE(scene.add({i, 1}, planes[i], {.probe = i % 2})); });
+        }
+        both([&](Scene& scene) {
+            ASSERT_TRUE(scene.place_probe(1, {.offset = {0.001, 0, 0}, .radius = 0.0005}));
+            ASSERT_TRUE(scene.add({50, 1}, Sphere{.radius = 0.003, .side = Side::inside, .stiffness = 500}));
+            ASSERT_TRUE(
+                scene.add({51, 1}, Plane{.offset = -0.001, .stiffness = 500, .velocity = {0, 0, 0.01}}));
+        });
+        for (int cycle = 0; cycle < 400; ++cycle) {
+            const int share = between(rng, 0, 4);  // of the planes of one probe, or of both
+            for (std::uint32_t i = 0; share > 0 && i < planes.size(); ++i) {
+                if (between(rng, 0, 3) >= share || (share == 2 && i % 2 == 0)) continue;
+                planes[i].normal = to_plain(direction(rng));
+                planes[i].offset = uniform(rng, -0.003, 0.0005);
+                planes[i].recovery = between(rng, 0, 9) == 0 ? 0 : 0.003;
+                ASSERT_TRUE(put.update({i, 1}, planes[i]));
+                planes[i].snag.seed = 2 + static_cast<std::uint32_t>(cycle);  // which nobody feels
+                ASSERT_TRUE(described.update({i, 1}, planes[i]));
+                planes[i].snag.seed = 1;
+            }
+            const Probe probe = at(uniform(rng, 0, 0.002) * direction(rng), 0.05 * direction(rng));
+            const Wrench want = described.evaluate(probe, dt), got = put.evaluate(probe, dt);
+            ASSERT_EQ(got.force, want.force) << "seed " << seed << " cycle " << cycle;
+            ASSERT_EQ(got.torque, want.torque) << "seed " << seed << " cycle " << cycle;
+        }
+    }
+}
+
 TEST(SceneSlots, CheckingSaysWhatDoingWillSay) {
     Scene scene({.representations = 8, .probes = 1}, {});
     Rng rng(81);

@@ -104,6 +104,27 @@ TEST(Batches, WhatWasNotTakenIsMergedAndOnlyTheNewestIsFelt) {
     EXPECT_EQ(desk.claim.feedback().header.batch, 11u);
 }
 
+TEST(Batches, AnEntryMayBringAPlanesShapeAlone) {
+    Desk desk;
+    Plane plane{.normal = {0, 0, 1}, .offset = -1, .stiffness = 100, .recovery = 0};
+    plane.friction.viscous = 2;
+    const Handle handle = desk.claim.add(plane);
+    desk.force();
+    plane.offset = 0.01;
+    desk.claim.update(handle, kind_of<Plane>, &plane, Describe<Plane>::shape_bytes);
+    desk.claim.commit();
+    const double shallow = desk.force();
+    plane.offset = 0.02;
+    desk.claim.update(handle, plane);
+    desk.claim.commit();
+    EXPECT_NEAR(desk.force() - shallow, 1, 1e-9) << "100 N/m, 10 mm deeper";
+    plane.stiffness = -1;
+    desk.claim.update(handle, kind_of<Plane>, &plane, Describe<Plane>::shape_bytes);
+    desk.claim.commit();
+    desk.force();
+    EXPECT_EQ(desk.servo.count(Count::batches_refused), 1u);
+}
+
 TEST(Batches, UpdatesOfWhatIsGoneAreNoOps) {
     Desk desk;
     const Handle first = desk.claim.add(ConstantForce{.force = {0, 0, 1}, .recovery = 0});

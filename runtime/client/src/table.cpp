@@ -50,6 +50,7 @@ Handle Table::add(Kind kind, std::span<const std::byte> params, const Use& use) 
     entry = Entry{.generation = entry.generation + 1,
                   .kind = kind,
                   .live = true,
+                  .shape_alone = kinds()[kind].shape_bytes != 0,
                   .version = ++version_,
                   .order = ++order_,
                   .use = use,
@@ -83,6 +84,9 @@ void Table::set(Handle handle, std::span<const std::byte> params) {
     if (!entry->changed && !entry->in_flight) pending_.push_back(handle.slot);
     entry->changed = true;
     entry->version = ++version_;
+    const std::size_t shape = kinds()[entry->kind].shape_bytes;
+    entry->shape_alone =
+        entry->shape_alone && std::memcmp(&entry->params[shape], &params[shape], params.size() - shape) == 0;
     entry->params.assign(params.begin(), params.end());
 }
 
@@ -99,13 +103,15 @@ std::span<const std::byte> Table::batch() {
     batch_.clear();
     for (const std::uint32_t slot : pending_) {
         const Entry& entry = entries_[slot];
+        const std::size_t size = entry.shape_alone ? kinds()[entry.kind].shape_bytes : entry.params.size();
         const protocol::EntryHeader header{.handle = handle_of(slot),
                                            .kind = entry.kind,
-                                           .bytes = static_cast<std::uint32_t>(entry.params.size()),
+                                           .bytes = static_cast<std::uint32_t>(size),
                                            .version = entry.version};
         const auto bytes = std::as_bytes(std::span(&header, 1));
         batch_.insert(batch_.end(), bytes.begin(), bytes.end());
-        batch_.insert(batch_.end(), entry.params.begin(), entry.params.end());
+        const auto params = std::span(entry.params).first(size);
+        batch_.insert(batch_.end(), params.begin(), params.end());
         batch_.resize(padded(batch_.size()));
     }
     return batch_;

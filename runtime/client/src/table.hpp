@@ -28,10 +28,11 @@ struct Entry {
     std::uint32_t generation = 0;  // of the latest user of this slot; handles begin at 1
     Kind kind = 0;
     bool live = false;
-    bool leaving = false;    // removed in a group that was not sent yet: find() does not see it
-    bool issued = false;     // its `add` was sent: an entry of an open group is not
-    bool changed = false;    // since the last batch
-    bool in_flight = false;  // in a batch that is not known to have been taken
+    bool leaving = false;      // removed in a group that was not sent yet: find() does not see it
+    bool issued = false;       // its `add` was sent: an entry of an open group is not
+    bool changed = false;      // since the last batch
+    bool shape_alone = false;  // nothing beyond the shape was ever changed: the servo has the rest from `add`
+    bool in_flight = false;    // in a batch that is not known to have been taken
     std::uint64_t version = 0;
     std::uint64_t order = 0;        // of addition: replayed in this order
     double applied_stiffness = -1;  // N/m, from the servo's answer; below 0: not answered

@@ -87,8 +87,9 @@ Verdict Intake::check_entries(Claim::Impl& claim, const protocol::BatchHeader& h
     const bool whole =
         each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
             if (no_op(claim, entry)) return true;
-            verdict = claim.scene.check_update(entry.handle, entry.kind, params, entry.bytes);
-            if (verdict) return true;
+            const Verdict found = claim.scene.check_update(entry.handle, entry.kind, params, entry.bytes);
+            if (found) return true;
+            verdict = found;
             bad_kind_ = entry.kind;
             bad_slot_ = entry.handle.slot;
             return false;

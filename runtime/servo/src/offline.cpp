@@ -71,7 +71,11 @@ void OfflineClaim::end_group() {
 
 void OfflineClaim::add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) {
     const protocol::AddBody body{.handle = handle, .kind = kind, .reserved = 0, .use = use};
-    push(CommandType::add, bytes_of(body), {static_cast<const std::byte*>(params), bytes});
+    const std::span given(static_cast<const std::byte*>(params), bytes);
+    push(CommandType::add, bytes_of(body), given);
+    if (handle.slot >= protocol::max_representations) return;  // refused by the servo
+    if (handle.slot >= added_.size()) added_.resize(handle.slot + 1);
+    added_[handle.slot].assign(given.begin(), given.end());
 }
 
 void OfflineClaim::remove(Handle handle) {
@@ -87,6 +91,13 @@ void OfflineClaim::place_probe(std::uint32_t probe, const ProbePlacement& placem
 void OfflineClaim::update(Handle handle, Kind kind, const void* params, std::size_t bytes) {
     std::erase_if(pending_, [handle](const Pending& p) { return p.handle == handle; });
     const auto* from = static_cast<const std::byte*>(params);
+    const std::size_t shape = kind < kinds().size() ? kinds()[kind].shape_bytes : 0;
+    if (shape != 0 && handle.slot < added_.size() && added_[handle.slot].size() == bytes && bytes > shape) {
+        if (std::memcmp(added_[handle.slot].data() + shape, from + shape, bytes - shape) == 0)
+            bytes = shape;
+        else
+            added_[handle.slot].clear();
+    }
     pending_.push_back(
         {.handle = handle, .kind = kind, .version = ++version_, .params = {from, from + bytes}});
 }

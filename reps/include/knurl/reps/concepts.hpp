@@ -101,7 +101,7 @@ concept Effect = Representation<R> &&
 //
 // Describe<R>::shape_bytes: of a surface that may stand, the leading bytes of its parameters (recovery among them) that
 // its plane and stiffness follow from; nothing that `check` looks at. With void prepare(R&, Limits) beside prepared(),
-// an update of no more than those takes a shorter way.
+// an update of no more than those takes a shorter way, and may bring those bytes alone.
 //
 // A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic. Members
 // `friction`, `snag`, `texture` and `braking` (material.hpp) are a surface's material: the scene acts on them.

@@ -93,6 +93,9 @@ Plane prepared(Plane params, const Limits& limits) noexcept;
 void adopt(const Plane& params, const Plane* previous, Plane::State& state, const Probe& probe) noexcept;
 Contact contact(const Plane& params, Plane::State& state, const Probe& probe, double dt) noexcept;
 
+inline HalfSpace half_space(const Plane& params) noexcept {
+    return {.normal = to_eigen(params.normal), .offset = params.offset, .damping = params.damping};
+}
 /// A plane that fades stands still between changes: the scene scans it with all others, without a call.
 std::optional<HalfSpace> standing(const Plane& params) noexcept;
 /// The paper's update and last_depth bring their own recovery; the scene does not cross-fade them.

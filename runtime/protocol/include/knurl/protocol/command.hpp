@@ -99,7 +99,8 @@ struct BatchHeader {
 struct EntryHeader {
     Handle handle;
     Kind kind = 0;
-    std::uint32_t bytes = 0;    // of parameters, before padding
+    std::uint32_t bytes =
+        0;  // of parameters, before padding: all, or KindInfo::shape_bytes, the rest as it is
     std::uint64_t version = 0;  // of these parameters: an entry may arrive twice
 };
 static_assert(sizeof(EntryHeader) + max_parameter_bytes <= batch_bytes_for(1));

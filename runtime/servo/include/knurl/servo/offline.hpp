@@ -59,6 +59,8 @@ class OfflineClaim {
     std::uint64_t issued() const noexcept { return issued_; }
 
     // Parameters: merged until commit, and on until the servo has taken them.
+    /// Of a plane whose shape alone has changed since it was added, as the application's client does, that
+    /// alone.
     void update(Handle handle, Kind kind, const void* params, std::size_t bytes);
     std::uint64_t commit(std::uint64_t report_cycle = 0, std::int64_t commit_ns = 0);
 
@@ -113,6 +115,8 @@ class OfflineClaim {
     std::vector<std::byte> group_;  // whole cells
     std::size_t last_message_ = 0;  // where the group's last message begins
     std::vector<Pending> pending_;
+    std::vector<std::vector<std::byte>>
+        added_;  // by slot: the parameters that the servo has the rest of; none: all are sent
     Felt felt_;
 };
 
