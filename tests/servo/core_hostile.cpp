@@ -154,8 +154,9 @@ TEST(Hostile, MessagesThatAreAlmostRight) {
             double params[64];
             for (double& p : params) p = number();
             const auto kind = static_cast<Kind>(random() % 5);
-            const std::size_t bytes =
-                random() % 3 == 0 || kind >= Representations::size ? random() % 64 * 8 : kinds()[kind].size;
+            const std::size_t bytes = random() % 3 == 0 || kind >= Representations::size
+                                          ? random() % (protocol::max_parameter_bytes / 8 + 1) * 8
+                                          : kinds()[kind].size;
             const Handle handle{static_cast<std::uint32_t>(random() % 10),
                                 static_cast<std::uint32_t>(random() % 3)};
             switch (random() % 6) {

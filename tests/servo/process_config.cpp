@@ -261,7 +261,7 @@ TEST(CommandLine, HelpMentionsEveryOptionKeyAndBound) {
                              "--config",      "--version",      "--help",       "Examples:",
                              "sim:premium15", "guardian_stall", "socket_group", "[device.limits] peak_force",
                              "slew",          "Bounds:",        "128 clients",  "1024 representations",
-                             "512 KiB",       "512 bytes"}) {
+                             "512 KiB",       "480 bytes"}) {
         EXPECT_NE(help.output().find(word), std::string::npos) << word;
     }
     test::Program version(home, KNURLD, {"--version"});
