@@ -168,16 +168,17 @@ void SceneCore::take_slot(std::uint32_t i) noexcept {
     const bool same = was && is && slot.felt_generation == slot.generation;
     const bool shape_alone = same && slot.shape_alone;
     slot.shape_alone = true;
-    change(i, was, is, same);
-    slot.twins = shape_alone && felt(i).stands && faded(i).stands && !felt(i).rough;
+    // Records that stay as they are stay twins, or strangers.
+    if (change(i, was, is, same))
+        slot.twins = shape_alone && felt(i).stands && faded(i).stands && !felt(i).rough;
     if (is)
         felt(i).clamped = kind_ops()[slot.kind].asked_stiffness(&raw_[i * max_params]) > felt(i).stiffness;
 }
 
-void SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
+bool SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
     Slot& slot = slots_[i];
     if (is) kind_ops()[slot.kind].prepare(&raw_[i * max_params], limits_, prepared_.data());
-    if (same && kind_ops()[slot.kind].unchanged(prepared_.data(), felt(i))) return;
+    if (same && kind_ops()[slot.kind].unchanged(prepared_.data(), felt(i))) return false;
 
     const bool was_surface = was && kind_ops()[felt(i).kind].surface;
     const bool is_surface = is && kind_ops()[slot.kind].surface;
@@ -194,6 +195,7 @@ void SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
     }
     slot.felt = is;
     slot.felt_generation = slot.generation;
+    return true;
 }
 
 // A probe that sits elsewhere on the hand from now on: what it felt becomes an interrupted fade.

@@ -280,7 +280,7 @@ class SceneCore {
     void take_changes() noexcept;
     void take_slot(std::uint32_t slot) noexcept;
     [[gnu::always_inline]] inline void reshape(std::uint32_t slot) noexcept;
-    void change(std::uint32_t slot, bool was, bool is, bool same) noexcept;
+    bool change(std::uint32_t slot, bool was, bool is, bool same) noexcept;  // false: it is the same still
     void note_change(const Record& judged) noexcept;
     void renew(std::uint32_t slot, const Record* previous) noexcept;
     void keep_old(std::uint32_t slot) noexcept {

@@ -233,6 +233,62 @@ TEST(LastDepth, LeavesTheCrossFadeOfOtherPlanesAlone) {
     }
 }
 
+// Its second record, which it moves into next, may still be of another time: an update that changes nothing
+// that is felt must not pass it off as the like of the first.
+TEST(PlaneUpdates, FrictionThatHasGoneComesBackAfterUpdatesThatChangedNothing) {
+    Plane plane{.stiffness = 1000, .recovery = 0.005, .friction = {.dynamic = 0.3}};
+    Scene scene = make_scene();
+    ASSERT_TRUE(scene.add(floor_handle, plane));
+    double x = 0;
+    const auto drag = [&] {
+        Vector force = Vector::Zero();
+        for (int i = 0; i < 50; ++i)
+            force = scene.evaluate(at({x += 5e-5, 0, -0.001}, {0.05, 0, 0}), dt).force;
+        return force.x();
+    };
+    const double rough = drag();
+    EXPECT_LT(rough, -0.2);
+    plane.friction = {};
+    ASSERT_TRUE(scene.update(floor_handle, plane));
+    EXPECT_EQ(drag(), 0);
+    plane.recovery = 0.004;
+    ASSERT_TRUE(scene.update(floor_handle, plane));
+    drag();
+    plane.offset = 1e-6;
+    ASSERT_TRUE(scene.update(floor_handle, plane));
+    drag();
+    plane.friction = {.dynamic = 0.3};
+    ASSERT_TRUE(scene.update(floor_handle, plane));
+    EXPECT_NEAR(drag(), rough, 1e-3);  // 1 um deeper
+}
+
+TEST(PlaneUpdates, WhoComesAfterAnotherInItsSlotIsSilentInItsOwnWay) {
+    Plane plane{.stiffness = 1000, .recovery = 0.005};
+    Scene scene = make_scene();
+    const auto press = [&] {
+        Vector force = Vector::Zero();
+        for (int i = 0; i < 50; ++i) force = scene.evaluate(at({0, 0, -0.001}), dt).force;
+        return force.z();
+    };
+    ASSERT_TRUE(scene.add({0, 1}, plane, {.on_silence = OnSilence::hold}));
+    press();
+    ASSERT_TRUE(scene.remove({0, 1}));
+    ASSERT_TRUE(scene.add({0, 2}, plane, {.on_silence = OnSilence::fade, .silence_time = 0.01}));
+    press();
+    for (const double stated : {0.004, 0.003}) {
+        plane.recovery = stated;
+        ASSERT_TRUE(scene.update({0, 2}, plane));
+        press();
+        plane.offset += 1e-6;
+        ASSERT_TRUE(scene.update({0, 2}, plane));
+        press();
+    }
+    EXPECT_NEAR(press(), 1, 0.01);
+    scene.set_silence(1);
+    for (int i = 0; i < 3; ++i) press();  // 150 ms; it fades in 100
+    EXPECT_EQ(press(), 0);
+}
+
 // Where nothing but a plane's place, stiffness, damping or recovery changes, it takes a shorter way than
 // where more does. The reference changes something else as well, each time: what nobody feels, the seed of
 // snags that it does not have.
