@@ -104,10 +104,14 @@ std::size_t Waker::run_once() noexcept {
 
 std::size_t Waker::wake(std::span<const Sleeper> sleepers) noexcept {
     const Waiting waiting = who_waits(sleepers);
+    if (waiting.count == 0) return 0;
     // A switch to the thread and back costs a sleeper some 9 us, which one alone need not pay. Should the
     // thread be at it too, from a poke before: only one of the two finds the flag up.
-    if (waiting.count == 1) wake_one(sleepers[waiting.last]);
-    if (waiting.count > 1) poke();
+    const Sleeper& last = sleepers[waiting.last];
+    if (waiting.count == 1 && last.event_fd >= 0)
+        wake_one(last);
+    else
+        poke();
     return waiting.count;
 }
 

@@ -135,6 +135,16 @@ TEST_F(Waiting, OneThatSleepsAloneIsWokenWithoutTheWakersThread) {
     EXPECT_EQ(waker_.wake(sleepers), 0u);
 }
 
+TEST_F(Waiting, OneWhoseDescriptorIsNotForTheServoIsLeftToTheWakersThread) {
+    waker_.add(sleeper());
+    waiter_.rearm();
+    const Sleeper sleepers[] = {{.flag = &flag_}};
+    EXPECT_EQ(waker_.wake(sleepers), 1u);
+    EXPECT_FALSE(readable());
+    EXPECT_EQ(waker_.run_once(), 1u);
+    EXPECT_TRUE(readable());
+}
+
 TEST_F(Waiting, SeveralAreLeftToTheWakersThread) {
     WaiterFlag other;
     const UniqueFd others_event = make_event();

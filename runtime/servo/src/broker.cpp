@@ -132,7 +132,9 @@ struct Broker::Impl {
         }
         const std::uint64_t id = next_id++;
         try {
-            connection.peer.pid = shm::credentials_of(connection.socket).pid;
+            const auto credentials = shm::credentials_of(connection.socket);
+            connection.peer.pid = credentials.pid;
+            connection.peer.uid = credentials.uid;
             watch(connection.socket.get(), id);
         } catch (const std::runtime_error&) {
             pause_until = SteadyClock::now() + accept_pause;  // the kernel has no room for one more

@@ -1,8 +1,9 @@
 #pragma once
 // Sleeping until the next report. The reports are mapped read-only, so a client cannot count itself in there:
 // it sets a flag in its own segment. The servo reads the flags of its clients after it has published. One
-// that sleeps alone it wakes itself; for several it pokes a thread of lower priority on its own core, which
-// wakes them while the servo sleeps. Either is one system call, whatever the number of clients.
+// that sleeps alone it wakes itself, if that one may be trusted with it; else it pokes a thread of lower
+// priority on its own core, which wakes them while the servo sleeps. Either is one system call, whatever the
+// number of clients.
 //
 //   client: flag = 1   ─sb─> fence(seq_cst) ─sb─> read end: nothing new ⇒ sleep
 //   servo:  end = n+1  ─sb─> fence(seq_cst) ─sb─> read flag: not set    ⇒ wake nobody
@@ -57,7 +58,9 @@ struct alignas(line_bytes) WaiterFlag {
 };
 static_assert(sizeof(WaiterFlag) == line_bytes);
 
-/// One who may sleep: its flag, and the descriptor that it sleeps on. Neither is owned.
+/// One who may sleep: its flag, and the descriptor that it sleeps on. Neither is owned. A client shares its
+/// descriptor, and could make writing to it block: whoever must never block has -1 there, unless the client
+/// could stop it anyway.
 struct Sleeper {
     WaiterFlag* flag = nullptr;
     int event_fd = -1;
@@ -129,7 +132,7 @@ class Waker {
     void remove(const WaiterFlag* flag) noexcept;
 
     /// From the servo's thread, after publishing: wakes whoever of these waits, with one system call at most,
-    /// no lock, no allocation. How many did.
+    /// no lock, no allocation. Those without a descriptor are left to the thread. How many did wait.
     std::size_t wake(std::span<const Sleeper> sleepers) noexcept;
     /// The thread will look through its table: a futex wake at most.
     void poke() noexcept;

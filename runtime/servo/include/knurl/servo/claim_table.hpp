@@ -31,6 +31,7 @@ struct HostedDevice {
 
 struct Peer {
     pid_t pid = 0;
+    uid_t uid = 0;
     std::string name;
 };
 
