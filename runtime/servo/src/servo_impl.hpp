@@ -72,8 +72,7 @@ struct Servo::Impl {
     Report report;
     std::array<Nanoseconds, protocol::report_slots> read_times =
         {};  // of the last reports, for the age of a batch
-    std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, evaluated = 0,
-                  present = 0;
+    std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, evaluated = 0, present = 0;
 };
 
 }  // namespace knurl::servo
