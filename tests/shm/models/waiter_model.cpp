@@ -8,13 +8,16 @@ namespace {
 
 using Memory = SimulatedMemory<AtomicPayload>;
 
-template <class Orders>
-struct Sleep : rl::test_suite<Sleep<Orders>, 3> {
+enum class WokenBy { thread, servo };
+
+template <class Orders, WokenBy by = WokenBy::thread>
+struct Sleep : rl::test_suite<Sleep<Orders, by>, 3> {
     Word flag, end, poked, event;
     bool sleeps;
 
     void before() {
         for (Word* word : {&flag, &end, &poked, &event}) Memory::store(*word, 0, std::memory_order::relaxed);
+        if (by == WokenBy::servo) Memory::store(poked, 1, std::memory_order::relaxed);  // of the cycle before
         sleeps = false;
     }
 
@@ -38,8 +41,11 @@ struct Sleep : rl::test_suite<Sleep<Orders>, 3> {
     void servo() {
         Memory::store(end, 1, std::memory_order::release);
         fence_after_publish<Memory, Orders>();
-        if (Memory::load(flag, std::memory_order::relaxed) != 0)
+        if (Memory::load(flag, std::memory_order::relaxed) == 0) return;
+        if (by == WokenBy::thread)
             Memory::store(poked, 1, std::memory_order::release);
+        else if (lower_flag<Memory>(flag))
+            Memory::store(event, 1, std::memory_order::release);
     }
 
     void waker() {
@@ -48,7 +54,7 @@ struct Sleep : rl::test_suite<Sleep<Orders>, 3> {
     }
 
     void after() {
-        waker();  // a poke is never forgotten: the waker's next round comes
+        if (by == WokenBy::thread) waker();  // a poke is never forgotten: the waker's next round comes
         if (sleeps) require(Memory::load(event, std::memory_order::acquire) != 0);
     }
 };
@@ -65,6 +71,12 @@ struct NoPublisherFence : WaiterOrders {
 
 TEST(WaiterModel, WhoeverSleepsIsWoken) {
     expect_holds<Sleep<WaiterOrders>>();
+}
+TEST(WaiterModel, WhoeverSleepsIsWokenByTheServoItselfWhileTheWakerSweeps) {
+    expect_holds<Sleep<WaiterOrders, WokenBy::servo>>();
+}
+TEST(WaiterModel, WrongTwinNoPublisherFenceWokenByTheServo) {
+    expect_found_wrong<Sleep<NoPublisherFence, WokenBy::servo>>();
 }
 TEST(WaiterModel, WrongTwinWeakWaiterFence) {
     expect_found_wrong<Sleep<WeakWaiterFence>>();
