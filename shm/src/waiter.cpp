@@ -22,6 +22,8 @@ void signal_event(int event_fd) noexcept {
     [[maybe_unused]] const ssize_t written = ::write(event_fd, &one, sizeof one);
 }
 
+constexpr std::size_t few = 8;  // clients
+
 bool wake_one(const Sleeper& sleeper) noexcept {
     if (!lower_flag<>(sleeper.flag->waiting)) return false;
     signal_event(sleeper.event_fd);
@@ -105,10 +107,11 @@ std::size_t Waker::run_once() noexcept {
 std::size_t Waker::wake(std::span<const Sleeper> sleepers) noexcept {
     const Waiting waiting = who_waits(sleepers);
     if (waiting.count == 0) return 0;
-    // A switch to the thread and back costs a sleeper some 9 us, which one alone need not pay. Should the
-    // thread be at it too, from a poke before: only one of the two finds the flag up.
+    // The way through the thread costs a sleeper some 9 us, which one alone need not pay. The servo pays them
+    // instead, so not where a crowd takes its time already. Should the thread be at it too, from a poke
+    // before: only one of the two finds the flag up.
     const Sleeper& last = sleepers[waiting.last];
-    if (waiting.count == 1 && last.event_fd >= 0)
+    if (waiting.count == 1 && sleepers.size() <= few && last.event_fd >= 0)
         wake_one(last);
     else
         poke();

@@ -145,6 +145,18 @@ TEST_F(Waiting, OneWhoseDescriptorIsNotForTheServoIsLeftToTheWakersThread) {
     EXPECT_TRUE(readable());
 }
 
+TEST_F(Waiting, OneThatSleepsInACrowdIsLeftToTheWakersThread) {
+    waiter_.rearm();
+    std::vector<WaiterFlag> awake(8);
+    std::vector<Sleeper> sleepers{sleeper()};
+    for (WaiterFlag& flag : awake) sleepers.push_back({.flag = &flag, .event_fd = event_.get()});
+    EXPECT_EQ(waker_.wake(sleepers), 1u);
+    EXPECT_FALSE(readable());
+    sleepers.pop_back();
+    EXPECT_EQ(waker_.wake(sleepers), 1u);
+    EXPECT_TRUE(readable());
+}
+
 TEST_F(Waiting, SeveralAreLeftToTheWakersThread) {
     WaiterFlag other;
     const UniqueFd others_event = make_event();
