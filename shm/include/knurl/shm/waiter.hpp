@@ -1,9 +1,9 @@
 #pragma once
 // Sleeping until the next report. The reports are mapped read-only, so a client cannot count itself in there:
 // it sets a flag in its own segment. The servo reads the flags of its clients after it has published. One
-// that sleeps alone, among few, it wakes itself, if that one may be trusted with it; else it pokes a thread of
-// lower priority on its own core, which wakes them while the servo sleeps. Either is one system call, whatever
-// the number of clients.
+// that sleeps alone, among few, it wakes itself, if that one may be trusted with it; else it pokes a thread
+// of lower priority on its own core, which wakes them while the servo sleeps. Either is one system call,
+// whatever the number of clients.
 //
 //   client: flag = 1   ─sb─> fence(seq_cst) ─sb─> read end: nothing new ⇒ sleep
 //   servo:  end = n+1  ─sb─> fence(seq_cst) ─sb─> read flag: not set    ⇒ wake nobody
