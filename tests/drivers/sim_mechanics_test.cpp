@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr Nanoseconds millisecond = 1'000'000;
-constexpr const char* ideal = ",grip=0,coulomb=0,damping=0,lag=0,dac=0,quantum=0";
+const std::string ideal = ",grip=0,coulomb=0,damping=0,lag=0,dac=0,quantum=0";
 
 SimDevice make(const std::string& address) {
     return SimDevice(sim_profile(address));
@@ -94,7 +94,7 @@ TEST(Mechanics, ATipThatNothingHoldsMovesStraight) {
     double miss[2] = {};
     const Nanoseconds periods[2] = {100'000, 50'000};
     for (int i = 0; i < 2; ++i) {
-        SimDevice device = make(std::string("premium15") + ideal);
+        SimDevice device = make("premium15" + ideal);
         const JointArray centre = device.profile().centre;
         const Vector3d velocity(0.1, -0.15, 0.08);
         device.place(centre, rates_for(device, centre, velocity));

@@ -1,0 +1,2 @@
+// What all tests read, compiled once: see tests/CMakeLists.txt.
+int main() {}
