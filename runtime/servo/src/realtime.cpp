@@ -46,17 +46,26 @@ void note_priority(Shortfalls& missing, int priority, const char* who, int error
     missing.priority_error = error;
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#if !defined(__has_feature)  // GCC 12 has macros instead
+#define __has_feature(name) 0
+#endif
+#if defined(__SANITIZE_THREAD__) || __has_feature(thread_sanitizer)
+constexpr bool thread_sanitized = true;
+#else
+constexpr bool thread_sanitized = false;
+#endif
+#if defined(__SANITIZE_ADDRESS__) || __has_feature(address_sanitizer)
 constexpr bool sanitized = true;
 #else
-constexpr bool sanitized = false;
+constexpr bool sanitized = thread_sanitized;
 #endif
-#else
-constexpr bool sanitized = false;
-#endif
+
+// ThreadSanitizer's own locks spin on sched_yield, which under SCHED_FIFO gives way to nobody of lower
+// priority: a servo thread would spin for ever on what a slower one on its CPU holds. So that build runs
+// without priorities.
+constexpr int allowed_priority(int priority) {
+    return thread_sanitized ? 0 : priority;
+}
 
 // Instrumented frames are several times larger.
 constexpr std::size_t stack_bytes = sanitized ? 8 * thread_stack_bytes : thread_stack_bytes;
@@ -116,6 +125,7 @@ void lock_memory(Shortfalls& missing) {
 }
 
 void become_real_time(int priority, const char* who, Shortfalls& missing) {
+    priority = allowed_priority(priority);
     if (priority == 0) return;
     sched_param parameters{};
     parameters.sched_priority = priority;
@@ -173,9 +183,9 @@ Thread::Thread(const ThreadOptions& options, std::function<void()> body, Shortfa
         return pthread_create(&thread_, &attributes.value, run_body, body_.get());
     };
     int error = EPERM;
-    if (options.priority > 0) {
-        error = create(SCHED_FIFO, options.priority);
-        if (error == EPERM) note_priority(missing, options.priority, options.name, error);
+    if (const int priority = allowed_priority(options.priority); priority > 0) {
+        error = create(SCHED_FIFO, priority);
+        if (error == EPERM) note_priority(missing, priority, options.name, error);
     }
     if (error == EPERM) error = create(SCHED_OTHER, 0);
     if (error != 0) {
