@@ -166,7 +166,14 @@ std::vector<ServoView> look_at_all() {
             }
         }
         if (none && none != std::errc::no_such_file_or_directory) {
-            throw std::runtime_error(directory + ": cannot be read: " + none.message());
+            // Whoever may not look into the service's folder still sees what lies elsewhere.
+            views.push_back({.name = "?",
+                             .socket = directory,
+                             .problem = directory + " cannot be read: " + none.message() +
+                                        "; sudo usermod --append --groups haptics $USER, then log in again",
+                             .dead = false,
+                             .pid = 0,
+                             .devices = {}});
         }
     }
     std::sort(views.begin(), views.end(), [](const auto& a, const auto& b) { return a.name < b.name; });

@@ -58,7 +58,8 @@ class ServoWatch {
     std::vector<shm::Segment> segments_;
 };
 
-/// All servos whose sockets lie in protocol::servo_directories(), by name; dead ones and strangers say so.
+/// All servos whose sockets lie in protocol::servo_directories(), by name; dead ones, strangers, and folders
+/// that may not be read say so.
 std::vector<ServoView> look_at_all();
 
 }  // namespace knurl::cli

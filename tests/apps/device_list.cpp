@@ -91,6 +91,20 @@ TEST(Devices, WithoutTheRightToOpenItSaysWhatGivesIt) {
     EXPECT_THAT(text.out, Not(HasSubstr("ready")));
 }
 
+TEST(Devices, AServiceThatIsNotOursToSeeHidesNoDevice) {
+    if (geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
+    const Folder folder;
+    std::filesystem::permissions(folder.path(""), std::filesystem::perms(0700));
+    setenv("KNURL_RUNTIME_DIR", folder.path("").c_str(), 1);
+    const Outcome devices = as_nobody("devices");
+    const Outcome servos = as_nobody("ls");
+    unsetenv("KNURL_RUNTIME_DIR");
+    EXPECT_EQ(devices.code, 0) << devices.err;
+    EXPECT_THAT(devices.out, HasSubstr("falcon:FALCON01"));
+    EXPECT_EQ(servos.code, 0) << servos.err;
+    EXPECT_THAT(servos.out, HasSubstr("cannot be read: Permission denied; sudo usermod"));
+}
+
 TEST(Devices, NothingPluggedInIsAnAnswer) {
     const Outcome text = on_the_bus("", "devices");
     EXPECT_EQ(text.code, 0) << text.err;
