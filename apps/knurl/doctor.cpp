@@ -1,0 +1,277 @@
+// knurl doctor: is this machine fit for a hand, at which rate, and what would make it better?
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "doctor_machine.hpp"
+#include "doctor_verdict.hpp"
+#include "measure.hpp"
+#include "private_servo.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr double rates[] = {500, 1000, 2000, 4000, 10'000};  // Hz
+constexpr double main_rate = 1000;
+constexpr int rounds = 3;           // the servo and the bare loop take turns
+constexpr double idle_share = 0.1;  // of the time: whether idle polling would help
+
+struct Arguments {
+    double seconds = 50;
+    int servo_cpu = -1;  // -1: the last one that we may use
+    std::string idle = "sleep";
+    double spin = 0;  // s
+    bool json = false;
+};
+
+struct Idle {
+    double sleeping = 0, polling = 0;  // us late at the median at main_rate, of the bare loop
+    std::string problem;               // empty: it was tried
+};
+
+struct Examination {
+    unsigned servo_cpu = 0;
+    std::optional<unsigned> witness_cpu;
+    bool real_time = true;
+    std::vector<Finding> findings;
+    std::vector<RateVerdict> rates;
+    Idle idle;
+};
+
+void append(Beginnings& all, const Beginnings& more) {
+    all.deadline.insert(all.deadline.end(), more.deadline.begin(), more.deadline.end());
+    all.late.insert(all.late.end(), more.late.begin(), more.late.end());
+}
+
+class Doctor {
+  public:
+    explicit Doctor(const Arguments& arguments) : arguments_(arguments) {
+        const auto cpus = measure::allowed_cpus();
+        if (cpus.empty()) throw std::runtime_error("the CPUs that this process may use cannot be read");
+        result_.servo_cpu =
+            arguments.servo_cpu >= 0 ? static_cast<unsigned>(arguments.servo_cpu) : cpus.back();
+        if (std::find(cpus.begin(), cpus.end(), result_.servo_cpu) == cpus.end()) {
+            throw UsageError(fmt::format("--servo-cpu is {}, which this process may not use; give one of {}",
+                                         result_.servo_cpu, fmt::join(cpus, ", ")));
+        }
+        for (const unsigned cpu : cpus) {
+            if (cpu != result_.servo_cpu && !result_.witness_cpu) result_.witness_cpu = cpu;
+        }
+    }
+
+    Examination examine() {
+        const auto begin = now_ns();
+        const Disturbance before = count_disturbances("/", result_.servo_cpu);
+        if (result_.witness_cpu) witness_.emplace(*result_.witness_cpu);
+        result_.findings = look_at_settings("/", result_.servo_cpu);
+        const double each = arguments_.seconds * (1 - idle_share) / (2 * rounds * std::size(rates));
+        std::string said;
+        for (const double rate : rates) examine_at(rate, each, said);
+        try_idle(arguments_.seconds * idle_share / 2);
+        const Disturbance after = count_disturbances("/", result_.servo_cpu);
+        const double seconds = static_cast<double>(now_ns() - begin) * 1e-9;
+
+        std::vector<Finding> findings = look_at_rights(said);
+        for (auto& more : {std::move(result_.findings),
+                           look_at_disturbances(before, after, seconds, result_.servo_cpu), look_at_usb("/")})
+            findings.insert(findings.end(), more.begin(), more.end());
+        result_.findings = std::move(findings);
+        return std::move(result_);
+    }
+
+  private:
+    void progress(const std::string& text) const {
+        if (::isatty(2) != 0) fmt::print(stderr, "\r{:<60}{}", text, text.empty() ? "\r" : "");
+    }
+
+    void examine_at(double rate, double seconds, std::string& said) {
+        const auto length = static_cast<Nanoseconds>(seconds * 1e9);
+        Beginnings of_servo, bare;
+        std::vector<Gap> gaps;
+        for (int round = 0; round < rounds; ++round) {
+            progress(fmt::format("{:g} Hz, {} of {} turns", rate, round + 1, rounds));
+            {
+                PrivateServo servo({"--device", "sim:cartesian3", "--rate", fmt::format("{:g}", rate),
+                                    "--cpu", std::to_string(result_.servo_cpu), "--idle", arguments_.idle,
+                                    "--spin", fmt::format("{:g}", arguments_.spin)});
+                try {
+                    append(of_servo, servo_loop(servo.address(), length));
+                } catch (const std::exception&) {
+                    servo.require_running();  // says why it is not
+                    throw;
+                }
+                said = servo.said();
+            }
+            servo::Shortfalls none;
+            const shm::UniqueFd held =
+                arguments_.idle == "poll" ? servo::hold_idle_polling(none) : shm::UniqueFd{};
+            append(bare, bare_loop(rate, result_.servo_cpu, length));
+            if (witness_) {
+                const auto more = witness_->gaps();
+                gaps.insert(gaps.end(), more.begin(), more.end());
+            }
+        }
+        progress("");
+        result_.real_time = said.find("no real-time priority") == std::string::npos;
+        result_.rates.push_back(
+            judge(rate, figures(of_servo, gaps, rate), figures(bare, gaps, rate), result_.real_time));
+    }
+
+    /// The bare loop once more, with idle CPUs polling: what that would bring.
+    void try_idle(double seconds) {
+        const auto length = static_cast<Nanoseconds>(seconds * 1e9);
+        progress("with and without idle polling");
+        result_.idle.sleeping = figures(bare_loop(main_rate, result_.servo_cpu, length), {}, main_rate).p50;
+        servo::Shortfalls missing;
+        const shm::UniqueFd held = servo::hold_idle_polling(missing);
+        if (!held)
+            result_.idle.problem = fmt::format("{}", fmt::join(missing.report(), "; "));
+        else
+            result_.idle.polling =
+                figures(bare_loop(main_rate, result_.servo_cpu, length), {}, main_rate).p50;
+        progress("");
+    }
+
+    Arguments arguments_;
+    Examination result_;
+    std::optional<Witness> witness_;
+};
+
+const char* mark(Grade grade) {
+    return grade == Grade::good ? "ok  " : grade == Grade::note ? "note" : "BAD ";
+}
+
+std::string figures_line(const char* who, const LoopFigures& f) {
+    return fmt::format(
+        "           {:<10} late by p50 {:5.1f}, p99 {:6.1f}, p99.9 {:7.1f}, max {:8.1f} us of {} cycles{}\n",
+        who, f.p50, f.p99, f.p999, f.max, f.cycles,
+        f.stalls.count == 0 ? ""
+                            : fmt::format("; besides {} standstills of the machine, the longest {:.1f} ms",
+                                          f.stalls.count, static_cast<double>(f.stalls.longest) * 1e-6));
+}
+
+void print_text(const Examination& found, const Arguments& arguments) {
+    const measure::Machine machine = measure::this_machine();
+    fmt::print("{}, {} CPUs, Linux {}, load {}, {}\nservo on CPU {}, idle \"{}\", spin {:g} s; {}\n\n",
+               machine.processor, machine.cpus, machine.kernel, machine.load, machine.date, found.servo_cpu,
+               arguments.idle, arguments.spin,
+               found.witness_cpu ? fmt::format("witness of standstills on CPU {}", *found.witness_cpu)
+                                 : "no other CPU for a witness of standstills");
+    for (const Finding& finding : found.findings) {
+        fmt::print("{} {}: {}\n", mark(finding.grade), finding.what, finding.says);
+        if (finding.grade != Grade::good && !finding.mend.empty())
+            fmt::print("       mend: {}\n", finding.mend);
+    }
+    if (found.idle.problem.empty()) {
+        fmt::print("     idle polling takes a bare loop's median lateness from {:.1f} to {:.1f} us\n",
+                   found.idle.sleeping, found.idle.polling);
+    } else {
+        fmt::print("     idle polling could not be tried: {}\n", found.idle.problem);
+    }
+    fmt::print("\n");
+    for (const RateVerdict& verdict : found.rates) {
+        fmt::print("{:>6g} Hz  {}: {}\n", verdict.rate, name_of(verdict.fitness), verdict.reason);
+        fmt::print("{}{}", figures_line("servo", verdict.servo), figures_line("bare loop", verdict.bare));
+    }
+}
+
+json to_json(const LoopFigures& f) {
+    return {{"cycles", f.cycles},
+            {"on_time", f.on_time},
+            {"p50", f.p50},
+            {"p99", f.p99},
+            {"p999", f.p999},
+            {"max", f.max},
+            {"stalls", f.stalls.count},
+            {"longest_stall", static_cast<double>(f.stalls.longest) * 1e-3}};
+}
+
+json to_json(const Examination& found, const Arguments& arguments) {
+    const measure::Machine machine = measure::this_machine();
+    json findings = json::array(), verdicts = json::array();
+    for (const Finding& finding : found.findings) {
+        findings.push_back({{"what", finding.what},
+                            {"grade", finding.grade == Grade::good   ? "good"
+                                      : finding.grade == Grade::note ? "note"
+                                                                     : "bad"},
+                            {"says", finding.says},
+                            {"mend", finding.mend}});
+    }
+    for (const RateVerdict& verdict : found.rates) {
+        verdicts.push_back({{"rate", verdict.rate},
+                            {"fitness", name_of(verdict.fitness)},
+                            {"reason", verdict.reason},
+                            {"servo", to_json(verdict.servo)},
+                            {"bare_loop", to_json(verdict.bare)}});
+    }
+    const bool tried = found.idle.problem.empty();
+    return {{"machine",
+             {{"processor", machine.processor},
+              {"cpus", machine.cpus},
+              {"kernel", machine.kernel},
+              {"load", machine.load},
+              {"idle", machine.idle},
+              {"date", machine.date}}},
+            {"servo_cpu", found.servo_cpu},
+            {"witness_cpu", found.witness_cpu ? json(*found.witness_cpu) : json()},
+            {"idle", arguments.idle},
+            {"spin", arguments.spin},
+            {"real_time", found.real_time},
+            {"findings", findings},
+            {"idle_polling",
+             {{"sleeping_p50", found.idle.sleeping},
+              {"polling_p50", tried ? json(found.idle.polling) : json()},
+              {"problem", found.idle.problem}}},
+            {"rates", verdicts}};
+}
+
+int run_doctor(const Arguments& arguments) {
+    if (!(arguments.seconds >= 5 && arguments.seconds <= 3600))
+        throw UsageError(fmt::format("--seconds is {:g}; give 5 to 3600", arguments.seconds));
+    const Examination found = Doctor(arguments).examine();
+    if (arguments.json)
+        fmt::print("{}\n", to_json(found, arguments).dump(2, ' ', false, json::error_handler_t::replace));
+    else
+        print_text(found, arguments);
+    const auto main = std::find_if(found.rates.begin(), found.rates.end(),
+                                   [](const auto& v) { return v.rate == main_rate; });
+    return main->fitness == Fitness::unfit ? 1 : 0;
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& program, Run& run) {
+    auto* verb = program.add_subcommand(
+        "doctor", "Is this machine fit for a hand, at which rate, and what would make it better?");
+    auto arguments = std::make_shared<Arguments>();
+    verb->add_option("--seconds", arguments->seconds, "to measure for, in all")
+        ->capture_default_str()
+        ->type_name("S");
+    verb->add_option("--servo-cpu", arguments->servo_cpu, "where the servo runs; default: the last CPU")
+        ->check(CLI::Range(0, 1023))
+        ->type_name("CPU");
+    verb->add_option("--idle", arguments->idle, "as knurld's: what idle CPUs do")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"sleep", "poll"}));
+    verb->add_option("--spin", arguments->spin,
+                     "as knurld's: the last part of each sleep that the servo spins")
+        ->capture_default_str()
+        ->type_name("S");
+    verb->add_flag("--json", arguments->json, "for programs");
+    verb->footer(
+        "Starts servos of its own, on a simulated device, beside a loop with nothing in it; run it on a "
+        "machine that is as busy as "
+        "it will be, and with no other servo on that CPU.\nExit code 1: unfit at 1 kHz.");
+    verb->callback([&run, arguments] { run = [arguments] { return run_doctor(*arguments); }; });
+}
+
+}  // namespace knurl::cli

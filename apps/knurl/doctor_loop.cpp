@@ -1,0 +1,136 @@
+#include "doctor_loop.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+
+#include <knurl/client/client.hpp>
+
+namespace knurl::cli {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int servo_priority = 80, witness_priority = 90;
+constexpr Nanoseconds witness_pace = 1'000'000;
+constexpr Nanoseconds settling = 100'000'000;  // of a servo that has just been armed: first faults, ramp
+constexpr Nanoseconds looking_pace = 2'000'000;
+// The witness sleeps 1 ms at a time, and wakes later than the loop.
+constexpr Nanoseconds same_time = 2'000'000;
+
+}  // namespace
+
+struct Witness::Impl {
+    std::atomic<bool> done = false;
+    std::mutex mutex;
+    std::vector<Gap> gaps;
+    servo::Shortfalls missing;
+    std::optional<servo::Thread> thread;
+
+    void watch() {
+        for (Nanoseconds due = now_ns() + witness_pace; !done; due = std::max(due + witness_pace, now_ns())) {
+            sleep_until(due);
+            const Nanoseconds now = now_ns();
+            if (now - due < long_gap) continue;
+            const std::scoped_lock lock(mutex);
+            gaps.push_back({.begin = due, .end = now});
+        }
+    }
+};
+
+Witness::Witness(unsigned cpu) : impl_(std::make_unique<Impl>()) {
+    impl_->thread.emplace(
+        servo::ThreadOptions{
+            .name = "knurl-witness", .priority = witness_priority, .cpu = static_cast<int>(cpu)},
+        [impl = impl_.get()] { impl->watch(); }, impl_->missing);
+}
+
+Witness::~Witness() {
+    impl_->done = true;
+    impl_->thread->join();
+}
+
+std::vector<Gap> Witness::gaps() {
+    const std::scoped_lock lock(impl_->mutex);
+    return std::exchange(impl_->gaps, {});
+}
+
+Beginnings bare_loop(double rate, unsigned cpu, Nanoseconds length) {
+    Beginnings seen;
+    const auto period = static_cast<Nanoseconds>(std::llround(1e9 / rate));
+    const auto cycles = static_cast<std::size_t>(length / period) + 1;
+    seen.deadline.reserve(cycles);
+    seen.late.reserve(cycles);
+    servo::Shortfalls missing;
+    servo::Thread(
+        {.name = "knurl-bare", .priority = servo_priority, .cpu = static_cast<int>(cpu)},
+        [&] {
+            Nanoseconds deadline = now_ns() + period;
+            for (std::size_t i = 0; i < cycles; ++i) {
+                sleep_until(deadline);
+                const Nanoseconds late = now_ns() - deadline;
+                seen.deadline.push_back(deadline);
+                seen.late.push_back(late);
+                // As the servo: what has been missed is not made up for.
+                deadline += period * (std::max<Nanoseconds>(0, late) / period + 1);
+            }
+        },
+        missing)
+        .join();
+    return seen;
+}
+
+Beginnings servo_loop(const std::string& address, Nanoseconds length) {
+    ConnectOptions options;
+    options.name = "knurl doctor";
+    options.wait = 10s;
+    options.reattach = false;
+    Client client = Client::connect(address, options);
+    Claim hand = client.claim();
+    hand.add(Plane{.stiffness = 500});
+    hand.arm();
+    hand.commit();
+    Beginnings seen;
+    const Nanoseconds begin = now_ns() + settling, end = begin + length;
+    for (Nanoseconds now = now_ns(); now < end; now = now_ns()) {
+        // Nobody waits for a report: a wake-up for each would be work of the servo's that is not the cycle's.
+        sleep_until(now + looking_pace);
+        while (const auto report = hand.next_report(0ns)) {
+            if (report->deadline_ns < begin || report->deadline_ns >= end) continue;
+            seen.deadline.push_back(report->deadline_ns);
+            seen.late.push_back(report->read_ns - report->deadline_ns);
+        }
+        hand.commit();
+        if (!hand.connected()) throw std::runtime_error("the servo ended during the measurement");
+    }
+    hand.release();
+    return seen;
+}
+
+Stalls take_out_stalls(Beginnings& beginnings, const std::vector<Gap>& gaps) {
+    Stalls stalls;
+    Beginnings kept;
+    auto gap = gaps.begin();
+    const Gap* last = nullptr;
+    for (std::size_t i = 0; i < beginnings.deadline.size(); ++i) {
+        const Nanoseconds deadline = beginnings.deadline[i], begun = deadline + beginnings.late[i];
+        while (gap != gaps.end() && gap->end + same_time < deadline) ++gap;
+        const bool stalled =
+            beginnings.late[i] >= Witness::long_gap && gap != gaps.end() && gap->begin - same_time < begun;
+        if (!stalled) {
+            kept.deadline.push_back(deadline);
+            kept.late.push_back(beginnings.late[i]);
+            continue;
+        }
+        if (last != &*gap) ++stalls.count;
+        last = &*gap;
+        stalls.longest = std::max(stalls.longest, beginnings.late[i]);
+    }
+    beginnings = std::move(kept);
+    return stalls;
+}
+
+}  // namespace knurl::cli

@@ -1,0 +1,81 @@
+#include "doctor_verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace knurl::cli {
+
+namespace {
+
+constexpr double good_share = 0.999, usable_share = 0.99;
+constexpr Nanoseconds lets_go_after = 20'000'000;  // a servo that was late by more begins again from no force
+constexpr std::size_t above = 10;
+
+double percentile(const std::vector<Nanoseconds>& sorted, double p) {
+    const auto n = sorted.size();
+    auto at = static_cast<std::size_t>(std::ceil(p * static_cast<double>(n)));
+    if (at + above > n) at = n;
+    return static_cast<double>(sorted[std::min(n - 1, at)]) * 1e-3;
+}
+
+}  // namespace
+
+const char* name_of(Fitness fitness) {
+    switch (fitness) {
+        case Fitness::good:
+            return "good";
+        case Fitness::usable:
+            return "usable";
+        case Fitness::unfit:
+            break;
+    }
+    return "unfit";
+}
+
+LoopFigures figures(Beginnings beginnings, const std::vector<Gap>& gaps, double rate) {
+    LoopFigures result;
+    result.stalls = take_out_stalls(beginnings, gaps);
+    std::vector<Nanoseconds>& late = beginnings.late;
+    result.cycles = late.size();
+    if (late.empty()) return result;
+    std::sort(late.begin(), late.end());
+    const auto half = static_cast<Nanoseconds>(0.5e9 / rate);
+    const auto on_time = std::lower_bound(late.begin(), late.end(), half) - late.begin();
+    result.on_time = static_cast<double>(on_time) / static_cast<double>(late.size());
+    result.p50 = percentile(late, 0.5);
+    result.p99 = percentile(late, 0.99);
+    result.p999 = percentile(late, 0.999);
+    result.max = static_cast<double>(late.back()) * 1e-3;
+    return result;
+}
+
+RateVerdict judge(double rate, const LoopFigures& servo, const LoopFigures& bare, bool real_time) {
+    RateVerdict verdict{.rate = rate, .fitness = Fitness::unfit, .reason = {}, .servo = servo, .bare = bare};
+    if (servo.cycles == 0) {
+        verdict.reason = "the servo reported no cycle";
+        return verdict;
+    }
+    const bool held = servo.stalls.longest > lets_go_after;
+    if (servo.on_time >= good_share && real_time && !held)
+        verdict.fitness = Fitness::good;
+    else if (servo.on_time >= usable_share)
+        verdict.fitness = Fitness::usable;
+
+    verdict.reason = fmt::format("{:.2f} % of cycles on time", servo.on_time * 100);
+    if (verdict.fitness != Fitness::good && servo.on_time < good_share) {
+        // Of two loops on one CPU, one with nothing in it: if that is late too, nothing in Knurl can help.
+        verdict.reason +=
+            bare.on_time < good_share
+                ? fmt::format(", {:.2f} % of a bare loop's: it is the machine", bare.on_time * 100)
+                : fmt::format(", {:.2f} % of a bare loop's: it is the servo", bare.on_time * 100);
+    }
+    if (!real_time) verdict.reason += "; without real-time priority any program may hold it up";
+    if (held)
+        verdict.reason += fmt::format("; the machine stood still for {:.0f} ms: forces fade out and in",
+                                      static_cast<double>(servo.stalls.longest) * 1e-6);
+    return verdict;
+}
+
+}  // namespace knurl::cli

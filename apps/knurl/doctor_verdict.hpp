@@ -1,0 +1,36 @@
+#pragma once
+// From how late cycles begin to what a person asks: may I run a hand at this rate on this machine?
+
+#include <string>
+#include <vector>
+
+#include "doctor_loop.hpp"
+
+namespace knurl::cli {
+
+/// A loop that began late by less than half of its period is on time: the force then rests on a position that
+/// is at most half of a period older than it should be, which the bound b / (T/2 + tau) leaves room for.
+struct LoopFigures {
+    std::size_t cycles = 0;  // of which standstills of the machine are taken out
+    double on_time = 0;      // share, 0 to 1
+    double p50 = 0, p99 = 0, p999 = 0,
+           max = 0;  // us late; a percentile needs 10 cycles above it, else it is max
+    Stalls stalls;
+};
+LoopFigures figures(Beginnings beginnings, const std::vector<Gap>& gaps, double rate);
+
+enum class Fitness { good, usable, unfit };
+const char* name_of(Fitness fitness);
+
+struct RateVerdict {
+    double rate = 0;  // Hz
+    Fitness fitness = Fitness::unfit;
+    std::string reason;
+    LoopFigures servo, bare;
+};
+
+/// good: at least 99.9 % of the servo's cycles on time, in real time. usable: 99 %. A machine that stands
+/// still for longer than the 20 ms after which a servo lets go is usable at best.
+RateVerdict judge(double rate, const LoopFigures& servo, const LoopFigures& bare, bool real_time);
+
+}  // namespace knurl::cli
