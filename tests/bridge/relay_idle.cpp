@@ -70,6 +70,12 @@ TEST(Keys, that_are_taken_out_of_the_file_end_the_session_on_sighup) {
     EXPECT_TRUE(Client::connect(bridge.address(), {.wait = 10s, .key_file = bert}).connected());
 }
 
+TEST(Keys, are_not_what_sighup_means_to_a_bridge_without_any) {
+    BridgeProcess bridge;
+    ::kill(bridge.pid(), SIGHUP);  // its terminal was closed
+    EXPECT_EQ(bridge.status(), 0);
+}
+
 TEST(Keys, may_be_read_again_at_any_moment_of_a_stream) {
     ServoProcess servo;
     KeyRing ring;
