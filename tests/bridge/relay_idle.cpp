@@ -70,5 +70,27 @@ TEST(Keys, that_are_taken_out_of_the_file_end_the_session_on_sighup) {
     EXPECT_TRUE(Client::connect(bridge.address(), {.wait = 10s, .key_file = bert}).connected());
 }
 
+TEST(Keys, are_not_what_sighup_means_to_a_bridge_without_any) {
+    BridgeProcess bridge;
+    ::kill(bridge.pid(), SIGHUP);  // its terminal was closed
+    EXPECT_EQ(bridge.status(), 0);
+}
+
+TEST(Keys, may_be_read_again_at_any_moment_of_a_stream) {
+    ServoProcess servo;
+    KeyRing ring;
+    const std::string anna = ring.add("anna", Role::observe);
+    BridgeProcess bridge({"--keys", ring.file()});
+    Client client = connect_to(bridge, anna);
+    Observer observer = client.observe();
+    for (int i = 0; i < 400; ++i) {  // some of them come just before a report of the servo's
+        ::kill(bridge.pid(), SIGHUP);
+        while (bridge.line().find("read again") == std::string::npos) {
+        }
+    }
+    observer.latest();
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(observer.next_report(5s)) << "the stream has stopped";
+}
+
 }  // namespace
 }  // namespace knurl::bridge::test

@@ -305,7 +305,7 @@ void Relay::run(int signals) {
         if (count < 0 && errno != EINTR)
             throw std::runtime_error(fmt::format("epoll_wait: {}", std::strerror(errno)));
         now = detail::monotonic_ns();
-        bool gone = false;
+        bool gone = false, told = false;
         for (int i = 0; i < count; ++i) {
             const epoll_event& event = events[static_cast<std::size_t>(i)];
             const auto what = static_cast<Source>(event.data.u64 >> 56);
@@ -314,8 +314,8 @@ void Relay::run(int signals) {
             const bool there = which < places && places_[which].peer && places_[which].use == use;
             switch (what) {
                 case Source::signals:
-                    out_.flush();
-                    return watch(signals, 0, 0, EPOLL_CTL_DEL);
+                    told = true;  // after the others: a device's edge comes once
+                    break;
                 case Source::listener:
                     accept_all(now);
                     break;
@@ -340,6 +340,7 @@ void Relay::run(int signals) {
         }
         out_.flush();
         if (gone) servo_gone();
+        if (told) return watch(signals, 0, 0, EPOLL_CTL_DEL);
         if (now - last_tick_ns_ >= tick_ns) tick(now);
     }
 }

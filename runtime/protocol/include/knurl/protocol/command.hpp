@@ -99,10 +99,12 @@ struct BatchHeader {
 struct EntryHeader {
     Handle handle;
     Kind kind = 0;
-    std::uint32_t bytes =
-        0;  // of parameters, before padding: all, or KindInfo::shape_bytes, the rest as it is
-    std::uint64_t version = 0;  // of these parameters: an entry may arrive twice
+    std::uint32_t bytes = 0;  // of parameters, before padding: all, or KindInfo::shape_bytes of them alone
+    // Of these parameters: an entry may arrive twice. Of two for one representation in a batch the last
+    // counts.
+    std::uint64_t version = 0;
 };
+static_assert(max_parameter_bytes == knurl::max_parameter_bytes);
 static_assert(sizeof(EntryHeader) + max_parameter_bytes <= batch_bytes_for(1));
 
 /// Feedback in a triple buffer back: this header, then `entries` FeedbackEntry. World frame of the claim.
