@@ -201,9 +201,13 @@ void Relay::admit(std::vector<Key> keys) {
     const std::int64_t now = detail::monotonic_ns();
     for (std::size_t i = 0; i < places; ++i) {
         if (!places_[i].peer || places_[i].peer->holds_one_of(options_.keys)) continue;
-        const std::string why = "its key is not in the file any more";
+        // Whoever is still at the door came by a key of before, which one is not known yet: let it knock
+        // again.
+        const bool knew = places_[i].peer->admitted();
+        const std::string why = knew ? "its key is not in the file any more" : "the keys were read again";
         say(fmt::format("{}: out: {}", places_[i].peer->name(), why), now);
-        close(i, Error::Kind::permission, "the bridge ends this connection: " + why);
+        close(i, knew ? Error::Kind::permission : Error::Kind::disconnected,
+              "the bridge ends this connection: " + why);
     }
 }
 

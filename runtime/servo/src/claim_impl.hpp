@@ -74,6 +74,7 @@ struct Claim::Impl {
     Scene scene;
 
     bool armed = false;
+    bool joined = false;          // armed by leave of whoever has the device on: does not keep it on
     bool dropping = false;        // fades, then goes back to the broker
     bool faulted = false;         // its bytes made no sense: ignored from then on, fades
     bool announced = false;       // the device knows that it is active
