@@ -23,8 +23,8 @@ namespace command_flags {
 inline constexpr std::uint32_t more = 1u << 0;  // the next message belongs to the same group
 // Set by a bridge: this peer may join a device that somebody else has switched on, and no more. The servo
 // refuses the command if it is `reset_fault`, or `arm` while the device is neither in ramp_up nor active; in
-// its place in the order and with its whole group, as it refuses any other. A claim that was armed so does not
-// keep the device on when the others have gone.
+// its place in the order and with its whole group, as it refuses any other. A claim that was armed so does
+// not keep the device on when the others have gone.
 inline constexpr std::uint32_t restricted = 1u << 1;
 inline constexpr std::uint32_t all = more | restricted;
 }  // namespace command_flags
