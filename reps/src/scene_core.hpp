@@ -28,7 +28,7 @@
 namespace knurl::detail {
 
 // Of any list of kinds: so a kind that nobody uses does not even move the others in memory.
-inline constexpr std::size_t max_params = max_parameter_bytes;
+inline constexpr std::size_t max_params = (max_parameter_bytes + 63) / 64 * 64;
 inline constexpr std::size_t max_state = max_state_bytes;
 
 /// Stiffnesses that one probe's set keeps apart, each with its own solution; more are rounded down to these.

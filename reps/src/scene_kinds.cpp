@@ -86,6 +86,8 @@ struct Ops {
     static bool reshape(const std::byte* raw, const Limits& limits, Record& now, Record& out,
                         double& recovery) noexcept {
         if constexpr (shape_bytes_of<R>() != 0) {
+            static_assert(shape_is_whole<R>(),
+                          "a field is cut, or stiffness or recovery lies behind the shape");
             R& params = params_of<R>(out);
             std::memcpy(out.params, raw, shape_bytes_of<R>());
             const double asked = params.stiffness;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <latch>
 #include <thread>
@@ -124,11 +123,21 @@ void print(const char* name, const Cost& cost, int clients) {
 int main(int argc, char** argv) try {
     int clients = 64, rounds = 3, priority = 0;
     double seconds = 4;
-    for (int i = 1; i + 1 < argc; i += 2) {
-        if (std::strcmp(argv[i], "--clients") == 0) clients = std::stoi(argv[i + 1]);
-        if (std::strcmp(argv[i], "--seconds") == 0) seconds = std::stod(argv[i + 1]);
-        if (std::strcmp(argv[i], "--bridge-priority") == 0) priority = std::stoi(argv[i + 1]);
-        if (std::strcmp(argv[i], "--rounds") == 0) rounds = std::stoi(argv[i + 1]);
+    for (int i = 1; i < argc; i += 2) {
+        const std::string word = argv[i];
+        if (i + 1 == argc) throw std::runtime_error(word + " is unknown, or its value is missing");
+        if (word == "--clients")
+            clients = std::stoi(argv[i + 1]);
+        else if (word == "--seconds")
+            seconds = std::stod(argv[i + 1]);
+        else if (word == "--bridge-priority")
+            priority = std::stoi(argv[i + 1]);
+        else if (word == "--rounds")
+            rounds = std::stoi(argv[i + 1]);
+        else
+            throw std::runtime_error(word +
+                                     " is unknown; known are --clients, --seconds, --rounds and "
+                                     "--bridge-priority, each with a number");
     }
     const ServoProcess servo;
     knurl::Client::connect("knurl:default", {.wait = 20s});  // it is there

@@ -142,11 +142,11 @@ TEST_F(Hostile, a_replayed_datagram_keeps_nobody_s_session_alive) {
     FrameStream stream(dial(bridge), false);
     const std::uint64_t session = greet(stream);
     Pinger mine(session, bound(SOCK_DGRAM)), stranger(session, bound(SOCK_DGRAM));
-    const auto datagram = mine.ping(port_of(bridge), 1);
+    const auto datagram = mine.ping(bridge.port(), 1);
     ASSERT_TRUE(mine.answered());
     std::jthread replay([&](const std::stop_token& stop) {
         while (!stop.stop_requested()) {
-            stranger.send(port_of(bridge), datagram);
+            stranger.send(bridge.port(), datagram);
             std::this_thread::sleep_for(20ms);  // paces the replay; nothing waits for it
         }
     });
@@ -158,11 +158,11 @@ TEST_F(Hostile, a_datagram_of_the_session_from_another_host_is_dropped) {
     FrameStream stream(dial(bridge), false);
     const std::uint64_t session = greet(stream);
     Pinger foreign(session, bound_at("127.0.0.2")), mine(session, bound(SOCK_DGRAM));
-    foreign.ping(port_of(bridge), 1);
-    mine.ping(port_of(bridge), 2);
+    foreign.ping(bridge.port(), 1);
+    mine.ping(bridge.port(), 2);
     EXPECT_TRUE(mine.answered());
     EXPECT_FALSE(foreign.answered(0ms)) << "it came before the one that was answered";
-    mine.ping(port_of(bridge), 1);
+    mine.ping(bridge.port(), 1);
     EXPECT_TRUE(mine.answered()) << "and nothing of it was taken for this session's";
 }
 
@@ -214,10 +214,7 @@ TEST_F(Hostile, a_peer_that_stands_still_loses_its_session_and_gets_another_when
     greet(patient);
     other.stop();
     ::kill(application, SIGSTOP);
-    for (std::string line; line.find("out: nothing was heard") == std::string::npos;) {
-        line = bridge.line();
-        ASSERT_FALSE(line.empty());
-    }
+    ASSERT_NE(bridge.line_with("out: nothing was heard"), "");
     other.go_on();
     EXPECT_EQ(attach_observer(patient).stream, 1u);
     bystander.expect_well();

@@ -95,7 +95,13 @@ TEST(Roles, render_joins_a_device_that_is_on_and_never_switches_it_on) {
         theirs.commit();
         return report.scene_force.x == 0.25 && report.scene_force.y == 0.5;
     });
-    mine.disarm();
+    // ... nor does it keep it on.
+    theirs.release();
+    read_until(mine, [&](const HandReport& report) {
+        mine.commit();
+        return report.state == DeviceState::idle;
+    });
+    says(refusal([&] { mine.arm(); }).what(), "role control");
 }
 
 }  // namespace

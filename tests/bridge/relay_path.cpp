@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <knurl/link/clock.hpp>
 
@@ -17,25 +18,31 @@ TEST(Path, reports_come_as_seldom_as_asked_for_and_answers_at_once) {
     Client client = connect_to(bridge, {}, 50);
     Claim hand = client.claim();
     auto force = hand.add(at_once({0.1, 0, 0}));
-    const auto first = hand.next_report(10s);
-    ASSERT_TRUE(first);
-    std::optional<HandReport> last;
-    for (int i = 0; i < 20; ++i) {
-        last = hand.next_report(10s);
-        ASSERT_TRUE(last);
+    auto last = hand.next_report(10s);
+    ASSERT_TRUE(last);
+    std::vector<std::int64_t> gaps;  // ns
+    for (int i = 0; i < 21; ++i) {
+        const auto next = hand.next_report(10s);
+        ASSERT_TRUE(next);
+        gaps.push_back(next->deadline_ns - last->deadline_ns);
+        last = next;
     }
-    // By the servo's own stamps: 50 Hz in the mean, whatever this machine was busy with.
-    EXPECT_NEAR(static_cast<double>(last->deadline_ns - first->deadline_ns) / 20, 20e6, 2e6);
+    // By the servo's own stamps; where the machine stood still one is longer, and not the median.
+    std::ranges::nth_element(gaps, gaps.begin() + 10);
+    EXPECT_EQ(gaps[10], 20'000'000) << "50 Hz";
     EXPECT_EQ(last->missed, 0u) << "what was not asked for is not missed";
     // An update is acknowledged within the next cycles, not within the next report.
-    const std::uint64_t before = hand.latest()->cycle;
+    Client local = Client::connect("knurl:default", {.wait = 10s});
+    Observer here = local.observe();
+    ASSERT_TRUE(here.next_report(10s));
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();  // cycles
     for (int i = 0; i < 10; ++i) {
+        const std::uint64_t before = here.latest()->cycle;
         force.set(at_once({0.001 * i, 0, 0}));
         ASSERT_TRUE(hand.wait_applied(hand.commit(), 10s));
+        least = std::min(least, here.latest()->cycle - before);
     }
-    const auto felt = force.felt();
-    ASSERT_TRUE(felt);
-    EXPECT_LT(felt->cycle, before + 150) << "ten waits of 20 ms would be 200 cycles";
+    EXPECT_LT(least, 12u) << "each after the one before; with the reports that would be 20";
 }
 
 TEST(Path, the_newest_report_is_there_at_once_however_seldom_they_are_asked_for) {

@@ -16,12 +16,8 @@ struct ServoUp : ServoProcess {
     ServoUp() { Client::connect("knurl:default", {.wait = 20s}); }
 };
 
-inline std::uint16_t port_of(const BridgeProcess& bridge) {
-    const std::string& at = bridge.address();
-    return static_cast<std::uint16_t>(std::stoi(at.substr(at.rfind(':') + 1)));
-}
 inline shm::UniqueFd dial(const BridgeProcess& bridge, int type = SOCK_STREAM) {
-    return dial(port_of(bridge), type);
+    return dial(bridge.port(), type);
 }
 
 /// Until the other end has hung up. False: it has not in that time.

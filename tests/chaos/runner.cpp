@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <numeric>
 
@@ -40,7 +39,8 @@ Stage::~Stage() {
     knurld.reset();
     const std::string file = device->path();
     device.reset();
-    std::filesystem::remove(file);
+    std::error_code gone;
+    std::filesystem::remove(file, gone);
 }
 
 void Stage::start_servo() {
@@ -159,11 +159,18 @@ int main(int argc, char** argv) {
     unsigned seed = 1;
     std::size_t count = 0;
     std::string which = "all";
-    for (int i = 1; i + 1 < argc; i += 2) {
-        if (std::strcmp(argv[i], "--seed") == 0)
-            seed = static_cast<unsigned>(std::strtoul(argv[i + 1], nullptr, 10));
-        if (std::strcmp(argv[i], "--kinds") == 0) which = argv[i + 1];
-        if (std::strcmp(argv[i], "--faults") == 0) count = std::strtoul(argv[i + 1], nullptr, 10);
+    for (int i = 1; i < argc; i += 2) {
+        const std::string word = argv[i];
+        if ((word != "--seed" && word != "--faults" && word != "--kinds") || i + 1 == argc) {
+            std::fprintf(stderr,
+                         "knurl_chaos: '%s' is unknown or has no value; known are --seed N, --faults M and "
+                         "--kinds local|network|NAME\n",
+                         argv[i]);
+            return 2;
+        }
+        if (word == "--seed") seed = static_cast<unsigned>(std::strtoul(argv[i + 1], nullptr, 10));
+        if (word == "--faults") count = std::strtoul(argv[i + 1], nullptr, 10);
+        if (word == "--kinds") which = argv[i + 1];
     }
     try {
         using knurl::chaos::faults, knurl::chaos::network_faults;

@@ -2,6 +2,7 @@
 // A real knurl-bridge before the servo of KNURL_RUNTIME_DIR.
 
 #include <csignal>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -50,16 +51,25 @@ class BridgeProcess {
 
     pid_t pid() const { return pid_; }
     const std::string& first_line() const { return first_line_; }
-    const std::string& address() const {
-        return address_;
-    }  // "knurl://127.0.0.1:40123"; empty: it does not listen
+    /// "knurl://127.0.0.1:40123"; empty: it does not listen.
+    const std::string& address() const { return address_; }
     std::string host_and_port() const { return address_.substr(sizeof "knurl://" - 1); }
+    std::uint16_t port() const {
+        return static_cast<std::uint16_t>(std::stoi(address_.substr(address_.rfind(':') + 1)));
+    }
 
     /// The next line that it says.
     std::string line() {
         std::string text;
         for (char c = 0; ::read(output_, &c, 1) == 1 && c != '\n';) text += c;
         return text;
+    }
+    /// Reads on to the next line with these words. Empty: it has ended without.
+    std::string line_with(const std::string& words) {
+        for (;;) {
+            std::string text = line();
+            if (text.empty() || text.find(words) != std::string::npos) return text;
+        }
     }
     /// It has said something that was not read yet.
     bool has_line() const {

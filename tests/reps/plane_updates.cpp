@@ -1,5 +1,5 @@
 // How a plane that changes under the hand reaches its new place: cross-faded by default; the paper's recovery
-// and "last depth" by name. All against closed forms.
+// and "last depth" by name. Against closed forms; and its short ways against the long one.
 
 #include <gtest/gtest.h>
 

@@ -137,10 +137,9 @@ TYPED_TEST(Solids, MovesOnWithItsVelocityUntilItIsPlacedAgain) {
     Asked<TypeParam> solid(s), still(TypeParam{});
     const Vector p(0.04, 0.001, 0.002);
     EXPECT_EQ(solid(p).height, still(p).height) << "the cycle that places it";
-    for (int i = 1; i <= 5; ++i) {
+    for (int i = 1; i <= 5; i += 2) {  // two calls, two cycles
         EXPECT_NEAR(solid(p).height, still(p - 0.1 * i * dt * Vector::UnitX()).height, 1e-15);
         EXPECT_EQ(solid(p).velocity, Vector(0.1, 0, 0));
-        i = i + 1;  // two calls, two cycles
     }
     s.radius = 0.011;
     if constexpr (requires { s.tube; }) s.radius = 0.02, s.tube = 0.006;

@@ -174,6 +174,39 @@ TEST(Batches, AnEntryThatArrivesTwiceIsAppliedOnce) {
     EXPECT_EQ(send(2, 6, 4), 2);
 }
 
+TEST(Batches, OfTwoEntriesForOneRepresentationTheLastIsAppliedWholeWhateverTheirVersions) {
+    for (const bool upwards : {true, false}) {
+        Desk desk;
+        const Plane before{.offset = -1, .stiffness = 100, .recovery = 0};
+        const Handle handle = desk.claim.add(before);
+        desk.force();
+        // The one differs from what is in force in its way of acting, the other in its place alone.
+        struct Entry {
+            protocol::EntryHeader header;
+            Plane params;
+        };
+        struct {
+            protocol::BatchHeader header;
+            Entry entries[2];
+        } batch;
+        Plane other = before, last = before;
+        other.combine = PlaneCombine::sum;
+        other.offset = 0.5;
+        last.offset = 0.01;
+        batch.header = {.sequence = 1, .entries = 2, .bytes = sizeof batch - sizeof batch.header};
+        for (Entry& entry : batch.entries)
+            entry.header = {.handle = handle, .kind = kind_of<Plane>, .bytes = sizeof(Plane)};
+        batch.entries[0].header.version = upwards ? 4 : 5;
+        batch.entries[1].header.version = upwards ? 5 : 4;
+        batch.entries[0].params = other;
+        batch.entries[1].params = last;
+        shm::TripleWriter writer(desk.claim.memory() + desk.claim.layout().batches,
+                                 desk.claim.layout().batch_slot_bytes);
+        writer.publish(&batch, sizeof batch);
+        EXPECT_NEAR(desk.force(), 1.1, 1e-9) << "100 N/m, 11 mm deep; upwards: " << upwards;
+    }
+}
+
 TEST(Batches, FeedbackSaysWhenABatchTookEffectAndHowLateItWas) {
     Desk desk;
     desk.claim.add(Desk::plane(100));

@@ -77,7 +77,7 @@ int serve(const std::string& servo, const std::string& listen, const std::string
         relay.run(signals.get());
         signalfd_siginfo what{};
         if (::read(signals.get(), &what, sizeof what) != sizeof what || what.ssi_signo != SIGHUP) return 0;
-        if (keys_file.empty()) continue;
+        if (keys_file.empty()) return 0;  // nothing to read again: its terminal was closed
         try {
             relay.admit(read_keys(keys_file));
             std::printf("knurl-bridge: %s: read again\n", keys_file.c_str());

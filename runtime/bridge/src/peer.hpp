@@ -41,6 +41,7 @@ class Peer {
     Role role() const noexcept { return key_ ? key_->role : Role::control; }
     /// Or came in without one, where none was asked for. Whoever has not said who it is does not.
     bool holds_one_of(std::span<const Key> keys) const noexcept;
+    bool admitted() const noexcept { return key_.has_value(); }
     std::int64_t heard_ns() const noexcept { return heard_ns_; }
     void heard(std::int64_t now) noexcept { heard_ns_ = now; }
 

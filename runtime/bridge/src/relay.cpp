@@ -201,9 +201,13 @@ void Relay::admit(std::vector<Key> keys) {
     const std::int64_t now = detail::monotonic_ns();
     for (std::size_t i = 0; i < places; ++i) {
         if (!places_[i].peer || places_[i].peer->holds_one_of(options_.keys)) continue;
-        const std::string why = "its key is not in the file any more";
+        // Whoever is still at the door came by a key of before, which one is not known yet: let it knock
+        // again.
+        const bool knew = places_[i].peer->admitted();
+        const std::string why = knew ? "its key is not in the file any more" : "the keys were read again";
         say(fmt::format("{}: out: {}", places_[i].peer->name(), why), now);
-        close(i, Error::Kind::permission, "the bridge ends this connection: " + why);
+        close(i, knew ? Error::Kind::permission : Error::Kind::disconnected,
+              "the bridge ends this connection: " + why);
     }
 }
 
@@ -305,7 +309,7 @@ void Relay::run(int signals) {
         if (count < 0 && errno != EINTR)
             throw std::runtime_error(fmt::format("epoll_wait: {}", std::strerror(errno)));
         now = detail::monotonic_ns();
-        bool gone = false;
+        bool gone = false, told = false;
         for (int i = 0; i < count; ++i) {
             const epoll_event& event = events[static_cast<std::size_t>(i)];
             const auto what = static_cast<Source>(event.data.u64 >> 56);
@@ -314,8 +318,8 @@ void Relay::run(int signals) {
             const bool there = which < places && places_[which].peer && places_[which].use == use;
             switch (what) {
                 case Source::signals:
-                    out_.flush();
-                    return watch(signals, 0, 0, EPOLL_CTL_DEL);
+                    told = true;  // after the others: a device's edge comes once
+                    break;
                 case Source::listener:
                     accept_all(now);
                     break;
@@ -340,6 +344,7 @@ void Relay::run(int signals) {
         }
         out_.flush();
         if (gone) servo_gone();
+        if (told) return watch(signals, 0, 0, EPOLL_CTL_DEL);
         if (now - last_tick_ns_ >= tick_ns) tick(now);
     }
 }

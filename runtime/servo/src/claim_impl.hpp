@@ -19,7 +19,8 @@ struct Slot {
     std::uint32_t generation = 0;
     Kind kind = 0;
     bool present = false;
-    std::uint64_t version = 0;  // of the parameters in force
+    std::uint64_t version = 0;           // of the parameters in force
+    const std::byte* checked = nullptr;  // in the batch at hand: its last parameters for this slot
 };
 
 /// The newest batch in force, for feedback.
@@ -73,6 +74,7 @@ struct Claim::Impl {
     Scene scene;
 
     bool armed = false;
+    bool joined = false;          // armed by leave of whoever has the device on: does not keep it on
     bool dropping = false;        // fades, then goes back to the broker
     bool faulted = false;         // its bytes made no sense: ignored from then on, fades
     bool announced = false;       // the device knows that it is active
@@ -91,7 +93,7 @@ struct Claim::Impl {
     BatchInForce in_force;
     bool batch_is_new = false;  // taken in this cycle
     RefusedBatch refused;
-    std::uint64_t batches_taken = 0, batches_merged = 0, stale_entries = 0;
+    std::uint64_t batches_taken = 0, batches_merged = 0;
     std::uint64_t last_sequence = 0;
 
     // Feedback's memory.

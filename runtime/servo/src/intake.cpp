@@ -305,6 +305,7 @@ void Intake::do_command(Claim::Impl& claim, const Command& command, const Author
         case CommandType::arm:
             answer.reason = authority.supervisor.arm(authority.calibrated, authority.speed);
             claim.armed = answer.reason == Refusal::none;
+            claim.joined = (command.header.flags & protocol::command_flags::restricted) != 0;
             break;
         case CommandType::disarm:
             claim.armed = false;

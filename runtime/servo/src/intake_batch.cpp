@@ -88,7 +88,10 @@ Verdict Intake::check_entries(Claim::Impl& claim, const protocol::BatchHeader& h
         each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
             if (no_op(claim, entry)) return true;
             const Verdict found = claim.scene.check_update(entry.handle, entry.kind, params, entry.bytes);
-            if (found) return true;
+            if (found) {
+                claim.slots[entry.handle.slot].checked = params;
+                return true;
+            }
             verdict = found;
             bad_kind_ = entry.kind;
             bad_slot_ = entry.handle.slot;
@@ -101,10 +104,8 @@ Verdict Intake::check_entries(Claim::Impl& claim, const protocol::BatchHeader& h
 
 void Intake::apply_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept {
     each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
-        if (no_op(claim, entry)) {
-            ++claim.stale_entries;
-            return true;
-        }
+        // The scene knows of the last check alone what it found: of two entries for one slot the last counts.
+        if (no_op(claim, entry) || claim.slots[entry.handle.slot].checked != params) return true;
         claim.slots[entry.handle.slot].version = entry.version;
         claim.scene.update_checked(entry.handle, params, entry.bytes);
         return true;

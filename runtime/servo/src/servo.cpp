@@ -211,7 +211,15 @@ double Servo::Impl::sharing_target() const noexcept {
 
 Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
     int armed = 0;
-    for (std::size_t i = 0; i < claims_size; ++i) armed += claims[i]->impl->wants_force() ? 1 : 0;
+    bool kept_on = false;
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        const Claim::Impl& claim = *claims[i]->impl;
+        if (!claim.wants_force()) continue;
+        ++armed;
+        kept_on = kept_on || !claim.joined;
+    }
+    // When the last one who may switch it on has gone, the device ramps down under those who have joined.
+    if (!kept_on) armed = 0;
     const Supervised out = hand.has_pose
                                ? supervisor.supervise(sum, hand.pose.position, hand.velocity, hand.jacobian,
                                                       device.mechanism().joints(), armed, dt)

@@ -18,7 +18,6 @@ class FakeChannel final : public detail::ClaimChannel {
     bool full = false;        // no room for commands now
     bool render = false;      // the peer's role
     std::uint64_t cells = 0;  // that came through
-    std::uint64_t newest_batch = 0;
 
     bool push(const void* commands, std::uint32_t count) noexcept override {
         if (full) return false;

@@ -69,7 +69,10 @@ class Setting {
     /// Until `so`, at most for a minute of the servo's time.
     template <class So, class App>
     void pass_until(So so, App app) {
-        for (int rounds = 0; rounds < 6000 && !so(); ++rounds) pass(10, 10, app);
+        for (int rounds = 0; rounds < 6000 && !so(); ++rounds) {
+            pass(10, 10, app);
+            if (testing::Test::HasFatalFailure()) return;  // the servo stands still, and has been waited for
+        }
         ASSERT_TRUE(so());
     }
 
@@ -82,8 +85,7 @@ class Setting {
   private:
     Proxy::Options options(const Weather& weather, std::uint64_t seed) const {
         Proxy::Options o;
-        const std::string& at = bridge.address();
-        o.to_port = static_cast<std::uint16_t>(std::stoi(at.substr(at.rfind(':') + 1)));
+        o.to_port = bridge.port();
         o.seed = seed;
         o.weather = weather;
         return o;

@@ -110,8 +110,8 @@ struct Shared {
     // before it with acquire, so a new number never comes with an old sample (a newer sample is welcome).
     alignas(64) std::atomic<std::uint64_t> sample = 0;
     std::atomic<std::uint64_t> steps = 0;
-    std::atomic<std::uint64_t> obeyed =
-        0;  // the last `control` that it did: release after it, acquire in tests
+    // The last `control` that it did: stored with release after it, loaded with acquire in tests.
+    std::atomic<std::uint64_t> obeyed = 0;
     std::atomic<std::uint64_t> state = state_running;
     std::atomic<std::uint64_t> writes = 0;  // seen, by anybody, equal ones too
     // Records [0, records) are complete: stored with release after the record, pairs with the acquire of a

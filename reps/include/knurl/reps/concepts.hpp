@@ -37,7 +37,7 @@ struct HalfSpace {
     double damping = 0;  // N s/m
 };
 
-inline constexpr std::size_t max_parameter_bytes = 512;
+inline constexpr std::size_t max_parameter_bytes = 480;
 inline constexpr std::size_t max_state_bytes = 128;
 
 // clang-format 14 breaks requirements and the table below apart.

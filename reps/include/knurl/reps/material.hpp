@@ -188,7 +188,7 @@ constexpr auto surface_rows() {
 /// Contradictions that every surface can have: the first entries of its `contradictions`.
 inline constexpr std::string_view static_below_dynamic = "is below friction.dynamic; give at least as much";
 
-/// The check that every surface makes. `rows` is Describe<R>::fields.
+/// Of the field with this name.
 template <class R>
 constexpr std::uint32_t row_of(std::string_view name) {
     std::uint32_t index = 0;
@@ -199,6 +199,7 @@ constexpr std::uint32_t row_of(std::string_view name) {
     return Verdict::no_field;
 }
 
+/// The check that every surface makes.
 template <class R>
 Verdict check_material(const R& params) noexcept {
     if (params.friction.static_ != automatic && params.friction.static_ < params.friction.dynamic) {

@@ -23,7 +23,8 @@ namespace command_flags {
 inline constexpr std::uint32_t more = 1u << 0;  // the next message belongs to the same group
 // Set by a bridge: this peer may join a device that somebody else has switched on, and no more. The servo
 // refuses the command if it is `reset_fault`, or `arm` while the device is neither in ramp_up nor active; in
-// its place in the order and with its whole group, as it refuses any other.
+// its place in the order and with its whole group, as it refuses any other. A claim that was armed so does
+// not keep the device on when the others have gone.
 inline constexpr std::uint32_t restricted = 1u << 1;
 inline constexpr std::uint32_t all = more | restricted;
 }  // namespace command_flags
@@ -99,10 +100,12 @@ struct BatchHeader {
 struct EntryHeader {
     Handle handle;
     Kind kind = 0;
-    std::uint32_t bytes =
-        0;  // of parameters, before padding: all, or KindInfo::shape_bytes, the rest as it is
-    std::uint64_t version = 0;  // of these parameters: an entry may arrive twice
+    std::uint32_t bytes = 0;  // of parameters, before padding: all, or KindInfo::shape_bytes of them alone
+    // Of these parameters: an entry may arrive twice. Of two for one representation in a batch the last
+    // counts.
+    std::uint64_t version = 0;
 };
+static_assert(max_parameter_bytes == knurl::max_parameter_bytes);
 static_assert(sizeof(EntryHeader) + max_parameter_bytes <= batch_bytes_for(1));
 
 /// Feedback in a triple buffer back: this header, then `entries` FeedbackEntry. World frame of the claim.
