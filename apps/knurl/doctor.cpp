@@ -34,8 +34,8 @@ struct Arguments {
 };
 
 struct Idle {
-    double sleeping = 0, polling = 0;  // us late at the median at main_rate, of the bare loop
-    std::string problem;               // empty: it was tried
+    std::optional<double> sleeping, polling;  // us late at the median at main_rate, of the bare loop
+    std::string problem;                      // why it could not be tried
 };
 
 struct Examination {
@@ -151,12 +151,14 @@ const char* mark(Grade grade) {
 }
 
 std::string figures_line(const char* who, const LoopFigures& f) {
-    return fmt::format(
-        "           {:<10} late by p50 {:5.1f}, p99 {:6.1f}, p99.9 {:7.1f}, max {:8.1f} us of {} cycles{}\n",
-        who, f.p50, f.p99, f.p999, f.max, f.cycles,
-        f.stalls.count == 0 ? ""
-                            : fmt::format("; besides {} standstills of the machine, the longest {:.1f} ms",
-                                          f.stalls.count, static_cast<double>(f.stalls.longest) * 1e-6));
+    const auto number = [](const std::optional<double>& us) { return us ? fmt::format("{:.1f}", *us) : "-"; };
+    std::string line =
+        fmt::format("           {:<9}  late by p50 {:>6}, p99 {:>7}, p99.9 {:>7}, max {:>8} us of {} cycles",
+                    who, number(f.p50), number(f.p99), number(f.p999), number(f.max), f.cycles);
+    if (f.stalls.count > 0)
+        line += fmt::format("; besides {} standstill{} of the machine, the longest {:.1f} ms", f.stalls.count,
+                            f.stalls.count == 1 ? "" : "s", static_cast<double>(f.stalls.longest) * 1e-6);
+    return line + "\n";
 }
 
 void print_text(const Examination& found, const Arguments& arguments) {
@@ -171,11 +173,11 @@ void print_text(const Examination& found, const Arguments& arguments) {
         if (finding.grade != Grade::good && !finding.mend.empty())
             fmt::print("       mend: {}\n", finding.mend);
     }
-    if (found.idle.problem.empty()) {
-        fmt::print("     idle polling takes a bare loop's median lateness from {:.1f} to {:.1f} us\n",
-                   found.idle.sleeping, found.idle.polling);
-    } else {
+    if (!found.idle.problem.empty()) {
         fmt::print("     idle polling could not be tried: {}\n", found.idle.problem);
+    } else if (found.idle.sleeping && found.idle.polling) {
+        fmt::print("     idle polling takes a bare loop's median lateness from {:.1f} to {:.1f} us\n",
+                   *found.idle.sleeping, *found.idle.polling);
     }
     fmt::print("\n");
     for (const RateVerdict& verdict : found.rates) {
@@ -185,14 +187,11 @@ void print_text(const Examination& found, const Arguments& arguments) {
 }
 
 json to_json(const LoopFigures& f) {
-    return {{"cycles", f.cycles},
-            {"on_time", f.on_time},
-            {"p50", f.p50},
-            {"p99", f.p99},
-            {"p999", f.p999},
-            {"max", f.max},
-            {"stalls", f.stalls.count},
-            {"longest_stall", static_cast<double>(f.stalls.longest) * 1e-3}};
+    const auto number = [](const std::optional<double>& us) { return us ? json(*us) : json(); };
+    return {{"cycles", f.cycles},       {"on_time", f.on_time},
+            {"p50", number(f.p50)},     {"p99", number(f.p99)},
+            {"p999", number(f.p999)},   {"max", f.max},
+            {"stalls", f.stalls.count}, {"longest_stall", static_cast<double>(f.stalls.longest) * 1e-3}};
 }
 
 json to_json(const Examination& found, const Arguments& arguments) {
@@ -213,7 +212,7 @@ json to_json(const Examination& found, const Arguments& arguments) {
                             {"servo", to_json(verdict.servo)},
                             {"bare_loop", to_json(verdict.bare)}});
     }
-    const bool tried = found.idle.problem.empty();
+    const auto number = [](const std::optional<double>& us) { return us ? json(*us) : json(); };
     return {{"machine",
              {{"processor", machine.processor},
               {"cpus", machine.cpus},
@@ -228,8 +227,8 @@ json to_json(const Examination& found, const Arguments& arguments) {
             {"real_time", found.real_time},
             {"findings", findings},
             {"idle_polling",
-             {{"sleeping_p50", found.idle.sleeping},
-              {"polling_p50", tried ? json(found.idle.polling) : json()},
+             {{"sleeping_p50", number(found.idle.sleeping)},
+              {"polling_p50", number(found.idle.polling)},
               {"problem", found.idle.problem}}},
             {"rates", verdicts}};
 }

@@ -13,11 +13,11 @@ constexpr double good_share = 0.999, usable_share = 0.99;
 constexpr Nanoseconds lets_go_after = 20'000'000;  // a servo that was late by more begins again from no force
 constexpr std::size_t above = 10;
 
-double percentile(const std::vector<Nanoseconds>& sorted, double p) {
-    const auto n = sorted.size();
-    auto at = static_cast<std::size_t>(std::ceil(p * static_cast<double>(n)));
-    if (at + above > n) at = n;
-    return static_cast<double>(sorted[std::min(n - 1, at)]) * 1e-3;
+/// us, of sorted ns.
+std::optional<double> percentile(const std::vector<Nanoseconds>& sorted, double p) {
+    const auto at = static_cast<std::size_t>(std::ceil(p * static_cast<double>(sorted.size())));
+    if (at + above > sorted.size()) return std::nullopt;
+    return static_cast<double>(sorted[at]) * 1e-3;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 // From how late cycles begin to what a person asks: may I run a hand at this rate on this machine?
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,10 @@ namespace knurl::cli {
 /// A loop that began late by less than half of its period is on time: the force then rests on a position that
 /// is at most half of a period older than it should be, which the bound b / (T/2 + tau) leaves room for.
 struct LoopFigures {
-    std::size_t cycles = 0;  // of which standstills of the machine are taken out
-    double on_time = 0;      // share, 0 to 1
-    double p50 = 0, p99 = 0, p999 = 0,
-           max = 0;  // us late; a percentile needs 10 cycles above it, else it is max
+    std::size_t cycles = 0;                // of which standstills of the machine are taken out
+    double on_time = 0;                    // share, 0 to 1
+    std::optional<double> p50, p99, p999;  // us late; each has ten cycles above it, or is left out
+    double max = 0;                        // us late
     Stalls stalls;
 };
 LoopFigures figures(Beginnings beginnings, const std::vector<Gap>& gaps, double rate);

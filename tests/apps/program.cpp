@@ -130,6 +130,10 @@ std::string knurl_program() {
     return KNURL_PROGRAM;
 }
 
+std::string knurld_program() {
+    return KNURLD_PROGRAM;
+}
+
 Outcome knurl(std::vector<std::string> words) {
     words.insert(words.begin(), KNURL_PROGRAM);
     return run(words);

@@ -20,8 +20,9 @@ struct Outcome {
 
 /// Runs a program to its end.
 Outcome run(const std::vector<std::string>& words);
-/// Where `knurl` is.
+/// Where `knurl` and `knurld` are.
 std::string knurl_program();
+std::string knurld_program();
 /// `knurl WORDS...`
 Outcome knurl(std::vector<std::string> words);
 

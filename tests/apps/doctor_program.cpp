@@ -1,0 +1,65 @@
+// `knurl doctor`: the form of what it says. How good the machine is, is no test's business.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "program.hpp"
+
+namespace knurl::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+TEST(Doctor, JudgesFiveRatesByTheServoAndTheBareLoop) {
+    const Outcome outcome = knurl({"doctor", "--seconds", "5", "--json"});
+    ASSERT_LE(outcome.code, 1) << outcome.err;
+    const json all = json::parse(outcome.out);
+    std::vector<double> rates;
+    for (const json& rate : all.at("rates")) {
+        rates.push_back(rate.at("rate"));
+        EXPECT_THAT((std::vector<std::string>{"good", "usable", "unfit"}),
+                    testing::Contains(rate.at("fitness").get<std::string>()));
+        EXPECT_THAT(rate.at("reason").get<std::string>(), HasSubstr("of cycles on time"));
+        for (const char* loop : {"servo", "bare_loop"}) {
+            EXPECT_GT(rate.at(loop).at("cycles"), 0) << loop;
+            EXPECT_GT(rate.at(loop).at("max"), 0) << loop;
+        }
+    }
+    EXPECT_THAT(rates, testing::ElementsAre(500, 1000, 2000, 4000, 10'000));
+    for (const json& finding : all.at("findings"))
+        EXPECT_FALSE(finding.at("says").get<std::string>().empty()) << finding;
+    EXPECT_EQ(outcome.code, all.at("rates")[1].at("fitness") == "unfit" ? 1 : 0);
+}
+
+TEST(Doctor, WithoutRightsItSaysWhatIsLostAndMeasuresTheRest) {
+    if (geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
+    const Folder folder;
+    std::filesystem::permissions(folder.path(""), std::filesystem::perms(0755));
+    // The folder that they were built in may be closed to nobody.
+    for (const auto& [from, name] :
+         {std::pair{knurl_program(), "knurl"}, std::pair{knurld_program(), "knurld"}})
+        std::filesystem::copy_file(from, folder.path(name));
+    const Outcome outcome =
+        run({"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "--bounding-set=-all", "/usr/bin/prlimit",
+             "--rtprio=0", "--memlock=65536", folder.path("knurl"), "doctor", "--seconds", "5"});
+    ASSERT_LE(outcome.code, 1) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("BAD  real-time priority"));
+    EXPECT_THAT(outcome.out,
+                HasSubstr("mend: sudo setcap cap_sys_nice,cap_ipc_lock=ep " + folder.path("knurld")));
+    EXPECT_THAT(outcome.out, HasSubstr("without real-time priority"));
+    EXPECT_THAT(outcome.out, HasSubstr("10000 Hz"));
+}
+
+TEST(Doctor, BadArgumentsAreRefusedBeforeAnythingIsStarted) {
+    EXPECT_THAT(knurl({"doctor", "--seconds", "1"}).err, HasSubstr("--seconds is 1; give 5 to 3600"));
+    EXPECT_EQ(knurl({"doctor", "--seconds", "1"}).code, 2);
+    EXPECT_THAT(knurl({"doctor", "--servo-cpu", "1023"}).err,
+                HasSubstr("which this process may not use; give one of "));
+    EXPECT_EQ(knurl({"doctor", "--idle", "deep"}).code, 2);
+}
+
+}  // namespace
+}  // namespace knurl::test
