@@ -20,6 +20,16 @@ std::optional<double> percentile(const std::vector<Nanoseconds>& sorted, double 
     return static_cast<double>(sorted[at]) * 1e-3;
 }
 
+/// Of two loops on one CPU, one with nothing in it: if that is late too, nothing in Knurl can help. Counts of
+/// rare events scatter by their root; what differs by less than three of that may be chance.
+const char* whose(const LoopFigures& servo, const LoopFigures& bare) {
+    const auto late = [](const LoopFigures& f) { return (1 - f.on_time) * static_cast<double>(f.cycles); };
+    if (bare.on_time < good_share) return "it is the machine";
+    const bool more = late(servo) - late(bare) > 3 * std::sqrt(late(servo) + late(bare));
+    return more ? "it is the servo"
+                : "too few to say whether it is the machine or the servo; measure longer (--seconds)";
+}
+
 }  // namespace
 
 const char* name_of(Fitness fitness) {
@@ -64,13 +74,9 @@ RateVerdict judge(double rate, const LoopFigures& servo, const LoopFigures& bare
         verdict.fitness = Fitness::usable;
 
     verdict.reason = fmt::format("{:.2f} % of cycles on time", servo.on_time * 100);
-    if (verdict.fitness != Fitness::good && servo.on_time < good_share) {
-        // Of two loops on one CPU, one with nothing in it: if that is late too, nothing in Knurl can help.
+    if (servo.on_time < good_share)
         verdict.reason +=
-            bare.on_time < good_share
-                ? fmt::format(", {:.2f} % of a bare loop's: it is the machine", bare.on_time * 100)
-                : fmt::format(", {:.2f} % of a bare loop's: it is the servo", bare.on_time * 100);
-    }
+            fmt::format(", {:.2f} % of a bare loop's: {}", bare.on_time * 100, whose(servo, bare));
     if (!real_time) verdict.reason += "; without real-time priority any program may hold it up";
     if (held)
         verdict.reason += fmt::format("; the machine stood still for {:.0f} ms: forces fade out and in",

@@ -59,6 +59,9 @@ TEST(DoctorVerdict, TheBareLoopTellsTheMachineFromTheServo) {
                late = cli::figures(loop(1000, 10'000, 300, 800 * us), {}, 1000);
     EXPECT_THAT(cli::judge(1000, late, late, true).reason, HasSubstr("it is the machine"));
     EXPECT_THAT(cli::judge(1000, late, fine, true).reason, HasSubstr("it is the servo"));
+    const auto few = cli::figures(loop(1000, 4000, 6, 800 * us), {}, 1000);
+    EXPECT_THAT(cli::judge(1000, few, cli::figures(loop(1000, 4000, 1, 800 * us), {}, 1000), true).reason,
+                HasSubstr("too few"));
     EXPECT_THAT(cli::judge(1000, fine, late, true).reason, testing::Not(HasSubstr("it is")));
 }
 
