@@ -69,6 +69,7 @@ void SceneCore::advance_weights(double dt) noexcept {
         if (slots_[fading_[f]].from == Slot::From::record) advance(faded(fading_[f]));
     }
     if (surfaces) rebuild_sets();
+    told_.edited = true;
     effects_edited_ = true;  // springs whose weight moves do not collapse
     weights_move_ = silence_ > 0 || !full;
 }

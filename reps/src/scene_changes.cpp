@@ -82,8 +82,12 @@ void SceneCore::reshape(std::uint32_t i) noexcept {
     slot.changed = false;
     const Record& now = felt(i);
     Record& next = faded(i);
+    const bool clamped = now.clamped;
     double recovery = 0;
-    if (!kind_ops()[slot.kind].reshape(&raw_[i * max_params], limits_, felt(i), next, recovery)) return;
+    if (!kind_ops()[slot.kind].reshape(&raw_[i * max_params], limits_, felt(i), next, recovery)) {
+        told_.edited = told_.edited || now.clamped != clamped;
+        return;
+    }
     slot.current ^= 1;
     Group& group = groups_[next.probe];
     // What still fades from `next` goes on as the bridge: the group is edited, and that interrupts its fade.
@@ -92,6 +96,7 @@ void SceneCore::reshape(std::uint32_t i) noexcept {
     keep_old(i);
     slot.new_in_fade = slot.old_in_fade = next_fade(group);
     sets_edited_ = sets_edited_ || next.stiffness != now.stiffness;
+    told_.edited = told_.edited || sets_edited_ || next.clamped != clamped;
     reshaped_[reshaped_size_++] = i;
 }
 
@@ -102,6 +107,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
         if (same && !felt(i).stands && felt(i).asked < last_timed_) prime(felt(i), groups_[felt(i).probe]);
         release_old(i);
         if (!listed) forget_surface(i);
+        slots_[i].near = slots_[i].near && same;
         turn(i, same);
     }
     if (is) {
@@ -165,6 +171,7 @@ void SceneCore::take_slot(std::uint32_t i) noexcept {
     slot.changed = false;
     const bool was = slot.felt, is = slot.present;
     if (!was && !is) return;
+    told_.edited = true;
     const bool same = was && is && slot.felt_generation == slot.generation;
     const bool shape_alone = same && slot.shape_alone;
     slot.shape_alone = true;

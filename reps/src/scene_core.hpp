@@ -107,6 +107,7 @@ struct alignas(64) Slot {
     std::uint32_t place = 0;           // in the list of surfaces or effects
     std::uint32_t member = 0;          // of a surface: its first index in the arena; gone: it is in no set
     std::uint32_t always_place = 0;
+    std::uint32_t entry = 0;        // of a surface: in kept feedback
     std::uint32_t new_in_fade = 0;  // the fade of its probe that brings it in: not in the fading set
     std::uint32_t old_in_fade = 0;  // ... whose fading set has its old record; 0: to come
 
@@ -176,6 +177,17 @@ struct Candidates {
 };
 
 inline constexpr double near_rounding = 1 - 5e-5;  // of the margin: what rounding of positions may not eat
+
+/// What kept feedback of surfaces was made from. While nothing of this changes, nothing is to be said of
+/// those that are not touched.
+struct Told {
+    bool edited = true;  // the surfaces, their order, or what follows from their parameters alone
+    std::uint32_t silent = 0, fading = 0, infeasible = 0;  // bit masks: probes
+    std::uint32_t entries = 0;
+    std::vector<std::uint8_t> probe;     // by entry
+    std::vector<std::uint32_t> touched;  // slots
+    std::uint32_t touched_size = 0;
+};
 
 /// What one probe touches.
 struct Group {
@@ -352,6 +364,14 @@ class SceneCore {
     void evaluate_effects(double dt, Wrench& sum) noexcept;
     Wrench at_hand(const Wrench& at_probe, const Group& group) const noexcept;
 
+    // scene_feedback.cpp
+    bool retold_by_flags(std::span<Feedback> kept, std::span<std::uint64_t> written) noexcept;
+    Feedback feedback_of(std::uint32_t slot, bool surface) const noexcept;
+    template <class Put>
+    void tell_surfaces(std::uint32_t room, Put put) noexcept;
+    template <class Put>
+    void tell_touched(Put put) noexcept;
+
     // scene.cpp
     void place_probes(const Probe& hand) noexcept;
     void advance_weights(double dt) noexcept;
@@ -400,6 +420,7 @@ class SceneCore {
     bool sets_edited_ = false;
     std::vector<std::uint32_t> reshaped_;  // in this cycle: slots whose surface stands elsewhere now
     std::uint32_t reshaped_size_ = 0;
+    Told told_;
     Arena arenas_[2];
     std::uint32_t arena_ = 0;
     std::vector<Owner> scratch_;

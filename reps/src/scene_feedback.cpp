@@ -1,5 +1,6 @@
 // What the application and the servo learn after a cycle.
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene_core.hpp"
@@ -83,11 +84,100 @@ void surface_feedback(const SceneCore& core, std::uint32_t i, const Record& r, F
 
 void effect_feedback(const Slot& slot, Feedback& out) noexcept {
     out.wrench = slot.last;
-    if (slot.last.force.squaredNorm() + slot.last.torque.squaredNorm() > 0) out.flags |= Feedback::touching;
+    if (slot.last.force != Vector3d::Zero() || slot.last.torque != Vector3d::Zero())
+        out.flags |= Feedback::touching;
     if (slot.from != Slot::From::none) out.flags |= Feedback::fading;
 }
 
+/// Neither is touched, so that neither has a wrench.
+bool rests_alike(const Feedback& a, const Feedback& b) noexcept {
+    return ((a.flags | b.flags) & Feedback::touching) == 0 && a.flags == b.flags && a.handle == b.handle &&
+           a.stiffness == b.stiffness && a.tangential_stiffness == b.tangential_stiffness;
+}
+
 }  // namespace
+
+namespace detail {
+
+Feedback SceneCore::feedback_of(std::uint32_t i, bool surface) const noexcept {
+    const Record& r = felt(i);
+    Feedback f{.handle = {i, slots_[i].felt_generation},
+               .wrench = {},
+               .contact_point = groups_[r.probe].probe.position,
+               .stiffness = r.stiffness,
+               .flags = silence_ > 0 ? Feedback::silent : 0};
+    if (surface) {
+        surface_feedback(*this, i, r, f);
+    } else {
+        effect_feedback(slots_[i], f);
+    }
+    if (r.clamped || f.stiffness < r.stiffness) f.flags |= Feedback::stiffness_clamped;
+    return f;
+}
+
+/// What all surfaces of a probe share changes their flags alike. False: more than that has changed.
+bool SceneCore::retold_by_flags(std::span<Feedback> kept, std::span<std::uint64_t> written) noexcept {
+    std::uint32_t fading = 0, infeasible = 0;
+    for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
+        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
+        fading |= (groups_[p].fading ? 1u : 0u) << p;
+        infeasible |= (groups_[p].now.infeasible ? 1u : 0u) << p;
+    }
+    const bool alike = !told_.edited && infeasible == told_.infeasible;
+    const std::uint32_t silent = silence_ > 0 ? Feedback::silent : 0;
+    const std::uint32_t silence = told_.silent ^ silent, fades = told_.fading ^ fading;
+    told_.silent = silent;
+    told_.fading = fading;
+    told_.infeasible = infeasible;
+    told_.edited = false;
+    if (!alike || (silence | fades) == 0) return alike;
+    for (std::uint32_t n = 0; n < told_.entries; ++n) {
+        const std::uint32_t change = silence | ((fades >> told_.probe[n] & 1) != 0 ? Feedback::fading : 0);
+        kept[n].flags ^= change;
+        written[n / 64] |= std::uint64_t{change != 0} << (n % 64);
+    }
+    return true;
+}
+
+template <class Put>
+void SceneCore::tell_surfaces(std::uint32_t room, Put put) noexcept {
+    told_.entries = told_.touched_size = 0;
+    for (std::uint32_t k = 0; k < surfaces_size_; ++k) {
+        const std::uint32_t i = surfaces_[k];
+        const bool told = felt(i).reported && told_.entries < room;
+        slots_[i].entry = told ? told_.entries++ : gone;
+        if (!told) continue;
+        told_.probe[slots_[i].entry] = felt(i).probe;
+        if (put(slots_[i].entry, feedback_of(i, true))) told_.touched[told_.touched_size++] = i;
+    }
+}
+
+/// Those that are touched, and those that were.
+template <class Put>
+void SceneCore::tell_touched(Put put) noexcept {
+    const std::uint32_t before = told_.touched_size;
+    told_.touched_size = 0;
+    const auto tell = [&](std::uint32_t i) {
+        if (slots_[i].entry != gone && put(slots_[i].entry, [&] { return feedback_of(i, true); }))
+            told_.touched[told_.touched_size++] = i;
+    };
+    for (std::uint32_t k = 0; k < before; ++k) tell(told_.touched[k]);
+    const Arena& a = arenas_[arena_];
+    for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
+        const ContactSet& set = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))].now;
+        if (!set.touching) continue;
+        for (std::uint32_t j = 0; j < set.layers; ++j) {
+            const ActiveSet& active = set.layer[j].solution.active;
+            for (std::uint32_t c = 0; c < active.count; ++c) tell(a.owner[set.begin + active.plane[c]] >> 1);
+        }
+        const std::uint32_t sums = set.begin + set.count;
+        for (std::uint32_t at = sums; at < sums + set.summed; ++at) {
+            if (a.s[at] > 0) tell(a.owner[at] >> 1);
+        }
+    }
+}
+
+}  // namespace detail
 
 Vector3d Scene::contact_point() const noexcept {
     return point_of(impl_->groups_[0]);
@@ -118,29 +208,42 @@ double Scene::stiffness_sum() const noexcept {
 
 std::size_t Scene::feedback(std::span<Feedback> out) const noexcept {
     const SceneCore& core = *impl_;
-    const std::uint32_t silent = core.silence_ > 0 ? Feedback::silent : 0;
     std::size_t n = 0;
-    const auto take = [&](std::span<const std::uint32_t> list, auto fill) {
-        for (const std::uint32_t i : list) {
-            const Record& r = core.felt(i);
-            if (!r.reported) continue;
-            if (n == out.size()) return;
-            Feedback& f = out[n++];
-            f.handle = {i, core.slots_[i].felt_generation};
-            f.wrench = Wrench{};
-            f.contact_point = core.groups_[r.probe].probe.position;
-            f.stiffness = r.stiffness;
-            f.tangential_stiffness = 0;
-            f.flags = silent;
-            f.reserved = 0;
-            fill(i, r, f);
-            if (r.clamped || f.stiffness < r.stiffness) f.flags |= Feedback::stiffness_clamped;
+    const auto tell = [&](const std::vector<std::uint32_t>& list, std::uint32_t size, bool surfaces) {
+        for (std::uint32_t k = 0; k < size && n < out.size(); ++k) {
+            if (core.felt(list[k]).reported) out[n++] = core.feedback_of(list[k], surfaces);
         }
     };
-    take(std::span(core.surfaces_.data(), core.surfaces_size_),
-         [&](std::uint32_t i, const Record& r, Feedback& f) { surface_feedback(core, i, r, f); });
-    take(std::span(core.effects_.data(), core.effects_size_),
-         [&](std::uint32_t i, const Record&, Feedback& f) { effect_feedback(core.slots_[i], f); });
+    tell(core.surfaces_, core.surfaces_size_, true);
+    tell(core.effects_, core.effects_size_, false);
+    return n;
+}
+
+std::size_t Scene::feedback(std::span<Feedback> kept, const Rewritten& rewritten) noexcept {
+    SceneCore& core = *impl_;
+    const auto [written, flags] = rewritten;
+    std::fill(written.begin(), written.end(), 0);
+    std::fill(flags.begin(), flags.end(), 0);
+    const std::size_t room = std::min(kept.size(), 64 * std::min(written.size(), flags.size()));
+    const auto bit = [](std::size_t n) { return std::uint64_t{1} << (n % 64); };
+    const auto put = [&, written = written](std::size_t n, const Feedback& f) {
+        if (rests_alike(f, kept[n])) return false;
+        kept[n] = f;
+        written[n / 64] |= bit(n);
+        return (f.flags & Feedback::touching) != 0;
+    };
+    if (core.retold_by_flags(kept, flags)) {
+        core.tell_touched([&, written = written](std::size_t n, auto feedback) {
+            return (written[n / 64] & bit(n)) == 0 && put(n, feedback());  // one may be named twice
+        });
+    } else {
+        core.tell_surfaces(static_cast<std::uint32_t>(room), put);
+    }
+    std::size_t n = core.told_.entries;
+    for (std::uint32_t k = 0; k < core.effects_size_ && n < room; ++k) {
+        const std::uint32_t i = core.effects_[k];
+        if (core.felt(i).reported) put(n++, core.feedback_of(i, false));
+    }
     return n;
 }
 

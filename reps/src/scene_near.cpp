@@ -88,7 +88,9 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
         if (felt(near_[k]).probe == probe) near_[size++] = near_[k];
     }
     // One that holds the probe from however deep has no bound at the moment.
-    for (std::uint32_t k = 0; k < near.size; ++k) slots_[near.slots[k]].near = false;
+    for (std::uint32_t k = 0; k < near.size; ++k) {  // but not what is another probe's by now
+        if (felt(near.slots[k]).probe == probe) slots_[near.slots[k]].near = false;
+    }
     for (std::uint32_t k = 0; k < size; ++k) slots_[near_[k]].near = true;
     for (std::uint32_t k = 0; k < near.size; ++k) {
         const std::uint32_t i = near.slots[k];

@@ -287,6 +287,7 @@ void SceneCore::rebuild_sets() noexcept {
     }
     arena_ ^= 1;
     sets_edited_ = false;
+    told_.edited = true;
 }
 
 void SceneCore::built(Group& group, std::uint32_t probe) noexcept {

@@ -24,6 +24,8 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
     surfaces_.resize(n);
     always_.resize(n);
     near_.resize(n);
+    told_.probe.resize(n);
+    told_.touched.resize(n);
     fading_olds_.resize(n);
     for (Group& group : groups_) group.near.slots.resize(n);
     effects_.resize(n);
@@ -152,7 +154,7 @@ void SceneCore::clear() noexcept {
     }
     contacts_used_ = bounded_used_ = collapsed_used_ = reshaped_size_ = 0;
     probes_used_ = 1;
-    sets_edited_ = effects_edited_ = true;
+    sets_edited_ = effects_edited_ = told_.edited = true;
     kind_begin_ = {};
     active_kinds_size_ = 0;
 }

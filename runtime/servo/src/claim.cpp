@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstring>
 
@@ -41,10 +42,9 @@ Claim::Impl::Impl(const ClaimTerms& stated, std::byte* memory, protocol::ClientR
       row(table_row),
       scene({.representations = stated.capacity.representations, .probes = protocol::max_probes},
             stated.limits),
-      silence(stated.update_interval, stated.delay_allowance) {
-    if (!channels) return;
-    slots.resize(terms.capacity.representations);
-    felt.resize(terms.capacity.representations);
+      silence(stated.update_interval, stated.delay_allowance),
+      felt(channels ? stated.capacity.representations : 0) {
+    if (channels) slots.resize(terms.capacity.representations);
 }
 
 Claim::Claim(const ClaimTerms& terms, std::byte* memory, protocol::ClientRow* row)
@@ -65,10 +65,7 @@ void Claim::Impl::evaluate(const Probe& device_hand, double dt) noexcept {
     hand.velocity = f.scale * device_hand.velocity;
     hand.smooth_velocity = f.scale * device_hand.smooth_velocity;
     wrench = scene.evaluate(hand, dt);
-    felt_size = scene.feedback(felt);
-    touching = false;
-    for (std::size_t i = 0; i < felt_size; ++i)
-        touching = touching || (felt[i].flags & Feedback::touching) != 0;
+    touching = felt.take(scene);
 }
 
 void Claim::Impl::advance_gain(double step) noexcept {
@@ -110,12 +107,61 @@ static_assert(offsetof(Feedback, tangential_stiffness) ==
               offsetof(protocol::FeedbackEntry, tangential_stiffness));
 static_assert(offsetof(Feedback, flags) == offsetof(protocol::FeedbackEntry, flags));
 
+/// With the number of each bit that is set.
+template <class Use>
+void each_bit(std::span<const std::uint64_t> words, Use use) noexcept {
+    for (std::size_t w = 0; w < words.size(); ++w)
+        for (std::uint64_t rest = words[w]; rest != 0; rest &= rest - 1)
+            use(64 * w + static_cast<std::size_t>(std::countr_zero(rest)));
+}
+
 template <class T>
 void put(std::atomic<T>& word, T value) noexcept {
     word.store(value, std::memory_order_relaxed);  // read by anyone, orders nothing
 }
 
 }  // namespace
+
+// Nothing has been written to any slot: all of it is stale.
+FeltEntries::FeltEntries(std::size_t most) : entries_(most) {
+    const std::vector<std::uint64_t> none((most + 63) / 64), all(none.size(), ~std::uint64_t{0});
+    written_ = {.wholly = none, .flags = none};
+    stale_.fill({.wholly = all, .flags = none});
+}
+
+bool FeltEntries::take(Scene& scene) noexcept {
+    size_ = scene.feedback(entries_, {.wholly = written_.wholly, .flags = written_.flags});
+    for (Marks& stale : stale_) {
+        for (std::size_t w = 0; w < written_.wholly.size(); ++w) {
+            stale.wholly[w] |= written_.wholly[w];
+            stale.flags[w] |= written_.flags[w];
+        }
+    }
+    std::uint32_t flags = 0;  // what is touched is among those that were written
+    each_bit(written_.wholly, [&](std::size_t i) { flags |= entries_[i].flags; });
+    return (flags & Feedback::touching) != 0;
+}
+
+/// Behind the header. What is stale beyond the last entry stays so: it is not read, but may be again.
+void FeltEntries::write(shm::TripleWriter& to) noexcept {
+    constexpr std::size_t tail = offsetof(Feedback, flags) / 8 * 8;
+    Marks& stale = stale_[to.back()];
+    const auto write_from = [&](std::size_t first, std::size_t w, std::uint64_t marks) {
+        each_bit(std::array{marks}, [&](std::size_t bit) {
+            const std::size_t i = 64 * w + bit;
+            to.write(sizeof(protocol::FeedbackHeader) + i * sizeof(Feedback) + first,
+                     reinterpret_cast<const std::byte*>(&entries_[i]) + first, sizeof(Feedback) - first);
+        });
+    };
+    for (std::size_t w = 0; 64 * w < size_; ++w) {
+        const std::size_t left = size_ - 64 * w;
+        const std::uint64_t present = left < 64 ? (std::uint64_t{1} << left) - 1 : ~std::uint64_t{0};
+        write_from(0, w, stale.wholly[w] & present);
+        write_from(tail, w, stale.flags[w] & ~stale.wholly[w] & present);
+        stale.wholly[w] &= ~present;
+        stale.flags[w] &= ~present;
+    }
+}
 
 void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     if (row != nullptr) {
@@ -153,16 +199,16 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     header.gain = gain;
     header.silence = silent_for;
     header.stiffness_scale = stiffness_scale;
-    header.entries = static_cast<std::uint32_t>(felt_size);
+    header.entries = static_cast<std::uint32_t>(felt.size());
 
     // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would).
     published.cycle = cycle;
-    if (felt_size == 0 && std::memcmp(&published, &header, sizeof header) == 0) return;
+    if (felt.size() == 0 && std::memcmp(&published, &header, sizeof header) == 0) return;
     published = header;
 
-    const std::array parts = {std::as_bytes(std::span(&header, 1)),
-                              std::as_bytes(std::span(felt.data(), felt_size))};
-    channels->feedback.publish(0, parts);
+    channels->feedback.write(0, &header, sizeof header);
+    felt.write(channels->feedback);
+    channels->feedback.publish_written();
 }
 
 }  // namespace knurl::servo

@@ -2,6 +2,7 @@
 // The servo's side of one claim. One thread at a time: the broker's until it is adopted and after it was
 // released, the servo's between.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -44,6 +45,28 @@ struct Channels {
     shm::TripleReader batches;
     shm::SpscProducer replies;
     shm::TripleWriter feedback;
+};
+
+/// What the application learns of its representations, kept up to date: of a thousand that rest nothing is
+/// written in a cycle, neither here nor in the three slots of the channel. Of each slot it is remembered
+/// which entries have changed since it was written; the others stand in it as they stand here.
+class FeltEntries {
+  public:
+    explicit FeltEntries(std::size_t most);
+    /// True: something is touched.
+    bool take(Scene& scene) noexcept;
+    void write(shm::TripleWriter& to) noexcept;
+    std::size_t size() const noexcept { return size_; }
+
+  private:
+    std::vector<Feedback> entries_;
+    std::size_t size_ = 0;
+    /// An entry a bit: all of it, or its flags alone.
+    struct Marks {
+        std::vector<std::uint64_t> wholly, flags;
+    };
+    Marks written_;               // in this cycle
+    std::array<Marks, 3> stale_;  // by slot
 };
 
 struct Claim::Impl {
@@ -97,8 +120,7 @@ struct Claim::Impl {
     std::uint64_t last_sequence = 0;
 
     // Feedback's memory.
-    std::vector<Feedback> felt;
-    std::size_t felt_size = 0;
+    FeltEntries felt;
     protocol::FeedbackHeader published;  // as of the last one
 
     bool counts_changed = true;  // representations came or went

@@ -38,11 +38,12 @@ struct FadePolicy {
 /// What the application learns of one representation each cycle.
 struct Feedback {
     Handle handle;
-    Wrench wrench;  // on the hand; the application's end feels the opposite
-    Eigen::Vector3d contact_point = Eigen::Vector3d::Zero();  // m, world
-    double stiffness = 0;                                     // N/m as applied, after clamping
-    double tangential_stiffness = 0;                          // N/m of its friction, as applied
-    std::uint32_t flags = 0;                                  // Feedback::touching, ...
+    Wrench wrench;  // on the hand; the application's end feels the opposite; zero where it is not touched
+    // m, world; where it is not touched, the probe (see Scene::feedback for when)
+    Eigen::Vector3d contact_point = Eigen::Vector3d::Zero();
+    double stiffness = 0;             // N/m as applied, after clamping
+    double tangential_stiffness = 0;  // N/m of its friction, as applied
+    std::uint32_t flags = 0;          // Feedback::touching, ...
     std::uint32_t reserved = 0;
 
     static constexpr std::uint32_t touching = 1;           // the hand feels it in this cycle
@@ -50,6 +51,12 @@ struct Feedback {
     static constexpr std::uint32_t infeasible = 4;  // its set contradicts itself; the answer is bounded
     static constexpr std::uint32_t fading = 8;      // a change is still being cross-faded
     static constexpr std::uint32_t silent = 16;     // its application has fallen silent
+};
+
+/// Which entries of kept feedback were written: a bit each, 64 to a word, as many words as that takes.
+struct Rewritten {
+    std::span<std::uint64_t> wholly;  // all that is touched, and all that differs
+    std::span<std::uint64_t> flags;   // nothing but `flags` was written, of what is not touched
 };
 
 class Scene {
@@ -119,6 +126,9 @@ class Scene {
     double stiffness_sum() const noexcept;     // N/m, the stiffest direction's bound: for sharing a device
     /// Fills in feedback of the representations that ask for it; returns how many (at most out.size()).
     std::size_t feedback(std::span<Feedback> out) const noexcept;
+    /// The same for a `kept` that holds what the call before left there: what is not touched and has not
+    /// changed stays as it is, its contact point too. What was written it marks in `rewritten`.
+    std::size_t feedback(std::span<Feedback> kept, const Rewritten& rewritten) noexcept;
 
   private:
     struct Impl;

@@ -86,6 +86,19 @@ class BasicTripleWriter {
         return publish(tag, {&part, 1});
     }
 
+    /// For a writer that keeps its slots up to date instead of copying all anew. Only it ever writes them, so
+    /// each still holds what was published from it: write() what differs from that, then publish_written().
+    /// This is the slot that both are about, 0 to 2.
+    std::uint32_t back() const noexcept { return back_; }
+    /// `offset` and `bytes` are multiples of 8; what goes beyond the slot is cut off.
+    void write(std::size_t offset, const void* data, std::size_t bytes) noexcept {
+        const std::size_t first = std::min(offset / sizeof(std::uint64_t), places_.slot_words);
+        const std::size_t words = std::min(bytes / sizeof(std::uint64_t), places_.slot_words - first);
+        Memory::store_payload(places_.slots + back_ * places_.stride_words + first, data, words,
+                              std::memory_order::relaxed);
+    }
+    bool publish_written(std::uint64_t tag = 0) noexcept { return hand_over(tag); }
+
     /// The reader has written nonsense into `mid`. Publishing stays harmless and reaches nobody.
     bool corrupt() const noexcept { return corrupt_; }
 

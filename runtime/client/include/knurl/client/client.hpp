@@ -76,7 +76,7 @@ struct Timing {
 /// What the hand and the application's end feel of one representation.
 struct Felt {
     Vec3 force, torque;    // on the hand, N and N m; the application's end feels the opposite
-    Vec3 contact_point;    // m
+    Vec3 contact_point;    // m; of what is not touched: the probe, when the rest last changed
     double stiffness = 0;  // N/m applied: less than asked for if Feedback::stiffness_clamped is set
     double tangential_stiffness = 0;  // N/m of its friction, as applied; 0: it has none
     std::uint32_t flags = 0;          // Feedback::touching, ...

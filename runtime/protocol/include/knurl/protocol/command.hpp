@@ -142,7 +142,7 @@ struct FeedbackEntry {
     Handle handle;
     Vec3 force;                       // N on the hand
     Vec3 torque;                      // N m
-    Vec3 contact_point;               // m
+    Vec3 contact_point;               // m; of what is not touched: the probe, when the rest last changed
     double stiffness = 0;             // N/m applied
     double tangential_stiffness = 0;  // N/m of its friction, applied
     std::uint32_t flags = 0;          // Feedback::touching, ...
