@@ -341,6 +341,7 @@ class SceneCore {
     // scene_near.cpp
     void place_surface(std::uint32_t slot) noexcept;   // in Reach, or among those that are always asked
     void forget_surface(std::uint32_t slot) noexcept;  // from where it was
+    void fetch(std::span<const std::uint32_t> slots) const noexcept;
     void collect_near(Group& group, std::uint32_t probe) noexcept;
     bool near_left() noexcept;  // a probe has moved out of what its candidates cover
 

@@ -71,6 +71,22 @@ void SceneCore::prime(Record& r, const Group& group) noexcept {
     r.asked = last_timed_;
 }
 
+// What is near now was far from any cache: all of it is on its way at once before any of it is looked at.
+void SceneCore::fetch(std::span<const std::uint32_t> slots) const noexcept {
+    const auto lines_of = [](const auto& what, std::size_t bytes) {
+        for (std::size_t at = 0; at < bytes; at += 64)
+            __builtin_prefetch(reinterpret_cast<const std::byte*>(&what) + at);
+    };
+    constexpr std::size_t shape = 128;  // bytes: the lengths and places that a bound takes
+    for (const std::uint32_t i : slots) lines_of(slots_[i], 128);
+    for (const std::uint32_t i : slots) {
+        const Record& r = felt(i);
+        lines_of(static_cast<const RecordHead&>(r), sizeof(RecordHead));
+        lines_of(r.params, shape);
+        lines_of(r.state, 64);
+    }
+}
+
 void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     Candidates& near = group.near;
     const double typical = std::max(least_margin, reach_.mean_radius() / 2);
@@ -80,6 +96,7 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     // Twice what a contact needs, but of a deep one no more than lets its need double: there are many.
     near.margin = std::max(near.wanted, deep + std::min(deep, std::max(near.wanted, 0.6 * deep)));
     const std::uint32_t found = reach_.collect(near.at, near.margin + group.placement.radius, near_);
+    fetch(std::span(near_.data(), found));
     if (found > many) near.wanted = std::max(1e-6, near.wanted / 2);
     if (found < few) near.wanted = std::min(typical, near.wanted * 2);
 
