@@ -28,6 +28,8 @@ class Stage {
     explicit Stage(unsigned seed);
     ~Stage();
 
+    /// Device, servo and application once more, as after construction.
+    void begin_anew();
     void start_servo();
     /// `address`: of the servo, for the application; "": on this box.
     void start_wall(const std::string& address = {});
@@ -52,6 +54,7 @@ class Stage {
     std::unique_ptr<test::Program> wall;
 
   private:
+    void clear();
     struct Measured {
         std::string promise;
         std::vector<double> milliseconds;
