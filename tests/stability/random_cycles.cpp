@@ -73,6 +73,10 @@ bool finite_all(const Vector3d& v) {
     return v.allFinite();
 }
 
+Kind next_kind(Kind kind) {
+    return static_cast<Kind>((kind + 1) % Representations::size);
+}
+
 /// One scene's life.
 class Life {
   public:
@@ -86,7 +90,7 @@ class Life {
           limits_(random_limits()),
           scene_({.representations = slots, .probes = probes_}, limits_) {
         only_ = static_cast<Kind>(between(rng_, 0, static_cast<int>(Representations::size) - 1));
-        while (surfaces_only_ && !kinds()[only_].surface) only_ = (only_ + 1) % Representations::size;
+        while (surfaces_only_ && !kinds()[only_].surface) only_ = next_kind(only_);
         used_ = static_cast<int>(scale(rng_, 1, surfaces_only_ ? 4 : slots + 0.99));
         scene_.set_fade(
             {.automatic = 0.01, .rise_speed = surfaces_only_ || between(rng_, 0, 1) ? infinity : 0.1});
@@ -163,7 +167,7 @@ class Life {
         Kind kind = one_kind_
                         ? only_
                         : static_cast<Kind>(between(rng_, 0, static_cast<int>(Representations::size) - 1));
-        while (surfaces_only_ && !kinds()[kind].surface) kind = (kind + 1) % Representations::size;
+        while (surfaces_only_ && !kinds()[kind].surface) kind = next_kind(kind);
         const int what = between(rng_, 0, 99);
         Present& present = present_[slot];
         if (what < 60 && present.is) {
