@@ -5,20 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "measure.hpp"
+
 namespace knurl::cli {
 
 namespace {
 
 constexpr double good_share = 0.999, usable_share = 0.99;
 constexpr Nanoseconds lets_go_after = 20'000'000;  // a servo that was late by more begins again from no force
-constexpr std::size_t above = 10;
-
-/// us, of sorted ns.
-std::optional<double> percentile(const std::vector<Nanoseconds>& sorted, double p) {
-    const auto at = static_cast<std::size_t>(std::ceil(p * static_cast<double>(sorted.size())));
-    if (at + above > sorted.size()) return std::nullopt;
-    return static_cast<double>(sorted[at]) * 1e-3;
-}
 
 /// Of two loops on one CPU, one with nothing in it: if that is late too, nothing in Knurl can help. Counts of
 /// rare events scatter by their root; what differs by less than three of that may be chance.
@@ -47,17 +41,19 @@ const char* name_of(Fitness fitness) {
 LoopFigures figures(Beginnings beginnings, const std::vector<Gap>& gaps, double rate) {
     LoopFigures result;
     result.stalls = take_out_stalls(beginnings, gaps);
-    std::vector<Nanoseconds>& late = beginnings.late;
-    result.cycles = late.size();
-    if (late.empty()) return result;
-    std::sort(late.begin(), late.end());
+    result.cycles = beginnings.late.size();
+    if (result.cycles == 0) return result;
     const auto half = static_cast<Nanoseconds>(0.5e9 / rate);
-    const auto on_time = std::lower_bound(late.begin(), late.end(), half) - late.begin();
-    result.on_time = static_cast<double>(on_time) / static_cast<double>(late.size());
-    result.p50 = percentile(late, 0.5);
-    result.p99 = percentile(late, 0.99);
-    result.p999 = percentile(late, 0.999);
-    result.max = static_cast<double>(late.back()) * 1e-3;
+    const auto in_time = std::count_if(beginnings.late.begin(), beginnings.late.end(),
+                                       [half](Nanoseconds late) { return late < half; });
+    result.on_time = static_cast<double>(in_time) / static_cast<double>(result.cycles);
+    std::vector<double> late;  // us
+    for (const Nanoseconds ns : beginnings.late) late.push_back(static_cast<double>(ns) * 1e-3);
+    const measure::Result spread = measure::summarise("late", "us", std::move(late));
+    result.p50 = spread.p50;
+    result.p99 = spread.p99;
+    result.p999 = spread.p999;
+    result.max = spread.max;
     return result;
 }
 
