@@ -4,10 +4,13 @@
 //             need be); SIGUSR2: forks a child that ends in order. Says what it does, a numbered line each.
 //   exclusive wants the device for itself, and says how that was answered
 //   observer  reads every report until SIGTERM, then says how many it read and missed, and how many there
-//   were hostile   claims, then writes random bytes over its own segment until SIGTERM
+//             were
+//   hostile   claims, then writes random bytes over its own segment until SIGTERM
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -46,11 +49,13 @@ void arm(knurl::Claim& hand) {
 }
 
 int wall(const std::string& address) {
+    constexpr auto interval = 20ms;
     auto client = knurl::Client::connect(address, {.wait = 20s});
-    auto hand = client.claim("", {.shared = true, .update_interval = 20ms});
+    auto hand = client.claim("", {.shared = true, .update_interval = interval});
     auto plane = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.010, .stiffness = 800});
     knurl::Plane moved = plane.params();
     std::uint64_t reattachments = 0;
+    auto next = std::chrono::steady_clock::now();
     for (long long i = 0; leaving == 0; ++i) {
         try {
             if (arm_wanted != 0) {
@@ -75,9 +80,10 @@ int wall(const std::string& address) {
         } catch (const knurl::Error& error) {
             if (error.kind != knurl::Error::Kind::disconnected) throw;
         }
-        // Twenty cycles of the servo are its clock; without a servo, a time-out.
-        for (int cycle = 0; cycle < 20 && leaving == 0 && hand.next_report(20ms); ++cycle) {
-        }
+        // By its own clock: over a bad network the newest report wins, and fifty that come may be a second's.
+        next = std::max(next + interval, std::chrono::steady_clock::now());
+        for (auto now = next - interval; leaving == 0 && now < next; now = std::chrono::steady_clock::now())
+            hand.next_report(next - now);
     }
     return 0;
 }

@@ -179,9 +179,11 @@ constexpr Fault all[] = {
 
 void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by) {
     const Span span = force_span(stage.device->log(), from);
-    demand(span.smallest > 1.6 - 4 * steady && span.largest < 1.6 + 4 * steady,
-           by + " leaves the others' force alone: " + std::to_string(span.smallest) + " to " +
-               std::to_string(span.largest) + " N; " + how_it_fell(stage.device->log(), from));
+    if (span.smallest > 1.6 - 4 * steady && span.largest < 1.6 + 4 * steady) return;
+    throw Broken(by + " leaves the others' force alone: " + std::to_string(span.smallest) + " to " +
+                 std::to_string(span.largest) + " N; " + how_it_fell(stage.device->log(), from) +
+                 "; the device's state is " + std::to_string(static_cast<int>(stage.state())) +
+                 ", the application said: " + stage.wall->output());
 }
 
 void demand_off_until_armed(Stage& stage, std::int64_t from, const std::string& after) {

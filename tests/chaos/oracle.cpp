@@ -87,18 +87,18 @@ std::string how_it_fell(const std::vector<Record>& log, std::int64_t from) {
     const auto first = std::ranges::find_if(log, [&](const Record& record) { return record.t >= from; });
     if (first == log.end()) return "nothing was written";
     const auto lowest = std::ranges::min_element(first, log.end(), {}, force_of);
-    std::int64_t pause = 0, pause_at = from, high = from;
+    std::int64_t still = 0, still_since = from, high = from;
     for (auto record = first; record != lowest; ++record) {
         if (force_of(*record) > 1) high = record->t;
-        if ((record + 1)->t - record->t <= pause) continue;
-        pause = (record + 1)->t - record->t;
-        pause_at = record->t;
+        if ((record + 1)->t - record->t <= still) continue;
+        still = (record + 1)->t - record->t;
+        still_since = record->t;
     }
     const auto ms = [&](std::int64_t t) { return std::to_string(static_cast<double>(t) * 1e-6) + " ms"; };
     return "lowest after " + ms(lowest->t - from) + " by " +
            (lowest->event == Event::guardian_write ? "the guardian" : "the servo") +
-           ", last above 1 N after " + ms(high - from) + ", longest pause " + ms(pause) + " after " +
-           ms(pause_at - from);
+           ", last above 1 N after " + ms(high - from) + ", unchanged for " + ms(still) + " from " +
+           ms(still_since - from);
 }
 
 }  // namespace knurl::chaos

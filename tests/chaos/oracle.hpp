@@ -35,9 +35,8 @@ struct Span {
 };
 Span force_span(const std::vector<Record>& log, std::int64_t from);
 
-/// For a person: when the force was smallest from `from` on, who wrote that, and the longest pause between
-/// two entries of the log before it: the pause says whether the servo stood still, a slope without one that
-/// the application was silent.
+/// For a person: when the force was smallest from `from` on, who wrote that, and for how long the efforts had
+/// not changed before it (the log has changes only: the servo may well have written the same again).
 std::string how_it_fell(const std::vector<Record>& log, std::int64_t from);
 
 }  // namespace knurl::chaos
