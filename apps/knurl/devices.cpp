@@ -1,6 +1,5 @@
 // knurl devices: what is plugged in, what is in the way, and the command that mends it.
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -19,20 +18,6 @@ namespace {
 
 using drivers::UsbDevice;
 using nlohmann::json;
-
-/// The file whose rules are for this device, Knurl's own or one that was made by hand; empty: none is
-/// installed.
-std::string installed_rules(const UsbDevice& device) {
-    for (const char* folder : {"/etc/udev/rules.d", "/run/udev/rules.d", "/usr/local/lib/udev/rules.d",
-                               "/usr/lib/udev/rules.d", "/lib/udev/rules.d"}) {
-        for (const std::string& name : {std::string("70-knurl.rules"), drivers::udev_rule_file(device)}) {
-            const std::filesystem::path file = std::filesystem::path(folder) / name;
-            std::error_code none;
-            if (std::filesystem::exists(file, none)) return file.string();
-        }
-    }
-    return "";
-}
 
 struct Seen {
     UsbDevice device;
@@ -57,15 +42,18 @@ std::string holder(const UsbDevice& device, const std::vector<ServoView>& servos
 Seen look(const UsbDevice& device, const std::vector<ServoView>& servos) {
     Seen seen{.device = device, .held_by = holder(device, servos), .problem = {}, .mend = {}};
     if (device.accessible || !seen.held_by.empty()) return seen;
-    const std::string rules = installed_rules(device);
-    if (rules.empty()) {
-        seen.problem = "no right to open it: there is no udev rule for it";
-        seen.mend = drivers::install_udev_rule(device);
-    } else {
-        seen.problem = fmt::format("no right to open it, though {} is there", rules);
-        seen.mend = "sudo usermod --append --groups haptics $USER (then log in again), or plug it in again";
-    }
+    const drivers::NoRights why = drivers::no_rights(device);
+    seen.problem = why.problem;
+    seen.mend = why.mend;
     return seen;
+}
+
+/// What to know before it is opened; empty: nothing, or it is open.
+std::string note_of(const Seen& seen) {
+    if (!seen.held_by.empty() || !seen.problem.empty()) return "";
+    for (const drivers::Driver& driver : drivers::drivers())
+        if (driver.scheme == seen.device.scheme) return driver.note;
+    return "";
 }
 
 void print_text(const std::vector<Seen>& plugged, const std::string& no_usb) {
@@ -82,12 +70,7 @@ void print_text(const std::vector<Seen>& plugged, const std::string& no_usb) {
                    : seen.held_by.empty() ? "ready"
                                           : "run as " + seen.held_by);
         if (!seen.mend.empty()) fmt::print("  mend it: {}\n", seen.mend);
-        if (seen.device.scheme == "falcon" && seen.held_by.empty() && seen.problem.empty()) {
-            fmt::print(
-                "  since it got power it may need its firmware, which is Novint's and not part of Knurl: {},"
-                "firmware=nvent_firmware.bin\n",
-                seen.device.address());
-        }
+        if (!note_of(seen).empty()) fmt::print("  {}\n", note_of(seen));
     }
     fmt::print("drivers of this build, for knurld --device:\n");
     for (const drivers::Driver& driver : drivers::drivers())
@@ -124,7 +107,8 @@ int list(bool as_json) {
                            {"accessible", seen.device.accessible},
                            {"held_by", seen.held_by},
                            {"problem", seen.problem},
-                           {"mend", seen.mend}});
+                           {"mend", seen.mend},
+                           {"note", note_of(seen)}});
     }
     json known = json::array();
     for (const drivers::Driver& driver : drivers::drivers())

@@ -71,6 +71,21 @@ TEST(Ls, ASocketThatAKilledServoLeftIsDead) {
     EXPECT_EQ(servos().at(0).at("alive"), false);
 }
 
+TEST(Ls, ADeviceRunsAtTheRateOfItsDescriptionUnlessOneIsStated) {
+    const Home home;
+    std::string text = text_of_file(KNURL_ARMS "/generic6.toml");
+    text.insert(text.find("[drive]\n") + 8, "rate = 500\n");
+    const std::string arm = home.file("slow.toml", text);
+    const auto rate = [&](const std::vector<std::string>& words) {
+        std::vector<std::string> all{"--device", "slow=sim:arm=" + arm};
+        all.insert(all.end(), words.begin(), words.end());
+        const Servo servo(all);
+        return servos().at(0).at("devices").at(0).at("rate").get<double>();
+    };
+    EXPECT_EQ(rate({}), 500);
+    EXPECT_EQ(rate({"--rate", "2000"}), 2000);
+}
+
 TEST(Ls, ADeviceThatNobodyHoldsIsIdle) {
     const Home home;
     const Servo servo({"--name", "alpha", "--device", "left=sim:premium15", "--device", "sim:cartesian3"});

@@ -1,6 +1,7 @@
 // `knurl devices`: what is plugged in, what is in the way, and the command that mends it. On a bus that
 // umockdev plays.
 
+#include <cstring>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -79,6 +80,21 @@ TEST(Devices, WhatIsPluggedInIsListedWithItsAddress) {
     ASSERT_EQ(list.size(), 1u);
     EXPECT_EQ(list[0].at("address"), "falcon:FALCON01");
     EXPECT_EQ(list[0].at("problem"), "");
+    EXPECT_THAT(list[0].at("note").get<std::string>(), HasSubstr("firmware="));
+}
+
+TEST(Devices, TwoOfOneSerialNumberAreToldApartByTheirPorts) {
+    std::string twins = bus, second = twins.substr(twins.rfind("P: "));
+    for (const auto& [from, to] : {std::pair{"usb1/1-2", "usb1/1-3"}, std::pair{"001/004", "001/005"},
+                                   std::pair{"DEVNUM=004", "DEVNUM=005"}, std::pair{"devnum=4", "devnum=5"}})
+        for (std::size_t at = 0; (at = second.find(from, at)) != std::string::npos; ++at)
+            second.replace(at, std::strlen(from), to);
+    twins += "\n" + second;
+    const json list = json::parse(on_the_bus(twins, "devices --json").out).at("devices");
+    ASSERT_EQ(list.size(), 2u);
+    EXPECT_EQ(list[0].at("address"), "falcon:port=1-2");
+    EXPECT_EQ(list[1].at("address"), "falcon:port=1-3");
+    EXPECT_EQ(list[1].at("serial"), "FALCON01");
 }
 
 TEST(Devices, WithoutTheRightToOpenItSaysWhatGivesIt) {

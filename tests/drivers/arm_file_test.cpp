@@ -72,12 +72,17 @@ TEST(ArmFile, DegreesAndRadiansAreTheSameArm) {
 }
 
 TEST(ArmFile, ABaseTurnsTheArmAndAToolMovesItsTip) {
+    const auto followed_by = [](const char* more) {
+        std::string text = good;
+        text += more;
+        return text;
+    };
     const ArmFile plain = parse_arm(good, "mine.toml");
-    const ArmFile turned = parse_arm(std::string(good) + "[base]\nrpy_deg = [180, 0, 0]\n", "mine.toml");
+    const ArmFile turned = parse_arm(followed_by("[base]\nrpy_deg = [180, 0, 0]\n"), "mine.toml");
     const JointArray q = {0.1, 0.5, 0.2};
     const Vector3d upright = tip(plain, q), hanging = tip(turned, q);
     EXPECT_LT((hanging - Vector3d(upright.x(), -upright.y(), -upright.z())).norm(), 1e-15);
-    const ArmFile longer = parse_arm(std::string(good) + "[tool]\nposition = [0.03, 0, 0]\n", "mine.toml");
+    const ArmFile longer = parse_arm(followed_by("[tool]\nposition = [0.03, 0, 0]\n"), "mine.toml");
     const ArmFile same = parse_arm(with("a = 0.170", "a = 0.2"), "mine.toml");
     EXPECT_LT((tip(longer, q) - tip(same, q)).norm(), 1e-15);
 }

@@ -109,7 +109,7 @@ TEST(Configuration, TheExampleFileIsTheDefaults) {
     check(example);
     const DaemonConfig defaults;
     EXPECT_EQ(example.name, defaults.name);
-    EXPECT_EQ(example.rate, defaults.rate);
+    EXPECT_EQ(example.rate, default_rate);
     EXPECT_EQ(example.priority, defaults.priority);
     EXPECT_EQ(example.idle, defaults.idle);
     EXPECT_EQ(example.spin, defaults.spin);

@@ -26,6 +26,7 @@ struct Settings {
     double damping = 0.5;               // N s/m
     double lag = 3e-3;                  // s, without the low-pass
     double max_stiffness = 0;           // N/m as measured; 0: estimated from damping and lag
+    double mass = 0;                    // kg at the tip; 0: unknown
     bool event_character = false;
     std::optional<Firmware> firmware;
 };
@@ -59,6 +60,7 @@ LinkConfig describe(const Settings& settings, const UsbDevice& usb) {
     link.damping = settings.damping;
     link.lag = settings.lag + filter_lag(settings.low_pass);
     link.measured_max_stiffness = settings.max_stiffness;
+    link.apparent_mass = settings.mass;
     return link;
 }
 
@@ -147,6 +149,7 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
     settings.lag = address.number("lag", settings.lag, 0, 0.05, "s");
     settings.max_stiffness =
         address.number("max_stiffness", settings.max_stiffness, 0, 5000, "N/m (0: estimated)");
+    settings.mass = address.number("mass", settings.mass, 0, 5, "kg at the tip (0: unknown)");
     settings.event_character = address.flag("event_char", settings.event_character);
     const std::string firmware = address.text("firmware");
     address.done();
@@ -161,9 +164,12 @@ Driver driver() {
             .help =
                 "[SERIAL][,firmware=FILE][,force=COUNTS_PER_NM][,low_pass=HZ][,limit=N][,damping=NS_PER_M][,"
                 "lag=S]"
-                "[,max_stiffness=N_PER_M][,event_char=on][,port=PORT]",
+                "[,max_stiffness=N_PER_M][,mass=KG][,event_char=on][,port=PORT]",
             .open = open,
-            .usb = {std::begin(ids), std::end(ids)}};
+            .usb = {std::begin(ids), std::end(ids)},
+            .note =
+                "since it got power it may need its firmware, which is Novint's and not part of Knurl: add "
+                "firmware=nvent_firmware.bin (whether one runs already, only opening it tells)"};
 }
 
 }  // namespace knurl::drivers::falcon

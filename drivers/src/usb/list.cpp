@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 
 #include <knurl/drivers/usb_list.hpp>
 
@@ -7,7 +8,7 @@
 namespace knurl::drivers {
 
 std::string UsbDevice::address() const {
-    return scheme + ":" + (serial.empty() ? "port=" + port : serial);
+    return scheme + ":" + (serial.empty() || twin ? "port=" + port : serial);
 }
 
 std::string udev_rule(const UsbDevice& device) {
@@ -25,6 +26,27 @@ std::string udev_rule_file(const UsbDevice& device) {
 std::string install_udev_rule(const UsbDevice& device) {
     return "echo '" + udev_rule(device) + "' | sudo tee /etc/udev/rules.d/" + udev_rule_file(device) +
            " && sudo udevadm control --reload && sudo udevadm trigger";
+}
+
+std::string installed_udev_rules(const UsbDevice& device) {
+    for (const char* folder : {"/etc/udev/rules.d", "/run/udev/rules.d", "/usr/local/lib/udev/rules.d",
+                               "/usr/lib/udev/rules.d", "/lib/udev/rules.d"}) {
+        for (const std::string& name : {std::string("70-knurl.rules"), udev_rule_file(device)}) {
+            const std::filesystem::path file = std::filesystem::path(folder) / name;
+            std::error_code none;
+            if (std::filesystem::exists(file, none)) return file.string();
+        }
+    }
+    return "";
+}
+
+NoRights no_rights(const UsbDevice& device) {
+    const std::string rules = installed_udev_rules(device);
+    if (rules.empty())
+        return {.problem = "no right to open it: there is no udev rule for it",
+                .mend = install_udev_rule(device)};
+    return {.problem = "no right to open it, though " + rules + " is there",
+            .mend = "sudo usermod --append --groups haptics $USER (then log in again), or plug it in again"};
 }
 
 std::vector<UsbDevice> usb_devices() {

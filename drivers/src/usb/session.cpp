@@ -74,17 +74,22 @@ std::vector<Found> Context::list(std::span<const UsbId> ids, std::string_view sc
             }))
             continue;
         const std::string port = port_name(device), node = node_name(device);
-        found.push_back({.info = {.vendor = descriptor.idVendor,
-                                  .product = descriptor.idProduct,
-                                  .scheme = std::string(scheme),
-                                  .name = attribute(port, "product"),
-                                  .serial = attribute(port, "serial"),
-                                  .port = port,
-                                  .node = node,
-                                  .accessible = access(node.c_str(), R_OK | W_OK) == 0},
-                         .device = {libusb_ref_device(device), libusb_unref_device}});
+        Found& one = found.emplace_back();
+        one.info = {.vendor = descriptor.idVendor,
+                    .product = descriptor.idProduct,
+                    .scheme = std::string(scheme),
+                    .name = attribute(port, "product"),
+                    .serial = attribute(port, "serial"),
+                    .twin = false,
+                    .port = port,
+                    .node = node,
+                    .accessible = access(node.c_str(), R_OK | W_OK) == 0};
+        one.device = {libusb_ref_device(device), libusb_unref_device};
     }
     libusb_free_device_list(all, 1);
+    for (Found& one : found)
+        one.info.twin = std::ranges::count(found, one.info.serial,
+                                           [](const Found& other) { return other.info.serial; }) > 1;
     std::ranges::sort(found, {}, [](const Found& one) { return one.info.port; });
     return found;
 }
@@ -106,13 +111,10 @@ Found Context::find(const Wanted& wanted) const {
                                  "\"; plugged in: " + listed(all));
     const bool same = std::ranges::all_of(
         fitting, [&](const Found& one) { return one.info.serial == fitting.front().info.serial; });
-    std::string ports;
-    for (const Found& one : fitting)
-        ports += (ports.empty() ? "" : ", ") + wanted.scheme + ":port=" + one.info.port;
     if (same)
         throw std::runtime_error(std::to_string(fitting.size()) + " of " + wanted.kind +
                                  " have the same serial number \"" + fitting.front().info.serial +
-                                 "\"; say which by its port: " + ports);
+                                 "\"; say which by its port: " + listed(fitting));
     throw std::runtime_error(std::to_string(fitting.size()) + " of " + wanted.kind +
                              " are plugged in; say which: " + listed(fitting));
 }
@@ -130,9 +132,10 @@ Session::Session(Context& context, Found found, int interface, const std::atomic
     const UsbDevice& device = found_.info;
     if (const int code = libusb_open(found_.device.get(), &handle_); code != 0) {
         if (code == LIBUSB_ERROR_NO_DEVICE) throw Unplugged(device.node + " has just been unplugged");
-        if (code == LIBUSB_ERROR_ACCESS)
-            throw std::runtime_error("no rights on " + device.node +
-                                     ": install the udev rule: " + install_udev_rule(device));
+        if (code == LIBUSB_ERROR_ACCESS) {
+            const NoRights why = no_rights(device);
+            throw std::runtime_error(device.node + ": " + why.problem + ": " + why.mend);
+        }
         throw std::runtime_error("cannot open " + device.node + ": " + libusb_strerror(code));
     }
     node_ = context.newest_descriptor();
@@ -140,8 +143,9 @@ Session::Session(Context& context, Found found, int interface, const std::atomic
     if (ioctl(node_, USBDEVFS_CONNECTINFO, &seen) != 0 ||
         seen.devnum != libusb_get_device_address(found_.device.get())) {
         libusb_close(handle_);
-        throw std::runtime_error("cannot tell which descriptor libusb opened for " + device.node +
-                                 ": the guardian could not make it safe");
+        throw std::runtime_error("this libusb does not say which descriptor it opened for " + device.node +
+                                 ", without which the guardian could not make the device safe; use libusb "
+                                 "1.0.26 or later on Linux's usbfs");
     }
     libusb_set_auto_detach_kernel_driver(handle_, 1);
     if (const int code = libusb_claim_interface(handle_, interface_); code != 0) {

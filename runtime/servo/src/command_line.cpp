@@ -61,7 +61,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
                    "[NAME=]ADDRESS of a device, repeatable; NAME defaults to the profile's")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    const auto* rate = app.add_option("--rate", told.rate, "of the loops, Hz (1000)");
+    const auto* rate = app.add_option(
+        "--rate", told.rate, "of the loops, Hz (1000, or less where a device's description says so)");
     const auto* cpu = app.add_option("--cpu", told.cpu, "of the servo threads (the last one allowed)");
     const auto* priority = app.add_option("--priority", told.priority,
                                           "SCHED_FIFO priority of the servo threads, 0: not real time (80)");

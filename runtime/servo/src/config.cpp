@@ -260,7 +260,7 @@ DaemonConfig load_config(const std::string& path) {
 
 void check(const DaemonConfig& config) {
     require_name(config.name, "name");
-    require_within(ranges::rate, config.rate, "");
+    if (config.rate != 0) require_within(ranges::rate, config.rate, "");
     require_within(ranges::spin, config.spin, "");
     require_within(ranges::guardian_stall, config.guardian_stall, "");
     require_within(ranges::priority, config.priority, "");
@@ -271,7 +271,7 @@ void check(const DaemonConfig& config) {
                         "servo), or 0 for no real time at all",
                         config.priority, ranges::lowest_priority, ranges::priority.high));
     }
-    double fastest = config.rate;
+    double fastest = config.rate != 0 ? config.rate : default_rate;
     for (const DeviceConfig& device : config.devices) fastest = std::max(fastest, device.rate);
     const double longest = ranges::spin_share / fastest;
     if (config.spin > longest) {

@@ -133,6 +133,7 @@ struct Station {
                                                   .io_priority = raised(daemon.priority, io_above_servo)});
         const drivers::LinkConfig& link = device->link();
         if (config.rate == 0) config.rate = daemon.rate;
+        if (config.rate == 0) config.rate = std::min(default_rate, link.nominal_rate);
         if (config.name.empty()) {
             config.name = link.name;
             require_name(config.name, "the profile's name");
@@ -195,9 +196,9 @@ struct Station {
                 impulse_bound / longest_hold);
         }
         return fmt::format(
-            "  {}: {} at {:g} Hz, k_max {:.0f} N/m, peak {:g} N; held for {:g} ms that is {:.3g} N s, {}",
+            "  {}: {} at {:g} Hz, k_max {:.0f} N/m, peak {:g} N; held for {:g} ms that is {:.3g} N s, {}{}",
             config.name, config.address, config.rate, max_stiffness(link, config.rate), peak_force(),
-            longest_hold * 1e3, impulse, rule);
+            longest_hold * 1e3, impulse, rule, link.description.empty() ? "" : "\n    " + link.description);
     }
 };
 

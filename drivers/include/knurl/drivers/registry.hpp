@@ -31,6 +31,7 @@ struct Driver {
     std::function<std::unique_ptr<Device>(std::string_view what, const OpenOptions&)>
         open;                     // throws: what, where, mend
     std::vector<UsbId> usb = {};  // of the devices that it drives, for `knurl devices`; empty: not on USB
+    std::string note = {};        // what whoever has one plugged in should know before it is opened
 };
 
 /// All drivers of this build.

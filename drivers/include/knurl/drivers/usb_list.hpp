@@ -12,11 +12,12 @@ struct UsbDevice {
     std::string scheme;       // of the driver: "falcon"
     std::string name;         // as the device calls itself: "FALCON HAPTIC"
     std::string serial;       // empty: has none
+    bool twin = false;        // another of its kind that is plugged in has the same serial number
     std::string port;         // bus and ports, "1-1.2": stays the same until it is plugged in elsewhere
     std::string node;         // "/dev/bus/usb/001/004"
     bool accessible = false;  // this user may open the node
 
-    /// What opens it: "falcon:SERIAL", or "falcon:port=1-1.2" where it has no serial number.
+    /// What opens it: "falcon:SERIAL", or "falcon:port=1-1.2" where no serial number tells it apart.
     std::string address() const;
 };
 
@@ -29,5 +30,13 @@ std::vector<UsbDevice> usb_devices();
 std::string udev_rule(const UsbDevice& device);
 std::string udev_rule_file(const UsbDevice& device);
 std::string install_udev_rule(const UsbDevice& device);
+/// The file whose rules are for this device, Knurl's own or one that was made by hand; empty: none is
+/// installed.
+std::string installed_udev_rules(const UsbDevice& device);
+/// Why its node may not be opened, and the command that mends it.
+struct NoRights {
+    std::string problem, mend;
+};
+NoRights no_rights(const UsbDevice& device);
 
 }  // namespace knurl::drivers

@@ -26,10 +26,13 @@ enum class Idle {
     poll,   // /dev/cpu_dma_latency is held at 0: idle CPUs poll, wake-ups come ten times sooner, for power
 };
 
+inline constexpr double default_rate = 1000;  // Hz
+
 struct DaemonConfig {
     std::string name = "default";  // of the servo: clients connect to "knurl:NAME"
-    double rate = 1000;            // Hz, of the devices that say nothing else
-    int cpu = -1;                  // the servo threads' and the waker's; -1: the last one that we may use
+    double rate = 0;    // Hz, of the devices that say nothing else; 0: default_rate, or what a device's
+                        // description says if that is less
+    int cpu = -1;       // the servo threads' and the waker's; -1: the last one that we may use
     int priority = 80;  // SCHED_FIFO, of the fastest servo thread, slower ones below it; waker 20 and broker
                         // 30 below; 0: not real time
     Idle idle = Idle::sleep;
