@@ -34,7 +34,9 @@ struct Wishes {
 void describe(CLI::App& app, Wishes& w) {
     app.add_option("MODEL", w.model, "elevation model: 16-bit greyscale PNG, 16-bit PGM, ESRI ASCII grid")
         ->required();
-    app.add_option("--connect", w.connect, "the servo")->capture_default_str();
+    app.add_option("--connect", w.connect,
+                   "knurl:NAME, or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
+        ->capture_default_str();
     app.add_option("--device", w.device, "the servo's device; may be left out if it has one");
     app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
         ->capture_default_str()

@@ -110,7 +110,10 @@ class Session {
     bool over() {
         if (stop_) recording_.interrupted = true;
         if (recording_.interrupted) return true;
-        if (!hand_.connected()) throw std::runtime_error("the servo has gone; start knurld again");
+        if (!hand_.connected()) {
+            hand_.device();  // throws, and says why
+            throw std::runtime_error("the servo was away for a moment; run it again");
+        }
         return !recording_.cycles.empty() &&
                (recording_.cycles.back().faults != 0 || recording_.cycles.back().t > run_.span.end);
     }

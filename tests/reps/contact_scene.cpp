@@ -220,7 +220,7 @@ TEST(ContactScene, ASoftCeilingDoesNotMoveAHardFloor) {
     ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .offset = 0.001, .stiffness = 2000}));
     ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {0, 0, -1}, .offset = 0.001, .stiffness = 200}));
     scene.settle();
-    Vector last;
+    Vector last = Vector::Zero();
     for (int i = 0; i <= 400; ++i) {
         const double z = -0.002 + 1e-5 * i;
         const Vector force = scene.evaluate(at({0, 0, z}), dt).force;

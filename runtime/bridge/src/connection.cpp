@@ -81,7 +81,8 @@ void Connection::tick(std::int64_t now) noexcept {
     // Whoever stood still himself has heard nothing meanwhile.
     if (now - last_tick_ns_ > dead_after_ns / 2) heard_ns_ = now;
     last_tick_ns_ = now;
-    if (now - heard_ns_ > dead_after_ns) die();
+    if (now - heard_ns_ > dead_after_ns)
+        die("nothing was heard of it for 2 s; is the network up, and knurl-bridge still running?");
 }
 
 void Connection::ping(std::int64_t now) noexcept {
@@ -124,7 +125,9 @@ void Connection::take_frame(const Frame& frame) noexcept {
         }
         case FrameType::refused: {
             Refused refused;
-            if (take(payload, refused)) answer_ = Answer{.attached = {}, .refused = refused};
+            if (!take(payload, refused)) return;
+            if (!asked_) return die(text_of(refused.text));  // it is not an answer, but a farewell
+            answer_ = Answer{.attached = {}, .refused = refused};
             answered_.notify_all();
             return;
         }
@@ -135,20 +138,31 @@ void Connection::take_frame(const Frame& frame) noexcept {
             if (Stream* stream = stream_of(frame.stream)) stream->take_feedback(payload);
             return;
         case FrameType::gone:
-            return die();
+            return die({reinterpret_cast<const char*>(payload.data()), payload.size()});
         default:
             return;  // of no use here
     }
 }
 
 /// The watcher of hang_up() sees it, and whoever waits for something of the bridge.
-void Connection::die() noexcept {
+void Connection::die(std::string_view why) noexcept {
     if (dead_) return;
     dead_ = true;
+    why.copy(why_, std::min(why.size(), sizeof why_ - 1));
     ::shutdown(frames_.fd(), SHUT_RDWR);
     answered_.notify_all();
     for (const auto& stream : streams_)
         if (stream) stream->wake();
+}
+
+std::string Connection::why_it_ended() {
+    const Lock held = lock();
+    // Whoever watches the socket may be here before our own thread has read the bridge's last words.
+    if (!dead_) serve_frames();
+    if (why_[0] != '\0') return fmt::format("bridge {}: {}", bridge_.text, printable(why_));
+    const std::string& reason = frames_.reason();
+    return fmt::format("bridge {}: {}; start it again there", bridge_.text,
+                       reason.empty() ? "it hung up" : reason);
 }
 
 Stream* Connection::stream_of(std::uint32_t id) noexcept {
@@ -166,7 +180,9 @@ Connection::Joined Connection::attach(std::uint32_t device, const protocol::Clai
     if (dead_ || !send(FrameType::attach, 0, {&part, 1}))
         throw Error(Error::Kind::disconnected,
                     fmt::format("bridge {} has gone while it was asked", bridge_.text));
+    asked_ = true;
     answered_.wait_for(held, answer_time_, [this] { return dead_ || answer_.has_value(); });
+    asked_ = false;
     if (!answer_) {
         const bool gone = dead_;
         die();  // a late answer must never be taken for the next request's

@@ -44,6 +44,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     const std::vector<DeviceDescription>& devices() const { return devices_; }
     pid_t servo_pid() const { return servo_pid_; }
     int hang_up() const { return frames_.fd(); }
+    /// Of one that has: one line. What the bridge had to say about it, else what was seen of it from here.
+    std::string why_it_ended();
 
     struct Joined {
         std::shared_ptr<Stream> stream;
@@ -92,7 +94,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void take_frame(const Frame& frame) noexcept;
     void serve_clock() noexcept;
     void ping(std::int64_t now) noexcept;
-    void die() noexcept;
+    void die(std::string_view why = {}) noexcept;
     void give_back(std::uint32_t stream) noexcept;
     Stream* stream_of(std::uint32_t id) noexcept;
 
@@ -119,7 +121,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     std::array<std::shared_ptr<Stream>, max_streams> streams_;  // of stream n at n - 1
     std::condition_variable answered_;
     std::optional<Answer> answer_;
+    bool asked_ = false;  // attach() waits for an answer
     bool dead_ = false;
+    char why_[sizeof(Refused::text)] = {};  // the bridge's or our own words; empty: frames_ knows
 };
 
 }  // namespace knurl::bridge

@@ -61,6 +61,7 @@ class RemoteLink final : public detail::Link {
     const std::vector<DeviceDescription>& devices() const override { return connection_->devices(); }
     pid_t servo_pid() const override { return connection_->servo_pid(); }
     int hang_up() const override { return connection_->hang_up(); }
+    std::string why_it_ended() override { return connection_->why_it_ended(); }
 
     detail::Attachment attach(std::uint32_t device, protocol::ClaimRequest request) override {
         if (request.observe != 0) request.capacity = {.representations = 0, .batch_bytes = 0};

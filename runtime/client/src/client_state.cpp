@@ -71,8 +71,9 @@ std::unique_ptr<Link> ClientState::open_link() const {
 }
 
 void ClientState::throw_disconnected() const {
-    throw Error(Error::Kind::disconnected, fmt::format("servo '{}' has gone{}; start it again", servo_,
-                                                       options_.reattach ? " and is not back yet" : ""));
+    throw Error(Error::Kind::disconnected,
+                fmt::format("{} ({})", lost_,
+                            options_.reattach ? "it is tried again and again" : "then connect again"));
 }
 
 std::vector<DeviceDescription> ClientState::devices() {
@@ -175,19 +176,27 @@ void ClientState::watch() {
                 if (attached()) break;
             }
             const bool recently = Clock::now() - lost_at < retry_shortly_for;
-            if (!sleep_on(hang_up, recently ? short_retry : long_retry)) return;
+            if (!sleep_on(hang_up, recently && !hopeless_ ? short_retry : long_retry)) return;
         }
     }
 }
 
 void ClientState::lose_link() {
+    const std::string why = link_->why_it_ended();
     const Lock lock(mutex_);
     link_.reset();
+    hopeless_ = false;
     for (Reader* reader : readers_) {
         reader->detach();
-        if (!options_.reattach)
-            reader->give_up(fmt::format("servo '{}' has gone; start it again and connect again", servo_));
+        if (!options_.reattach) reader->give_up(why + " (then connect again)");
     }
+    note_loss(why);
+}
+
+/// With the lock held: what every call that needs the servo says until it is back.
+void ClientState::note_loss(const std::string& why) {
+    lost_ = why;
+    for (Reader* reader : readers_) reader->note_loss(why);
 }
 
 void ClientState::reattach() {
@@ -195,6 +204,13 @@ void ClientState::reattach() {
     try {
         // Without the lock: it may take seconds to learn that nobody answers.
         if (!link_) fresh = open_link();
+    } catch (const Error& error) {
+        const Lock lock(mutex_);
+        // Somebody has to do something there first; knocking fast would fill the other side's log.
+        hopeless_ = error.kind == Error::Kind::permission || error.kind == Error::Kind::incompatible;
+        // "Nobody listens" says less than why it went away.
+        if (error.kind != Error::Kind::no_servo) note_loss(error.what());
+        return;
     } catch (const std::exception&) {
         return;  // not there yet
     }
@@ -206,6 +222,7 @@ void ClientState::reattach() {
             attach_one(*reader);
         } catch (const Error& error) {
             // Somebody else was faster to claim, or the device is not there: the next round tries again.
+            reader->note_loss(error.what());
             if (error.kind != Error::Kind::disconnected) continue;
             link_.reset();
             for (Reader* lost : readers_) lost->detach();

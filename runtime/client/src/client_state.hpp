@@ -48,6 +48,7 @@ class ClientState {
     void watch();
     bool sleep_on(int descriptor, std::chrono::milliseconds timeout);  // false: close() was called
     void lose_link();
+    void note_loss(const std::string& why);
     void reattach();
     void attach_one(Reader& reader);
     [[noreturn]] void throw_disconnected() const;
@@ -63,6 +64,8 @@ class ClientState {
     std::mutex mutex_;
     std::unique_ptr<Link> link_;  // null: detached
     std::vector<Reader*> readers_;
+    std::string lost_;       // why it went away last, or why it does not come back
+    bool hopeless_ = false;  // the watcher's: knocking will not help until somebody there does something
 };
 
 }  // namespace knurl::detail

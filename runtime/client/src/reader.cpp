@@ -39,12 +39,8 @@ Reader::Lock Reader::enter() {
 }
 
 void Reader::throw_disconnected() const {
-    throw Error(
-        Error::Kind::disconnected,
-        fmt::format(
-            "device '{}': the servo has gone and is not back yet; start it again, and call arm() once "
-            "connected() is true",
-            device_));
+    throw Error(Error::Kind::disconnected,
+                fmt::format("device '{}': {}; once connected() is true again, call arm()", device_, lost_));
 }
 
 HandReport Reader::taken(const Report& report) {
@@ -218,6 +214,11 @@ void Reader::give_up(const std::string& reason) {
     const Lock lock(mutex_);
     given_up_ = reason;
     changed_.notify_all();
+}
+
+void Reader::note_loss(const std::string& why) {
+    const Lock lock(mutex_);
+    lost_ = why;
 }
 
 void Reader::on_attach(Attachment&, bool) {}

@@ -48,6 +48,7 @@ class Reader {
     void attach(Attachment& attachment);  // takes it over, unless it throws
     std::optional<Attachment> detach();
     void give_up(const std::string& reason);  // it will not come back: calls throw this
+    void note_loss(const std::string& why);   // while it is away, calls that need it say so
 
   protected:
     using Lock = std::unique_lock<std::mutex>;
@@ -79,6 +80,7 @@ class Reader {
     const std::string device_;
     const protocol::ClaimRequest request_;
     std::string given_up_;  // why
+    std::string lost_;      // why it was away last
     bool closed_ = false;
     bool was_attached_ = false;
     std::uint64_t missed_before_ = 0;  // of earlier sources

@@ -69,6 +69,7 @@ class LocalLink final : public Link {
     const std::vector<DeviceDescription>& devices() const override { return devices_; }
     pid_t servo_pid() const override { return servo_pid_; }
     int hang_up() const override { return socket_.get(); }
+    std::string why_it_ended() override { return fmt::format("servo '{}' has gone; start it again", servo_); }
 
     Attachment attach(std::uint32_t device, protocol::ClaimRequest request) override {
         request.device = device;

@@ -80,6 +80,14 @@ TEST_F(Cuts, AKilledBridgeLetsTheHandGo) {
     EXPECT_EQ(setting.felt(), 0);
     expect_gentle(setting.trace);
     EXPECT_FALSE(hand.connected());
+    try {
+        hand.arm();
+        ADD_FAILURE() << "armed without a bridge";
+    } catch (const Error& error) {
+        const std::string said = error.what();
+        EXPECT_NE(said.find("bridge 127.0.0.1:"), std::string::npos) << said;
+        EXPECT_NE(said.find("start it again there"), std::string::npos) << said;
+    }
 }
 
 TEST_F(Cuts, AStoppedBridgeIsSilence) {

@@ -71,6 +71,8 @@ class Link {
     virtual pid_t servo_pid() const = 0;
     /// poll() says POLLHUP or POLLRDHUP when the servo has gone.
     virtual int hang_up() const = 0;
+    /// After that: one line, what has happened and what to do.
+    virtual std::string why_it_ended() = 0;
     /// Throws Error; request.device is ignored, `device` is the index in devices().
     virtual Attachment attach(std::uint32_t device, protocol::ClaimRequest request) = 0;
     virtual void release(const Attachment& attachment) noexcept = 0;
