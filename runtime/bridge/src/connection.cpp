@@ -159,7 +159,7 @@ std::string Connection::why_it_ended() {
     const Lock held = lock();
     // Whoever watches the socket may be here before our own thread has read the bridge's last words.
     if (!dead_) serve_frames();
-    if (why_[0] != '\0') return fmt::format("bridge {}: {}", bridge_.text, printable(why_));
+    if (why_[0] != '\0') return fmt::format("bridge {}: {}", bridge_.text, protocol::printable(why_));
     const std::string& reason = frames_.reason();
     return fmt::format("bridge {}: {}; start it again there", bridge_.text,
                        reason.empty() ? "it hung up" : reason);

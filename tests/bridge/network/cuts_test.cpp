@@ -90,6 +90,36 @@ TEST_F(Cuts, AKilledBridgeLetsTheHandGo) {
     }
 }
 
+TEST_F(Cuts, WhatIsToHoldHoldsAndWhatFadesFades) {
+    constexpr double kept = 0.2;  // N
+    hand.add(ConstantForce{.force = {kept, 0, 0}}, {.on_silence = OnSilence::hold});
+    setting.pass_until([&] { return setting.felt() == held + kept; }, [&] { commit(); });
+    setting.trace.clear();
+    setting.proxy.cut();
+    setting.pass(1000, 20, [&] { commit(); });
+    EXPECT_EQ(setting.felt(), kept);
+    expect_no_bumps(setting.trace, 1.2 * held / 0.05);
+}
+
+TEST_F(Cuts, WhatIsToMoveMovesOnForItsTimeAndThenFades) {
+    constexpr double stiffness = 200, speed = 0.005;  // N/m, m/s: 1 N/s into the hand
+    hand.add(Plane{.normal = {1, 0, 0},
+                   .offset = setting.position.x,
+                   .stiffness = stiffness,
+                   .velocity = {speed, 0, 0}},
+             {.on_silence = OnSilence::move, .silence_time = 0.3});
+    commit();
+    setting.pass_until([&] { return setting.felt() > held + 0.01; }, [&] { commit(); });
+    setting.trace.clear();
+    setting.proxy.cut();
+    setting.pass(1500, 20, [&] { commit(); });
+    double largest = 0;
+    for (const Cycle& cycle : setting.trace) largest = std::max(largest, cycle.scene);
+    EXPECT_GT(largest, held + 0.25) << "it has moved on while nobody was heard";
+    EXPECT_EQ(setting.felt(), 0) << "but not for ever";
+    expect_no_bumps(setting.trace, 1.2 * (held + 1) / 0.05);
+}
+
 TEST_F(Cuts, AStoppedBridgeIsSilence) {
     setting.bridge.stop();
     setting.pass(1000, 20, [&] { commit(); });

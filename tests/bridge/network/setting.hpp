@@ -60,6 +60,7 @@ class Setting {
             trace.push_back({report->cycle, dt, report->scene_force.x, report->sent_force.x});
             last_read_ns_ = report->read_ns;
             state = report->state;
+            position = report->position;
             if (i % step == 0) app();
         }
     }
@@ -81,6 +82,7 @@ class Setting {
 
     std::vector<Cycle> trace;
     DeviceState state = DeviceState::disconnected;
+    Vec3 position;  // m
 
   private:
     Proxy::Options options(const Weather& weather, std::uint64_t seed) const {
