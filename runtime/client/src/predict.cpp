@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "corner.hpp"
@@ -18,11 +19,48 @@ constexpr double force_tolerance = 1.0;       // N: the kick that a wrong face m
 constexpr double forgetting = 0.8;            // per update: about the last five count
 constexpr double longest_memory = 1.0;        // s: what is older says nothing about the next movement
 
-/// t*, shortened so that the hand does not get further than max_look_ahead.
-double look_ahead_time(const Vector3d& velocity, const Lateness& lateness) {
-    const double time = lateness.latency + lateness.interval / 2;
+/// How a kind of representation is followed; measured, tests/stability/README.md.
+struct Following {
+    double fade;   // of the interval
+    double ahead;  // of the fade, for which is looked further ahead
+    bool trusted;  // look-ahead shortened by trust
+};
+constexpr Following follow_plane{.fade = 0.30, .ahead = 0.8, .trusted = true};
+constexpr Following follow_cap{.fade = 0.15, .ahead = 1.0, .trusted = false};
+
+const Following& following(const Follower& follower) {
+    return follower.rim > 0 ? follow_cap : follow_plane;
+}
+
+/// From a report's read to the middle of the time in which what is computed from it is felt.
+double felt_after(const Lateness& lateness) {
+    return lateness.latency + lateness.interval / 2;
+}
+
+/// `time`, shortened so that the hand does not get further than max_look_ahead.
+double within_reach(const Vector3d& velocity, double time) {
     const double speed = velocity.norm();
     return speed * time > max_look_ahead ? max_look_ahead / speed : time;
+}
+
+/// In which a hand that brakes would come to rest, s; infinite for one that does not.
+double stopping_time(const Vector3d& velocity, const Vector3d& acceleration) {
+    const double braking = -acceleration.dot(velocity);
+    return braking > 0 ? velocity.squaredNorm() / braking : std::numeric_limits<double>::infinity();
+}
+
+/// The time in which the velocity, if it stayed as it is, would take a braking hand as far as it gets in
+/// `time`; not back again, for where it goes after its turn nobody knows.
+double braked(double time, double stop) {
+    return time < stop ? time - time * time / (2 * stop) : stop / 2;
+}
+
+/// Over which a new face reaches the hand: as the application wants it, else a share of the interval, within
+/// the bounds of automatic_fade.
+double recovery_of(const Follower& follower, const Lateness& lateness) {
+    if (follower.recovery != automatic || lateness.interval == 0) return follower.recovery;
+    const double fade = following(follower).fade * lateness.interval;
+    return std::min(lateness.interval, std::clamp(fade, 2e-3, 50e-3));
 }
 
 /// Looking to opposite sides; at a right angle they do not.
@@ -53,7 +91,7 @@ Vector3d restrained(const Vector3d& way, const Face& at_hand, double height) {
 
 Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness) noexcept {
     const Vector3d v = to_eigen(velocity);
-    return to_plain(to_eigen(position) + v * look_ahead_time(v, lateness));
+    return to_plain(to_eigen(position) + v * within_reach(v, felt_after(lateness)));
 }
 
 void Trust::observe(double time, const Vec3& position, const Vec3& velocity, double horizon) noexcept {
@@ -112,14 +150,24 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     const double height = here.height(p);
     // Along the surface: what a contact stops says nothing about where a hand wants to go.
     const Vector3d along = v - v.dot(here.normal()) * here.normal();
-    memory.trust.observe(hand.time, hand.position, to_plain(along), lateness.latency + lateness.interval / 2);
-    result.trust = memory.trust.factor();
+    result.recovery = recovery_of(follower, lateness);
+    memory.recovery = follower.recovery == automatic ? result.recovery : automatic;
+    const double fade = result.recovery == automatic ? 0 : result.recovery;
+    const double horizon = felt_after(lateness) + following(follower).ahead * fade;
+    memory.trust.observe(hand.time, hand.position, to_plain(along), horizon);
+    result.trust = following(follower).trusted ? memory.trust.factor() : 1;
+    Vector3d acceleration = Vector3d::Zero();
+    if (memory.time && hand.time > *memory.time && hand.time - *memory.time < longest_memory)
+        acceleration = (along - to_eigen(memory.velocity)) / (hand.time - *memory.time);
+    const double stop = stopping_time(v, acceleration);
+    memory.velocity = to_plain(along);
+    memory.time = hand.time;
 
     const double tolerance = follower.stiffness > 0
                                  ? std::min(largest_tolerance, force_tolerance / follower.stiffness)
                                  : largest_tolerance;
-    const double time = result.trust * look_ahead_time(v, lateness);
-    const double landing_time = std::min(result.trust * lateness.latency, time);
+    const double time = result.trust * within_reach(v, braked(horizon, stop));
+    const double landing_time = std::min(result.trust * braked(lateness.latency, stop), time);
     const Vector3d landing = p + v * landing_time;
     std::vector<Face> faces{here};
     if (time > 0 && !v.isZero()) {
