@@ -1,7 +1,8 @@
 #pragma once
 // A hand, a servo and a slow application around the library's prediction, on a virtual clock: the hand is a
 // mass that wants to follow a path, the servo evaluates a Scene at 1 kHz, the application reads the hand at
-// 20 Hz and its answer is felt 25 ms later, cross-faded over 10 ms.
+// 20 Hz and its answer is felt 25 ms later, cross-faded over
+// 10 ms, or as long as the library says.
 
 #include <functional>
 #include <limits>

@@ -132,24 +132,24 @@ TEST(Prediction, is_no_worse_than_none_when_the_hand_reverses_at_3_Hz) {
 }
 
 TEST(Prediction, looks_no_further_than_where_a_hand_that_brakes_would_stop) {
-    // From 0.3 to 0.1 m/s in 50 ms: 4 m/s^2, it stops after another 25 ms and 1.25 mm. The foot on a flat
-    // surface tells how far was looked.
+    // From 0.3 to 0.1 m/s in 50 ms: 4 m/s^2, it stops after another 25 ms and 1.25 mm. The foot on an
+    // almost flat surface tells how far was looked.
     const auto looked = [](double rim, double before, double now) {
         FollowMemory memory;
         const Follower follower{.stiffness = 1000, .rim = rim};
-        const SurfaceModel flat = plate(1);
+        const SurfaceModel flat = shell(100, 1);
         follow_surface(flat, {.time = 1, .velocity = {before, 0, 0}}, lateness, follower, memory);
         const double x = (before + now) / 2 * 0.05;
         const Followed followed = follow_surface(
             flat, {.time = 1.05, .position = {x, 0, 0}, .velocity = {now, 0, 0}}, lateness, follower, memory);
         return followed.faces.face[0].foot.x - x;
     };
-    EXPECT_NEAR(looked(0.15, 0.3, 0.1), 1.25e-3, 1e-12);
-    EXPECT_LE(looked(0, 0.3, 0.1), 1.25e-3);
+    EXPECT_NEAR(looked(0.15, 0.3, 0.1), 1.25e-3, 1e-7);
+    EXPECT_LE(looked(0, 0.3, 0.1), 1.25e-3 + 1e-7);
     // Latency, half of the interval and the fade of a cap; braking before it stops: s = v t - a t^2 / 2.
     const double horizon = 0.025 + 0.025 + 0.15 * 0.05;
-    EXPECT_NEAR(looked(0.15, 0.22, 0.2), 0.2 * horizon - 0.4 * horizon * horizon / 2, 1e-12);
-    EXPECT_NEAR(looked(0.15, 0.1, 0.2), 0.2 * horizon, 1e-12) << "it does not brake";
+    EXPECT_NEAR(looked(0.15, 0.22, 0.2), 0.2 * horizon - 0.4 * horizon * horizon / 2, 1e-7);
+    EXPECT_NEAR(looked(0.15, 0.1, 0.2), 0.2 * horizon, 1e-7) << "it does not brake";
 }
 
 TEST(Prediction, keeps_what_it_gains_on_a_smooth_stroke) {
@@ -159,8 +159,9 @@ TEST(Prediction, keeps_what_it_gains_on_a_smooth_stroke) {
     const Outcome free = stroke(Way::unchecked, model, path, 1.5);
     const Outcome safe = stroke(Way::safe, model, path, 1.5);
     EXPECT_LT(safe.rms_error, 0.5 * none.rms_error);
-    EXPECT_LT(safe.rms_error, 1.1 * free.rms_error);
-    EXPECT_GT(safe.full_share, 0.9);
+    // Its faces fade 5 ms longer, and the hand brakes on every rise.
+    EXPECT_LT(safe.rms_error, 1.3 * free.rms_error);
+    EXPECT_GE(safe.full_share, 0.9);
 }
 
 TEST(Prediction, looks_nowhere_before_it_knows_how_late_the_application_is) {

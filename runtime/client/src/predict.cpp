@@ -28,8 +28,10 @@ struct Following {
 constexpr Following follow_plane{.fade = 0.30, .ahead = 0.8, .trusted = true};
 constexpr Following follow_cap{.fade = 0.15, .ahead = 1.0, .trusted = false};
 
-const Following& following(const Follower& follower) {
-    return follower.rim > 0 ? follow_cap : follow_plane;
+/// A cap of a model that does not know how its surface curves is a plane.
+const Following& following(const Follower& follower, const SurfacePoint& here) {
+    const bool curved = here.curvature != 0 || here.curvature2 != 0;
+    return follower.rim > 0 && curved ? follow_cap : follow_plane;
 }
 
 /// From a report's read to the middle of the time in which what is computed from it is felt.
@@ -57,9 +59,9 @@ double braked(double time, double stop) {
 
 /// Over which a new face reaches the hand: as the application wants it, else a share of the interval, within
 /// the bounds of automatic_fade.
-double recovery_of(const Follower& follower, const Lateness& lateness) {
+double recovery_of(const Follower& follower, const Lateness& lateness, const Following& how) {
     if (follower.recovery != automatic || lateness.interval == 0) return follower.recovery;
-    const double fade = following(follower).fade * lateness.interval;
+    const double fade = how.fade * lateness.interval;
     return std::min(lateness.interval, std::clamp(fade, 2e-3, 50e-3));
 }
 
@@ -150,12 +152,13 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     const double height = here.height(p);
     // Along the surface: what a contact stops says nothing about where a hand wants to go.
     const Vector3d along = v - v.dot(here.normal()) * here.normal();
-    result.recovery = recovery_of(follower, lateness);
+    const Following& how = following(follower, here.point());
+    result.recovery = recovery_of(follower, lateness, how);
     memory.recovery = follower.recovery == automatic ? result.recovery : automatic;
     const double fade = result.recovery == automatic ? 0 : result.recovery;
-    const double horizon = felt_after(lateness) + following(follower).ahead * fade;
+    const double horizon = felt_after(lateness) + how.ahead * fade;
     memory.trust.observe(hand.time, hand.position, to_plain(along), horizon);
-    result.trust = following(follower).trusted ? memory.trust.factor() : 1;
+    result.trust = how.trusted ? memory.trust.factor() : 1;
     Vector3d acceleration = Vector3d::Zero();
     if (memory.time && hand.time > *memory.time && hand.time - *memory.time < longest_memory)
         acceleration = (along - to_eigen(memory.velocity)) / (hand.time - *memory.time);

@@ -23,7 +23,7 @@
 //
 // A face that fades in is felt later than it lands. Planes, of which each is a step from the last, fade over
 // 30 % of the interval; caps, which know how the surface goes on, over 15 %. These and c (0.8 for planes, 1
-// for caps) are measured: tests/stability/README.md.
+// for caps) are measured: tests/stability/README.md. Where the model tells no curvature, a cap is a plane.
 
 #include <array>
 #include <cstdint>
