@@ -126,20 +126,24 @@ Outcome run(const Run& how, const Model& model, const Path& path, const Truth& t
         if (cycle >= first && (cycle - first) % update_cycles == 0) {
             Faces next{.face = {}, .count = 1};
             double recovery = automatic;
-            if (how.way == Way::safe) {
+            if (how.way == Way::none) {
+                next.face[0] = model(to_plain(p));
+            } else if (how.way == Way::unchecked) {
+                next.face[0] = model(look_ahead(to_plain(p), to_plain(slow), lateness));
+            } else {
                 const Followed followed =
                     follow_surface(model, {.time = t, .position = to_plain(p), .velocity = to_plain(slow)},
                                    lateness, {.stiffness = how.stiffness, .rim = how.rim}, memory);
-                next = followed.faces;
                 recovery = followed.recovery;
+                if (how.way == Way::safe)
+                    next = followed.faces;
+                else
+                    next.face[0] = model(look_ahead(to_plain(p), to_plain(slow),
+                                                    {.latency = followed.horizon, .interval = 0}));
                 outcome.full_share += followed.look_ahead == 1 ? 1 : 0;
                 outcome.cornered += next.count > 1 ? 1 : 0;
                 outcome.undersampled += followed.undersampled ? 1 : 0;
                 outcome.asked += followed.asked;
-            } else {
-                next.face[0] = how.way == Way::none
-                                   ? model(to_plain(p))
-                                   : model(look_ahead(to_plain(p), to_plain(slow), lateness));
             }
             ++updates;
             on_their_way.push_back({cycle + latency_cycles, next, recovery});

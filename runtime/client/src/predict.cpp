@@ -18,15 +18,20 @@ constexpr double largest_tolerance = 0.5e-3;  // m
 constexpr double force_tolerance = 1.0;       // N: the kick that a wrong face may add
 constexpr double forgetting = 0.8;            // per update: about the last five count
 constexpr double longest_memory = 1.0;        // s: what is older says nothing about the next movement
+constexpr double enough_alike = 0.1;  // of the fade: what is sent need not follow every measured interval
 
 /// How a kind of representation is followed; measured, tests/stability/README.md.
 struct Following {
     double fade;   // of the interval
     double ahead;  // of the fade, for which is looked further ahead
-    bool trusted;  // look-ahead shortened by trust
+    /// Share of the horizon by how far velocity told where the hand went: 1 from `sure` on, in proportion
+    /// down to 0 at `lost`, but never less than `least`.
+    double sure, lost, least;
+
+    double share(double told) const noexcept { return std::clamp((told - lost) / (sure - lost), least, 1.0); }
 };
-constexpr Following follow_plane{.fade = 0.30, .ahead = 0.8, .trusted = true};
-constexpr Following follow_cap{.fade = 0.15, .ahead = 1.0, .trusted = false};
+constexpr Following follow_plane{.fade = 0.30, .ahead = 0.7, .sure = 1, .lost = 0, .least = 0};
+constexpr Following follow_cap{.fade = 0.15, .ahead = 2.0, .sure = 0.9, .lost = 0.45, .least = 0.35};
 
 /// A cap of a model that does not know how its surface curves is a plane.
 const Following& following(const Follower& follower, const SurfacePoint& here) {
@@ -154,11 +159,15 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     const Vector3d along = v - v.dot(here.normal()) * here.normal();
     const Following& how = following(follower, here.point());
     result.recovery = recovery_of(follower, lateness, how);
+    if (follower.recovery == automatic &&
+        std::abs(result.recovery - memory.recovery) <= enough_alike * memory.recovery)
+        result.recovery = memory.recovery;
     memory.recovery = follower.recovery == automatic ? result.recovery : automatic;
     const double fade = result.recovery == automatic ? 0 : result.recovery;
     const double horizon = felt_after(lateness) + how.ahead * fade;
+    result.horizon = horizon;
     memory.trust.observe(hand.time, hand.position, to_plain(along), horizon);
-    result.trust = how.trusted ? memory.trust.factor() : 1;
+    result.trust = how.share(memory.trust.factor());
     Vector3d acceleration = Vector3d::Zero();
     if (memory.time && hand.time > *memory.time && hand.time - *memory.time < longest_memory)
         acceleration = (along - to_eigen(memory.velocity)) / (hand.time - *memory.time);

@@ -17,13 +17,14 @@
 // A hand that turns round is not where its velocity says. While it brakes, a = dv/dt since the last update
 // with a.v < 0, it is taken to go on braking like that: it would stop after t_stop = v^2 / (-a.v), half of
 // v t_stop away, and what comes after the turn nobody knows, so no further than there. And how far the past
-// updates' velocities did explain where it went is measured, and a plane's look-ahead shortened by it
-// (trust): 1 on a stroke, about 0.8 for 50 ms of a 3 Hz reversal. A cap's is not: it goes on as the surface
-// does, so that one which was placed too far along it costs little.
+// updates' velocities did explain where it went is measured, and the look-ahead shortened by it (trust): 1 on
+// a stroke, about 0.8 for 50 ms of a 3 Hz reversal, 0.5 to 0.6 at 5 Hz. A cap goes on as the surface does, so
+// that one which was placed too far along it costs little: it is shortened only below 0.9, but then steeply.
 //
 // A face that fades in is felt later than it lands. Planes, of which each is a step from the last, fade over
-// 30 % of the interval; caps, which know how the surface goes on, over 15 %. These and c (0.8 for planes, 1
-// for caps) are measured: tests/stability/README.md. Where the model tells no curvature, a cap is a plane.
+// 30 % of the interval; caps, which know how the surface goes on, over 15 %. These and c (0.7 for planes, 2
+// for caps) are measured: tests/stability/README.md. A fade that was left to us stays as it is while the
+// measured interval changes by less than a tenth. Where the model tells no curvature, a cap is a plane.
 
 #include <array>
 #include <cstdint>
@@ -111,8 +112,9 @@ struct Follower {
 struct Followed {
     Faces faces;                  // to send
     double recovery = automatic;  // s, to send with them
+    double horizon = 0;           // s, latency + interval/2 + c fade, whatever of it passed
     double look_ahead = 0;        // share of t* that passed the check: 1, 1/2, 1/4 or 0
-    double trust = 1;             // by which t* was shortened before; 1 for caps
+    double trust = 1;             // by which t* was shortened before
     bool kept_side = false;  // the nearest face was not the one by which the hand came in: the last stays
     bool undersampled =
         false;                // |v| interval > R/2: between two updates the hand passes more than a plane or
