@@ -31,7 +31,7 @@ struct Following {
     double share(double told) const noexcept { return std::clamp((told - lost) / (sure - lost), least, 1.0); }
 };
 constexpr Following follow_plane{.fade = 0.30, .ahead = 0.7, .sure = 1, .lost = 0, .least = 0};
-constexpr Following follow_cap{.fade = 0.15, .ahead = 2.0, .sure = 0.9, .lost = 0.45, .least = 0.35};
+constexpr Following follow_cap{.fade = 0.15, .ahead = 2.0, .sure = 0.85, .lost = 0.5, .least = 0.35};
 
 /// A cap of a model that does not know how its surface curves is a plane.
 const Following& following(const Follower& follower, const SurfacePoint& here) {
