@@ -19,7 +19,7 @@
 // v t_stop away, and what comes after the turn nobody knows, so no further than there. And how far the past
 // updates' velocities did explain where it went is measured, and the look-ahead shortened by it (trust): 1 on
 // a stroke, about 0.8 for 50 ms of a 3 Hz reversal, 0.5 to 0.6 at 5 Hz. A cap goes on as the surface does, so
-// that one which was placed too far along it costs little: it is shortened only below 0.9, but then steeply.
+// that one which was placed too far along it costs little: it is shortened only below 0.85, but steeply.
 //
 // A face that fades in is felt later than it lands. Planes, of which each is a step from the last, fade over
 // 30 % of the interval; caps, which know how the surface goes on, over 15 %. These and c (0.7 for planes, 2
