@@ -49,12 +49,18 @@ Beginnings bare_loop(const BareLoop& loop) {
     std::thread([&] {
         settle_on(loop.cpu, loop.priority);
         const Nanoseconds end = loop.first + loop.length;
-        for (Nanoseconds deadline = loop.first; deadline < end;) {
+        const auto next = [&](Nanoseconds deadline, Nanoseconds late) {
+            return deadline + loop.period * (std::max<Nanoseconds>(0, late) / loop.period + 1);
+        };
+        // That a thread takes its time to start is no lateness of the loop's.
+        const Nanoseconds started = now_ns();
+        Nanoseconds deadline = started < loop.first ? loop.first : next(loop.first, started - loop.first);
+        while (deadline < end) {
             sleep_until(deadline);
             const Nanoseconds late = now_ns() - deadline;
             seen.deadline.push_back(deadline);
             seen.late.push_back(late);
-            deadline += loop.period * (std::max<Nanoseconds>(0, late) / loop.period + 1);
+            deadline = next(deadline, late);
         }
     }).join();
     return seen;

@@ -23,7 +23,8 @@ struct Beginnings {
     std::vector<Nanoseconds> late;
 };
 
-/// Who sleeps from `first` to `first` + `length` in absolute sleeps of `period`.
+/// Who sleeps from `first` (or when its thread has started, on the same grid) to `first` + `length` in
+/// absolute sleeps of `period`.
 struct BareLoop {
     unsigned cpu = 0;
     int priority = 0;  // SCHED_FIFO; 0, or no right to it: ordinary
