@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <knurl/servo/realtime.hpp>
+
 #include "doctor_machine.hpp"
 #include "doctor_verdict.hpp"
 #include "measure.hpp"
@@ -71,7 +73,8 @@ class Doctor {
     Examination examine() {
         const auto begin = now_ns();
         const Disturbance before = count_disturbances("/", result_.servo_cpu);
-        if (result_.witness_cpu) witness_.emplace(*result_.witness_cpu);
+        if (result_.witness_cpu) witness_ = witness_on(*result_.witness_cpu);
+        if (!witness_) result_.witness_cpu.reset();
         result_.findings = look_at_settings("/", result_.servo_cpu);
         const double each = arguments_.seconds * (1 - idle_share) / (2 * rounds * std::size(rates));
         std::string said;
@@ -143,7 +146,7 @@ class Doctor {
 
     Arguments arguments_;
     Examination result_;
-    std::optional<Witness> witness_;
+    std::unique_ptr<Witness> witness_;
 };
 
 const char* mark(Grade grade) {
@@ -167,7 +170,7 @@ void print_text(const Examination& found, const Arguments& arguments) {
                machine.processor, machine.cpus, machine.kernel, machine.load, machine.date, found.servo_cpu,
                arguments.idle, arguments.spin,
                found.witness_cpu ? fmt::format("witness of standstills on CPU {}", *found.witness_cpu)
-                                 : "no other CPU for a witness of standstills");
+                                 : "no other CPU for a witness of standstills, or no right to its priority");
     for (const Finding& finding : found.findings) {
         fmt::print("{} {}: {}\n", mark(finding.grade), finding.what, finding.says);
         if (finding.grade != Grade::good && !finding.mend.empty())

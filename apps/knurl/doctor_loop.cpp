@@ -1,10 +1,8 @@
 #include "doctor_loop.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <mutex>
 
 #include <knurl/client/client.hpp>
 
@@ -15,7 +13,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int servo_priority = 80, witness_priority = 90;
-constexpr Nanoseconds witness_pace = 1'000'000;
 constexpr Nanoseconds settling = 100'000'000;  // of a servo that has just been armed: first faults, ramp
 constexpr Nanoseconds looking_pace = 2'000'000;
 // The witness sleeps 1 ms at a time, and wakes later than the loop.
@@ -23,64 +20,19 @@ constexpr Nanoseconds same_time = 2'000'000;
 
 }  // namespace
 
-struct Witness::Impl {
-    std::atomic<bool> done = false;
-    std::mutex mutex;
-    std::vector<Gap> gaps;
-    servo::Shortfalls missing;
-    std::optional<servo::Thread> thread;
-
-    void watch() {
-        for (Nanoseconds due = now_ns() + witness_pace; !done; due = std::max(due + witness_pace, now_ns())) {
-            sleep_until(due);
-            const Nanoseconds now = now_ns();
-            if (now - due < long_gap) continue;
-            const std::scoped_lock lock(mutex);
-            gaps.push_back({.begin = due, .end = now});
-        }
-    }
-};
-
-Witness::Witness(unsigned cpu) : impl_(std::make_unique<Impl>()) {
-    impl_->thread.emplace(
-        servo::ThreadOptions{
-            .name = "knurl-witness", .priority = witness_priority, .cpu = static_cast<int>(cpu)},
-        [impl = impl_.get()] { impl->watch(); }, impl_->missing);
-}
-
-Witness::~Witness() {
-    impl_->done = true;
-    impl_->thread->join();
-}
-
-std::vector<Gap> Witness::gaps() {
-    const std::scoped_lock lock(impl_->mutex);
-    return std::exchange(impl_->gaps, {});
+std::unique_ptr<Witness> witness_on(unsigned cpu) {
+    auto witness = std::make_unique<Witness>(std::vector{cpu}, witness_priority);
+    if (witness->watching() == 0) witness.reset();
+    return witness;
 }
 
 Beginnings bare_loop(double rate, unsigned cpu, Nanoseconds length) {
-    Beginnings seen;
     const auto period = static_cast<Nanoseconds>(std::llround(1e9 / rate));
-    const auto cycles = static_cast<std::size_t>(length / period) + 1;
-    seen.deadline.reserve(cycles);
-    seen.late.reserve(cycles);
-    servo::Shortfalls missing;
-    servo::Thread(
-        {.name = "knurl-bare", .priority = servo_priority, .cpu = static_cast<int>(cpu)},
-        [&] {
-            Nanoseconds deadline = now_ns() + period;
-            for (std::size_t i = 0; i < cycles; ++i) {
-                sleep_until(deadline);
-                const Nanoseconds late = now_ns() - deadline;
-                seen.deadline.push_back(deadline);
-                seen.late.push_back(late);
-                // As the servo: what has been missed is not made up for.
-                deadline += period * (std::max<Nanoseconds>(0, late) / period + 1);
-            }
-        },
-        missing)
-        .join();
-    return seen;
+    return measure::bare_loop({.cpu = cpu,
+                               .priority = servo_priority,
+                               .first = now_ns() + period,
+                               .period = period,
+                               .length = length});
 }
 
 Beginnings servo_loop(const std::string& address, Nanoseconds length) {

@@ -2,45 +2,21 @@
 // A servo's cycle as the machine lets it begin: a loop with nothing in it, the real servo, and a witness on
 // another CPU that tells when the whole machine stood still.
 
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include <knurl/servo/realtime.hpp>
-
-#include "latency_floors.hpp"
+#include "sleeper.hpp"
 
 namespace knurl::cli {
 
-/// How late each cycle began, in the order in which they came.
-struct Beginnings {
-    std::vector<Nanoseconds> deadline;  // CLOCK_MONOTONIC
-    std::vector<Nanoseconds> late;
-};
+using measure::Beginnings, measure::Gap, measure::Nanoseconds, measure::now_ns, measure::sleep_until,
+    measure::Witness;
 
-/// When a thread that does nothing but sleep was late by more than `long_gap`.
-struct Gap {
-    Nanoseconds begin = 0, end = 0;
-};
+/// A witness on this CPU, above everybody. None: there is no right to that.
+std::unique_ptr<Witness> witness_on(unsigned cpu);
 
-/// Sleeps for 1 ms at a time on a CPU, with a priority above everybody's, until it ends.
-class Witness {
-  public:
-    static constexpr Nanoseconds long_gap = 1'000'000;
-
-    explicit Witness(unsigned cpu);
-    ~Witness();
-    Witness(const Witness&) = delete;
-    Witness& operator=(const Witness&) = delete;
-    /// Those that it has seen since the last call.
-    std::vector<Gap> gaps();
-
-  private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
-};
-
-/// The servo's way of sleeping, on its CPU and with its priority, and nothing in between.
+/// Nothing but a servo's way of sleeping, on its CPU and with its priority.
 Beginnings bare_loop(double rate, unsigned cpu, Nanoseconds length);
 
 /// The same of a real servo, by its reports, with an armed claim and a plane; `address` as for

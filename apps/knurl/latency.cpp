@@ -13,9 +13,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "latency_echo.hpp"
 #include "latency_floors.hpp"
 #include "latency_paths.hpp"
-#include "latency_udp.hpp"
 #include "measure.hpp"
 #include "private_servo.hpp"
 #include "verbs.hpp"
@@ -25,7 +25,8 @@ namespace knurl::cli {
 namespace {
 
 constexpr Nanoseconds long_block = 50'000'000, short_block = 25'000'000, ping_pong_length = 5'000'000;  // ns
-constexpr int waker_priority = 60;  // of the thread in knurld that wakes sleepers; the servo's is 80
+constexpr std::uint64_t commands_every = 4;  // updates: so many commands at least
+constexpr int waker_priority = 60;           // of the thread in knurld that wakes sleepers; the servo's is 80
 
 struct Arguments {
     std::string connect;     // empty: a private servo
@@ -43,49 +44,23 @@ struct Arguments {
 };
 
 constexpr const char* network_scheme = "knurl://";
-// As a bridge's datagram of a claim with one representation: headers, report, feedback, tag.
-constexpr std::size_t datagram_bytes =
-    24 + 32 + sizeof(Report) + sizeof(protocol::FeedbackHeader) + sizeof(protocol::FeedbackEntry) + 16;
-
 struct FloorSamples {
-    std::vector<double> ping_pong, eventfd, bare_loop, udp;  // ns
-};
-
-/// Where a plain UDP echo runs beside the bridge; none: on this box nothing goes by datagrams, or nobody
-/// echoes there.
-class EchoFloor {
-  public:
-    EchoFloor(const Arguments& arguments, const Placement& placement) {
-        if (!arguments.connect.starts_with(network_scheme)) return;
-        if (!arguments.echo.empty()) {
-            at_ = bridge::resolve(arguments.echo);
-            require_echo(*at_);
-        } else if (bridge::resolve(arguments.connect.substr(std::strlen(network_scheme))).loopback()) {
-            own_.emplace(placement);
-            at_ = own_->at();
-        } else {
-            fmt::print(
-                stderr,
-                "knurl latency: no floor of the network: start `knurl latency --serve-echo HOST:PORT` on the "
-                "servo's host and give --echo HOST:PORT here\n");
-        }
-    }
-    void block(Nanoseconds length, std::vector<double>& samples) const {
-        if (at_) udp_echo_block(*at_, datagram_bytes, length, samples);
-    }
-
-  private:
-    std::optional<UdpEcho> own_;
-    std::optional<bridge::Endpoint> at_;
+    std::vector<double> ping_pong, eventfd, bare_loop;  // ns
 };
 
 /// Where a report comes from: a floor that is measured here says nothing about another host.
 enum class Way { shared_memory, loopback, network };
 
+/// "host:port"; empty: it is on this box.
+std::string bridge_of(const Arguments& arguments) {
+    if (!arguments.connect.starts_with(network_scheme)) return "";
+    return arguments.connect.substr(std::strlen(network_scheme));
+}
+
 Way way_of(const Arguments& arguments) {
-    if (!arguments.connect.starts_with(network_scheme)) return Way::shared_memory;
-    const std::string where = arguments.connect.substr(std::strlen(network_scheme));
-    return bridge::resolve(where).loopback() ? Way::loopback : Way::network;
+    const std::string bridge = bridge_of(arguments);
+    if (bridge.empty()) return Way::shared_memory;
+    return bridge::resolve(bridge).loopback() ? Way::loopback : Way::network;
 }
 
 Placement placement_for(const Arguments& arguments) {
@@ -118,23 +93,25 @@ Client connect(const Arguments& arguments, PrivateServo* servo) {
     }
 }
 
-FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, const EchoFloor& echo,
+FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, NetworkFloors& network,
                         std::uint64_t updates) {
     FloorSamples floors;
     const bool terminal = ::isatty(2) != 0;
-    while (paths.samples().commit_to_write.size() < updates) {
-        const std::size_t before = paths.samples().commit_to_write.size();
+    const PathSamples& seen = paths.samples();
+    while (seen.commit_to_write.size() < updates || seen.command.size() < updates / commands_every) {
+        const std::size_t before = seen.commit_to_write.size();
         paths.updates_and_spinning_block(long_block);
         paths.blocking_block(short_block);
         ping_pong_block(placement, ping_pong_length, floors.ping_pong);
         paths.descriptor_block(short_block);
         eventfd_block(placement, short_block, floors.eventfd);
-        echo.block(short_block, floors.udp);
+        network.udp_block(short_block);
+        paths.commands_block(long_block, [&](bool counts) { network.tcp_ping_pong(counts); });
         bare_loop_block(placement, paths.period(), paths.deadline(), short_block, floors.bare_loop);
-        const std::size_t done = paths.samples().commit_to_write.size();
+        const std::size_t done = seen.commit_to_write.size();
         if (terminal)
             fmt::print(stderr, "\r{} of {} updates ", std::min<std::size_t>(done, updates), updates);
-        if (done == before && paths.samples().lost > 100) {
+        if (done == before && seen.lost > 100) {
             throw std::runtime_error(
                 "the forces of the updates do not arrive; does another claim share the device?");
         }
@@ -156,7 +133,8 @@ std::vector<double> one_after_another(const std::vector<double>& a, const std::v
     return sums;
 }
 
-measure::Run summary(const PathSamples& paths, const FloorSamples& floors, Nanoseconds period, Way way) {
+measure::Run summary(const PathSamples& paths, const FloorSamples& floors, const NetworkFloors& network,
+                     Nanoseconds period, Way way) {
     const auto result = [](const char* name, const std::vector<double>& samples) {
         return measure::summarise(name, "us", in_microseconds(samples));
     };
@@ -187,26 +165,40 @@ measure::Run summary(const PathSamples& paths, const FloorSamples& floors, Nanos
                     result("report.descriptor_from_deadline", paths.descriptor_deadline),
                     related("servo.lateness", paths.servo_lateness, bare_loop, way != Way::network),
                     ping_pong, eventfd, bare_loop}};
-    if (floors.udp.empty()) return run;
-    // Over a network a report wakes the bridge, goes one way, and wakes the reader.
-    const auto wake_and_udp = result("floor.wake_and_udp", one_after_another(floors.eventfd, floors.udp));
-    run.results.push_back(related("report.blocking_after_write", paths.after_write, wake_and_udp, true));
-    run.results.push_back(result("floor.udp_one_way", floors.udp));
-    run.results.push_back(wake_and_udp);
+    if (local) {
+        run.results.push_back(result("command.round_trip", paths.command));
+        run.results.push_back(related("command.less_cycle_wait", paths.command_less_wait, eventfd, true));
+        return run;
+    }
+    // Over a network a report wakes the bridge, goes one way, and wakes the reader; an answer likewise.
+    const auto& udp = network.udp_one_way();
+    const auto& tcp = network.tcp_round_trip();
+    const auto wake_and_udp = result("floor.wake_and_udp", one_after_another(floors.eventfd, udp));
+    const auto round_trip = result("floor.tcp_round_trip", tcp);
+    const auto wake_and_tcp = result("floor.wake_and_tcp", one_after_another(floors.eventfd, tcp));
+    for (measure::Result& more : std::vector<measure::Result>{
+             related("report.blocking_after_write", paths.after_write, wake_and_udp, true),
+             result("floor.udp_one_way", udp), wake_and_udp,
+             related("command.round_trip", paths.command, round_trip, true),
+             related("command.less_cycle_wait", paths.command_less_wait, wake_and_tcp, true), round_trip,
+             wake_and_tcp})
+        run.results.push_back(std::move(more));
     return run;
 }
 
-std::string network_line(const Network& network) {
+std::string network_line(const Network& network, const WireSizes& sizes) {
     using Microseconds = std::chrono::duration<double, std::micro>;
     return fmt::format(
         "network: {}, round trip at least {:.1f} us, clock offset {:.1f} us +- {:.1f} us, drift {:.1f} ppm, "
         "{} reports "
         "lost, {} late, {} datagrams doubled, {} batches sent again.\nDatagrams of {} bytes; "
-        "floor.udp_one_way is half "
-        "an echo of that size between blocking readers. The servo's stamps are by the clock estimate.\n",
+        "floor.udp_one_way is half an echo of that size between blocking readers. Commands and answers of {} "
+        "bytes by {};\nfloor.tcp_round_trip is a plain TCP echo of that size. The servo's stamps are by the "
+        "clock estimate.\n",
         network.encrypted ? "encrypted" : "not encrypted", Microseconds(network.round_trip).count(),
         Microseconds(network.clock_offset).count(), Microseconds(network.clock_uncertainty).count(),
-        network.drift * 1e6, network.lost, network.late, network.duplicated, network.resent, datagram_bytes);
+        network.drift * 1e6, network.lost, network.late, network.duplicated, network.resent, sizes.datagram,
+        sizes.command, network.encrypted ? "TLS 1.3 over TCP" : "TCP");
 }
 
 void show(const Arguments& arguments, const measure::Run& run, const std::string& setting) {
@@ -235,7 +227,7 @@ int run_latency(const Arguments& arguments) {
     if (!(arguments.wait >= 0 && arguments.wait <= 3600)) {
         throw UsageError(fmt::format("--wait is {:g} s; give 0 to 3600 s", arguments.wait));
     }
-    if (!arguments.serve_echo.empty()) serve_udp_echo(bridge::resolve(arguments.serve_echo));
+    if (!arguments.serve_echo.empty()) serve_echo(arguments.serve_echo);
     const Placement placement = placement_for(arguments);
     const auto own = arguments.connect.empty() ? start_private(arguments, placement) : nullptr;
     Client client = connect(arguments, own.get());
@@ -251,16 +243,17 @@ int run_latency(const Arguments& arguments) {
                         "it out",
                         arguments.priority, arguments.priority));
     }
-    const EchoFloor echo(arguments, placement);
+    const WireSizes sizes = wire_sizes(hand.network().encrypted);
+    NetworkFloors network(bridge_of(arguments), arguments.echo, sizes, placement);
     LatencyPaths paths(hand, arguments.seed);
-    const FloorSamples floors = run_blocks(paths, placement, echo, arguments.updates);
+    const FloorSamples floors = run_blocks(paths, placement, network, arguments.updates);
     const double rate = hand.device().rate;
     const Way way = way_of(arguments);
-    const std::string network = way == Way::shared_memory ? "" : network_line(hand.network());
+    const std::string about_network = way == Way::shared_memory ? "" : network_line(hand.network(), sizes);
     hand.release();
 
     const PathSamples& samples = paths.samples();
-    show(arguments, summary(samples, floors, paths.period(), way),
+    show(arguments, summary(samples, floors, network, paths.period(), way),
          fmt::format(
              "\n{} at {:g} Hz on CPU {}, client on CPU {} ({}), seed {}; {} updates merged, {} "
              "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "
@@ -268,7 +261,7 @@ int run_latency(const Arguments& arguments) {
              own ? "private servo on sim:cartesian3" : arguments.connect, rate, placement.servo_cpu,
              placement.client_cpu,
              arguments.priority > 0 ? fmt::format("SCHED_FIFO {}", arguments.priority) : "ordinary priority",
-             arguments.seed, samples.merged, samples.lost, network));
+             arguments.seed, samples.merged, samples.lost, about_network));
     return 0;
 }
 
@@ -283,16 +276,15 @@ void add_latency(CLI::App& program, Run& run) {
                      "default: a private one on sim:cartesian3")
         ->type_name("knurl:NAME|knurl://HOST:PORT");
     verb->add_option("--echo", arguments->echo,
-                     "a plain UDP echo on the servo's host: the floor of a measurement over a network; "
-                     "default: an own "
-                     "one, where that is this host")
+                     "a plain UDP and TCP echo on the servo's host: the floors of a measurement over a "
+                     "network; default: an own one, where that is this host")
         ->type_name("HOST:PORT");
     verb->add_option("--serve-echo", arguments->serve_echo,
                      "be that echo, until interrupted, and measure nothing")
         ->type_name("HOST:PORT");
     verb->add_option("--device", arguments->device, "which of its devices; default: the only one")
         ->type_name("NAME");
-    verb->add_option("--updates", arguments->updates, "at random phase")
+    verb->add_option("--updates", arguments->updates, "at random phase, and a quarter as many commands")
         ->capture_default_str()
         ->type_name("N");
     verb->add_option("--rate", arguments->rate, "of the private servo")

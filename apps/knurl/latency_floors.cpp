@@ -1,30 +1,21 @@
 #include "latency_floors.hpp"
 
+#include <algorithm>
 #include <atomic>
-#include <cerrno>
-#include <ctime>
 #include <semaphore>
 #include <thread>
 
 #include <poll.h>
-#include <pthread.h>
-#include <sched.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <knurl/shm/fd.hpp>
-
-#include "measure.hpp"
 
 namespace knurl::cli {
 
 namespace {
 
 constexpr std::size_t cold_samples = 2;
-
-timespec timespec_of(Nanoseconds t) {
-    return {.tv_sec = t / 1'000'000'000, .tv_nsec = t % 1'000'000'000};
-}
 
 /// Takes samples, less the cold ones.
 struct Collector {
@@ -37,26 +28,10 @@ struct Collector {
 
 }  // namespace
 
-void sleep_until(Nanoseconds t) noexcept {
-    const timespec deadline = timespec_of(t);
-    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) == EINTR) {
-    }
-}
-
-void settle_on(unsigned cpu, int priority) {
-    measure::pin_this_thread(cpu);
-    if (priority > 0) {
-        measure::run_real_time(priority);
-    } else {  // a new thread has its maker's policy
-        const sched_param ordinary{};
-        ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &ordinary);
-    }
-}
-
-Nanoseconds now_ns() noexcept {
-    timespec t{};
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * Nanoseconds{1'000'000'000} + t.tv_nsec;
+bool ready(int fd, short events, Nanoseconds until) {
+    pollfd wait{.fd = fd, .events = events, .revents = 0};
+    const Nanoseconds left = std::max<Nanoseconds>(0, until - now_ns());
+    return ::poll(&wait, 1, static_cast<int>((left + 999'999) / 1'000'000)) > 0;
 }
 
 void ping_pong_block(const Placement& placement, Nanoseconds length, std::vector<double>& samples) {
@@ -136,17 +111,16 @@ void eventfd_block(const Placement& placement, Nanoseconds length, std::vector<d
 
 void bare_loop_block(const Placement& placement, Nanoseconds period, Nanoseconds phase, Nanoseconds length,
                      std::vector<double>& samples) {
-    std::thread loop([&] {
-        settle_on(placement.servo_cpu, placement.priority);
-        Collector collector{samples};
-        const Nanoseconds begin = now_ns(), end = begin + length;
-        const Nanoseconds first = phase + ((begin - phase) / period + 2) * period + period / 2;
-        for (Nanoseconds deadline = first; deadline < end; deadline += period) {
-            sleep_until(deadline);
-            collector.take(now_ns() - deadline);
-        }
-    });
-    loop.join();
+    const Nanoseconds begin = now_ns();
+    const Nanoseconds first = phase + ((begin - phase) / period + 2) * period + period / 2;
+    Collector collector{samples};
+    for (const Nanoseconds late : measure::bare_loop({.cpu = placement.servo_cpu,
+                                  .priority = placement.priority,
+                                  .first = first,
+                                  .period = period,
+                                  .length = begin + length - first})
+                                      .late)
+        collector.take(late);
 }
 
 }  // namespace knurl::cli

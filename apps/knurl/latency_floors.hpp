@@ -2,15 +2,13 @@
 // What no haptics server can beat on this machine: the floors that its latencies are stated against, measured
 // in the same run, in blocks between its own.
 
-#include <cstdint>
 #include <vector>
+
+#include "sleeper.hpp"
 
 namespace knurl::cli {
 
-using Nanoseconds = std::int64_t;
-
-/// CLOCK_MONOTONIC.
-Nanoseconds now_ns() noexcept;
+using measure::Nanoseconds, measure::now_ns, measure::sleep_until, measure::settle_on;
 
 /// Who runs where. `priority`: SCHED_FIFO of the helper's thread on the servo's CPU; 0 or no right to it:
 /// ordinary.
@@ -20,9 +18,8 @@ struct Placement {
     int priority = 0;
 };
 
-/// Binds the calling thread to a CPU and gives it that priority (0: ordinary, whatever its maker's is).
-void settle_on(unsigned cpu, int priority);
-void sleep_until(Nanoseconds t) noexcept;
+/// poll() on one descriptor until then, to the millisecond above. False: it is not ready.
+bool ready(int fd, short events, Nanoseconds until);
 
 // Each runs for about `length` and appends samples in ns. The first two of a block are left out: caches are
 // cold.

@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::size_t cold_reports = 2;
+constexpr std::size_t cold_reports = 2, cold_commands = 2;
 constexpr std::size_t remembered_cycles = 16;
 constexpr std::uint64_t distinct_forces = 4096;
 constexpr double force_step = 1.0 / (1 << 20);  // N; a power of two, so that every sum of steps is exact
@@ -158,6 +158,34 @@ void LatencyPaths::descriptor_block(Nanoseconds length) {
         if (::poll(&wait, 1, 10) <= 0) continue;
         const auto report = hand_.next_report(0ns);
         if (report) note(*report, now_ns(), samples_.descriptor, samples_.descriptor_deadline);
+    }
+    hand_.commit();
+}
+
+void LatencyPaths::command(bool counts) {
+    const Nanoseconds begin = now_ns();
+    hand_.arm();
+    const Nanoseconds took = now_ns() - begin;
+    if (!counts) return;
+    // It is there no sooner than this; from then on it waits for the servo, whoever brought it.
+    const Nanoseconds there = begin + hand_.network().round_trip.count() / 2;
+    const Nanoseconds since = (there - deadline()) % period_;
+    const Nanoseconds wait = since > 0 ? period_ - since : -since;
+    samples_.command.push_back(static_cast<double>(took));
+    samples_.command_less_wait.push_back(static_cast<double>(took - wait));
+}
+
+void LatencyPaths::commands_block(Nanoseconds length, const std::function<void(bool counts)>& beside) {
+    catch_up();
+    const auto sleep_at_random = [this] {
+        sleep_until(now_ns() + static_cast<Nanoseconds>(static_cast<double>(period_) * random()));
+    };
+    const Nanoseconds end = now_ns() + length;
+    for (std::size_t pairs = 0; now_ns() < end; ++pairs) {
+        sleep_at_random();
+        command(pairs >= cold_commands);
+        sleep_at_random();
+        beside(pairs >= cold_commands);
     }
     hand_.commit();
 }

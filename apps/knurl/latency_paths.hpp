@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <random>
 #include <vector>
@@ -27,9 +28,11 @@ struct PathSamples {
     std::vector<double>
         overlooked;  // per update, the cycles that began after its commit and did not use it: 0
     std::vector<double>
-        after_write;           // blocking: write to the motors (then it publishes) -> the client has it
-    std::uint64_t merged = 0;  // updates that a later one overtook before the servo looked
-    std::uint64_t lost = 0;    // updates whose force was never seen
+        after_write;              // blocking: write to the motors (then it publishes) -> the client has it
+    std::vector<double> command;  // asked -> answered
+    std::vector<double> command_less_wait;  // the same, less the wait for the servo's next cycle
+    std::uint64_t merged = 0;               // updates that a later one overtook before the servo looked
+    std::uint64_t lost = 0;                 // updates whose force was never seen
 };
 
 /// An application whose updates can be told apart by the force that they make: a constant force of a few
@@ -44,6 +47,9 @@ class LatencyPaths {
     void updates_and_spinning_block(Nanoseconds length);
     void blocking_block(Nanoseconds length);
     void descriptor_block(Nanoseconds length);
+    /// Commands that change nothing (an `arm` of what is armed), at random phase, each by itself. `beside`
+    /// runs after each, at random phase too; false: what came before is still left out.
+    void commands_block(Nanoseconds length, const std::function<void(bool counts)>& beside);
 
     const PathSamples& samples() const { return samples_; }
     Nanoseconds period() const { return period_; }
@@ -58,6 +64,7 @@ class LatencyPaths {
     };
 
     void wait_until_felt();
+    void command(bool counts);
     void commit_update(Nanoseconds intended);
     void used(const Update& update, const HandReport& report);
     void catch_up();

@@ -12,12 +12,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/types.h>
-#include <time.h>
 #include <unistd.h>
-
-#include <knurl/shm/fd.hpp>
-
-#include "measure.hpp"
 
 namespace knurl::cli {
 
@@ -27,13 +22,6 @@ constexpr Nanoseconds pace = 1'000'000;
 constexpr std::size_t cold_samples = 2;
 constexpr int most_calls = 20;  // until somebody answers
 constexpr Nanoseconds call_interval = 100'000'000;
-
-shm::UniqueFd bound_socket(const bridge::Endpoint& at) {
-    shm::UniqueFd fd(::socket(at.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
-    if (!fd || ::bind(fd.get(), at.get(), at.length) != 0)
-        throw std::runtime_error(fmt::format("cannot echo at {}: {}", at.text, std::strerror(errno)));
-    return fd;
-}
 
 /// One datagram back. An empty one is the sign to look whether to stop.
 void echo_one(int fd) {
@@ -61,9 +49,7 @@ class Caller {
         std::memcpy(datagram.data(), &number_, sizeof number_);
         ::send(fd_.get(), datagram.data(), datagram.size(), MSG_NOSIGNAL);
         for (std::uint64_t got = 0; got != number_;) {  // an earlier one may come late
-            pollfd wait{.fd = fd_.get(), .events = POLLIN, .revents = 0};
-            const Nanoseconds left = std::max<Nanoseconds>(0, until - now_ns());
-            if (::poll(&wait, 1, static_cast<int>((left + 999'999) / 1'000'000)) <= 0) return false;
+            if (!ready(fd_.get(), POLLIN, until)) return false;
             if (::recv(fd_.get(), &got, sizeof got, MSG_TRUNC) < static_cast<ssize_t>(sizeof got))
                 return false;
         }
@@ -77,9 +63,16 @@ class Caller {
 
 }  // namespace
 
+shm::UniqueFd udp_echo_socket(const bridge::Endpoint& at) {
+    shm::UniqueFd fd(::socket(at.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    if (!fd || ::bind(fd.get(), at.get(), at.length) != 0)
+        throw std::runtime_error(fmt::format("cannot echo at {}: {}", at.text, std::strerror(errno)));
+    return fd;
+}
+
 struct UdpEcho::Impl {
     bridge::Endpoint at = bridge::resolve("127.0.0.1:0");
-    shm::UniqueFd fd = bound_socket(at);
+    shm::UniqueFd fd = udp_echo_socket(at);
     std::atomic<bool> done = false;
     std::thread thread;
 };
@@ -104,21 +97,19 @@ const bridge::Endpoint& UdpEcho::at() const {
     return impl_->at;
 }
 
-void serve_udp_echo(const bridge::Endpoint& at) {
-    const shm::UniqueFd fd = bound_socket(at);
-    for (;;) echo_one(fd.get());
+void serve_udp_echo(shm::UniqueFd socket) {
+    for (;;) echo_one(socket.get());
 }
 
-void require_echo(const bridge::Endpoint& echo) {
+bool udp_echoes(const bridge::Endpoint& echo) {
     Caller caller(echo);
     char datagram[8] = {};
     for (int i = 0; i < most_calls; ++i) {
         const Nanoseconds next = now_ns() + call_interval;
-        if (caller.call(datagram, next)) return;
+        if (caller.call(datagram, next)) return true;
         sleep_until(next);
     }
-    throw std::runtime_error(
-        fmt::format("nobody echoes at {}; start `knurl latency --serve-echo HOST:PORT` there", echo.text));
+    return false;
 }
 
 void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds length,

@@ -3,10 +3,10 @@
 
 #include <cstddef>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include <knurl/bridge/endpoint.hpp>
+#include <knurl/shm/fd.hpp>
 
 #include "latency_floors.hpp"
 
@@ -26,11 +26,13 @@ class UdpEcho {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Does the same in this thread, for a measurement from another host, until it is ended by a signal.
-[[noreturn]] void serve_udp_echo(const bridge::Endpoint& at);
+/// Does the same in this thread.
+[[noreturn]] void serve_udp_echo(shm::UniqueFd socket);
+/// Throws std::runtime_error.
+shm::UniqueFd udp_echo_socket(const bridge::Endpoint& at);
 
-/// Throws std::runtime_error, with what to start where, if nobody echoes there.
-void require_echo(const bridge::Endpoint& echo);
+/// Whether somebody echoes there: asks for two seconds.
+bool udp_echoes(const bridge::Endpoint& echo);
 
 /// Half of a round trip of `bytes`, one each millisecond, appended in ns. Those that are lost are left out.
 void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds length,

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <set>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <latency_udp.hpp>
 #include <nlohmann/json.hpp>
 
 #include "../client/bridge_process.hpp"
@@ -45,13 +47,15 @@ TEST_F(Latency, NamesTheMachine) {
 }
 
 TEST_F(Latency, MeasuresBothWaysAndTheFloors) {
-    for (const char* name : {"update.commit_to_write", "update.age_at_use", "update.report_age_at_use",
-                             "report.spinning", "report.blocking", "report.descriptor", "servo.lateness",
-                             "floor.eventfd_wake", "floor.bare_loop_lateness"}) {
+    for (const char* name :
+         {"update.commit_to_write", "update.age_at_use", "update.report_age_at_use", "command.round_trip",
+          "command.less_cycle_wait", "report.spinning", "report.blocking", "report.descriptor",
+          "servo.lateness", "floor.eventfd_wake", "floor.bare_loop_lateness"}) {
         EXPECT_GT(named(all, name)["n"], 0) << name;
         EXPECT_EQ(named(all, name)["unit"], "us") << name;
     }
     EXPECT_GE(named(all, "update.commit_to_write")["n"], 150);
+    EXPECT_GE(named(all, "command.round_trip")["n"], 150 / 4);
 }
 
 TEST_F(Latency, NoCycleThatBeginsAfterACommitOverlooksIt) {
@@ -72,6 +76,7 @@ TEST_F(Latency, APercentileWithFewerThanTenSamplesAboveItIsNull) {
 TEST_F(Latency, StatesEachWayAsAMultipleOfItsFloor) {
     for (const auto& [name, floor] : {std::pair("report.blocking", "floor.eventfd_wake"),
                                       {"report.descriptor", "floor.eventfd_wake"},
+                                      {"command.less_cycle_wait", "floor.eventfd_wake"},
                                       {"servo.lateness", "floor.bare_loop_lateness"}}) {
         const json& result = named(all, name);
         EXPECT_EQ(result["reference"], floor);
@@ -88,15 +93,73 @@ TEST(LatencyOf, ARunningServoIsMeasuredByName) {
     EXPECT_GE(named(all, "update.commit_to_write")["n"], 20);
 }
 
-TEST(LatencyOf, ARunningServoIsMeasuredThroughItsBridgeBesideAPlainEcho) {
+/// Commands, and what is measured in turns with them.
+void expect_commands_beside_tcp(const json& all, std::size_t least) {
+    for (const char* name : {"command.round_trip", "command.less_cycle_wait", "floor.tcp_round_trip"})
+        EXPECT_GE(named(all, name)["n"], least) << name;
+    EXPECT_GT(named(all, "floor.wake_and_tcp")["n"], 0);
+    for (const auto& [name, floor] : {std::pair("command.round_trip", "floor.tcp_round_trip"),
+                                      {"command.less_cycle_wait", "floor.wake_and_tcp"}}) {
+        const json& result = named(all, name);
+        EXPECT_EQ(result["reference"], floor);
+        if (!result["ratio"].is_number()) continue;  // on a slow machine there are few wake-ups
+        const double expected = result["p50"].get<double>() / named(all, floor)["p50"].get<double>();
+        EXPECT_NEAR(result["ratio"], expected, 1e-9 * std::abs(expected));
+    }
+    EXPECT_TRUE(named(all, "command.round_trip")["ratio"].is_number());
+}
+
+TEST(LatencyOf, ARunningServoIsMeasuredThroughItsBridgeBesidePlainEchoes) {
     const Home home;
     const Servo servo({"--device", "sim:cartesian3"});
     const client_test::BridgeProcess bridge;
-    const json all = measured({"--connect", bridge.address(), "--updates", "20"});
-    EXPECT_GE(named(all, "update.commit_to_write")["n"], 20);
+    const json all = measured({"--connect", bridge.address(), "--updates", "80"});
+    EXPECT_GE(named(all, "update.commit_to_write")["n"], 80);
     for (const char* name : {"report.blocking_after_write", "floor.udp_one_way", "floor.wake_and_udp"})
         EXPECT_GT(named(all, name)["n"], 0) << name;
     EXPECT_EQ(named(all, "report.blocking_after_write")["reference"], "floor.wake_and_udp");
+    expect_commands_beside_tcp(all, 20);
+}
+
+TEST(LatencyOf, WithAKeyTheEchoesAreAsLongAsWhatIsSealed) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3"});
+    const std::string keys = home.path("bridge.keys");  // with one key in it, also its owner's file
+    const Outcome key = run({KNURL_BRIDGE, "keygen", "--keys", keys, "--name", "hand", "--role", "control"});
+    ASSERT_EQ(key.code, 0) << key.err;
+    const client_test::BridgeProcess bridge({"--keys", keys});
+    ::setenv("KNURL_KEY", keys.c_str(), 1);
+    const Outcome outcome = knurl({"latency", "--connect", bridge.address(), "--updates", "4"});
+    ::unsetenv("KNURL_KEY");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("of 94 bytes by TLS 1.3"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("floor.tcp_round_trip"), std::string::npos) << outcome.out;
+}
+
+/// The one line that was said, and that commands were measured all the same.
+std::string complaint(const std::string& bridge, const std::string& echo) {
+    const Folder folder;
+    const Outcome outcome = knurl(
+        {"latency", "--json", folder.path("L.json"), "--connect", bridge, "--echo", echo, "--updates", "80"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    const json all = json::parse(text_of_file(folder.path("L.json")));
+    EXPECT_GE(named(all, "update.commit_to_write")["n"], 80);
+    EXPECT_GE(named(all, "command.round_trip")["n"], 20);
+    EXPECT_EQ(named(all, "floor.tcp_round_trip")["n"], 0);
+    EXPECT_TRUE(named(all, "command.round_trip")["ratio"].is_null());
+    return outcome.err;
+}
+
+TEST(LatencyOf, WhereNobodyEchoesOneLineSaysSoAndTheRestIsMeasured) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3"});
+    const client_test::BridgeProcess bridge;
+    EXPECT_THAT(complaint(bridge.address(), "127.0.0.1:1"),
+                testing::HasSubstr("nobody echoes at 127.0.0.1:1 by UDP or TCP; start `knurl latency"));
+    const cli::UdpEcho udp(cli::Placement{});
+    const std::string at = bridge::numeric(udp.at().address);
+    EXPECT_THAT(complaint(bridge.address(), at), testing::HasSubstr("nobody echoes at " + at + " by TCP;"));
 }
 
 TEST(LatencyOf, ARealTimeClientThatSpinsLeavesTheFloorsTheirShare) {

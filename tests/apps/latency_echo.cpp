@@ -1,0 +1,215 @@
+// The plain echoes beside a bridge: what comes in goes back, whoever else is there.
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <random>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include <frame_stream.hpp>
+#include <gtest/gtest.h>
+#include <latency_echo.hpp>
+#include <seal.hpp>
+#include <sys/socket.h>
+#include <wire.hpp>
+
+#include "program.hpp"
+
+namespace knurl::test {
+namespace {
+
+using cli::now_ns;
+using cli::TcpCaller;
+using cli::TcpEcho;
+
+constexpr cli::Nanoseconds patience_ns = std::chrono::nanoseconds(patience).count();
+
+bridge::Endpoint any_port() {
+    return bridge::resolve("127.0.0.1:0");
+}
+
+/// A peer that does what no measurement does.
+class RawPeer {
+  public:
+    explicit RawPeer(const TcpEcho& echo) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        const int little = 4096;  // so that the echo has to wait for it soon
+        ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVBUF, &little, sizeof little);
+        EXPECT_EQ(::connect(fd_.get(), echo.at().get(), echo.at().length), 0);
+        const timeval limit{.tv_sec = patience.count(), .tv_usec = 0};
+        ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    }
+    void send(std::span<const char> bytes) const {
+        while (!bytes.empty()) {
+            const ssize_t sent = ::send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+            ASSERT_GT(sent, 0);
+            bytes = bytes.subspan(static_cast<std::size_t>(sent));
+        }
+    }
+    /// What goes in without waiting.
+    std::size_t send_now(std::span<const char> bytes) const {
+        const ssize_t sent = ::send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        return static_cast<std::size_t>(std::max<ssize_t>(0, sent));
+    }
+    /// Fewer: the echo has closed.
+    std::vector<char> receive(std::size_t bytes) const {
+        std::vector<char> all(bytes);
+        const ssize_t got = ::recv(fd_.get(), all.data(), bytes, MSG_WAITALL);
+        all.resize(static_cast<std::size_t>(std::max<ssize_t>(0, got)));
+        return all;
+    }
+    bool echoes(std::span<const char> bytes) const {
+        send(bytes);
+        const auto came = receive(bytes.size());
+        return std::ranges::equal(came, bytes);
+    }
+    /// Sends until nothing more goes in.
+    void stuff() const {
+        const std::vector<char> much(1 << 16);
+        while (send_now(much) > 0) {
+        }
+    }
+    void break_off() {
+        const linger at_once{.l_onoff = 1, .l_linger = 0};
+        ::setsockopt(fd_.get(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+        fd_.reset();
+    }
+
+  private:
+    shm::UniqueFd fd_;
+};
+
+constexpr std::array<char, 5> word{'k', 'n', 'u', 'r', 'l'};
+
+TEST(TcpEcho, AnswersExactlyWhatCameHoweverItWasSplit) {
+    const unsigned seed = std::random_device{}();
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::vector<char> sent(2'000'000);
+    for (char& byte : sent) byte = static_cast<char>(random());
+    const TcpEcho echo(any_port());
+    const RawPeer peer(echo);
+    std::vector<char> came;
+    int refused = 0;
+    for (std::span<const char> left = sent; came.size() < sent.size();) {
+        const std::size_t most = random() % 2 == 0 ? 7 : 90'000;
+        const std::size_t taken = peer.send_now(left.first(std::min(left.size(), 1 + random() % most)));
+        left = left.subspan(taken);
+        // It is read only when nothing has gone in for a while: then the echo waits in the middle.
+        constexpr int looks = 20;
+        if (taken > 0 || (!left.empty() && ++refused % looks != 0)) {
+            if (taken == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            continue;
+        }
+        const std::size_t under_way = sent.size() - left.size() - came.size();
+        const auto part = peer.receive((under_way + 1) / 2);
+        ASSERT_FALSE(part.empty());
+        came.insert(came.end(), part.begin(), part.end());
+    }
+    EXPECT_TRUE(came == sent);
+}
+
+TEST(TcpEcho, DoesNotWaitForTheRestOfAMessage) {
+    const TcpEcho echo(any_port());
+    const RawPeer peer(echo);
+    for (std::size_t i = 0; i < word.size(); ++i)
+        EXPECT_TRUE(peer.echoes(std::span(word).subspan(i, 1))) << i;
+}
+
+TEST(TcpEcho, APeerThatNeverReadsDelaysNobody) {
+    const TcpEcho echo(any_port());
+    const RawPeer rude(echo), polite(echo);
+    rude.stuff();
+    EXPECT_TRUE(polite.echoes(word));
+}
+
+TEST(TcpEcho, APeerThatBreaksOffInTheMiddleTakesNobodyAlong) {
+    const TcpEcho echo(any_port());
+    const RawPeer polite(echo);
+    for (int i = 0; i < 20; ++i) {
+        RawPeer rude(echo);
+        rude.send(word);
+        rude.break_off();
+        EXPECT_TRUE(polite.echoes(word));
+    }
+}
+
+TEST(TcpEcho, WhenAllPlacesAreTakenTheLongestSilentHasToGo) {
+    const TcpEcho echo(any_port());
+    std::vector<std::unique_ptr<RawPeer>> peers;
+    for (std::size_t i = 0; i < TcpEcho::places; ++i) {
+        peers.push_back(std::make_unique<RawPeer>(echo));
+        EXPECT_TRUE(peers.back()->echoes(word));
+    }
+    EXPECT_TRUE(peers[0]->echoes(word));  // so that the second is the one
+    const RawPeer more(echo);
+    EXPECT_TRUE(more.echoes(word));
+    EXPECT_TRUE(peers[1]->receive(1).empty());
+    for (std::size_t i = 0; i < peers.size(); ++i) {
+        if (i != 1) {
+            EXPECT_TRUE(peers[i]->echoes(word)) << i;
+        }
+    }
+}
+
+TEST(TcpEcho, EndsThoughPeersAreThereAndTheySeeIt) {
+    auto echo = std::make_unique<TcpEcho>(any_port());
+    const RawPeer quiet(*echo), rude(*echo);
+    EXPECT_TRUE(quiet.echoes(word));
+    rude.stuff();
+    echo.reset();
+    EXPECT_TRUE(quiet.receive(1).empty());
+}
+
+TEST(TcpCaller, TakesNothingButItsOwnBytesForAnAnswer) {
+    const TcpEcho echo(any_port());
+    TcpCaller caller(echo.at(), 72, now_ns() + patience_ns);
+    EXPECT_TRUE(caller.round_trip(now_ns() + patience_ns));
+    EXPECT_TRUE(caller.round_trip(now_ns() + patience_ns));
+
+    // Listens, and says the same whatever it is asked.
+    const shm::UniqueFd other(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    bridge::Endpoint at = any_port();
+    ASSERT_EQ(::bind(other.get(), at.get(), at.length), 0);
+    ASSERT_EQ(::listen(other.get(), 1), 0);
+    ASSERT_EQ(::getsockname(other.get(), at.get(), &at.length), 0);
+    TcpCaller asked(at, word.size(), now_ns() + patience_ns);
+    ASSERT_TRUE(asked.connected());
+    const shm::UniqueFd accepted(::accept(other.get(), nullptr, nullptr));
+    const std::vector<char> nonsense(72, '!');
+    ASSERT_GT(::send(accepted.get(), nonsense.data(), nonsense.size(), MSG_NOSIGNAL), 0);
+    EXPECT_FALSE(asked.round_trip(now_ns() + patience_ns));
+    EXPECT_FALSE(asked.connected());
+}
+
+TEST(TcpCaller, SaysSoWhereNobodyListensOrAnswers) {
+    std::optional<TcpEcho> echo(any_port());
+    const bridge::Endpoint at = echo->at();
+    echo.reset();
+    EXPECT_FALSE(TcpCaller(at, 72, now_ns() + patience_ns).connected());
+    EXPECT_FALSE(TcpCaller(at, 72, now_ns() + patience_ns).round_trip(now_ns() + patience_ns));
+}
+
+TEST(ServedEcho, AnswersByUdpAndByTcpAtOnePort) {
+    Background served({knurl_program(), "latency", "--serve-echo", "127.0.0.1:0"});
+    ASSERT_TRUE(served.says("by UDP and TCP")) << served.said();
+    const std::size_t from = served.said().find("127.0.0.1:");
+    const bridge::Endpoint at =
+        bridge::resolve(served.said().substr(from, served.said().find(' ', from) - from));
+    EXPECT_TRUE(cli::udp_echoes(at));
+    EXPECT_TRUE(TcpCaller(at, 72, now_ns() + patience_ns).round_trip(now_ns() + patience_ns));
+}
+
+TEST(WireSizes, AreThoseOfTheBridgesOwnStructs) {
+    const std::size_t report = sizeof(bridge::DatagramHeader) + sizeof(bridge::ReportPiece) + sizeof(Report) +
+                               sizeof(protocol::FeedbackHeader) + sizeof(protocol::FeedbackEntry);
+    const std::size_t command = sizeof(bridge::FrameHeader) + shm::cell_bytes;
+    EXPECT_EQ(cli::wire_sizes(false).datagram, report);
+    EXPECT_EQ(cli::wire_sizes(false).command, command);
+    EXPECT_EQ(cli::wire_sizes(true).datagram, report + bridge::tag_bytes);
+    EXPECT_EQ(cli::wire_sizes(true).command, command + 22);  // of a TLS 1.3 record
+}
+
+}  // namespace
+}  // namespace knurl::test

@@ -1,0 +1,66 @@
+// apps/measure: a loop with nothing in it keeps a servo's time; a witness sees only what it may.
+
+#include <gtest/gtest.h>
+#include <measure.hpp>
+#include <sleeper.hpp>
+
+namespace knurl::measure {
+namespace {
+
+constexpr Nanoseconds us = 1000, ms = 1'000'000;
+
+Beginnings run(Nanoseconds first, Nanoseconds period, Nanoseconds length) {
+    return bare_loop({.cpu = allowed_cpus().back(), .first = first, .period = period, .length = length});
+}
+
+TEST(BareLoop, BeginsOnTheGridOfItsDeadlinesAndNeverEarly) {
+    const Nanoseconds first = now_ns() + 3 * ms, period = 700 * us;
+    const Beginnings seen = run(first, period, 20 * ms);
+    ASSERT_FALSE(seen.deadline.empty());
+    ASSERT_EQ(seen.deadline.size(), seen.late.size());
+    EXPECT_GE(seen.deadline.front(), first);
+    EXPECT_LT(seen.deadline.back(), first + 20 * ms);
+    for (std::size_t i = 0; i < seen.late.size(); ++i) {
+        EXPECT_EQ((seen.deadline[i] - first) % period, 0) << i;
+        EXPECT_GE(seen.late[i], 0) << i;
+    }
+}
+
+TEST(BareLoop, CountsNoCycleThatWasDueBeforeItsThreadHadStarted) {
+    const Nanoseconds asked = now_ns(), second = 1000 * ms;
+    const Beginnings seen = run(asked - second, ms, second + 20 * ms);
+    ASSERT_FALSE(seen.deadline.empty());
+    EXPECT_GT(seen.deadline.front(), asked);
+}
+
+TEST(BareLoop, DoesNotMakeUpForWhatItMissed) {
+    const Nanoseconds period = 2 * us;  // quicker than any sleep
+    const Beginnings seen = run(now_ns(), period, 5 * ms);
+    ASSERT_GT(seen.deadline.size(), 1u);
+    EXPECT_LT(seen.deadline.size(), 5 * ms / period);
+    for (std::size_t i = 1; i < seen.deadline.size(); ++i)
+        EXPECT_GT(seen.deadline[i], seen.deadline[i - 1] + seen.late[i - 1]) << i;
+}
+
+TEST(Witness, GivesEachGapOnceAndOnlyLongOnes) {
+    Witness witness(allowed_cpus(), 1);
+    EXPECT_LE(witness.watching(), allowed_cpus().size());
+    sleep_until(now_ns() + 20 * ms);
+    Nanoseconds known = 0;
+    for (int call = 0; call < 2; ++call) {
+        for (const Gap& gap : witness.gaps()) {
+            EXPECT_GE(gap.end - gap.begin, Witness::long_gap);
+            EXPECT_GT(gap.end, known) << "it was told before";
+        }
+        known = now_ns();
+    }
+}
+
+TEST(Witness, IsNoneOnACpuThatItMayNotHave) {
+    constexpr unsigned nowhere = 1023;
+    Witness witness({nowhere}, 1);
+    EXPECT_EQ(witness.watching(), 0u);
+}
+
+}  // namespace
+}  // namespace knurl::measure
