@@ -12,6 +12,7 @@
 #include "hand.hpp"
 #include "intake.hpp"
 #include "mailbox.hpp"
+#include "stage_clock.hpp"
 
 namespace knurl::servo {
 
@@ -49,6 +50,7 @@ struct Servo::Impl {
     Nanoseconds period;
     double device_max_stiffness;  // N/m
 
+    StageClock stages;
     Hand hand;
     Supervisor supervisor;
     Intake intake;
