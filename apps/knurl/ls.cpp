@@ -85,6 +85,7 @@ json json_of(const ClientView& client) {
             {"updates", client.commits},
             {"updates_refused", client.refused},
             {"updates_merged", client.merged},
+            {"reports_missed", client.missed},
             {"representations", representations}};
 }
 

@@ -100,6 +100,7 @@ std::optional<ClientView> read_row(const protocol::ClientRow& row) {
     view.commits = word(row.commits);
     view.refused = word(row.refused);
     view.merged = word(row.merged);
+    view.missed = word(row.missed);
     for (const auto& count : row.present) view.present.push_back(word(count));
     return view;
 }

@@ -46,6 +46,7 @@ DeviceRates rates_between(const DeviceView& before, const DeviceView& now, doubl
             rates.step += (*rates.parts)[i];
         }
         rates.busy = rates.step * 1e-6 * now.info.rate;
+        if (rates.rate > 0) rates.sleep = std::max(0.0, 1e6 / rates.rate - rates.step);
     }
     note_lateness(rates, seen);
     for (const ClientView& client : now.clients) {
@@ -56,6 +57,7 @@ DeviceRates rates_between(const DeviceView& before, const DeviceView& now, doubl
             of_client.updates = static_cast<double>(grown(earlier.commits, client.commits)) / seconds;
             of_client.merged = grown(earlier.merged, client.merged);
             of_client.refused = grown(earlier.refused, client.refused);
+            of_client.missed = grown(earlier.missed, client.missed);
             break;
         }
         rates.clients.push_back(of_client);

@@ -17,7 +17,7 @@ inline constexpr std::array<std::string_view, 7> cycle_parts = {"read",      "ki
 struct ClientRates {
     ClientView client;
     double updates = 0;  // taken by the servo, a second; what it did not take alone is in `merged`
-    std::uint64_t merged = 0, refused = 0;
+    std::uint64_t merged = 0, refused = 0, missed = 0;
 };
 
 struct DeviceRates {
@@ -27,6 +27,7 @@ struct DeviceRates {
     /// us, means of the cycles that were stamped (one in 64); none: none was in this time.
     std::optional<std::array<double, cycle_parts.size()>> parts;
     double step = 0;                              // us, of all parts
+    double sleep = 0;                             // us, the rest of the measured period
     double busy = 0;                              // of the period, 0 to 1
     std::optional<double> late_median, late_max;  // us, from deadline to read, of the reports that were seen
     std::vector<ClientRates> clients;

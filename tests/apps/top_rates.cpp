@@ -37,6 +37,15 @@ TEST(TopRates, PartsAreMeansOfTheStampedCycles) {
     EXPECT_EQ((*rates.parts)[3], 4);
     EXPECT_EQ(rates.step, 5);
     EXPECT_DOUBLE_EQ(rates.busy, 0.005);
+    EXPECT_EQ(rates.sleep, 0) << "it did not move";
+}
+
+TEST(TopRates, TheRestOfThePeriodIsSleep) {
+    const auto rates =
+        cli::rates_between(device({{"cycles", 100}, {"stamped_cycles", 1}}),
+                           device({{"cycles", 600}, {"stamped_cycles", 5}, {"write_ns", 24'000}}), 0.5, {});
+    EXPECT_EQ(rates.step, 6);
+    EXPECT_EQ(rates.sleep, 994);
 }
 
 TEST(TopRates, LatenessIsOfTheReportsThatWereSeen) {
@@ -56,6 +65,8 @@ TEST(TopRates, ClientsAreFoundAgainByTheirRow) {
     first_now.commits = 110;
     second_now.commits = 1500;
     second_now.merged = 4;
+    second.missed = 7;
+    second_now.missed = 10;
     newcomer.commits = 30;
     const auto rates = cli::rates_between(device({}, {first, second}),
                                           device({}, {first_now, second_now, newcomer}), 0.5, {});
@@ -63,6 +74,7 @@ TEST(TopRates, ClientsAreFoundAgainByTheirRow) {
     EXPECT_EQ(rates.clients[0].updates, 20);
     EXPECT_EQ(rates.clients[1].updates, 1000);
     EXPECT_EQ(rates.clients[1].merged, 4u);
+    EXPECT_EQ(rates.clients[1].missed, 3u);
     EXPECT_EQ(rates.clients[2].updates, 0) << "nothing is known of it before";
 }
 

@@ -58,5 +58,61 @@ TEST(Parts, TheServoCountsThem) {
     EXPECT_EQ(servo.count(Count::read_ns), 0u) << "its clock stands still within a cycle";
 }
 
+/// A servo with one client, whose row in the device's table we see.
+struct Watched {
+    PuppetDevice device;
+    TickingClock clock;
+    OfflineMemory segment{protocol::device_layout().total};
+    Servo servo{device, clock, segment.data(), live_options()};
+    ClaimTerms terms;
+    OfflineMemory memory;
+    protocol::ClientRow row{};
+    Claim claim;
+    Nanoseconds now = 0;
+
+    explicit Watched(const ClaimTerms& stated)
+        : terms(stated),
+          memory(protocol::claim_layout(stated.capacity).total),
+          claim(stated, memory.data(), &row) {
+        servo.adopt(&claim);
+        run(1);
+    }
+    void run(int cycles) {
+        for (int i = 0; i < cycles; ++i) servo.step(now, now), now += 1'000'000;
+    }
+    shm::WaiterFlag& line() {
+        return *reinterpret_cast<shm::WaiterFlag*>(memory.data() +
+                                                   protocol::claim_layout(terms.capacity).waiter);
+    }
+};
+
+TEST(ClientRows, SayWithin64CyclesWhatTheClientSaysThatItMissed) {
+    for (const bool observer : {false, true}) {
+        ClaimTerms terms;
+        terms.observer = observer;
+        if (observer) terms.capacity = {0, 0};
+        terms.row = 5;
+        Watched client(terms);
+        EXPECT_EQ(client.row.missed, 0u);
+        for (const std::uint64_t missed : {7ull, 9ull, ~0ull}) {  // whatever it says
+            client.line().missed = missed;
+            client.run(64);
+            EXPECT_EQ(client.row.missed, missed) << (observer ? "observer" : "claim");
+        }
+    }
+}
+
+TEST(ClientRows, ACycleLooksAtFewClientsLines) {
+    int cycle_of[4] = {};
+    for (std::uint32_t row = 0; row < 4; ++row) {
+        ClaimTerms terms;
+        terms.row = row;
+        Watched client(terms);
+        client.line().missed = 1;
+        while (client.row.missed == 0 && cycle_of[row] < 64) client.run(1), ++cycle_of[row];
+    }
+    for (int row = 1; row < 4; ++row) EXPECT_NE(cycle_of[row], cycle_of[row - 1]);
+}
+
 }  // namespace
 }  // namespace knurl::servo::testing

@@ -131,7 +131,8 @@ struct alignas(128) ClientRow {
     std::atomic<std::uint64_t> age_ns;       // of the newest batch at its use
     std::atomic<std::uint64_t> interval_ns;  // measured between commits
     std::atomic<std::uint64_t> gain_ppm;
-    std::atomic<std::uint64_t> silent;                          // 1 while its representations act on silence
+    std::atomic<std::uint64_t> silent;  // 1 while its representations act on silence
+    std::atomic<std::uint64_t> missed;  // reports, as it says itself; some cycles late
     std::atomic<std::uint64_t> present[Representations::size];  // representations of each kind
 };
 
