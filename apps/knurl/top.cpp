@@ -52,10 +52,12 @@ class Looker {
                   .problem = {}};
         bool moves = false;
         for (std::size_t i = 0; i < view.devices.size(); ++i) {
-            look.devices.push_back(
-                rates_between(before_.devices[i], view.devices[i], look.seconds, reports[i]));
-            moves = moves || look.devices.back().rate > 0;
+            DeviceRates rates = rates_between(before_.devices[i], view.devices[i], look.seconds, reports[i]);
+            moves = moves || rates.rate > 0;
+            if (i < last_.size()) keep_parts(last_[i], rates);
+            look.devices.push_back(std::move(rates));
         }
+        last_ = look.devices;
         before_ = std::move(view);
         then_ = now;
         if (!moves) find_again(look);
@@ -65,6 +67,7 @@ class Looker {
   private:
     void begin() {
         before_ = servo_.look();
+        last_.clear();
         servo_.new_reports();
         then_ = now_ns();
     }
@@ -86,6 +89,7 @@ class Looker {
     std::string socket_;
     ServoWatch servo_;
     ServoView before_;
+    std::vector<DeviceRates> last_;
     Nanoseconds then_ = 0;
 };
 

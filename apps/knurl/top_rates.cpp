@@ -65,4 +65,12 @@ DeviceRates rates_between(const DeviceView& before, const DeviceView& now, doubl
     return rates;
 }
 
+void keep_parts(const DeviceRates& before, DeviceRates& now) {
+    if (now.parts) return;
+    now.parts = before.parts;
+    now.step = before.step;
+    now.sleep = before.sleep;
+    now.busy = before.busy;
+}
+
 }  // namespace knurl::cli

@@ -33,6 +33,9 @@ struct DeviceRates {
     std::vector<ClientRates> clients;
 };
 
+/// Of the parts of a cycle, where none was stamped in this time, what the look before said.
+void keep_parts(const DeviceRates& before, DeviceRates& now);
+
 /// `seconds` between the looks; `seen`: the reports that came in between. A device that counts less than
 /// before is another servo's: its rates are 0.
 DeviceRates rates_between(const DeviceView& before, const DeviceView& now, double seconds,

@@ -44,7 +44,8 @@ void wrap(const std::string& line, std::size_t columns, std::vector<std::string>
             next.assign(margin + indent, ' ');
             empty = true;
         }
-        next += (empty ? "" : "  ") + field;
+        if (!empty) next += "  ";
+        next += field;
         empty = false;
     }
     lines.push_back(next);
@@ -62,7 +63,10 @@ std::string fitted(const std::string& text, std::size_t columns, std::size_t row
         lines.back() = fmt::format("... and {} lines more", left);
     }
     std::string page;
-    for (std::size_t i = 0; i < lines.size(); ++i) page += (i > 0 ? "\n" : "") + lines[i].substr(0, columns);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (i > 0) page += '\n';
+        page.append(lines[i], 0, columns);
+    }
     return page;
 }
 

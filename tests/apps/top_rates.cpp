@@ -48,6 +48,21 @@ TEST(TopRates, TheRestOfThePeriodIsSleep) {
     EXPECT_EQ(rates.sleep, 994);
 }
 
+TEST(TopRates, ALookThatIsTooShortForAStampKeepsThePartsOfTheOneBefore) {
+    const auto start = device({{"stamped_cycles", 1}}),
+               later = device({{"stamped_cycles", 5}, {"take_ns", 8000}});
+    const auto first = cli::rates_between(start, later, 0.5, {});
+    auto second = cli::rates_between(later, later, 0.05, {});
+    ASSERT_FALSE(second.parts);
+    cli::keep_parts(first, second);
+    ASSERT_TRUE(second.parts);
+    EXPECT_EQ((*second.parts)[2], 2);
+    EXPECT_EQ(second.step, 2);
+    auto third = cli::rates_between(start, device({{"stamped_cycles", 2}, {"take_ns", 3000}}), 0.5, {});
+    cli::keep_parts(second, third);
+    EXPECT_EQ((*third.parts)[2], 3) << "it has its own";
+}
+
 TEST(TopRates, LatenessIsOfTheReportsThatWereSeen) {
     std::vector<Report> seen(5);
     for (std::size_t i = 0; i < seen.size(); ++i)

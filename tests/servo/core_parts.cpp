@@ -78,13 +78,29 @@ struct Watched {
         run(1);
     }
     void run(int cycles) {
-        for (int i = 0; i < cycles; ++i) servo.step(now, now), now += 1'000'000;
+        for (int i = 0; i < cycles; ++i, now += 1'000'000) {
+            clock.time = now;
+            servo.step(now, now);
+        }
     }
     shm::WaiterFlag& line() {
         return *reinterpret_cast<shm::WaiterFlag*>(memory.data() +
                                                    protocol::claim_layout(terms.capacity).waiter);
     }
 };
+
+TEST(Parts, AStampedCycleTellsOfAllItsPartsAtItsEnd) {
+    Watched client(ClaimTerms{});
+    const shm::CountersReader counters(client.segment.data() + protocol::device_layout().counters,
+                                       protocol::count_names);
+    const auto first = static_cast<std::size_t>(Count::read_ns),
+               last = static_cast<std::size_t>(Count::publish_ns);
+    client.run(62);
+    for (std::size_t part = first; part <= last; ++part) EXPECT_EQ(counters.read(part), 0u);
+    client.run(1);
+    for (std::size_t part = first; part <= last; ++part)
+        EXPECT_GE(counters.read(part), 100u) << counters.name(part);
+}
 
 TEST(ClientRows, SayWithin64CyclesWhatTheClientSaysThatItMissed) {
     for (const bool observer : {false, true}) {

@@ -51,6 +51,7 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     cycle.let_go();                     // claims whose force has faded
     cycle.publish_counters(now);
     cycle.stages.end(Stage::publish);
+    cycle.publish_parts();  // of this cycle, if it is one in 64
 }
 
 double Servo::Impl::begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept {

@@ -36,6 +36,7 @@ struct Servo::Impl {
     void write_device(Nanoseconds now, const Supervised& out) noexcept;
     void publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept;
     void publish_counters(Nanoseconds now) noexcept;
+    void publish_parts() noexcept;
     void let_go() noexcept;
     void disarm_claims() noexcept;
 

@@ -81,14 +81,17 @@ void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
     set(protocol::Count::fault_mask, supervisor.faults());
     set(protocol::Count::generated_energy_uj,
         static_cast<std::uint64_t>(std::min(gate.generated_energy * 1e6, 1e18)));
-    // What this cycle's own publishing takes is told by the next.
-    static_assert(static_cast<std::uint32_t>(protocol::Count::publish_ns) -
-                      static_cast<std::uint32_t>(protocol::Count::read_ns) ==
-                  static_cast<std::uint32_t>(Stage::publish));
-    set(protocol::Count::stamped_cycles, stages.stamped());
-    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(Stage::size_); ++i)
-        set(static_cast<protocol::Count>(static_cast<std::uint32_t>(protocol::Count::read_ns) + i),
-            stages.sum(static_cast<Stage>(i)));
+}
+
+void Servo::Impl::publish_parts() noexcept {
+    using protocol::Count;
+    constexpr auto read = static_cast<std::size_t>(Count::read_ns);
+    static_assert(static_cast<std::size_t>(Count::publish_ns) - read ==
+                  static_cast<std::size_t>(Stage::publish));
+    if (!stages.stamping()) return;
+    counters.set(static_cast<std::size_t>(Count::stamped_cycles), stages.stamped());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(Stage::size_); ++i)
+        counters.set(read + i, stages.sum(static_cast<Stage>(i)));
 }
 
 }  // namespace knurl::servo

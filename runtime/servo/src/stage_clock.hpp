@@ -35,6 +35,7 @@ class StageClock {
         last_ = now;
     }
 
+    bool stamping() const noexcept { return on_; }  // this cycle
     std::uint64_t stamped() const noexcept { return stamped_; }
     std::uint64_t sum(Stage stage) const noexcept { return sums_[static_cast<std::size_t>(stage)]; }  // ns
 
