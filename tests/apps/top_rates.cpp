@@ -17,6 +17,13 @@ DeviceView device(std::map<std::string, std::uint64_t> counters, std::vector<Cli
     return view;
 }
 
+ClientView client(std::uint32_t row, pid_t pid) {
+    ClientView view;
+    view.row = row;
+    view.pid = pid;
+    return view;
+}
+
 TEST(TopRates, AreDifferencesPerSecond) {
     const auto rates =
         cli::rates_between(device({{"cycles", 1000}, {"late_cycles", 3}, {"overruns", 1}}),
@@ -73,10 +80,10 @@ TEST(TopRates, LatenessIsOfTheReportsThatWereSeen) {
 }
 
 TEST(TopRates, ClientsAreFoundAgainByTheirRow) {
-    ClientView first{.row = 0, .pid = 7}, second{.row = 1, .pid = 7};
+    ClientView first = client(0, 7), second = client(1, 7);
     first.commits = 100;
     second.commits = 1000;
-    ClientView first_now = first, second_now = second, newcomer{.row = 2, .pid = 9};
+    ClientView first_now = first, second_now = second, newcomer = client(2, 9);
     first_now.commits = 110;
     second_now.commits = 1500;
     second_now.merged = 4;

@@ -1,9 +1,13 @@
 // Where a cycle's time goes, as `knurl top` shows it.
 
+#include <atomic>
+#include <thread>
+
 #include <gtest/gtest.h>
 #include <stage_clock.hpp>
 
 #include <knurl/protocol/device_segment.hpp>
+#include <knurl/shm/counters.hpp>
 
 #include "core_support.hpp"
 
@@ -128,6 +132,28 @@ TEST(ClientRows, ACycleLooksAtFewClientsLines) {
         while (client.row.missed == 0 && cycle_of[row] < 64) client.run(1), ++cycle_of[row];
     }
     for (int row = 1; row < 4; ++row) EXPECT_NE(cycle_of[row], cycle_of[row - 1]);
+}
+
+TEST(ClientRows, ClientAndLookersHaveThreadsOfTheirOwn) {
+    Watched servo(ClaimTerms{});
+    std::atomic<bool> done = false;
+    std::thread client([&] {
+        for (std::uint64_t missed = 1; !done; ++missed)
+            shm::HardwareMemory::store(servo.line().missed, missed, std::memory_order::relaxed);
+    });
+    std::thread looker([&] {
+        for (std::uint64_t seen = 0; !done;) {
+            const std::uint64_t missed = servo.row.missed.load(std::memory_order::relaxed);
+            EXPECT_GE(missed, seen);
+            seen = missed;
+        }
+    });
+    servo.run(10'000);
+    done = true;
+    client.join();
+    looker.join();
+    servo.run(64);
+    EXPECT_EQ(servo.row.missed, servo.line().missed);
 }
 
 }  // namespace
