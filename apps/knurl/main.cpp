@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
     knurl::cli::add_ls(program, run);
     knurl::cli::add_eval(program, run);
     knurl::cli::add_latency(program, run);
+    knurl::cli::add_top(program, run);
     knurl::cli::add_doctor(program, run);
     knurl::cli::add_devices(program, run);
     knurl::cli::add_device(program, run);

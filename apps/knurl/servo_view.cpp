@@ -100,6 +100,7 @@ std::optional<ClientView> read_row(const protocol::ClientRow& row) {
     view.commits = word(row.commits);
     view.refused = word(row.refused);
     view.merged = word(row.merged);
+    view.missed = word(row.missed);
     for (const auto& count : row.present) view.present.push_back(word(count));
     return view;
 }
@@ -116,7 +117,10 @@ DeviceView look_at_device(const std::byte* memory) {
     if (reports.latest(&report)) view.report = report;
     const auto* rows = reinterpret_cast<const protocol::ClientRow*>(memory + layout.clients);
     for (std::uint32_t i = 0; i < protocol::max_clients; ++i) {
-        if (auto client = read_row(rows[i])) view.clients.push_back(std::move(*client));
+        auto client = read_row(rows[i]);
+        if (!client) continue;
+        client->row = i;
+        view.clients.push_back(std::move(*client));
     }
     return view;
 }
@@ -131,6 +135,8 @@ ServoWatch::ServoWatch(const std::string& socket) : socket_(socket) {
     for (const auto& descriptor : descriptors) {
         segments_.push_back(shm::Segment::open(descriptor.get(), protocol::device_layout().total,
                                                shm::Segment::Access::read_only));
+        reports_.emplace_back(segments_.back().data() + protocol::device_layout().reports,
+                              protocol::report_slots, sizeof(Report));
     }
 }
 
@@ -143,6 +149,16 @@ ServoView ServoWatch::look() const {
                    .devices = {}};
     for (const auto& segment : segments_) view.devices.push_back(look_at_device(segment.data()));
     return view;
+}
+
+std::vector<std::vector<Report>> ServoWatch::new_reports() {
+    std::vector<std::vector<Report>> all;
+    for (shm::BroadcastReader& reader : reports_) {
+        std::vector<Report>& reports = all.emplace_back();
+        Report report;
+        while (reports.size() < protocol::report_slots && reader.next(&report)) reports.push_back(report);
+    }
+    return all;
 }
 
 std::vector<ServoView> look_at_all() {

@@ -11,11 +11,13 @@
 #include <sys/types.h>
 
 #include <knurl/protocol/device_segment.hpp>
+#include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/segment.hpp>
 
 namespace knurl::cli {
 
 struct ClientView {
+    std::uint32_t row = 0;  // in the device's table
     pid_t pid = 0;
     std::string name;
     bool observer = false;                               // else it holds the device
@@ -25,6 +27,7 @@ struct ClientView {
     double age = 0;                                      // s, of its newest batch when it was used
     double gain = 0;                                     // 0-1
     std::uint64_t commits = 0, refused = 0, merged = 0;  // batches
+    std::uint64_t missed = 0;                            // reports
     std::vector<std::uint64_t> present;                  // representations of each kind
 };
 
@@ -51,11 +54,15 @@ class ServoWatch {
     explicit ServoWatch(const std::string& socket);
 
     ServoView look() const;
+    /// Of each device, the reports since the last call (the first one begins with the newest). What was
+    /// overwritten before it could be looked at is left out.
+    std::vector<std::vector<Report>> new_reports();
 
   private:
     std::string socket_;
     pid_t pid_ = 0;
     std::vector<shm::Segment> segments_;
+    std::vector<shm::BroadcastReader> reports_;
 };
 
 /// All servos whose sockets lie in protocol::servo_directories(), by name; dead ones, strangers, and folders

@@ -25,7 +25,13 @@ class LocalReports final : public ReportSource {
           waiter_(flag_, event_.get(), reader_),
           pulse_waiter_(flag_, event_.get(), pulse_) {}
 
-    bool next(Report& out) noexcept override { return reader_.next(&out); }
+    bool next(Report& out) noexcept override {
+        const std::uint64_t missed_before = reader_.missed();
+        const bool got = reader_.next(&out);
+        if (reader_.missed() != missed_before)  // for the table of clients, which orders nothing
+            shm::HardwareMemory::store(flag_->missed, reader_.missed(), std::memory_order::relaxed);
+        return got;
+    }
     bool latest(Report& out) noexcept override { return reader_.latest(&out); }
     bool newest(Report& out) const noexcept override {
         // The newest slot is overwritten 4095 reports later: one retry is one too many already.

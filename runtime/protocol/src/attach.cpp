@@ -1,3 +1,4 @@
+#include <cstddef>
 #include <cstdlib>
 #include <stdexcept>
 
@@ -27,16 +28,19 @@ const char* environment(const char* name) {
 
 std::uint64_t wire_hash() noexcept {
     std::uint64_t hash = 0xcbf29ce484222325;
-    for (std::uint64_t value : {std::uint64_t{protocol_version},       std::uint64_t{sizeof(Hello)},
-                                std::uint64_t{sizeof(Welcome)},        std::uint64_t{sizeof(Refused)},
-                                std::uint64_t{sizeof(ClaimRequest)},   std::uint64_t{sizeof(Claimed)},
-                                std::uint64_t{sizeof(CommandHeader)},  std::uint64_t{sizeof(AddBody)},
-                                std::uint64_t{sizeof(PlaceProbeBody)}, std::uint64_t{sizeof(Reply)},
-                                std::uint64_t{sizeof(BatchHeader)},    std::uint64_t{sizeof(EntryHeader)},
-                                std::uint64_t{sizeof(FeedbackHeader)}, std::uint64_t{sizeof(FeedbackEntry)},
-                                std::uint64_t{sizeof(Report)},         std::uint64_t{sizeof(DeviceInfo)},
-                                std::uint64_t{sizeof(ClientRow)},      std::uint64_t{device_layout().total},
-                                std::uint64_t{claim_layout({}).total}, layout_hash()}) {
+    for (std::uint64_t value :
+         {std::uint64_t{protocol_version}, std::uint64_t{sizeof(Hello)}, std::uint64_t{sizeof(Welcome)},
+          std::uint64_t{sizeof(Refused)}, std::uint64_t{sizeof(ClaimRequest)}, std::uint64_t{sizeof(Claimed)},
+          std::uint64_t{sizeof(CommandHeader)}, std::uint64_t{sizeof(AddBody)},
+          std::uint64_t{sizeof(PlaceProbeBody)}, std::uint64_t{sizeof(Reply)},
+          std::uint64_t{sizeof(BatchHeader)}, std::uint64_t{sizeof(EntryHeader)},
+          std::uint64_t{sizeof(FeedbackHeader)}, std::uint64_t{sizeof(FeedbackEntry)},
+          std::uint64_t{sizeof(Report)}, std::uint64_t{sizeof(DeviceInfo)}, std::uint64_t{sizeof(ClientRow)},
+          std::uint64_t{offsetof(ClientRow, present)}, std::uint64_t{sizeof(shm::WaiterFlag)},
+          // Rounding may hide in `total` that something has moved.
+          static_cast<std::uint64_t>(Count::size_), std::uint64_t{device_layout().clients},
+          std::uint64_t{device_layout().reports}, std::uint64_t{device_layout().total},
+          std::uint64_t{claim_layout({}).total}, layout_hash()}) {
         hash = mix(hash, value);
     }
     return hash;

@@ -164,6 +164,7 @@ void FeltEntries::write(shm::TripleWriter& to) noexcept {
 }
 
 void Claim::Impl::publish(std::uint64_t cycle) noexcept {
+    constexpr std::uint64_t missed_every = 64;  // cycles
     if (row != nullptr) {
         put(row->commits, batches_taken);
         put(row->refused, refused.count);
@@ -172,6 +173,9 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
         put(row->interval_ns, static_cast<std::uint64_t>(silence.interval() * 1e9));
         put(row->gain_ppm, static_cast<std::uint64_t>(gain * 1e6));
         put(row->silent, std::uint64_t{silent_for > 0});
+        // By turns: the client's line may have to come from another core, and people can wait for 64 cycles.
+        if ((cycle + terms.row) % missed_every == 0)
+            put(row->missed, shm::HardwareMemory::load(sleeper.flag->missed, std::memory_order::relaxed));
         if (counts_changed)
             for (Kind kind = 0; kind < Representations::size; ++kind)
                 put(row->present[kind], std::uint64_t{scene.count(kind)});

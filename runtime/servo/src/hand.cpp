@@ -29,9 +29,16 @@ Hand::Hand(drivers::Device& device, bool trusting)
     }
 }
 
-Trouble Hand::read(Nanoseconds now) noexcept {
+Trouble Hand::read(Nanoseconds now, StageClock& stages) noexcept {
     JointSample next = sample;
     const ReadStatus status = device_.read(now, next);
+    stages.end(Stage::read);
+    const Trouble trouble = believe(status, next, now);
+    stages.end(Stage::kinematics);
+    return trouble;
+}
+
+Trouble Hand::believe(ReadStatus status, const JointSample& next, Nanoseconds now) noexcept {
     stale = false;
     has_pose = false;
     // A device is there once it has said where it is: until its first good sample nothing is known of it, and

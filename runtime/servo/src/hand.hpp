@@ -9,6 +9,8 @@
 #include <knurl/servo/clock.hpp>
 #include <knurl/servo/velocity.hpp>
 
+#include "stage_clock.hpp"
+
 namespace knurl::servo {
 
 /// What a sample that is not good asks of the supervisor.
@@ -35,7 +37,7 @@ class Hand {
     Hand(drivers::Device& device, bool trusting);
 
     /// One reading. Afterwards the members below are the hand as this cycle knows it.
-    Trouble read(Nanoseconds now) noexcept;
+    Trouble read(Nanoseconds now, StageClock& stages) noexcept;
     /// After the write: what an application should know about, nothing that the force depends on. Every 16th
     /// call looks.
     void look_at_posture() noexcept;
@@ -56,6 +58,7 @@ class Hand {
     std::uint64_t bad_samples = 0, stale_samples = 0, kinematics_failures = 0;
 
   private:
+    Trouble believe(drivers::ReadStatus status, const drivers::JointSample& next, Nanoseconds now) noexcept;
     Trouble bad(std::uint32_t fault) noexcept;
     bool impossible(const drivers::JointSample& next, double gap) const noexcept;
     void restart() noexcept;

@@ -22,6 +22,7 @@ Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segm
       options(stated),
       period(std::llround(1e9 / stated.rate)),
       device_max_stiffness(max_stiffness(the_device.link(), stated.rate)),
+      stages(the_clock),
       hand(the_device, stated.supervisor.off),
       supervisor(the_device.link(), stated.supervisor, stated.rate),
       reports(with_empty_ring(segment) + protocol::device_layout().reports, protocol::report_slots,
@@ -38,17 +39,24 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     cycle.read_device(now);                              // joints -> pose and velocities
     cycle.take_mail(now);                                // claims that come and go
     cycle.take_changes(now);                             // commands and batches -> scenes
-    const Wrench sum = cycle.evaluate_claims(now, dt);   // scenes -> wrench, gains, sharing
-    const Supervised out = cycle.supervise(sum, dt);     // wrench -> efforts: the last gate
+    cycle.stages.end(Stage::take);
+    const Wrench sum = cycle.evaluate_claims(now, dt);  // scenes -> wrench, gains, sharing
+    cycle.stages.end(Stage::scenes);
+    const Supervised out = cycle.supervise(sum, dt);  // wrench -> efforts: the last gate
+    cycle.stages.end(Stage::supervise);
     cycle.notify_device();
     cycle.write_device(now, out);
+    cycle.stages.end(Stage::write);
     cycle.publish(deadline, sum, out);  // report, feedback
     cycle.let_go();                     // claims whose force has faded
     cycle.publish_counters(now);
+    cycle.stages.end(Stage::publish);
+    cycle.publish_parts();  // of this cycle, if it is one in 64
 }
 
 double Servo::Impl::begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept {
     ++report.cycle;
+    stages.begin(report.cycle, now);
     if (now > deadline + period) ++overruns;
     const Nanoseconds gap = first ? period : now - last_now;
     first = false;
@@ -74,7 +82,7 @@ double Servo::Impl::nominal(Nanoseconds gap) const noexcept {
 
 void Servo::Impl::read_device(Nanoseconds now) noexcept {
     const bool was_gone = unplugged;
-    const Trouble trouble = hand.read(now);
+    const Trouble trouble = hand.read(now, stages);
     read_ns = clock.now();
     unplugged = trouble.unplugged;
     if (unplugged) {

@@ -12,6 +12,7 @@
 #include "hand.hpp"
 #include "intake.hpp"
 #include "mailbox.hpp"
+#include "stage_clock.hpp"
 
 namespace knurl::servo {
 
@@ -35,6 +36,7 @@ struct Servo::Impl {
     void write_device(Nanoseconds now, const Supervised& out) noexcept;
     void publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept;
     void publish_counters(Nanoseconds now) noexcept;
+    void publish_parts() noexcept;
     void let_go() noexcept;
     void disarm_claims() noexcept;
 
@@ -49,6 +51,7 @@ struct Servo::Impl {
     Nanoseconds period;
     double device_max_stiffness;  // N/m
 
+    StageClock stages;
     Hand hand;
     Supervisor supervisor;
     Intake intake;

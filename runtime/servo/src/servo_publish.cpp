@@ -83,4 +83,15 @@ void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
         static_cast<std::uint64_t>(std::min(gate.generated_energy * 1e6, 1e18)));
 }
 
+void Servo::Impl::publish_parts() noexcept {
+    using protocol::Count;
+    constexpr auto read = static_cast<std::size_t>(Count::read_ns);
+    static_assert(static_cast<std::size_t>(Count::publish_ns) - read ==
+                  static_cast<std::size_t>(Stage::publish));
+    if (!stages.stamping()) return;
+    counters.set(static_cast<std::size_t>(Count::stamped_cycles), stages.stamped());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(Stage::size_); ++i)
+        counters.set(read + i, stages.sum(static_cast<Stage>(i)));
+}
+
 }  // namespace knurl::servo

@@ -55,6 +55,10 @@ bool lower_flag(typename Memory::Word& flag) noexcept {
 /// one who wakes it clears it. Zero-initialise it with the segment.
 struct alignas(line_bytes) WaiterFlag {
     std::uint64_t waiting = 0;
+    /// Reports that its owner has missed (BroadcastReader::missed), for people who look on. It lies here
+    /// since whoever publishes has this line at hand anyway. The owner's word alone says so: nothing may
+    /// depend on it.
+    std::uint64_t missed = 0;
 };
 static_assert(sizeof(WaiterFlag) == line_bytes);
 

@@ -67,6 +67,15 @@ enum class Count : std::uint32_t {
     device_state,
     fault_mask,
     generated_energy_uj,
+    // Of one cycle in 64: how many were stamped, and how long its parts took in all of those together.
+    stamped_cycles,
+    read_ns,
+    kinematics_ns,
+    take_ns,
+    scenes_ns,
+    supervise_ns,
+    write_ns,
+    publish_ns,
     size_
 };
 inline constexpr std::string_view count_names[] = {
@@ -96,6 +105,14 @@ inline constexpr std::string_view count_names[] = {
     "device_state",
     "fault_mask",
     "generated_energy_uj",
+    "stamped_cycles",
+    "read_ns",
+    "kinematics_ns",
+    "take_ns",
+    "scenes_ns",
+    "supervise_ns",
+    "write_ns",
+    "publish_ns",
 };
 static_assert(sizeof(count_names) / sizeof(count_names[0]) == static_cast<std::size_t>(Count::size_));
 
@@ -114,7 +131,8 @@ struct alignas(128) ClientRow {
     std::atomic<std::uint64_t> age_ns;       // of the newest batch at its use
     std::atomic<std::uint64_t> interval_ns;  // measured between commits
     std::atomic<std::uint64_t> gain_ppm;
-    std::atomic<std::uint64_t> silent;                          // 1 while its representations act on silence
+    std::atomic<std::uint64_t> silent;  // 1 while its representations act on silence
+    std::atomic<std::uint64_t> missed;  // reports, as it says itself; some cycles late
     std::atomic<std::uint64_t> present[Representations::size];  // representations of each kind
 };
 

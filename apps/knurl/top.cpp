@@ -1,0 +1,155 @@
+// knurl top: what a servo does with its time and its clients with it, live. Read-only: the servo does nothing
+// for it.
+
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <knurl/protocol/attach.hpp>
+
+#include "latency_floors.hpp"
+#include "top_terminal.hpp"
+#include "top_text.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+using nlohmann::json;
+
+struct Arguments {
+    std::string servo = "default";
+    double hertz = 2;
+    std::uint64_t count = 0;  // looks; 0: until interrupted
+    bool json = false;
+};
+
+struct Look {
+    pid_t pid = 0;
+    double seconds = 0;                // since the look before
+    std::vector<DeviceRates> devices;  // none: see `problem`
+    std::string problem;
+};
+
+/// Looks again and again, also at the servo that takes the place of one that has ended.
+class Looker {
+  public:
+    explicit Looker(const std::string& name) : socket_(protocol::servo_socket(name)), servo_(socket_) {
+        begin();
+    }
+
+    Look look() {
+        const auto reports = servo_.new_reports();
+        const Nanoseconds now = now_ns();
+        ServoView view = servo_.look();
+        Look look{.pid = view.pid,
+                  .seconds = static_cast<double>(now - then_) * 1e-9,
+                  .devices = {},
+                  .problem = {}};
+        bool moves = false;
+        for (std::size_t i = 0; i < view.devices.size(); ++i) {
+            DeviceRates rates = rates_between(before_.devices[i], view.devices[i], look.seconds, reports[i]);
+            moves = moves || rates.rate > 0;
+            if (i < last_.size()) keep_parts(last_[i], rates);
+            look.devices.push_back(std::move(rates));
+        }
+        last_ = look.devices;
+        before_ = std::move(view);
+        then_ = now;
+        if (!moves) find_again(look);
+        return look;
+    }
+
+  private:
+    void begin() {
+        before_ = servo_.look();
+        last_.clear();
+        servo_.new_reports();
+        then_ = now_ns();
+    }
+
+    /// One that has ended leaves its memory as it was, one that is stopped as well: who answers now?
+    void find_again(Look& look) {
+        try {
+            ServoWatch now(socket_);
+            if (now.look().pid == look.pid) return;
+            look.problem = fmt::format("pid {} has taken the place of {}", now.look().pid, look.pid);
+            servo_ = std::move(now);
+            begin();
+        } catch (const std::runtime_error& error) {
+            look.problem = fmt::format("pid {} has ended or stands still: {}", look.pid, error.what());
+        }
+        look.devices.clear();
+    }
+
+    std::string socket_;
+    ServoWatch servo_;
+    ServoView before_;
+    std::vector<DeviceRates> last_;
+    Nanoseconds then_ = 0;
+};
+
+std::string text_of(const std::string& servo, const Look& look) {
+    if (!look.problem.empty()) return fmt::format("knurl:{}  {}\n", servo, look.problem);
+    std::string text = fmt::format("knurl:{}  pid {}  in {:.2f} s\n", servo, look.pid, look.seconds);
+    for (const DeviceRates& device : look.devices) text += text_of(device);
+    return text;
+}
+
+std::string line_of(const std::string& servo, const Look& look) {
+    json devices = json::array();
+    for (const DeviceRates& device : look.devices) devices.push_back(json_of(device));
+    const json line = {{"servo", servo},
+                       {"pid", look.pid},
+                       {"seconds", look.seconds},
+                       {"problem", look.problem.empty() ? json() : json(look.problem)},
+                       {"devices", devices}};
+    return line.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+int watch(const Arguments& arguments) {
+    if (!(arguments.hertz >= 0.1 && arguments.hertz <= 20))
+        throw UsageError(fmt::format("--rate is {:g} Hz; give 0.1 to 20", arguments.hertz));
+    Looker looker(arguments.servo);
+    std::string problem;
+    Terminal terminal(!arguments.json);
+    for (std::uint64_t n = 0; arguments.count == 0 || n < arguments.count; ++n) {
+        if (!terminal.wait(1 / arguments.hertz)) return 0;
+        const Look look = looker.look();
+        terminal.show(arguments.json ? line_of(arguments.servo, look) : text_of(arguments.servo, look));
+        problem = look.problem;
+    }
+    if (!problem.empty()) throw std::runtime_error(problem);
+    return 0;
+}
+
+}  // namespace
+
+void add_top(CLI::App& program, Run& run) {
+    auto* verb =
+        program.add_subcommand("top", "A servo at work, live: where its time goes, what its clients do");
+    auto arguments = std::make_shared<Arguments>();
+    verb->add_option("servo", arguments->servo, "its name")->capture_default_str()->type_name("NAME");
+    verb->add_option("--rate", arguments->hertz, "looks a second, 0.1 to 20")
+        ->capture_default_str()
+        ->type_name("HZ");
+    verb->add_option("--count", arguments->count, "end after so many looks; default: when interrupted")
+        ->type_name("N");
+    verb->add_flag("--json", arguments->json, "a line of JSON for each look");
+    verb->footer(
+        "lateness  from a cycle's deadline until the device has been read\n"
+        "cycle     means of one cycle in 64; sleep: the rest of the period, waking included\n"
+        "age       of the newest update when its force was written: since the report that it answers was "
+        "read\n"
+        "merged    updates that another one replaced before the servo's next cycle\n"
+        "missed    reports that the client was too slow to read, as it says itself (a bridge: of itself)\n"
+        "12 merged (+3): 12 since it came, 3 since the last look. Where output is no terminal, each look "
+        "follows the last.");
+    verb->callback([&run, arguments] { run = [arguments] { return watch(*arguments); }; });
+}
+
+}  // namespace knurl::cli

@@ -1,0 +1,146 @@
+#include "top_terminal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <initializer_list>
+#include <sstream>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace knurl::cli {
+
+namespace {
+
+constexpr std::size_t indent = 4;
+
+/// What stands between two spaces or more.
+std::vector<std::string> fields(const std::string& line, std::size_t from) {
+    std::vector<std::string> found;
+    while ((from = line.find_first_not_of(' ', from)) != std::string::npos) {
+        const std::size_t end = std::min(line.find("  ", from), line.size());
+        found.push_back(line.substr(from, end - from));
+        from = end;
+    }
+    return found;
+}
+
+void wrap(const std::string& line, std::size_t columns, std::vector<std::string>& lines) {
+    if (line.size() <= columns) {
+        lines.push_back(line);
+        return;
+    }
+    const std::size_t margin = std::min(line.find_first_not_of(' '), line.size());
+    std::string next(margin, ' ');
+    bool empty = true;
+    for (const std::string& field : fields(line, margin)) {
+        if (!empty && next.size() + 2 + field.size() > columns) {
+            lines.push_back(next);
+            next.assign(margin + indent, ' ');
+            empty = true;
+        }
+        if (!empty) next += "  ";
+        next += field;
+        empty = false;
+    }
+    lines.push_back(next);
+}
+
+}  // namespace
+
+std::string fitted(const std::string& text, std::size_t columns, std::size_t rows) {
+    std::vector<std::string> lines;
+    std::istringstream all(text);
+    for (std::string line; std::getline(all, line);) wrap(line, columns, lines);
+    if (lines.size() > rows && rows > 0) {
+        const std::size_t left = lines.size() - rows + 1;
+        lines.resize(rows);
+        lines.back() = fmt::format("... and {} lines more", left);
+    }
+    std::string page;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (i > 0) page += '\n';
+        page.append(lines[i], 0, columns);
+    }
+    return page;
+}
+
+Terminal::Terminal(bool page) : page_(page && ::isatty(STDOUT_FILENO) != 0) {
+    const char* kind = std::getenv("TERM");
+    page_ = page_ && kind != nullptr && std::strcmp(kind, "dumb") != 0;
+    ::sigemptyset(&signals_);
+    // SIGWINCH too: then it wakes us, though nobody handles it. Without a page there is nothing to tidy up,
+    // and whoever suspends us may do so.
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&signals_, signal);
+    if (page_)
+        for (const int signal : {SIGTSTP, SIGWINCH}) ::sigaddset(&signals_, signal);
+    ::sigprocmask(SIG_BLOCK, &signals_, &before_);
+    enter();
+}
+
+Terminal::~Terminal() {
+    leave();
+    // One that came meanwhile has been obeyed by now.
+    const timespec none{};
+    while (::sigtimedwait(&signals_, nullptr, &none) > 0) {
+    }
+    ::sigprocmask(SIG_SETMASK, &before_, nullptr);
+}
+
+void Terminal::enter() {
+    if (!page_) return;
+    fmt::print("\033[?1049h\033[?25l");  // another page, no cursor
+    draw();
+}
+
+void Terminal::leave() {
+    if (page_) fmt::print("\033[?25h\033[?1049l");
+    std::fflush(stdout);
+}
+
+void Terminal::show(const std::string& text) {
+    shown_ = text;
+    draw();
+}
+
+void Terminal::draw() const {
+    if (page_) {
+        winsize size{};
+        const bool known =
+            ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0;
+        // First erased, then written: behind a line that ends in the last column nothing can be erased.
+        fmt::print("\033[H\033[J{}", fitted(shown_, known ? size.ws_col : 80, known ? size.ws_row : 24));
+    } else {
+        fmt::print("{}", shown_);
+    }
+    std::fflush(stdout);
+}
+
+bool Terminal::wait(double seconds) {
+    timespec now{};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    const double end = static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9 + seconds;
+    for (double left = seconds; left > 0;) {
+        const timespec pause{.tv_sec = static_cast<time_t>(left),
+                             .tv_nsec = static_cast<long>((left - std::floor(left)) * 1e9)};
+        const int signal = ::sigtimedwait(&signals_, nullptr, &pause);
+        if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) return false;
+        if (signal == SIGTSTP) {
+            leave();
+            ::raise(SIGSTOP);
+            enter();
+        } else if (signal == SIGWINCH) {
+            draw();
+        }
+        ::clock_gettime(CLOCK_MONOTONIC, &now);
+        left = end - static_cast<double>(now.tv_sec) - static_cast<double>(now.tv_nsec) * 1e-9;
+    }
+    return true;
+}
+
+}  // namespace knurl::cli

@@ -1,0 +1,16 @@
+#pragma once
+// What `knurl top` says of one device, for people and for programs.
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "top_rates.hpp"
+
+namespace knurl::cli {
+
+/// Lines of fields, two spaces or more apart.
+std::string text_of(const DeviceRates& rates);
+nlohmann::json json_of(const DeviceRates& rates);
+
+}  // namespace knurl::cli

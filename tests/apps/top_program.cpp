@@ -1,0 +1,218 @@
+// `knurl top` beside a servo.
+
+#include <csignal>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <poll.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <knurl/client/client.hpp>
+
+#include "program.hpp"
+
+namespace knurl::test {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+json last_look(const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"top", "--rate", "5", "--json", "--count"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = knurl(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::istringstream lines(outcome.out);
+    std::string line, last;
+    while (std::getline(lines, line)) last = line;
+    return json::parse(last);
+}
+
+TEST(Top, ShowsEachDevicesCycleAndItsParts) {
+    const Home home;
+    Servo servo({"--device", "left=sim:cartesian3", "--device", "right=sim:premium15", "--rate", "2000"});
+    const Outcome outcome = knurl({"top", "--count", "3", "--rate", "4", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    std::istringstream lines(outcome.out);
+    int looks = 0;
+    for (std::string line; std::getline(lines, line); ++looks) {
+        const json devices = json::parse(line).at("devices");
+        ASSERT_EQ(devices.size(), 2u);
+        EXPECT_EQ(devices[0].at("name"), "left");
+        EXPECT_EQ(devices[1].at("name"), "right");
+        for (const json& device : devices) {
+            EXPECT_GT(device.at("rate"), 0);
+            double sum = 0;  // us
+            for (const char* part :
+                 {"read", "kinematics", "take", "scenes", "supervise", "write", "publish"}) {
+                EXPECT_GE(device.at("parts_us").at(part), 0) << part;
+                sum += device.at("parts_us").at(part).get<double>();
+            }
+            EXPECT_GT(sum, 0);
+            EXPECT_NEAR(device.at("step_us"), sum, 1e-9 * sum);
+            EXPECT_GE(device.at("parts_us").at("sleep"), 0);
+            EXPECT_GE(device.at("lateness_max_us"), device.at("lateness_median_us"));
+            EXPECT_TRUE(device.at("clients").empty());
+        }
+    }
+    EXPECT_EQ(looks, 3);
+}
+
+TEST(Top, WithoutATerminalTheLooksFollowEachOtherAsPlainLines) {
+    const Home home;
+    const Servo servo({"--device", "hand=sim:cartesian3"});
+    const Outcome outcome = knurl({"top", "--count", "2", "--rate", "4"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, StartsWith("knurl:default  pid " + std::to_string(servo.pid())));
+    EXPECT_THAT(outcome.out, HasSubstr("\nhand (sim:cartesian3)  idle"));
+    EXPECT_THAT(outcome.out, HasSubstr("cycle us  read "));
+    EXPECT_THAT(outcome.out, HasSubstr("nobody holds it\nknurl:default  pid "));
+    EXPECT_THAT(outcome.out, Not(HasSubstr("\033")));
+}
+
+TEST(Top, ClientsComeAndGo) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3"});
+    Client client = Client::connect("knurl:default");
+    {
+        Claim hand = client.claim();
+        hand.add(Plane{.stiffness = 500});
+        hand.commit();
+        const json clients = last_look({"2"}).at("devices").at(0).at("clients");
+        ASSERT_EQ(clients.size(), 1u);
+        EXPECT_EQ(clients[0].at("role"), "claim");
+        EXPECT_EQ(clients[0].at("pid"), ::getpid());
+        EXPECT_EQ(clients[0].at("missed_in_all"), 0);
+    }
+    EXPECT_TRUE(eventually([] { return last_look({"1"}).at("devices").at(0).at("clients").empty(); }));
+}
+
+TEST(Top, SaysHowManyReportsAClientWasTooSlowToRead) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3", "--rate", "16000"});
+    Client client = Client::connect("knurl:default");
+    Observer slow = client.observe(), watch = client.observe();
+    const auto before = slow.next_report(10s);
+    ASSERT_TRUE(before);
+    // 4095 are kept.
+    for (auto now = watch.latest(); !now || now->cycle < before->cycle + 9000; now = watch.latest())
+        watch.next_report(1s);
+    ASSERT_TRUE(slow.next_report(1s));
+    ASSERT_GT(slow.missed(), 4000u);
+    const json clients = last_look({"2"}).at("devices").at(0).at("clients");
+    ASSERT_EQ(clients.size(), 2u);
+    EXPECT_EQ(clients[0].at("missed_in_all"), slow.missed());
+    EXPECT_EQ(clients[0].at("missed"), 0) << "not in this time";
+    EXPECT_EQ(clients[1].at("missed_in_all"), 0);
+}
+
+TEST(Top, WaitsForAServoThatHasEndedAndLooksAtTheNext) {
+    const Home home;
+    Servo first({"--device", "sim:cartesian3"});
+    const std::string pid = std::to_string(first.pid());
+    Background top({knurl_program(), "top", "--rate", "20"});
+    ASSERT_TRUE(top.says("cycle us  read")) << top.said();
+    first.end(SIGKILL);
+    ASSERT_TRUE(top.says("pid " + pid + " has ended")) << top.said();
+    const Servo next({"--device", "sim:premium15"});
+    EXPECT_TRUE(top.says("has taken the place of " + pid)) << top.said();
+    EXPECT_TRUE(top.says("premium15 (sim:premium15)")) << top.said();
+    EXPECT_EQ(top.end(SIGINT), 0) << "it was asked to end";
+}
+
+TEST(Top, BadArgumentsAndMissingServosAreOneLine) {
+    const Home home;
+    const Outcome nobody = knurl({"top", "nobody"});
+    EXPECT_EQ(nobody.code, 1);
+    EXPECT_EQ(nobody.out, "");
+    EXPECT_THAT(nobody.err, HasSubstr("nobody.sock"));
+    EXPECT_THAT(nobody.err, HasSubstr("is the servo of that name running?"));
+    EXPECT_EQ(std::count(nobody.err.begin(), nobody.err.end(), '\n'), 1) << nobody.err;
+    for (const char* rate : {"100", "0", "nan"}) {
+        const Outcome outcome = knurl({"top", "--rate", rate});
+        EXPECT_EQ(outcome.code, 2);
+        EXPECT_THAT(outcome.err, HasSubstr("give 0.1 to 20"));
+    }
+}
+
+/// `knurl top` on a terminal of a given size.
+class OnTerminal {
+  public:
+    OnTerminal(unsigned short columns, unsigned short rows) {
+        winsize size{.ws_row = rows, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
+        const std::string program = knurl_program();
+        pid_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
+        if (pid_ == 0) {
+            ::setenv("TERM", "xterm", 1);
+            ::execl(program.c_str(), "knurl", "top", "--rate", "20", nullptr);
+            ::_exit(127);
+        }
+    }
+    ~OnTerminal() {
+        ::kill(pid_, SIGKILL);
+        ::waitpid(pid_, nullptr, 0);
+        ::close(terminal_);
+    }
+    OnTerminal(const OnTerminal&) = delete;
+    OnTerminal& operator=(const OnTerminal&) = delete;
+
+    void type(char key) { ASSERT_EQ(::write(terminal_, &key, 1), 1); }
+    bool shows(const std::string& text) {
+        while (shown.find(text) == std::string::npos)
+            if (!read()) return false;
+        return true;
+    }
+    /// All of it, up to its end; its exit code.
+    int end() {
+        while (read()) {
+        }
+        int status = 0;
+        ::waitpid(pid_, &status, 0);
+        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    }
+    std::string shown;
+
+  private:
+    bool read() {
+        constexpr int patience_ms = static_cast<int>(std::chrono::milliseconds(patience).count());
+        pollfd one{.fd = terminal_, .events = POLLIN, .revents = 0};
+        if (::poll(&one, 1, patience_ms) != 1) return false;
+        char text[4096];
+        const ssize_t n = ::read(terminal_, text, sizeof text);
+        if (n > 0) shown.append(text, static_cast<std::size_t>(n));
+        return n > 0;
+    }
+    pid_t pid_ = -1;
+    int terminal_ = -1;
+};
+
+TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3"});
+    OnTerminal top(40, 10);
+    ASSERT_TRUE(top.shows("lateness")) << top.shown;  // what comes behind it may find no room
+    constexpr char interrupt = 3;                     // Ctrl-C
+    top.type(interrupt);
+    EXPECT_EQ(top.end(), 0);
+    const std::string page = "\033[?1049h", no_cursor = "\033[?25l";
+    EXPECT_THAT(top.shown, StartsWith(page + no_cursor));
+    EXPECT_THAT(top.shown, EndsWith("\033[?25h\033[?1049l"));
+    // Between escape sequences and line ends nothing is wider than the terminal.
+    const std::string last = top.shown.substr(top.shown.rfind("\033[J") + 3);
+    std::istringstream lines(last.substr(0, last.find('\033')));
+    int rows = 0;
+    for (std::string line; std::getline(lines, line); ++rows) EXPECT_LE(line.size(), 41u) << line;  // and \r
+    EXPECT_LE(rows, 10);
+    EXPECT_GT(rows, 4);
+}
+
+}  // namespace
+}  // namespace knurl::test
