@@ -120,7 +120,7 @@ TEST(AtOneKilohertz, TheDriverMissesNoTransferThatABareLoopWouldHaveMade) {
 
     int arrived = 0, last = 0, disorder = 0;
     bus.locked([&] {
-        for (const FalconRequest& request : ours->requests()) {
+        for (const MotorRequest& request : ours->requests()) {
             const int count = -request.motors[0];
             if (count == 0 || count == last) continue;
             ++arrived;
