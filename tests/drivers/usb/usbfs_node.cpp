@@ -73,6 +73,11 @@ int UsbfsNode::claims() const {
     return n;
 }
 
+std::size_t UsbfsNode::in_flight(std::uint8_t endpoint) const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        pending_, [endpoint](const Flying& flying) { return flying.urb->endpoint == endpoint; }));
+}
+
 bool UsbfsNode::held_elsewhere(const Opener& opener, unsigned interface) const {
     return held_by_another_ || std::ranges::any_of(openers_, [&](const auto& other) {
                return &other.second != &opener && (other.second.claimed >> interface & 1U) != 0;
