@@ -103,6 +103,7 @@ ReadStatus IoThread::take(Reading& reading) noexcept {
         return ReadStatus::unplugged;
     }
     if ((session & 1U) == 0) return ReadStatus::unplugged;
+    if (deaf_.load(std::memory_order_relaxed)) return ReadStatus::bad;
     Reading next;
     const std::uint64_t garbage = garbage_.load(std::memory_order_relaxed);
     const bool more_garbage = garbage != seen_garbage_;
@@ -206,6 +207,12 @@ bool IoThread::any_active() const noexcept {
     return std::ranges::any_of(in_, active) || std::ranges::any_of(out_, active);
 }
 
+/// A device that sends readings of its own accord looks well however long it has taken no effort.
+bool IoThread::deaf(Nanoseconds now) const noexcept {
+    return std::ranges::any_of(
+        out_, [now](const auto& transfer) { return transfer->active && now - transfer->since > deaf_after; });
+}
+
 /// Until something happens, and then lets libusb see to it.
 void IoThread::wait(int timeout_ms) noexcept {
     if (!session_) {  // the list of descriptors is that of an opened node
@@ -231,6 +238,7 @@ void IoThread::converse() noexcept {
         if (halted_) clear_halts();
         const bool fresh = newest_orders_.take(orders_);
         const Nanoseconds now = monotonic();
+        deaf_.store(deaf(now), std::memory_order_relaxed);
         const bool silent = !fresh && now - last_order_ >= silence;
         if (silent) orders_ = {};
         if (fresh || silent) last_order_ = now;
@@ -275,6 +283,7 @@ void IoThread::submit(Transfer& transfer, std::uint8_t endpoint, std::size_t len
          done, &transfer, 0);
     const int code = libusb_submit_transfer(transfer.block.get());
     transfer.active = code == 0;
+    transfer.since = monotonic();
     if (code == 0) return;
     gone_ = gone_ || code == LIBUSB_ERROR_NO_DEVICE || ++errors_in_row_ > most_errors;
     errors_.fetch_add(1, std::memory_order_relaxed);
