@@ -156,8 +156,8 @@ TEST_P(AtOneKilohertz, TheDriverMissesNoTransferThatABareLoopWouldHaveMade) {
     bus_.hold_clock(true);
     for (int k = 0; k < frames + warm_up; ++k) {
         const bool counts = k >= warm_up;
-        if (k > 0)  // before that the I/O thread sleeps
-            ASSERT_TRUE(bus_.settles([&] { return waits(); })) << "frame " << k;
+        // Before the first read the I/O thread sleeps.
+        ASSERT_TRUE(bus_.settles([&] { return k == 0 || waits(); })) << "frame " << k;
         JointSample sample;
         const bool read = device->read(clock_now(), sample) == ReadStatus::ok;
         for (std::size_t leg = 0; read && fresh && leg < 3; ++leg)
@@ -179,7 +179,9 @@ TEST_P(AtOneKilohertz, TheDriverMissesNoTransferThatABareLoopWouldHaveMade) {
             missed.samples += counts && !read ? 1 : 0;
             bare_missed.samples += counts && !bare_read ? 1 : 0;
             // In one frame of a hundred it begins: neither device takes a packet, for one to three.
-            stuck_for = stuck_for > 0 ? stuck_for - 1 : random() % 100 == 0 ? 1 + random() % 3 : 0;
+            stuck_for = stuck_for > 0         ? stuck_for - 1
+                        : random() % 100 == 0 ? 1 + static_cast<int>(random() % 3)
+                                              : 0;
             stuck = stuck_for > 0 ? stuck + 1 : 0;
             ours_->faults.stuck = theirs_->faults.stuck = stuck > 0;
         });
@@ -202,7 +204,7 @@ TEST_P(AtOneKilohertz, TheDriverMissesNoTransferThatABareLoopWouldHaveMade) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Falcon, AtOneKilohertz, testing::Bool(),
-                         [](const auto& info) { return info.param ? "EventCharacter" : "LatencyTimer"; });
+                         [](const auto& of) { return of.param ? "EventCharacter" : "LatencyTimer"; });
 
 }  // namespace
 }  // namespace knurl::drivers
