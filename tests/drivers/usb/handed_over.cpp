@@ -17,9 +17,10 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <linux/usbdevice_fs.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
-extern "C" int ioctl(int fd, unsigned long request, ...) {
+extern "C" int ioctl(int fd, unsigned long request, ...) noexcept {
     va_list arguments;
     va_start(arguments, request);
     void* const argument = va_arg(arguments, void*);

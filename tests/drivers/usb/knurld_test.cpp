@@ -184,11 +184,14 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         bus_.freeze(true);
         const auto deadline = std::chrono::steady_clock::now() + 30s;
         while (bus_.in_flight("1-1") < 5 || !io_thread_waits()) {
-            ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+            ASSERT_LT(std::chrono::steady_clock::now(), deadline)
+                << bus_.in_flight("1-1") << " in flight, I/O thread in call " << io_thread_call();
             std::this_thread::yield();
         }
     }
-    bool io_thread_waits() const {
+    bool io_thread_waits() const { return io_thread_call() == std::to_string(SYS_poll); }
+    /// The number of the system call in which it is.
+    std::string io_thread_call() const {
         const std::filesystem::path tasks = "/proc/" + std::to_string(servo_->pid()) + "/task";
         const auto word = [](const std::filesystem::path& file) {
             std::string text;
@@ -196,9 +199,8 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
             return text;
         };
         for (const auto& task : std::filesystem::directory_iterator(tasks))
-            if (word(task.path() / "comm") == "knurl-usb")
-                return word(task.path() / "syscall") == std::to_string(SYS_poll);
-        return false;
+            if (word(task.path() / "comm") == "knurl-usb") return word(task.path() / "syscall");
+        return "none";
     }
     /// The first zero from request `first` on came so many frames after `since`. Held to it only where the
     /// guardian is real-time.
