@@ -148,7 +148,7 @@ void IoThread::open() {
     for (const libusb_pollfd& wait : context_.descriptors())
         waits_.push_back({.fd = wait.fd, .events = wait.events, .revents = 0});
     gone_ = halted_ = owed_ = false;
-    errors_in_row_ = 0;
+    errors_in_row_ = unheard_ = 0;
     orders_ = {};
     ++number_;
     reading_.session = number_;
@@ -262,7 +262,9 @@ void IoThread::transmit(bool fresh) noexcept {
         const auto free = std::ranges::find_if(out_, [](const auto& transfer) { return !transfer->active; });
         owed_ = free == out_.end();
         if (owed_) {  // the newest goes when one of them is done
-            if (fresh) missed_.fetch_add(1, std::memory_order_relaxed);
+            if (!fresh) return;
+            missed_.fetch_add(1, std::memory_order_relaxed);
+            unheard_ = std::min(unheard_ + 1, deaf_orders);
             return;
         }
         const std::uint64_t acts = zero_line_->acts();
@@ -348,7 +350,7 @@ void IoThread::on_out(libusb_transfer* block) {
     Transfer& transfer = *static_cast<Transfer*>(block->user_data);
     transfer.active = false;
     if (block->status == LIBUSB_TRANSFER_COMPLETED)
-        transfer.owner->errors_in_row_ = 0;
+        transfer.owner->errors_in_row_ = transfer.owner->unheard_ = 0;
     else
         transfer.owner->ended(transfer);
 }

@@ -42,12 +42,15 @@ struct IoCounts {
 
 class IoThread {
   public:
-    static constexpr Nanoseconds silence = 10'000'000;     // ns without a write until zero is sent, and again
-    static constexpr Nanoseconds deaf_after = 20'000'000;  // ns that a packet waits until the device is deaf
-    static constexpr int transfers_in = 3;                 // asked for at any time
-    static constexpr int transfers_out = 2;                // in flight at most
-    static constexpr int most_errors = 64;                 // in a row: it is closed and opened again
-    static constexpr int search_ms = 50;                   // between looks for a device that is gone
+    static constexpr Nanoseconds silence = 10'000'000;  // ns without a write until zero is sent, and again
+    // A packet has waited so long, and so many orders after it, when the device counts as deaf. Both: a
+    // machine that stood still is no fault of the device's, a fast loop has many orders in a frame of USB.
+    static constexpr Nanoseconds deaf_after = 20'000'000;  // ns
+    static constexpr int deaf_orders = 20;
+    static constexpr int transfers_in = 3;   // asked for at any time
+    static constexpr int transfers_out = 2;  // in flight at most
+    static constexpr int most_errors = 64;   // in a row: it is closed and opened again
+    static constexpr int search_ms = 50;     // between looks for a device that is gone
     static constexpr std::size_t stack_bytes = 512 << 10;
 
     /// Finds, opens and starts the device; throws std::runtime_error with the way out. `priority`: SCHED_FIFO
@@ -140,6 +143,7 @@ class IoThread {
     Nanoseconds last_order_ = 0;
     std::uint64_t number_ = 0;  // of this opening; even: it is closed
     bool owed_ = false;         // orders came while every packet was in flight
+    int unheard_ = 0;           // orders since the device took a packet
     bool gone_ = false;
     bool halted_ = false;
     int errors_in_row_ = 0;
