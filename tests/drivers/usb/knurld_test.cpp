@@ -202,20 +202,23 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
             if (word(task.path() / "comm") == "knurl-usb") return word(task.path() / "syscall");
         return "none";
     }
-    /// The first zero from request `first` on came so many frames after `since`. Held to it only where the
-    /// guardian is real-time.
-    void expect_zero_within(int promised_frames, std::size_t first, std::uint64_t since) {
-        std::uint64_t zero = 0;
-        ASSERT_TRUE(bus_.wait(1000, [&] {
-            for (std::size_t i = first; i < device_->requests().size() && zero == 0; ++i)
+    /// So many frames after `since` came the first zero from request `first` on.
+    std::optional<int> zero_after(std::size_t first, std::uint64_t since) {
+        std::optional<std::uint64_t> zero;
+        const bool came = bus_.wait(1000, [&] {
+            for (std::size_t i = first; i < device_->requests().size() && !zero; ++i)
                 if (device_->requests()[i].is_zero()) zero = device_->requests()[i].frame;
-            return zero != 0;
-        }));
+            return zero.has_value();
+        });
+        if (!came) return {};
         EXPECT_EQ(bus_.locked([&] { return device_->motors(); }), (std::array<int, 3>{}));
-        const int late = static_cast<int>(zero - since);
-        std::printf("  zero after %d ms\n", late);
+        std::printf("  zero after %d ms\n", static_cast<int>(*zero - since));
+        return static_cast<int>(*zero - since);
+    }
+    /// Held to it only where the guardian is real-time.
+    void expect_in_time(int late, int most) const {
         if (real_time_)
-            EXPECT_LE(late, promised_frames);
+            EXPECT_LE(late, most);
         else
             std::printf("  knurld was not allowed SCHED_FIFO: the time is not held against it\n");
     }
@@ -223,18 +226,30 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         real_time_ = (::sched_getscheduler(servo_->pid()) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO;
     }
 
+    /// The bus runs from the moment of the kill: what the kernel takes to end the process counts. A machine
+    /// that stood still meanwhile gets a second and a third chance, as with the chaos runner.
     void kill_servo() {
-        note_policy();
-        let_it_run_dry();
-        const std::uint64_t since = bus_.frame();
-        const std::size_t before = requests();
-        ASSERT_NE(bus_.locked([&] { return device_->motors(); }), (std::array<int, 3>{}));
-        ::kill(servo_->pid(), SIGKILL);  // none of its threads returns to its program from now on
-        bus_.freeze(false);
-        expect_zero_within(promised, before, since);
-        servo_->end(SIGKILL);
-        expect_rest_from(requests());
-        servo_->start();
+        constexpr int chances = 3;
+        for (int i = 1;; ++i) {
+            note_policy();
+            let_it_run_dry();
+            ASSERT_FALSE(HasFatalFailure());
+            const std::uint64_t since = bus_.frame();
+            const std::size_t before = requests();
+            ASSERT_NE(bus_.locked([&] { return device_->motors(); }), (std::array<int, 3>{}));
+            ::kill(servo_->pid(), SIGKILL);  // none of its threads returns to its program from now on
+            bus_.freeze(false);
+            const std::optional<int> late = zero_after(before, since);
+            servo_->end(SIGKILL);
+            ASSERT_TRUE(late.has_value());
+            expect_rest_from(requests());
+            servo_->start();
+            if (*late <= promised || i == chances) {
+                expect_in_time(*late, promised);
+                return;
+            }
+            ASSERT_TRUE(pushes());
+        }
     }
     /// The guardian sends to a node that it was handed: the servo opened it long after the fork.
     void unplug_and_kill_servo() {
@@ -264,7 +279,9 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         const std::size_t before = requests();
         ASSERT_NE(bus_.locked([&] { return device_->motors(); }), (std::array<int, 3>{}));
         bus_.freeze(false);
-        expect_zero_within(guardian_stall + promised, before, since);
+        const std::optional<int> late = zero_after(before, since);
+        ASSERT_TRUE(late.has_value());
+        expect_in_time(*late, guardian_stall + promised);
         expect_rest_from(requests());
         const std::size_t zeroed = requests();
         servo_->go_on();

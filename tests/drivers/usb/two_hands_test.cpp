@@ -68,13 +68,20 @@ class TwoHandsOfOneApplication : public testing::TestWithParam<std::size_t> {
     std::size_t requests(const Hand& hand) {
         return bus_.locked([&] { return hand.model->requests().size(); });
     }
-    /// Nothing but its floor has reached that hand since its packet number `first`.
+    /// Nothing but its floor has reached that hand since its packet number `first`, but for the zero that its
+    /// I/O thread sends when this machine has stood still for 10 ms.
     void expect_floor(const Hand& hand, std::size_t first) {
         bus_.locked([&] {
-            EXPECT_GT(hand.model->requests().size(), first + 100);
-            for (std::size_t i = first; i < hand.model->requests().size(); ++i)
-                for (std::size_t motor = 0; motor < 3; ++motor)
-                    EXPECT_NEAR(hand.model->requests()[i].motors[motor], hand.steady[motor], 2) << i;
+            const std::size_t all = hand.model->requests().size();
+            EXPECT_GT(all, first + 100);
+            std::size_t zeros = 0;
+            for (std::size_t i = first; i < all; ++i) {
+                const MotorRequest& request = hand.model->requests()[i];
+                zeros += request.is_zero() ? 1 : 0;
+                for (std::size_t motor = 0; motor < 3 && !request.is_zero(); ++motor)
+                    EXPECT_NEAR(request.motors[motor], hand.steady[motor], 2) << i;
+            }
+            EXPECT_LE(zeros, (all - first) / 20);
         });
     }
 
@@ -89,7 +96,7 @@ TEST_P(TwoHandsOfOneApplication, OneIsUnpluggedAndTheOtherGoesOnFeeling) {
     const std::size_t felt = requests(other);
     bus_.unplug(pulled.port);
     const std::size_t before = requests(pulled);
-    ASSERT_TRUE(go_on(pulled, other, 10000, DeviceState::fault));
+    ASSERT_TRUE(go_on(pulled, other, 10000, DeviceState::disconnected));
     go_on(pulled, other, 200, DeviceState::active);
     plug_in(bus_, pulled.device, pulled.model, pulled.port);
     EXPECT_FALSE(go_on(pulled, other, 500, DeviceState::active)) << "nobody has armed it";
