@@ -2,7 +2,8 @@
 // with details that the seed makes (0: each kind once). Ends at the first broken promise, with the seed that
 // shows it again; a fault during which the machine itself stood still is tried again, three times in all. At
 // the end it prints how long the promised things took on this machine (measured, never judged: promises are
-// judged by cycles and order of events).
+// judged by cycles and order of events). Faults of a USB cable and its device:
+// tests/drivers/usb/knurld_test.cpp.
 
 #include <algorithm>
 #include <cstdio>

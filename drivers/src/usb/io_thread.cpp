@@ -103,6 +103,7 @@ ReadStatus IoThread::take(Reading& reading) noexcept {
         return ReadStatus::unplugged;
     }
     if ((session & 1U) == 0) return ReadStatus::unplugged;
+    if (deaf_.load(std::memory_order_relaxed)) return ReadStatus::bad;
     Reading next;
     const std::uint64_t garbage = garbage_.load(std::memory_order_relaxed);
     const bool more_garbage = garbage != seen_garbage_;
@@ -147,7 +148,7 @@ void IoThread::open() {
     for (const libusb_pollfd& wait : context_.descriptors())
         waits_.push_back({.fd = wait.fd, .events = wait.events, .revents = 0});
     gone_ = halted_ = owed_ = false;
-    errors_in_row_ = 0;
+    errors_in_row_ = unheard_ = 0;
     orders_ = {};
     ++number_;
     reading_.session = number_;
@@ -206,6 +207,12 @@ bool IoThread::any_active() const noexcept {
     return std::ranges::any_of(in_, active) || std::ranges::any_of(out_, active);
 }
 
+/// A device that sends readings of its own accord looks well however long it has taken no effort.
+bool IoThread::deaf(Nanoseconds now) const noexcept {
+    return std::ranges::any_of(
+        out_, [now](const auto& transfer) { return transfer->active && now - transfer->since > deaf_after; });
+}
+
 /// Until something happens, and then lets libusb see to it.
 void IoThread::wait(int timeout_ms) noexcept {
     if (!session_) {  // the list of descriptors is that of an opened node
@@ -231,6 +238,7 @@ void IoThread::converse() noexcept {
         if (halted_) clear_halts();
         const bool fresh = newest_orders_.take(orders_);
         const Nanoseconds now = monotonic();
+        deaf_.store(deaf(now), std::memory_order_relaxed);
         const bool silent = !fresh && now - last_order_ >= silence;
         if (silent) orders_ = {};
         if (fresh || silent) last_order_ = now;
@@ -254,7 +262,9 @@ void IoThread::transmit(bool fresh) noexcept {
         const auto free = std::ranges::find_if(out_, [](const auto& transfer) { return !transfer->active; });
         owed_ = free == out_.end();
         if (owed_) {  // the newest goes when one of them is done
-            if (fresh) missed_.fetch_add(1, std::memory_order_relaxed);
+            if (!fresh) return;
+            missed_.fetch_add(1, std::memory_order_relaxed);
+            unheard_ = std::min(unheard_ + 1, deaf_orders);
             return;
         }
         const std::uint64_t acts = zero_line_->acts();
@@ -275,6 +285,7 @@ void IoThread::submit(Transfer& transfer, std::uint8_t endpoint, std::size_t len
          done, &transfer, 0);
     const int code = libusb_submit_transfer(transfer.block.get());
     transfer.active = code == 0;
+    transfer.since = monotonic();
     if (code == 0) return;
     gone_ = gone_ || code == LIBUSB_ERROR_NO_DEVICE || ++errors_in_row_ > most_errors;
     errors_.fetch_add(1, std::memory_order_relaxed);
@@ -339,7 +350,7 @@ void IoThread::on_out(libusb_transfer* block) {
     Transfer& transfer = *static_cast<Transfer*>(block->user_data);
     transfer.active = false;
     if (block->status == LIBUSB_TRANSFER_COMPLETED)
-        transfer.owner->errors_in_row_ = 0;
+        transfer.owner->errors_in_row_ = transfer.owner->unheard_ = 0;
     else
         transfer.owner->ended(transfer);
 }

@@ -43,10 +43,14 @@ struct IoCounts {
 class IoThread {
   public:
     static constexpr Nanoseconds silence = 10'000'000;  // ns without a write until zero is sent, and again
-    static constexpr int transfers_in = 3;              // asked for at any time
-    static constexpr int transfers_out = 2;             // in flight at most
-    static constexpr int most_errors = 64;              // in a row: it is closed and opened again
-    static constexpr int search_ms = 50;                // between looks for a device that is gone
+    // A packet has waited so long, and so many orders after it, when the device counts as deaf. Both: a
+    // machine that stood still is no fault of the device's, a fast loop has many orders in a frame of USB.
+    static constexpr Nanoseconds deaf_after = 20'000'000;  // ns
+    static constexpr int deaf_orders = 20;
+    static constexpr int transfers_in = 3;   // asked for at any time
+    static constexpr int transfers_out = 2;  // in flight at most
+    static constexpr int most_errors = 64;   // in a row: it is closed and opened again
+    static constexpr int search_ms = 50;     // between looks for a device that is gone
     static constexpr std::size_t stack_bytes = 512 << 10;
 
     /// Finds, opens and starts the device; throws std::runtime_error with the way out. `priority`: SCHED_FIFO
@@ -59,8 +63,9 @@ class IoThread {
 
     // For the cycle: no wait, no allocation, no libusb. One thread at a time.
 
-    /// ok: `reading` is newer than the one before. bad: garbage came instead. unplugged: also once after a
-    /// device that was gone and is back between two calls.
+    /// ok: `reading` is newer than the one before. bad: garbage came instead, or the device takes no packet,
+    /// whatever it says: its motors hold what they were told last. unplugged: also once after a device that
+    /// was gone and is back between two calls.
     ReadStatus take(Reading& reading) noexcept;
     /// Efforts and flags; false: the device is gone. Orders for a device that has been plugged in again since
     /// the last take, or been made safe since, are zero.
@@ -86,6 +91,7 @@ class IoThread {
         IoThread* owner = nullptr;
         std::unique_ptr<libusb_transfer, Free> block;
         bool active = false;
+        Nanoseconds since = 0;  // it was submitted
         std::array<std::uint8_t, packet_bytes> bytes = {};
     };
 
@@ -102,6 +108,7 @@ class IoThread {
     void clear_halts() noexcept;
     void wait(int timeout_ms) noexcept;
     bool any_active() const noexcept;
+    bool deaf(Nanoseconds now) const noexcept;
     static void on_in(libusb_transfer* block);
     static void on_out(libusb_transfer* block);
 
@@ -136,6 +143,7 @@ class IoThread {
     Nanoseconds last_order_ = 0;
     std::uint64_t number_ = 0;  // of this opening; even: it is closed
     bool owed_ = false;         // orders came while every packet was in flight
+    int unheard_ = 0;           // orders since the device took a packet
     bool gone_ = false;
     bool halted_ = false;
     int errors_in_row_ = 0;
@@ -146,6 +154,7 @@ class IoThread {
     std::atomic<std::uint64_t> session_number_ =
         0;                             // odd: there is a device. Release after its first reading.
     std::atomic<bool> awake_ = false;  // the cycle has begun
+    std::atomic<bool> deaf_ = false;   // the device takes no packet
     std::atomic<std::uint64_t> readings_count_ = 0, sent_ = 0, missed_ = 0, garbage_ = 0, errors_ = 0;
 
     // The cycle's.

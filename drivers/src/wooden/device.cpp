@@ -19,9 +19,10 @@ namespace {
 // What every Teensy with the RawHID sketch calls itself.
 constexpr UsbId ids[] = {{0x16c0, 0x0486}};
 
-/// Counts per axis are 16 bits: one lap of them is followed.
-std::int32_t unwrapped(std::int32_t raw, std::int32_t before) {
-    return before + static_cast<std::int16_t>(static_cast<std::uint16_t>(raw - before));
+/// Counts per axis are 16 bits, two turns of the arm and more: the lap that is nearest to where it was
+/// opened. The lap nearest to the reading before would be another one for good after two reports of noise.
+std::int32_t unwrapped(std::int32_t raw, std::int32_t at_first) {
+    return at_first + static_cast<std::int16_t>(static_cast<std::uint16_t>(raw - at_first));
 }
 
 class WoodenHaptics final : public Device {
@@ -48,7 +49,6 @@ class WoodenHaptics final : public Device {
         if (home)
             for (std::size_t i = 0; i < motors; ++i)
                 home_[i] = (*home)[i] - link_.radians_per_count[i] * reading_.counts[i];
-        counts_ = reading_.counts;
         first_session_ = reading_.session;
     }
 
@@ -58,8 +58,8 @@ class WoodenHaptics final : public Device {
     ReadStatus read(Nanoseconds, JointSample& sample) noexcept override {
         const ReadStatus status = io_.take(reading_);
         for (std::size_t i = 0; i < motors; ++i) {
-            counts_[i] = unwrapped(reading_.counts[i], counts_[i]);
-            sample.position[i] = home_[i] + link_.radians_per_count[i] * counts_[i];
+            const std::int32_t counts = unwrapped(reading_.counts[i], io_.first().counts[i]);
+            sample.position[i] = home_[i] + link_.radians_per_count[i] * counts;
         }
         sample.has_velocity = false;
         // Its counters begin anew with its power, wherever the arm then is.
@@ -90,7 +90,6 @@ class WoodenHaptics final : public Device {
     SerialChain mechanism_;
     LinkConfig link_;
     usb::Reading reading_;
-    std::array<std::int32_t, max_joints> counts_ = {};
     std::array<double, motors> home_ = {};                    // rad
     std::array<double, motors> effort_per_milliampere_ = {};  // N m
     std::uint64_t first_session_ = 0;

@@ -1,6 +1,7 @@
 #include "bus.hpp"
 
 #include <cerrno>
+#include <chrono>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
@@ -256,6 +257,29 @@ void Bus::freeze(bool frozen) {
         if (!frozen) socket.usbfs->serve(frame());
 }
 
+void Bus::hold_clock(bool held) {
+    const std::lock_guard lock(mutex_);
+    held_ = held;
+}
+
+void Bus::tick() {
+    {
+        const std::lock_guard lock(mutex_);
+        pass_frame();
+    }
+    frame_passed_.notify_all();
+}
+
+bool Bus::settles(const std::function<bool()>& true_now) {
+    constexpr std::chrono::seconds patience{30};
+    std::unique_lock lock(mutex_);
+    return frame_passed_.wait_for(lock, patience, true_now);
+}
+
+std::size_t Bus::waiting_at(const std::string& port, std::uint8_t endpoint) {
+    return at(port).usbfs->in_flight(endpoint);
+}
+
 void Bus::wait_until_quiet() {
     constexpr timespec pause{.tv_sec = 0, .tv_nsec = 20 * frame_ns};
     for (std::uint64_t before = calls() - 1; before != calls();) {
@@ -356,9 +380,18 @@ void Bus::handle(UMockdevIoctlClient* client) {
         if (whole)
             result =
                 node == nullptr ? Result{.value = -1, .error = ENODEV} : node->call(call, frame(), frozen_);
+        if (held_) frame_passed_.notify_all();
     }
     if (!result.later) umockdev_ioctl_client_complete(client, result.value, result.error);
     if (call.argument != nullptr) g_object_unref(call.argument);
+}
+
+void Bus::pass_frame() {
+    const std::uint64_t frame = frame_.fetch_add(1, std::memory_order_acq_rel) + 1;
+    for (auto& [port, socket] : sockets_) {
+        socket.usbfs->model().frame(frame);
+        socket.usbfs->serve(frame);
+    }
 }
 
 void Bus::run() {
@@ -378,13 +411,7 @@ void Bus::run() {
         std::vector<std::string> pull;
         {
             const std::lock_guard lock(mutex_);
-            if (!frozen_) {
-                const std::uint64_t frame = frame_.fetch_add(1, std::memory_order_acq_rel) + 1;
-                for (auto& [port, socket] : sockets_) {
-                    socket.usbfs->model().frame(frame);
-                    socket.usbfs->serve(frame);
-                }
-            }
+            if (!frozen_ && !held_) pass_frame();
             pull.swap(unplug_soon_);
         }
         frame_passed_.notify_all();

@@ -51,6 +51,16 @@ class Bus {
 
     /// Nothing moves while frozen: requests stay in flight, frames do not pass.
     void freeze(bool frozen);
+    /// Held, the clock goes on by tick() alone, one frame each: a test that paces it depends on no machine's
+    /// speed. Requests are served all the while.
+    void hold_clock(bool held);
+    void tick();
+    /// With the clock held: waits until whoever talks to the bus has brought it to where `true_now` (called
+    /// with the lock held, after every call) says so. False: not within half a minute.
+    bool settles(const std::function<bool()>& true_now);
+    /// Requests that wait at an endpoint. With the lock held: inside locked() or a condition.
+    std::size_t waiting_at(const std::string& port, std::uint8_t endpoint);
+
     /// Waits until no call has come for some frames' worth of time: whoever talks to the bus now waits for
     /// it.
     void wait_until_quiet();
@@ -93,6 +103,7 @@ class Bus {
     UsbfsNode* node_of(UMockdevIoctlClient* client);
     Socket& at(const std::string& port);
     void run();
+    void pass_frame();
 
     UMockdevTestbed* testbed_ = nullptr;
     UMockdevIoctlBase* handler_ = nullptr;
@@ -104,7 +115,7 @@ class Bus {
     std::vector<std::string> unplug_soon_;
     std::set<std::string> attached_;  // nodes that have had a handler
     int next_address_ = 2;
-    bool frozen_ = false;
+    bool frozen_ = false, held_ = false;
     std::atomic<std::uint64_t> frame_ = 0, calls_ = 0;
     std::atomic<bool> stop_ = false;
     std::thread thread_;

@@ -86,7 +86,7 @@ int Falcon::out(std::uint8_t, std::span<const std::uint8_t> packet) {
 /// event character (FTDI AN232B-04).
 int Falcon::in(std::uint8_t, std::span<std::uint8_t> room) {
     const std::size_t most =
-        std::min<std::size_t>({room.size() - 2, 62, static_cast<std::size_t>(faults.fragment)});
+        std::min<std::size_t>({room.size() - 2, 62, static_cast<std::size_t>(chip.fragment)});
     if (uart_.size() < most && !flush_ && idle_frames_ < latency_) return nak;
     idle_frames_ = 0;
     room[0] = 0x01;
@@ -137,7 +137,7 @@ void Falcon::hear_monitor(std::uint8_t byte) {
     heard_.push_back(byte);
     if (heard_.size() < 3) return;
     if (heard_ == std::vector<std::uint8_t>{0x0A, 0x43, 0x0D}) {
-        if (faults.leading_zero) say(0);
+        if (chip.leading_zero) say(0);
         for (const int answer : {0x0A, 0x44, 0x2C, 0x0D}) say(static_cast<std::uint8_t>(answer));
     }
     heard_.clear();
@@ -145,8 +145,8 @@ void Falcon::hear_monitor(std::uint8_t byte) {
 
 void Falcon::hear_loader(std::uint8_t byte) {
     if (baud_ != baud_boot) return;
-    const bool wrong = faults.wrong_echoes > 0 && loaded_bytes_ == faults.wrong_echo_at;
-    if (wrong) --faults.wrong_echoes;
+    const bool wrong = chip.wrong_echoes > 0 && loaded_bytes_ == chip.wrong_echo_at;
+    if (wrong) --chip.wrong_echoes;
     say(wrong ? static_cast<std::uint8_t>(byte ^ 0x10) : byte);
     ++loaded_bytes_;
     heard_.push_back(byte);
@@ -174,8 +174,8 @@ void Falcon::load_word(std::uint16_t word) {
         block_header_ = word == 0 ? 0 : 2;
         if (word != 0) return;
         ++boots_;
-        mode_ = faults.deaf_loads > 0 ? Mode::off : Mode::running;
-        faults.deaf_loads = std::max(faults.deaf_loads - 1, 0);
+        mode_ = chip.deaf_loads > 0 ? Mode::off : Mode::running;
+        chip.deaf_loads = std::max(chip.deaf_loads - 1, 0);
         return;
     }
     if (--block_header_ == 0) block_left_ = words_[0];
@@ -191,13 +191,12 @@ void Falcon::hear_firmware(std::uint8_t byte) {
 }
 
 void Falcon::answer() {
-    FalconRequest request{.frame = frame_, .info = heard_[13] - 0x41};
+    MotorRequest request{.frame = frame_, .info = heard_[13] - 0x41};
     for (std::size_t leg = 0; leg < 3; ++leg)
         request.motors[leg] = std::clamp(nibbles(heard_.data() + 1 + 4 * leg), -4096, 4096);
     homing_ = (request.info & info_homing) != 0;
     leds_ = request.info & info_leds;
-    motors_ = request.motors;
-    requests_.push_back(request);
+    obey(request);
     if (faults.silent) return;
     flush_ = flush_ || event_character_;
     if (faults.garbage_replies > 0) {

@@ -10,31 +10,21 @@
 #include <random>
 #include <vector>
 
-#include "model.hpp"
+#include "motor_model.hpp"
 
 namespace knurl::drivers::usb_emulator {
 
+/// Those of its chip and its boot; MotorFaults has the others. A short packet ends after the chip's first
+/// status byte.
 struct FalconFaults {
-    int garbage_replies = 0;  // that many replies are noise
-    int short_packets = 0;    // that many packets end after the chip's first status byte
-    int fragment = 62;        // payload bytes of a packet at most
-    int wrong_echoes = 0;     // that many bytes of the boot loader come back altered, each at `wrong_echo_at`
+    int fragment = 62;     // payload bytes of a packet at most
+    int wrong_echoes = 0;  // that many bytes of the boot loader come back altered, each at `wrong_echo_at`
     std::size_t wrong_echo_at = 0;
-    bool silent = false;        // the DSP hears and says nothing
-    bool stuck = false;         // the chip takes no packet
     int deaf_loads = 0;         // that many images load and then do not run
     bool leading_zero = false;  // a 00 before the ROM's answer, as real ones have it
 };
 
-/// A request that reached the DSP.
-struct FalconRequest {
-    std::uint64_t frame = 0;
-    std::array<int, 3> motors = {};
-    int info = 0;
-    bool is_zero() const { return motors == std::array<int, 3>{}; }
-};
-
-class Falcon final : public Model {
+class Falcon final : public MotorModel {
   public:
     static constexpr double counts_per_radian = 1280 * (0.110 / 0.01425) / (2 * 3.14159265358979323846);
     static constexpr double angle_at_zero = 35 * 3.14159265358979323846 / 180;
@@ -50,7 +40,7 @@ class Falcon final : public Model {
     void frame(std::uint64_t number) override;
     void power_on() override;
 
-    FalconFaults faults;
+    FalconFaults chip;
 
     /// Where the hand wants the legs, rad, at t s of the bus's clock. Rigid unless compliant is set: then a
     /// spring and damper pull each leg there against the motors (0.055 kg at a lever of 60 mm).
@@ -58,8 +48,6 @@ class Falcon final : public Model {
     bool compliant = false;
 
     const std::array<double, 3>& legs() const { return legs_; }
-    const std::vector<FalconRequest>& requests() const { return requests_; }
-    std::array<int, 3> motors() const { return motors_; }
     bool running() const { return mode_ == Mode::running; }
     int boots() const { return boots_; }
     bool homing() const { return homing_; }
@@ -72,8 +60,8 @@ class Falcon final : public Model {
     /// Where its legs are now (rad), at rest.
     void place(const std::array<double, 3>& legs) { legs_ = legs; }
     void lose_homing() { homed_ = 0; }
-    /// Adds to one encoder, once and for good.
-    void slip(std::size_t leg, int counts) { slip_[leg] += counts; }
+    /// For good.
+    void slip(std::size_t leg, int counts) override { slip_[leg] += counts; }
 
   private:
     enum class Mode { off, monitor, loader, running };
@@ -103,13 +91,11 @@ class Falcon final : public Model {
     bool header_done_ = false;
     int boots_ = 0;
     // The device
-    std::array<int, 3> motors_ = {};
     std::array<int, 3> slip_ = {};
     std::array<double, 3> legs_ = {}, rates_ = {};
     int homed_ = 0, leds_ = 0, buttons_ = 0;
     bool homing_ = false;
     std::uint64_t frame_ = 0;
-    std::vector<FalconRequest> requests_;
     std::mt19937 noise_{1};
 };
 

@@ -73,11 +73,11 @@ TEST_F(FalconOnABus, GoesOnWithFirmwareThatRunsAlready) {
 TEST_F(FalconOnABus, BootsThroughFragmentsAlteredEchoesAndAnImageThatDoesNotRunAtOnce) {
     for (const int fragment : {1, 3, 17}) {
         const auto falcon = falcon_at_centre(false);
-        falcon->faults = {.fragment = fragment,
-                          .wrong_echoes = 1,
-                          .wrong_echo_at = 61,
-                          .deaf_loads = 1,
-                          .leading_zero = true};
+        falcon->chip = {.fragment = fragment,
+                        .wrong_echoes = 1,
+                        .wrong_echo_at = 61,
+                        .deaf_loads = 1,
+                        .leading_zero = true};
         bus_.plug(falcon, {});
         const auto device = open(with_firmware());
         EXPECT_EQ(bus_.locked([&] { return falcon->boots(); }), 2) << fragment;
@@ -91,7 +91,7 @@ TEST_F(FalconOnABus, SaysWhyItDoesNotBoot) {
     EXPECT_NE(error_of("falcon:").find(
                   "runs no firmware; name the file that its maker supplies: falcon:FALCON01,firmware=FILE"),
               std::string::npos);
-    bus_.locked([&] { falcon->faults = {.wrong_echoes = 1000, .wrong_echo_at = 100}; });
+    bus_.locked([&] { falcon->chip = {.wrong_echoes = 1000, .wrong_echo_at = 100}; });
     EXPECT_NE(error_of("falcon:" + with_firmware()).find("does not boot: byte 100 came back altered"),
               std::string::npos);
     bus_.locked([&] { falcon->faults = {.silent = true}; });
@@ -296,7 +296,7 @@ TEST_F(FalconOnABus, PushesNothingUntilItIsHomed) {
     bus_.locked([&] {
         EXPECT_TRUE(falcon->homing());
         EXPECT_EQ(falcon->leds(), 0x08) << "red";
-        for (const FalconRequest& request : falcon->requests()) EXPECT_TRUE(request.is_zero());
+        for (const MotorRequest& request : falcon->requests()) EXPECT_TRUE(request.is_zero());
         falcon->home();
     });
     EXPECT_TRUE(reaches(*device, *falcon, {0.1, 0.1, 0.1}, {-1000, -1000, -1000}));

@@ -75,7 +75,7 @@ TEST_F(FaultsOfAFalcon, ShortPacketsAreBad) {
 }
 
 TEST_F(FaultsOfAFalcon, FragmentsAreNoFault) {
-    bus_.locked([&] { falcon_->faults.fragment = 5; });
+    bus_.locked([&] { falcon_->chip.fragment = 5; });
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
     for (int i = 0; i < 300; ++i) EXPECT_NE(step(*device, {}), ReadStatus::bad);

@@ -107,23 +107,23 @@ class GuardianOfAFalcon : public testing::Test {
         while (bus_.in_flight("1-1") < 5) bus_.wait_until_quiet();  // three packets asked for, two of efforts
         bus_.wait_until_quiet();
     }
-    /// From now on the bus's clock runs.
+    /// From now on the bus's clock runs: at once, so that no frame is the guardian's for nothing. (A servo
+    /// that was sent SIGKILL runs no more, whenever its parent hears of it.)
     std::uint64_t run_on() {
         const std::size_t before = bus_.locked([&] { return falcon_->requests().size(); });
+        const std::uint64_t since = bus_.frame();
         bus_.freeze(false);
         bus_.locked([&] {
             EXPECT_GE(falcon_->requests().size(), before + 2) << "what was on its way arrives first";
             EXPECT_EQ(falcon_->requests()[before + 1].motors, pushed);
         });
-        return bus_.frame();
+        return since;
     }
     void expect_zero_in_time(std::uint64_t since) {
         const bool zero = bus_.wait(1000, [&] { return falcon_->motors() == std::array<int, 3>{}; });
         EXPECT_TRUE(zero);
         const std::uint64_t frame = bus_.locked([&] { return falcon_->requests().back().frame; });
-        // It may have come before the clock was read.
-        const int late =
-            static_cast<int>(static_cast<std::int64_t>(frame) - static_cast<std::int64_t>(since));
+        const int late = static_cast<int>(frame - since);
         std::printf("zero after %d ms of the bus's clock\n", late);
         if (servo_->real_time())
             EXPECT_LE(late, promised);

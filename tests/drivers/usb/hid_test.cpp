@@ -90,7 +90,7 @@ TEST_F(WoodenOnABus, ItsHomeMayBeStatedAndDoesNotSurviveItsPower) {
     }));
     EXPECT_FALSE(seen.calibrated) << "it counts from wherever it was plugged in";
     until(*device, {0.1, 0.1, 0.1}, [n = 0](ReadStatus, const JointSample&) mutable { return ++n > 50; });
-    EXPECT_EQ(bus_.locked([&] { return wooden_->milliamperes(); }), (std::array<int, 3>{}));
+    EXPECT_EQ(bus_.locked([&] { return wooden_->motors(); }), (std::array<int, 3>{}));
 }
 
 TEST_F(WoodenOnABus, EffortsBecomeMilliamperesScaledTogetherAndTheWatchdogHearsThem) {
@@ -99,7 +99,7 @@ TEST_F(WoodenOnABus, EffortsBecomeMilliamperesScaledTogetherAndTheWatchdogHearsT
         const auto& limit = device->link().effort_limit;
         const auto reaches = [&](const JointEfforts& efforts, const std::array<int, 3>& milliamperes) {
             return until(*device, efforts, [&](ReadStatus, const JointSample&) {
-                return bus_.locked([&] { return wooden_->milliamperes() == milliamperes; });
+                return bus_.locked([&] { return wooden_->motors() == milliamperes; });
             });
         };
         EXPECT_TRUE(reaches({414.4e-6 * 100, -310.8e-6 * 200, 0}, {100, -200, 0}));
@@ -108,25 +108,25 @@ TEST_F(WoodenOnABus, EffortsBecomeMilliamperesScaledTogetherAndTheWatchdogHearsT
         until(*device, {0.1}, [n = 0](ReadStatus, const JointSample&) mutable { return ++n > 700; });
         EXPECT_FALSE(bus_.locked([&] { return wooden_->watchdog_tripped(); }));
     }
-    EXPECT_EQ(bus_.locked([&] { return wooden_->milliamperes(); }), (std::array<int, 3>{}));
+    EXPECT_EQ(bus_.locked([&] { return wooden_->motors(); }), (std::array<int, 3>{}));
 }
 
 TEST_F(WoodenOnABus, ShortReportsAreBadAndACableThatIsPulledIsSeen) {
     const auto device = open_device("wooden:");
-    bus_.locked([&] { wooden_->short_reports = 5; });
+    bus_.locked([&] { wooden_->faults.short_packets = 5; });
     const auto is = [](ReadStatus wanted) {
         return [wanted](ReadStatus status, const JointSample&) { return status == wanted; };
     };
     EXPECT_TRUE(until(*device, {}, is(ReadStatus::bad)));
     EXPECT_TRUE(until(*device, {}, is(ReadStatus::ok)));
-    bus_.locked([&] { wooden_->silent = true; });
+    bus_.locked([&] { wooden_->faults.silent = true; });
     EXPECT_TRUE(until(*device, {}, is(ReadStatus::stale)));
     bus_.unplug("1-1");
     EXPECT_TRUE(until(*device, {}, is(ReadStatus::unplugged)));
 }
 
 TEST_F(WoodenOnABus, ATeensyThatIsNoPolhemIsRefused) {
-    bus_.locked([&] { wooden_->silent = true; });
+    bus_.locked([&] { wooden_->faults.silent = true; });
     EXPECT_THROW(open_device("wooden:"), std::runtime_error);
     EXPECT_THROW(open_device("wooden:,home=1:2"), std::runtime_error);
     EXPECT_THROW(open_device("wooden:,arm=generic6"), std::runtime_error);

@@ -73,6 +73,11 @@ int UsbfsNode::claims() const {
     return n;
 }
 
+std::size_t UsbfsNode::in_flight(std::uint8_t endpoint) const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        pending_, [endpoint](const Flying& flying) { return flying.urb->endpoint == endpoint; }));
+}
+
 bool UsbfsNode::held_elsewhere(const Opener& opener, unsigned interface) const {
     return held_by_another_ || std::ranges::any_of(openers_, [&](const auto& other) {
                return &other.second != &opener && (other.second.claimed >> interface & 1U) != 0;
@@ -244,15 +249,18 @@ void UsbfsNode::finish(Flying flying) {
     show_readiness();
 }
 
+// A queue per endpoint, and out before in, whoever was submitted first: what a device answers to the one may
+// go with the other in the same frame.
 void UsbfsNode::serve(std::uint64_t frame) {
-    for (bool moved = plugged_; moved;) {
-        moved = false;
+    const auto serve_all = [&](unsigned direction) {
+        bool moved = false;
         std::set<std::uint8_t> waiting;  // endpoints whose first request has to wait: so do those behind it
         for (auto at = pending_.begin(); at != pending_.end();) {
             Urb& urb = *at->urb;
             const bool over = urb.give_up_at != 0 && frame >= urb.give_up_at;
             if (over) urb.status = -ENOENT;
-            if (!over && (waiting.contains(urb.endpoint) || !move(urb))) {
+            if ((urb.endpoint & USB_DIR_IN) != direction ||
+                (!over && (waiting.contains(urb.endpoint) || !move(urb)))) {
                 waiting.insert(urb.endpoint);
                 ++at;
                 continue;
@@ -262,6 +270,11 @@ void UsbfsNode::serve(std::uint64_t frame) {
             finish(std::move(flying));
             moved = true;
         }
+        return moved;
+    };
+    for (bool moved = plugged_; moved;) {
+        moved = serve_all(USB_DIR_OUT);
+        moved = serve_all(USB_DIR_IN) || moved;
     }
 }
 

@@ -72,6 +72,7 @@ class UsbfsNode {
     const std::string& bound_driver() const { return kernel_driver_; }
     int claims() const;
     std::size_t in_flight() const { return pending_.size(); }
+    std::size_t in_flight(std::uint8_t endpoint) const;
 
   private:
     struct Opener {

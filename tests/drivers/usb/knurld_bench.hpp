@@ -1,0 +1,30 @@
+#pragma once
+// What the tests with a real knurld on the emulated bus share: an application that arms and feels a floor.
+
+#include <optional>
+
+#include "../../client/servo_process.hpp"
+#include "motor_bench.hpp"
+
+namespace knurl::drivers::usb_emulator {
+
+using namespace std::chrono_literals;
+
+/// A report's time: resets a fault, arms. The state that was reported, if one was.
+inline std::optional<DeviceState> try_to_arm(Claim& hand) {
+    try {
+        const auto report = hand.next_report(100ms);
+        hand.commit();
+        if (!report) return {};
+        if (report->state == DeviceState::fault) hand.reset_fault();
+        if (report->state == DeviceState::idle) hand.arm();
+        return report->state;
+    } catch (const Error&) {
+        return {};  // not back yet, or the device's state forbids it still: the next report shows
+    }
+}
+
+/// The rigid hand rests 2 mm within it: 0.2 N.
+inline const Plane felt_floor = {.normal = {0, 0, 1}, .offset = 0.002, .stiffness = 100};
+
+}  // namespace knurl::drivers::usb_emulator
