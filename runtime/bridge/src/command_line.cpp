@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <knurl/bridge/bridge.hpp>
+#include <knurl/protocol/name.hpp>
 
 #include "relay.hpp"
 
@@ -61,7 +62,23 @@ void raise_descriptor_limit() {
     ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+/// What there is to say of the servo at the start: nothing, if it is there.
+std::string about(const std::string& servo) {
+    try {
+        detail::connect_local(servo, "knurl-bridge", servo_answer_time);
+        return {};
+    } catch (const Error& error) {
+        return fmt::format(", but {} (clients are told so until then)", error.what());
+    }
+}
+
 int serve(const std::string& servo, const std::string& listen, const std::string& keys_file) {
+    if (!protocol::is_name(servo))
+        throw std::runtime_error(
+            fmt::format("--servo {}: no servo has such a name; give that of `knurld --name`, as `knurl ls` "
+                        "shows it: 1 to {} "
+                        "of the characters a-z A-Z 0-9 _ . - without a dot in front",
+                        servo, protocol::name_bytes - 1));
     RelayOptions options;
     options.servo = servo;
     options.listen = resolve(listen);
@@ -70,8 +87,8 @@ int serve(const std::string& servo, const std::string& listen, const std::string
     raise_descriptor_limit();
     go_before_others();
     Relay relay(std::move(options));
-    std::printf("knurl-bridge: servo '%s' is reached at knurl://%s%s\n", servo.c_str(),
-                relay.listening_at().c_str(), keys_file.empty() ? "" : ", with a key");
+    std::printf("knurl-bridge: servo '%s' is reached at knurl://%s%s%s\n", servo.c_str(),
+                relay.listening_at().c_str(), keys_file.empty() ? "" : ", with a key", about(servo).c_str());
     std::fflush(stdout);
     for (;;) {
         relay.run(signals.get());

@@ -33,8 +33,16 @@ constexpr std::int64_t tick_ns = 100'000'000;
 constexpr std::int64_t accept_pause_ns = 100'000'000;  // when the process is out of descriptors
 constexpr int most_bags = 8;      // of datagrams in one round; the others wait for their turn
 constexpr int most_reports = 64;  // of one device in one round
-constexpr int most_lines = 20;    // said in one second
 constexpr int backlog = 64;
+
+/// Never waits for whoever should read it.
+bool write_line(const std::string& line) {
+    pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+    if (::poll(&out, 1, 0) <= 0) return false;
+    std::puts(line.c_str());
+    std::fflush(stdout);
+    return true;
+}
 
 [[noreturn]] void cannot(const std::string& what) {
     const char* remedy = errno == EADDRINUSE
@@ -54,6 +62,7 @@ Relay::Relay(RelayOptions options)
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       pulse_(options_.servo),
       out_(datagrams_.get()),
+      journal_(write_line),
       desk_{.servo = options_.servo, .keys = options_.keys, .pulse = pulse_, .out = out_} {
     const std::string what = fmt::format("cannot listen at {}", options_.listen.text);
     if (!options_.listen.loopback() && options_.keys.empty())
@@ -82,23 +91,6 @@ void Relay::watch(int fd, std::uint32_t events, std::uint64_t from, int operatio
     epoll_event event{.events = events, .data = {.u64 = from}};
     if (::epoll_ctl(epoll_.get(), operation, fd, &event) != 0)
         throw std::runtime_error(fmt::format("epoll: {}", std::strerror(errno)));
-}
-
-/// So much a second: a scan must not fill the disk. And never waiting for whoever should read it.
-void Relay::say(const std::string& line, std::int64_t now) {
-    if (now / 1'000'000'000 != talk_second_) {
-        talk_second_ = now / 1'000'000'000;
-        talked_ = 0;
-    }
-    pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
-    if (talked_++ >= most_lines || ::poll(&out, 1, 0) <= 0) {
-        ++unsaid_;
-        return;
-    }
-    if (unsaid_ > 0) std::printf("(%d lines were left out)\n", unsaid_);
-    unsaid_ = 0;
-    std::puts(line.c_str());
-    std::fflush(stdout);
 }
 
 std::size_t Relay::pending() const {
@@ -161,13 +153,13 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
         why = error.what();
     }
     if (!knew && peer.greeted())
-        say(fmt::format("{}: in, role {}{}", peer.name(), role_name(peer.role()),
-                        options_.keys.empty() ? "" : ", encrypted"),
-            now);
+        journal_.admitted(peer.from(),
+                          fmt::format("{}: in, role {}{}", peer.name(), role_name(peer.role()),
+                                      options_.keys.empty() ? "" : ", encrypted"),
+                          now);
     if (pulse_.is_open() && !watching_servo_) follow_servo();
     if (!good) {
-        say(fmt::format("{}: {}: {}", peer.name(), knew ? "out" : "not let in", why), now);
-        return close(place, Error::Kind::disconnected, knew ? "the bridge ends this connection: " + why : "");
+        return end(place, why, now, knew);
     }
     follow(place);
 }
@@ -184,6 +176,17 @@ void Relay::follow(std::size_t index) {
         watch(place.peer->fd(), EPOLLIN | (place.watches_writing ? std::uint32_t{EPOLLOUT} : 0u),
               source(Source::peer, index, place.use), EPOLL_CTL_MOD);
     }
+}
+
+/// `told`: the peer is as well.
+void Relay::end(std::size_t index, const std::string& why, std::int64_t now, bool told, Error::Kind kind) {
+    const Peer& peer = *places_[index].peer;
+    if (peer.greeted()) {
+        journal_.event(fmt::format("{}: out: {}", peer.name(), why), now);
+    } else {
+        journal_.refused(peer.from(), peer.name(), why, now);
+    }
+    close(index, kind, told ? "the bridge ends this connection: " + why : "");
 }
 
 void Relay::close(std::size_t index, Error::Kind kind, const std::string& text) {
@@ -205,9 +208,7 @@ void Relay::admit(std::vector<Key> keys) {
         // again.
         const bool knew = places_[i].peer->admitted();
         const std::string why = knew ? "its key is not in the file any more" : "the keys were read again";
-        say(fmt::format("{}: out: {}", places_[i].peer->name(), why), now);
-        close(i, knew ? Error::Kind::permission : Error::Kind::disconnected,
-              "the bridge ends this connection: " + why);
+        end(i, why, now, true, knew ? Error::Kind::permission : Error::Kind::disconnected);
     }
 }
 
@@ -223,7 +224,7 @@ void Relay::follow_servo() {
 
 void Relay::servo_gone() {
     const std::string text = fmt::format("servo '{}' has gone; start it again", options_.servo);
-    say(text, detail::monotonic_ns());
+    journal_.event(text, detail::monotonic_ns());
     for (std::size_t i = 0; i < places; ++i) {
         if (!places_[i].peer || !places_[i].peer->greeted()) continue;
         places_[i].peer->say_gone(text);
@@ -244,8 +245,7 @@ void Relay::serve_device(std::size_t device, std::int64_t now) {
                 follow(place);  // what did not go out at once
                 continue;
             }
-            say(fmt::format("{}: out: {}", peer->name(), peer->why()), now);
-            close(place, Error::Kind::disconnected, "the bridge ends this connection: " + peer->why());
+            end(place, peer->why(), now);
         }
     }
     out_.flush();
@@ -289,8 +289,7 @@ void Relay::tick(std::int64_t now) {
         const std::string why =
             peer->greeted() ? fmt::format("nothing was heard of it for {} s", dead_after_ns / 1'000'000'000)
                             : fmt::format("it did not say who it is within {:g} s", greeting_seconds);
-        say(fmt::format("{}: out: {}", peer->name(), why), now);
-        close(i, Error::Kind::disconnected, "the bridge ends this connection: " + why);
+        end(i, why, now);
     }
 }
 

@@ -11,6 +11,7 @@
 #include <knurl/bridge/endpoint.hpp>
 #include <knurl/shm/fd.hpp>
 
+#include "journal.hpp"
 #include "mailbag.hpp"
 #include "peer.hpp"
 
@@ -59,11 +60,12 @@ class Relay {
     void follow(std::size_t place);  // what it wants to be woken for
     void follow_servo();
     void servo_gone();
+    void end(std::size_t place, const std::string& why, std::int64_t now, bool told = true,
+             Error::Kind kind = Error::Kind::disconnected);
     void close(std::size_t place, Error::Kind kind, const std::string& text);
     void tick(std::int64_t now);
     std::uint64_t new_session(std::size_t place) const;
     std::size_t pending() const;
-    void say(const std::string& line, std::int64_t now);
 
     RelayOptions options_;
     std::shared_ptr<const TlsContext> tls_;
@@ -75,10 +77,9 @@ class Relay {
     std::array<Place, places> places_;
     OutQueue out_;
     Mailbag mailbag_;
+    Journal journal_;
     Desk desk_;
     std::int64_t last_tick_ns_ = 0, accept_after_ns_ = 0;
-    std::int64_t talk_second_ = 0;
-    int talked_ = 0, unsaid_ = 0;
 };
 
 }  // namespace knurl::bridge
