@@ -25,13 +25,12 @@ constexpr const char* description =
     "is encrypted, and a key's role says what its owner may do.";
 std::string bounds() {
     return fmt::format(
-        "Bounds: {} sessions, {} claims and observers each; {} at a time that have not said who they are, "
-        "{:g} s "
-        "each;\n"
+        "Bounds: {} sessions, {} claims and observers each; {} at a time that have not said who they are "
+        "({} of one host), {:g} s each;\n"
         "a session of which nothing is heard for {:g} s ends; {:g} s more than a local application before it "
         "counts "
         "as silent.",
-        max_sessions, max_streams, Relay::most_pending, Relay::greeting_seconds,
+        max_sessions, max_streams, Relay::most_pending, Relay::most_pending_of_host, Relay::greeting_seconds,
         static_cast<double>(dead_after_ns) * 1e-9, delay_allowance);
 }
 

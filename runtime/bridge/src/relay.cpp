@@ -33,7 +33,8 @@ constexpr std::int64_t tick_ns = 100'000'000;
 constexpr std::int64_t accept_pause_ns = 100'000'000;  // when the process is out of descriptors
 constexpr int most_bags = 8;      // of datagrams in one round; the others wait for their turn
 constexpr int most_reports = 64;  // of one device in one round
-constexpr int backlog = 64;
+constexpr int most_accepts = 64;  // in one round
+constexpr std::int64_t give_way_ns = 500'000'000;
 
 /// Never waits for whoever should read it.
 bool write_line(const std::string& line) {
@@ -76,7 +77,7 @@ Relay::Relay(RelayOptions options)
     ::setsockopt(listener_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     Endpoint at = options_.listen;
     if (!listener_ || !epoll_ || ::bind(listener_.get(), at.get(), at.length) != 0 ||
-        ::listen(listener_.get(), backlog) != 0)
+        ::listen(listener_.get(), SOMAXCONN) != 0)
         cannot(what);
     at.length = sizeof at.address;  // port 0: whichever is free, then the same for datagrams
     ::getsockname(listener_.get(), at.get(), &at.length);
@@ -108,15 +109,15 @@ std::uint64_t Relay::new_session(std::size_t place) const {
 
 // -------------------------------------------------------------------------------------------------- peers
 
-/// With all pending places taken the next ones wait in the kernel's queue: nobody is turned away.
 void Relay::watch_listener(bool wanted) {
     if (wanted == accepting_) return;
     watch(listener_.get(), EPOLLIN, source(Source::listener), wanted ? EPOLL_CTL_ADD : EPOLL_CTL_DEL);
     accepting_ = wanted;
 }
 
+/// Whoever comes is taken out of the kernel's queue at once, so that nobody stands in it before the others.
 void Relay::accept_all(std::int64_t now) {
-    for (std::size_t waiting = pending(); waiting < most_pending; ++waiting) {
+    for (int i = 0; i < most_accepts; ++i) {
         sockaddr_storage from{};
         socklen_t length = sizeof from;
         shm::UniqueFd socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from), &length,
@@ -125,6 +126,10 @@ void Relay::accept_all(std::int64_t now) {
             if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)
                 accept_after_ns_ = now + accept_pause_ns;
             return;
+        }
+        if (!make_room(from, now)) {
+            journal_.refused(from, numeric(from), "too many callers that have not said who they are", now);
+            continue;
         }
         const auto free =
             std::find_if(places_.begin(), places_.end(), [](const Place& place) { return !place.peer; });
@@ -135,6 +140,34 @@ void Relay::accept_all(std::int64_t now) {
         free->watches_hang_up = free->watches_writing = false;
         watch(free->peer->fd(), EPOLLIN, source(Source::peer, place, free->use), EPOLL_CTL_ADD);
     }
+}
+
+/// For one more caller. The host with the most callers gives up its oldest: to another host at once, to its
+/// own only after a while, or a crowd of good ones would put each other out for ever.
+bool Relay::make_room(const sockaddr_storage& from, std::int64_t now) {
+    const std::size_t own = pending_of(from);
+    if (own < most_pending_of_host && pending() < most_pending) return true;
+    std::size_t oldest = places, most = own;
+    for (std::size_t i = 0; i < places; ++i) {
+        const Peer* const peer = places_[i].peer.get();
+        if (peer == nullptr || peer->greeted()) continue;
+        const std::size_t theirs = pending_of(peer->from());
+        // Of a host that has all it may it is its own oldest.
+        if (own >= most_pending_of_host ? !same_host(peer->from(), from) : theirs < most) continue;
+        if (oldest == places || theirs > most || peer->heard_ns() < places_[oldest].peer->heard_ns())
+            oldest = i;
+        most = theirs;
+    }
+    if (oldest == places) return false;
+    if (most <= own + 1 && now - places_[oldest].peer->heard_ns() < give_way_ns) return false;
+    end(oldest, "it did not say who it is, and somebody else waits", now);
+    return true;
+}
+
+std::size_t Relay::pending_of(const sockaddr_storage& host) const {
+    return static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [&](const Place& place) {
+        return place.peer && !place.peer->greeted() && same_host(place.peer->from(), host);
+    }));
 }
 
 void Relay::serve_peer(std::size_t place, std::int64_t now) {
@@ -299,7 +332,7 @@ void Relay::run(int signals) {
         std::int64_t now = detail::monotonic_ns();
         const bool anyone = std::any_of(places_.begin(), places_.end(),
                                         [](const Place& place) { return place.peer != nullptr; });
-        watch_listener(now >= accept_after_ns_ && pending() < most_pending);
+        watch_listener(now >= accept_after_ns_);
         const bool timed = anyone || !accepting_;
         if (!timed) last_tick_ns_ = 0;
         const std::int64_t left = std::max<std::int64_t>(0, last_tick_ns_ + tick_ns - now);

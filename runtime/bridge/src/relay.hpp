@@ -26,7 +26,8 @@ struct RelayOptions {
 class Relay {
   public:
     static constexpr std::size_t most_pending = 16;  // that have not said who they are
-    static constexpr double greeting_seconds = 2;    // for that, TLS included
+    static constexpr std::size_t most_pending_of_host = 8;
+    static constexpr double greeting_seconds = 2;  // for that, TLS included
     static constexpr std::size_t places = max_sessions + most_pending;
     static_assert(places <= 256);  // a session's number ends with its place
 
@@ -66,6 +67,8 @@ class Relay {
     void tick(std::int64_t now);
     std::uint64_t new_session(std::size_t place) const;
     std::size_t pending() const;
+    std::size_t pending_of(const sockaddr_storage& host) const;
+    bool make_room(const sockaddr_storage& from, std::int64_t now);
 
     RelayOptions options_;
     std::shared_ptr<const TlsContext> tls_;
