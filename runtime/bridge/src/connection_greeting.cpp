@@ -37,7 +37,7 @@ shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
 std::shared_ptr<const TlsContext> key_of(const std::string& file) {
     if (file.empty()) return nullptr;
     try {
-        const std::vector<Key> keys = read_keys(file);
+        const std::vector<Key> keys = read_keys(file, KeysOf::application);
         if (keys.size() != 1)
             throw std::runtime_error(
                 fmt::format("{}: holds {} keys; an application uses one: give it a file with just the line "
@@ -69,6 +69,7 @@ Connection::Connection(const Endpoint& bridge, const RemoteOptions& options)
 void Connection::broken() const {
     const std::string& reason = frames_.reason();
     const FrameStream::End how = frames_.how_it_ended();
+    if (how == FrameStream::End::foreign) nonsense();
     if (how == FrameStream::End::unreachable)
         throw Error(
             Error::Kind::no_servo,
@@ -81,9 +82,10 @@ void Connection::broken() const {
 void Connection::nonsense() const {
     throw Error(
         Error::Kind::incompatible,
-        fmt::format("what answers at {} is no knurl-bridge of this version; build the application and the "
-                    "bridge from the same version",
-                    bridge_.text));
+        fmt::format(
+            "what answers at {} is no knurl-bridge of this version; is that its port ({}, unless it was "
+            "given another)? If it is, build the application and the bridge from the same version",
+            bridge_.text, default_port));
 }
 
 Error Connection::refusal(const Refused& refused) const {
