@@ -80,7 +80,7 @@ int serve(const std::string& servo, const std::string& listen, const std::string
                         servo, protocol::name_bytes - 1));
     RelayOptions options;
     options.servo = servo;
-    options.listen = resolve(listen);
+    options.listen = resolve_all(listen);
     if (!keys_file.empty()) options.keys = read_keys(keys_file);
     const shm::UniqueFd signals = take_signals();
     raise_descriptor_limit();

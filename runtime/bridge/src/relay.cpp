@@ -16,8 +16,6 @@
 
 #include <knurl/link/clock.hpp>
 
-#include "datagram_socket.hpp"
-
 namespace knurl::bridge {
 
 namespace {
@@ -45,45 +43,19 @@ bool write_line(const std::string& line) {
     return true;
 }
 
-[[noreturn]] void cannot(const std::string& what) {
-    const char* remedy = errno == EADDRINUSE
-                             ? "; another program has this port: end it, or give another --listen"
-                         : errno == EADDRNOTAVAIL ? "; give --listen an address that this host has"
-                         : errno == EACCES        ? "; ports below 1024 are root's"
-                                                  : "";
-    throw std::runtime_error(fmt::format("{}: {}{}", what, std::strerror(errno), remedy));
-}
-
 }  // namespace
 
 Relay::Relay(RelayOptions options)
     : options_(std::move(options)),
-      listener_(::socket(options_.listen.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
-      datagrams_(make_datagram_socket(options_.listen.family())),
+      listening_(listen_at(options_.listen, !options_.keys.empty())),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       pulse_(options_.servo),
-      out_(datagrams_.get()),
+      out_(listening_.datagrams.get()),
       journal_(write_line),
       desk_{.servo = options_.servo, .keys = options_.keys, .pulse = pulse_, .out = out_} {
-    const std::string what = fmt::format("cannot listen at {}", options_.listen.text);
-    if (!options_.listen.loopback() && options_.keys.empty())
-        throw std::runtime_error(
-            fmt::format("{}: whoever reaches it could move the hand, so an address that is not this host's "
-                        "own (127.0.0.1, [::1]) "
-                        "needs keys: `knurl-bridge keygen --name NAME --role control`, then --keys FILE",
-                        what));
+    if (!epoll_) throw std::runtime_error(fmt::format("epoll: {}", std::strerror(errno)));
     if (!options_.keys.empty()) tls_ = TlsContext::server(options_.keys);
-    const int on = 1;
-    ::setsockopt(listener_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    Endpoint at = options_.listen;
-    if (!listener_ || !epoll_ || ::bind(listener_.get(), at.get(), at.length) != 0 ||
-        ::listen(listener_.get(), SOMAXCONN) != 0)
-        cannot(what);
-    at.length = sizeof at.address;  // port 0: whichever is free, then the same for datagrams
-    ::getsockname(listener_.get(), at.get(), &at.length);
-    if (!datagrams_ || ::bind(datagrams_.get(), at.get(), at.length) != 0) cannot(what + " (UDP)");
-    listening_at_ = numeric(at.address);
-    watch(datagrams_.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
+    watch(listening_.datagrams.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
 }
 
 Relay::~Relay() = default;
@@ -111,7 +83,8 @@ std::uint64_t Relay::new_session(std::size_t place) const {
 
 void Relay::watch_listener(bool wanted) {
     if (wanted == accepting_) return;
-    watch(listener_.get(), EPOLLIN, source(Source::listener), wanted ? EPOLL_CTL_ADD : EPOLL_CTL_DEL);
+    watch(listening_.callers.get(), EPOLLIN, source(Source::listener),
+          wanted ? EPOLL_CTL_ADD : EPOLL_CTL_DEL);
     accepting_ = wanted;
 }
 
@@ -120,7 +93,7 @@ void Relay::accept_all(std::int64_t now) {
     for (int i = 0; i < most_accepts; ++i) {
         sockaddr_storage from{};
         socklen_t length = sizeof from;
-        shm::UniqueFd socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from), &length,
+        shm::UniqueFd socket(::accept4(listening_.callers.get(), reinterpret_cast<sockaddr*>(&from), &length,
                                        SOCK_NONBLOCK | SOCK_CLOEXEC));
         if (!socket) {
             if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)
@@ -139,6 +112,7 @@ void Relay::accept_all(std::int64_t now) {
         ++free->use;
         free->watches_hang_up = free->watches_writing = false;
         watch(free->peer->fd(), EPOLLIN, source(Source::peer, place, free->use), EPOLL_CTL_ADD);
+        serve_peer(place, now);  // most have spoken already, and need no place among those who have not
     }
 }
 
@@ -191,9 +165,7 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
                                       options_.keys.empty() ? "" : ", encrypted"),
                           now);
     if (pulse_.is_open() && !watching_servo_) follow_servo();
-    if (!good) {
-        return end(place, why, now, knew);
-    }
+    if (!good) return end(place, why, now, knew);
     follow(place);
 }
 
@@ -289,7 +261,7 @@ void Relay::serve_device(std::size_t device, std::int64_t now) {
 
 void Relay::take_datagrams(std::int64_t now) {
     for (int bag = 0; bag < most_bags; ++bag) {
-        const std::size_t count = mailbag_.receive(datagrams_.get());
+        const std::size_t count = mailbag_.receive(listening_.datagrams.get());
         for (std::size_t i = 0; i < count; ++i) {
             const std::span<std::byte> datagram = mailbag_.datagram(i);
             std::uint64_t session = 0;

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include <knurl/bridge/endpoint.hpp>
-#include <knurl/shm/fd.hpp>
 
 #include "journal.hpp"
+#include "listening.hpp"
 #include "mailbag.hpp"
 #include "peer.hpp"
 
@@ -19,8 +19,8 @@ namespace knurl::bridge {
 
 struct RelayOptions {
     std::string servo = "default";
-    Endpoint listen{};
-    std::vector<Key> keys{};  // none: loopback only
+    std::vector<Endpoint> listen{};  // one, or all addresses of a name: the first that there is room at
+    std::vector<Key> keys{};         // none: loopback only
 };
 
 class Relay {
@@ -37,7 +37,7 @@ class Relay {
     Relay(const Relay&) = delete;
     Relay& operator=(const Relay&) = delete;
 
-    const std::string& listening_at() const { return listening_at_; }
+    const std::string& listening_at() const { return listening_.at; }
     /// Until `signals` (a signalfd) is readable. May be called again.
     void run(int signals);
     /// Between two run(): whose keys are these may come in from now on; whose key is not among them, or is
@@ -72,8 +72,8 @@ class Relay {
 
     RelayOptions options_;
     std::shared_ptr<const TlsContext> tls_;
-    shm::UniqueFd listener_, datagrams_, epoll_;
-    std::string listening_at_;
+    const Listening listening_;
+    shm::UniqueFd epoll_;
     bool accepting_ = false;
     Pulse pulse_;
     bool watching_servo_ = false;

@@ -14,10 +14,10 @@ constexpr std::string_view remote_prefix = "knurl://";
 
 }  // namespace
 
-std::optional<bridge::Endpoint> bridge_endpoint(const std::string& address) {
-    if (!address.starts_with(remote_prefix)) return std::nullopt;
+std::vector<bridge::Endpoint> bridge_endpoints(const std::string& address) {
+    if (!address.starts_with(remote_prefix)) return {};
     try {
-        return bridge::resolve(address.substr(remote_prefix.size()));
+        return bridge::resolve_all(address.substr(remote_prefix.size()));
     } catch (const std::runtime_error& reason) {
         throw Error(Error::Kind::no_servo, reason.what());
     }
