@@ -20,6 +20,8 @@ namespace knurl::bridge {
 
 namespace {
 
+constexpr std::size_t udp_bytes = 8, ip4_bytes = 20, ip6_bytes = 40;  // of the headers
+
 shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
     shm::UniqueFd fd(::socket(bridge.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     // What goes wrong now shows again when the connection is asked how it is.
@@ -157,19 +159,31 @@ shm::UniqueFd Connection::datagram_socket() const {
 
 void Connection::try_datagrams(shm::Deadline deadline) {
     constexpr std::chrono::milliseconds patience{50};
-    while (!clock_.known()) {
-        if (std::chrono::steady_clock::now() > deadline)
-            throw Error(
-                Error::Kind::no_servo,
-                fmt::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
-                            "through the firewalls between",
-                            bridge_.text,
-                            ntohs(reinterpret_cast<const sockaddr_in*>(bridge_.get())->sin_port)));
+    while (longest_pong_ < least_datagram_bytes) {
+        if (std::chrono::steady_clock::now() > deadline) no_datagrams();
         ping(detail::monotonic_ns());
+        ping(detail::monotonic_ns(), least_datagram_bytes);
         pollfd socket{.fd = clock_socket_.get(), .events = POLLIN, .revents = 0};
         ::poll(&socket, 1, static_cast<int>(patience.count()));
         serve_clock();
     }
+}
+
+void Connection::no_datagrams() const {
+    if (clock_.known())
+        throw Error(
+            Error::Kind::no_servo,
+            fmt::format(
+                "bridge {}: the path to it carries small datagrams only, and none of {} bytes, "
+                "which a report needs; raise the MTU of the narrowest link (a tunnel?) to {} or "
+                "more",
+                bridge_.text, least_datagram_bytes,
+                least_datagram_bytes + udp_bytes + (bridge_.family() == AF_INET6 ? ip6_bytes : ip4_bytes)));
+    throw Error(
+        Error::Kind::no_servo,
+        fmt::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
+                    "through the firewalls between",
+                    bridge_.text, ntohs(reinterpret_cast<const sockaddr_in*>(bridge_.get())->sin_port)));
 }
 
 }  // namespace knurl::bridge

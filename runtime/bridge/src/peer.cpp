@@ -257,7 +257,13 @@ void Peer::datagram(std::span<std::byte> datagram, const sockaddr_storage& from,
         const DatagramHeader header{.kind = DatagramKind::pong};
         const PongBody pong{
             .ping_sent_ns = ping.sent_ns, .received_ns = now, .sent_ns = detail::monotonic_ns()};
-        if (const std::size_t length = outbox_.close(room, write(room, header, pong)))
+        // As long as what it answers, so that a path which is too narrow is found both ways, and nobody is
+        // made to send more than he gets. What was in the buffer before is another peer's.
+        const std::size_t least = write(room, header, pong);
+        const std::size_t bytes =
+            std::clamp(sizeof header + opened.body.size(), least, room.size() - tag_bytes);
+        std::memset(room.data() + least, 0, bytes - least);
+        if (const std::size_t length = outbox_.close(room, bytes))
             desk.out.put(length, from, from_length, nullptr);
         return;
     }
