@@ -28,9 +28,9 @@ inline shm::UniqueFd bound(int type, std::uint16_t port = 0) {
     return fd;
 }
 
-/// For datagrams, from another of this host's addresses: 127.0.0.2 is as good as another host's.
-inline shm::UniqueFd bound_at(const char* host) {
-    shm::UniqueFd fd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+/// At another of this host's addresses: 127.0.0.2 is as good as another host's.
+inline shm::UniqueFd bound_at(const char* host, int type = SOCK_DGRAM) {
+    shm::UniqueFd fd(::socket(AF_INET, type | SOCK_CLOEXEC, 0));
     sockaddr_in address = loopback(0);
     EXPECT_EQ(::inet_pton(AF_INET, host, &address.sin_addr), 1);
     EXPECT_EQ(::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
@@ -42,6 +42,14 @@ inline std::uint16_t port_of(const shm::UniqueFd& fd) {
     socklen_t bytes = sizeof address;
     ::getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &bytes);
     return ntohs(address.sin_port);
+}
+
+/// A connection to that port from another of this host's addresses.
+inline shm::UniqueFd dial_from(const char* host, std::uint16_t port) {
+    shm::UniqueFd fd = bound_at(host, SOCK_STREAM);
+    const sockaddr_in to = loopback(port);
+    ::connect(fd.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    return fd;
 }
 
 /// A connection to that port, under way at least where `type` says SOCK_NONBLOCK.

@@ -33,6 +33,8 @@ TEST(Mistakes, of_who_starts_a_bridge) {
     refused({}, "192.0.2.1:4096", "needs keys");
     refused({}, "127.0.0.1:x", "the port is a number");
     refused({"--keys", "/no/such/file"}, "127.0.0.1:0", "/no/such/file");
+    for (const char* name : {"a/b", ".a", "a b"})
+        refused({"--servo", name}, "127.0.0.1:0", "no servo has such a name");
 
     KeyRing ring;
     ring.add("anna", Role::control);
@@ -48,11 +50,15 @@ TEST(Mistakes, a_bridge_without_a_servo_says_so_to_its_peers_and_takes_them_when
     ServoProcess servo;
     servo.end(SIGKILL);
     BridgeProcess bridge;
+    says(bridge.first_line(), "but no servo 'default' listens");
+    says(bridge.first_line(), "clients are told so until then");
     const Error error = refused_by(bridge);
     EXPECT_EQ(error.kind, Error::Kind::no_servo);
     says(error.what(), "no servo 'default' listens");
     servo.start();
     EXPECT_EQ(connect_to(bridge).servo_pid(), servo.pid());
+    BridgeProcess late;
+    EXPECT_EQ(late.first_line(), "knurl-bridge: servo 'default' is reached at " + late.address());
 }
 
 TEST(Mistakes, something_else_that_listens_there_is_no_bridge) {
@@ -68,9 +74,10 @@ TEST(Mistakes, something_else_that_listens_there_is_no_bridge) {
         }
         ::close(peer);
     });
-    const Error error = refusal([&] { Client::connect(address, {.wait = 0ms}); });
-    EXPECT_EQ(error.kind, Error::Kind::disconnected) << error.what();
-    says(error.what(), "frame");
+    // Patient for one that starts, but one call is all that the other program answers.
+    const Error error = refusal([&] { Client::connect(address, {.wait = 20s}); });
+    EXPECT_EQ(error.kind, Error::Kind::incompatible) << error.what();
+    says(error.what(), "is no knurl-bridge of this version; is that its port (4096");
     other.join();
     // One that accepts and says nothing is waited for, and not for ever.
     const Error mute = refusal([&] { Client::connect(address, {.wait = 0ms}); });

@@ -47,6 +47,9 @@ TEST(Keys, that_are_wrong_or_missing_are_answered_with_a_line_that_says_so) {
     const Error missing = refused_by(bridge, "/no/such/file");
     EXPECT_EQ(missing.kind, Error::Kind::permission);
     says(missing.what(), "/no/such/file");
+    says(missing.what(), "ask whoever runs the bridge for your line");
+    EXPECT_EQ(std::string(missing.what()).find("keygen"), std::string::npos)
+        << "a key that was made here no bridge knows";
     const Error several = refused_by(bridge, ring.file());
     says(several.what(), "an application uses one");
     const Error needless = refused_by(open, ring.stranger("dora", Role::control));

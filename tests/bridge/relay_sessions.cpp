@@ -40,6 +40,18 @@ TEST_F(Sessions, have_a_name_that_is_fit_for_a_log) {
     says(bridge.line(), "a?b?[2J?@127.0.0.1:");
 }
 
+TEST_F(Sessions, have_an_address_that_is_whole_however_long_their_name_is) {
+    Client remote = Client::connect(bridge.address(), {.name = std::string(63, 'n'), .wait = 10s}),
+           local = Client::connect("knurl:default", {.wait = 10s});
+    const std::string said = bridge.line();  // "nnn~@127.0.0.1:40112: in, role control"
+    const std::string address =
+        said.substr(said.find("127.0.0.1:"), said.find(": in") - said.find("127.0.0.1:"));
+    Claim held = remote.claim();
+    const Error error = refusal([&] { local.claim(); });
+    EXPECT_EQ(error.kind, Error::Kind::device_held);
+    says(error.what(), "nnn~@" + address);
+}
+
 TEST_F(Sessions, that_ask_for_what_there_is_not_are_told_and_go_on) {
     FrameStream stream(dial(bridge), false);
     greet(stream);

@@ -15,7 +15,7 @@ namespace {
 class OwnRelay {
   public:
     explicit OwnRelay(std::vector<Key> keys)
-        : relay_({.servo = "default", .listen = resolve("127.0.0.1:0"), .keys = std::move(keys)}),
+        : relay_({.servo = "default", .listen = resolve_all("127.0.0.1:0"), .keys = std::move(keys)}),
           thread_([this] { relay_.run(stop_.get()); }) {}
     ~OwnRelay() {
         const std::uint64_t one = 1;

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <knurl/bridge/bridge.hpp>
+#include <knurl/protocol/name.hpp>
 
 #include "relay.hpp"
 
@@ -24,13 +25,12 @@ constexpr const char* description =
     "is encrypted, and a key's role says what its owner may do.";
 std::string bounds() {
     return fmt::format(
-        "Bounds: {} sessions, {} claims and observers each; {} at a time that have not said who they are, "
-        "{:g} s "
-        "each;\n"
+        "Bounds: {} sessions, {} claims and observers each; {} at a time that have not said who they are "
+        "({} of one host), {:g} s each;\n"
         "a session of which nothing is heard for {:g} s ends; {:g} s more than a local application before it "
         "counts "
         "as silent.",
-        max_sessions, max_streams, Relay::most_pending, Relay::greeting_seconds,
+        max_sessions, max_streams, Relay::most_pending, Relay::most_pending_of_host, Relay::greeting_seconds,
         static_cast<double>(dead_after_ns) * 1e-9, delay_allowance);
 }
 
@@ -61,17 +61,33 @@ void raise_descriptor_limit() {
     ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+/// What there is to say of the servo at the start: nothing, if it is there.
+std::string about(const std::string& servo) {
+    try {
+        detail::connect_local(servo, "knurl-bridge", servo_answer_time);
+        return {};
+    } catch (const Error& error) {
+        return fmt::format(", but {} (clients are told so until then)", error.what());
+    }
+}
+
 int serve(const std::string& servo, const std::string& listen, const std::string& keys_file) {
+    if (!protocol::is_name(servo))
+        throw std::runtime_error(
+            fmt::format("--servo {}: no servo has such a name; give that of `knurld --name`, as `knurl ls` "
+                        "shows it: 1 to {} "
+                        "of the characters a-z A-Z 0-9 _ . - without a dot in front",
+                        servo, protocol::name_bytes - 1));
     RelayOptions options;
     options.servo = servo;
-    options.listen = resolve(listen);
+    options.listen = resolve_all(listen);
     if (!keys_file.empty()) options.keys = read_keys(keys_file);
     const shm::UniqueFd signals = take_signals();
     raise_descriptor_limit();
     go_before_others();
     Relay relay(std::move(options));
-    std::printf("knurl-bridge: servo '%s' is reached at knurl://%s%s\n", servo.c_str(),
-                relay.listening_at().c_str(), keys_file.empty() ? "" : ", with a key");
+    std::printf("knurl-bridge: servo '%s' is reached at knurl://%s%s%s\n", servo.c_str(),
+                relay.listening_at().c_str(), keys_file.empty() ? "" : ", with a key", about(servo).c_str());
     std::fflush(stdout);
     for (;;) {
         relay.run(signals.get());

@@ -85,11 +85,12 @@ void Connection::tick(std::int64_t now) noexcept {
         die("nothing was heard of it for 2 s; is the network up, and knurl-bridge still running?");
 }
 
-void Connection::ping(std::int64_t now) noexcept {
-    alignas(8) std::array<std::byte, 128> room;
+void Connection::ping(std::int64_t now, std::size_t length) noexcept {
+    alignas(8) std::array<std::byte, least_datagram_bytes> room{};
     const DatagramHeader header{.kind = DatagramKind::ping};
     const PingBody body{.sent_ns = now};
-    post(clock_socket_.get(), room, write(room, header, body));
+    const std::size_t tag = outbox_.overhead() - sizeof header;
+    post(clock_socket_.get(), room, std::max(write(room, header, body), length - std::min(length, tag)));
     next_ping_ns_ = now + (now - started_ns_ < quick_for_ns ? quick_ping_ns : ping_ns);
 }
 
@@ -101,7 +102,9 @@ void Connection::serve_clock() noexcept {
         if (opened.verdict != Inbox::Verdict::good || opened.header.kind != DatagramKind::pong) continue;
         std::span<const std::byte> body = opened.body;
         PongBody pong;
-        if (take(body, pong)) clock_.add(pong.ping_sent_ns, pong.received_ns, pong.sent_ns, now);
+        if (!take(body, pong)) continue;
+        clock_.add(pong.ping_sent_ns, pong.received_ns, pong.sent_ns, now);
+        longest_pong_ = std::max(longest_pong_, mailbag_.datagram(i).size());
     }
 }
 

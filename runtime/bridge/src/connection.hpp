@@ -82,6 +82,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void greet(const std::string& name, shm::Deadline deadline);
     void welcome(std::span<const std::byte> payload);
     void try_datagrams(shm::Deadline deadline);
+    [[noreturn]] void no_datagrams() const;
     void await_socket(shm::Deadline deadline);
     const Frame* await_frame(shm::Deadline deadline);
     [[noreturn]] void broken() const;
@@ -93,7 +94,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void serve_frames() noexcept;
     void take_frame(const Frame& frame) noexcept;
     void serve_clock() noexcept;
-    void ping(std::int64_t now) noexcept;
+    /// `length` of the whole datagram at least: filled up with zeros.
+    void ping(std::int64_t now, std::size_t length = 0) noexcept;
     void die(std::string_view why = {}) noexcept;
     void give_back(std::uint32_t stream) noexcept;
     Stream* stream_of(std::uint32_t id) noexcept;
@@ -114,6 +116,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     std::array<CounterWindow, max_streams + 1>
         windows_{};  // per stream, for all that use its number one after another
     ClockEstimate clock_;
+    std::size_t longest_pong_ = 0;  // bytes
     std::int64_t started_ns_ = 0, next_ping_ns_ = 0, heard_ns_ = 0, last_tick_ns_ = 0;
 
     std::vector<DeviceDescription> devices_;

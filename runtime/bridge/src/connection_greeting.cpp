@@ -20,6 +20,8 @@ namespace knurl::bridge {
 
 namespace {
 
+constexpr std::size_t udp_bytes = 8, ip4_bytes = 20, ip6_bytes = 40;  // of the headers
+
 shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
     shm::UniqueFd fd(::socket(bridge.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     // What goes wrong now shows again when the connection is asked how it is.
@@ -37,7 +39,7 @@ shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
 std::shared_ptr<const TlsContext> key_of(const std::string& file) {
     if (file.empty()) return nullptr;
     try {
-        const std::vector<Key> keys = read_keys(file);
+        const std::vector<Key> keys = read_keys(file, KeysOf::application);
         if (keys.size() != 1)
             throw std::runtime_error(
                 fmt::format("{}: holds {} keys; an application uses one: give it a file with just the line "
@@ -69,6 +71,7 @@ Connection::Connection(const Endpoint& bridge, const RemoteOptions& options)
 void Connection::broken() const {
     const std::string& reason = frames_.reason();
     const FrameStream::End how = frames_.how_it_ended();
+    if (how == FrameStream::End::foreign) nonsense();
     if (how == FrameStream::End::unreachable)
         throw Error(
             Error::Kind::no_servo,
@@ -81,9 +84,10 @@ void Connection::broken() const {
 void Connection::nonsense() const {
     throw Error(
         Error::Kind::incompatible,
-        fmt::format("what answers at {} is no knurl-bridge of this version; build the application and the "
-                    "bridge from the same version",
-                    bridge_.text));
+        fmt::format(
+            "what answers at {} is no knurl-bridge of this version; is that its port ({}, unless it was "
+            "given another)? If it is, build the application and the bridge from the same version",
+            bridge_.text, default_port));
 }
 
 Error Connection::refusal(const Refused& refused) const {
@@ -155,19 +159,31 @@ shm::UniqueFd Connection::datagram_socket() const {
 
 void Connection::try_datagrams(shm::Deadline deadline) {
     constexpr std::chrono::milliseconds patience{50};
-    while (!clock_.known()) {
-        if (std::chrono::steady_clock::now() > deadline)
-            throw Error(
-                Error::Kind::no_servo,
-                fmt::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
-                            "through the firewalls between",
-                            bridge_.text,
-                            ntohs(reinterpret_cast<const sockaddr_in*>(bridge_.get())->sin_port)));
+    while (longest_pong_ < least_datagram_bytes) {
+        if (std::chrono::steady_clock::now() > deadline) no_datagrams();
         ping(detail::monotonic_ns());
+        ping(detail::monotonic_ns(), least_datagram_bytes);
         pollfd socket{.fd = clock_socket_.get(), .events = POLLIN, .revents = 0};
         ::poll(&socket, 1, static_cast<int>(patience.count()));
         serve_clock();
     }
+}
+
+void Connection::no_datagrams() const {
+    if (clock_.known())
+        throw Error(
+            Error::Kind::no_servo,
+            fmt::format(
+                "bridge {}: the path to it carries small datagrams only, and none of {} bytes, "
+                "which a report needs; raise the MTU of the narrowest link (a tunnel?) to {} or "
+                "more",
+                bridge_.text, least_datagram_bytes,
+                least_datagram_bytes + udp_bytes + (bridge_.family() == AF_INET6 ? ip6_bytes : ip4_bytes)));
+    throw Error(
+        Error::Kind::no_servo,
+        fmt::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
+                    "through the firewalls between",
+                    bridge_.text, ntohs(reinterpret_cast<const sockaddr_in*>(bridge_.get())->sin_port)));
 }
 
 }  // namespace knurl::bridge

@@ -63,7 +63,7 @@ bool Endpoint::loopback() const {
     return family() == AF_INET6 && IN6_IS_ADDR_LOOPBACK(&as6(address).sin6_addr);
 }
 
-Endpoint resolve(const std::string& host_and_port) {
+std::vector<Endpoint> resolve_all(const std::string& host_and_port) {
     const Parts parts = split(host_and_port);
     addrinfo hints{};
     hints.ai_socktype = SOCK_STREAM;
@@ -76,11 +76,21 @@ Endpoint resolve(const std::string& host_and_port) {
             "its number",
             host_and_port, parts.host, error == EAI_SYSTEM ? std::strerror(errno) : ::gai_strerror(error)));
     const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, ::freeaddrinfo);
-    Endpoint result;
-    std::memcpy(&result.address, found->ai_addr, found->ai_addrlen);
-    result.length = found->ai_addrlen;
-    result.text = host_and_port;
-    return result;
+    std::vector<Endpoint> all;
+    for (const addrinfo* each = found; each != nullptr && all.size() < most_addresses; each = each->ai_next) {
+        Endpoint endpoint{.length = each->ai_addrlen, .text = host_and_port};
+        std::memcpy(&endpoint.address, each->ai_addr, each->ai_addrlen);
+        // Where ::1 and 127.0.0.1 have the same name in /etc/hosts, the library names the second twice.
+        const bool known = std::any_of(all.begin(), all.end(), [&](const Endpoint& other) {
+            return same_host(other.address, endpoint.address);
+        });
+        if (!known) all.push_back(endpoint);
+    }
+    return all;
+}
+
+Endpoint resolve(const std::string& host_and_port) {
+    return resolve_all(host_and_port).front();
 }
 
 std::string numeric(const sockaddr_storage& address) {

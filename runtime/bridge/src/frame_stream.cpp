@@ -200,8 +200,9 @@ const Frame* FrameStream::take() noexcept {
     if (header.bytes == 0 || header.bytes > max_payload_) {
         // Nothing of what follows can be told apart any more.
         in_begin_ = in_end_ = 0;
-        end(End::broken, header.bytes == 0 ? "a frame of length zero came"
-                                           : "a frame came that is longer than is allowed here");
+        end(!server_ && first_frame_ ? End::foreign : End::broken,
+            header.bytes == 0 ? "a frame of length zero came"
+                              : "a frame came that is longer than is allowed here");
         return nullptr;
     }
     if (there < header_bytes + header.bytes) return nullptr;

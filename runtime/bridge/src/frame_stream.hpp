@@ -44,6 +44,7 @@ class FrameStream {
         in_order,     // or not yet; or by close()
         unreachable,  // nobody listens there
         keys,         // who has which key: trying again changes nothing
+        foreign,      // what it says is no frame, from its first word: it is no bridge
         broken,
     };
 

@@ -152,18 +152,20 @@ Key make_key(std::string name, Role role) {
     return key;
 }
 
-std::vector<Key> read_keys(const std::filesystem::path& file) {
+std::vector<Key> read_keys(const std::filesystem::path& file, KeysOf whose) {
+    const std::string remedy = whose == KeysOf::bridge
+                                   ? "make one with: knurl-bridge keygen --name NAME --role ROLE"
+                                   : "ask whoever runs the bridge for your line of its keys, and write it "
+                                     "into this file (mode 0600)";
     const shm::UniqueFd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (!fd) {
         const int error = errno;
-        refuse(file, error == ENOENT
-                         ? "no such keys file; make a key with: knurl-bridge keygen --name NAME --role ROLE"
-                         : "cannot be read: " + system_text(error));
+        refuse(file, error == ENOENT ? "there is no such file with a key; " + remedy
+                                     : "cannot be read: " + system_text(error));
     }
     require_private(file, fd.get());
     std::vector<Key> keys = parse(file, read_all(file, fd.get()));
-    if (keys.empty())
-        refuse(file, "holds no key; make one with: knurl-bridge keygen --name NAME --role ROLE");
+    if (keys.empty()) refuse(file, "holds no key; " + remedy);
     return keys;
 }
 

@@ -37,9 +37,12 @@ struct Key {
 /// A new key from the system's random numbers. Throws std::runtime_error: bad name.
 Key make_key(std::string name, Role role);
 
+/// Whoever lets others in makes keys; whoever wants in asks for one, since what it makes itself nobody knows.
+enum class KeysOf : std::uint8_t { bridge, application };
+
 /// All keys of a file. Throws std::runtime_error, one line: missing, readable by others, file and line of a
-/// mistake.
-std::vector<Key> read_keys(const std::filesystem::path& file);
+/// mistake, what `whose` can do about it.
+std::vector<Key> read_keys(const std::filesystem::path& file, KeysOf whose = KeysOf::bridge);
 
 /// Adds one key; makes the file (0600) if there is none. Throws: the name is taken, the file cannot be
 /// written.

@@ -30,6 +30,15 @@ DeviceRow row_of(const DeviceDescription& device) {
     return row;
 }
 
+/// As the servo's clients see it, which is name_bytes long at most: whoever asks who holds the device must
+/// learn where that is, so that it is the name which is cut.
+std::string name_at(std::string_view name, const sockaddr_storage& from) {
+    const std::string at = "@" + numeric(from);
+    const std::size_t room = protocol::name_bytes - 1 - at.size();
+    if (name.size() <= room) return std::string(name) + at;
+    return std::string(name.substr(0, room - 1)) + "~" + at;
+}
+
 }  // namespace
 
 Peer::Peer(shm::UniqueFd socket, const sockaddr_storage& from, std::uint64_t session,
@@ -113,12 +122,12 @@ bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
             "restart the other"));
         return fail("it is of another version");
     }
-    name_ = fmt::format("{}@{}", protocol::printable(hello.client), numeric(from_));
+    name_ = name_at(protocol::printable(hello.client), from_);
     if (!desk.keys.empty()) {
         const Key* key = find_key(desk.keys, frames_.peer_identity());
         if (key == nullptr) return fail("its key is not in the file");  // TLS has let nobody else in
         key_ = *key;
-        name_ = fmt::format("{}@{}", key->name, numeric(from_));
+        name_ = name_at(key->name, from_);
     }
     if (desk.sessions >= max_sessions) {
         refuse(
@@ -248,7 +257,13 @@ void Peer::datagram(std::span<std::byte> datagram, const sockaddr_storage& from,
         const DatagramHeader header{.kind = DatagramKind::pong};
         const PongBody pong{
             .ping_sent_ns = ping.sent_ns, .received_ns = now, .sent_ns = detail::monotonic_ns()};
-        if (const std::size_t length = outbox_.close(room, write(room, header, pong)))
+        // As long as what it answers, so that a path which is too narrow is found both ways, and nobody is
+        // made to send more than he gets. What was in the buffer before is another peer's.
+        const std::size_t least = write(room, header, pong);
+        const std::size_t bytes =
+            std::clamp(sizeof header + opened.body.size(), least, room.size() - tag_bytes);
+        std::memset(room.data() + least, 0, bytes - least);
+        if (const std::size_t length = outbox_.close(room, bytes))
             desk.out.put(length, from, from_length, nullptr);
         return;
     }

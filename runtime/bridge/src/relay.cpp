@@ -16,8 +16,6 @@
 
 #include <knurl/link/clock.hpp>
 
-#include "datagram_socket.hpp"
-
 namespace knurl::bridge {
 
 namespace {
@@ -33,47 +31,31 @@ constexpr std::int64_t tick_ns = 100'000'000;
 constexpr std::int64_t accept_pause_ns = 100'000'000;  // when the process is out of descriptors
 constexpr int most_bags = 8;      // of datagrams in one round; the others wait for their turn
 constexpr int most_reports = 64;  // of one device in one round
-constexpr int most_lines = 20;    // said in one second
-constexpr int backlog = 64;
+constexpr int most_accepts = 64;  // in one round
+constexpr std::int64_t give_way_ns = 500'000'000;
 
-[[noreturn]] void cannot(const std::string& what) {
-    const char* remedy = errno == EADDRINUSE
-                             ? "; another program has this port: end it, or give another --listen"
-                         : errno == EADDRNOTAVAIL ? "; give --listen an address that this host has"
-                         : errno == EACCES        ? "; ports below 1024 are root's"
-                                                  : "";
-    throw std::runtime_error(fmt::format("{}: {}{}", what, std::strerror(errno), remedy));
+/// Never waits for whoever should read it.
+bool write_line(const std::string& line) {
+    pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+    if (::poll(&out, 1, 0) <= 0) return false;
+    std::puts(line.c_str());
+    std::fflush(stdout);
+    return true;
 }
 
 }  // namespace
 
 Relay::Relay(RelayOptions options)
     : options_(std::move(options)),
-      listener_(::socket(options_.listen.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
-      datagrams_(make_datagram_socket(options_.listen.family())),
+      listening_(listen_at(options_.listen, !options_.keys.empty())),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       pulse_(options_.servo),
-      out_(datagrams_.get()),
+      out_(listening_.datagrams.get()),
+      journal_(write_line),
       desk_{.servo = options_.servo, .keys = options_.keys, .pulse = pulse_, .out = out_} {
-    const std::string what = fmt::format("cannot listen at {}", options_.listen.text);
-    if (!options_.listen.loopback() && options_.keys.empty())
-        throw std::runtime_error(
-            fmt::format("{}: whoever reaches it could move the hand, so an address that is not this host's "
-                        "own (127.0.0.1, [::1]) "
-                        "needs keys: `knurl-bridge keygen --name NAME --role control`, then --keys FILE",
-                        what));
+    if (!epoll_) throw std::runtime_error(fmt::format("epoll: {}", std::strerror(errno)));
     if (!options_.keys.empty()) tls_ = TlsContext::server(options_.keys);
-    const int on = 1;
-    ::setsockopt(listener_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    Endpoint at = options_.listen;
-    if (!listener_ || !epoll_ || ::bind(listener_.get(), at.get(), at.length) != 0 ||
-        ::listen(listener_.get(), backlog) != 0)
-        cannot(what);
-    at.length = sizeof at.address;  // port 0: whichever is free, then the same for datagrams
-    ::getsockname(listener_.get(), at.get(), &at.length);
-    if (!datagrams_ || ::bind(datagrams_.get(), at.get(), at.length) != 0) cannot(what + " (UDP)");
-    listening_at_ = numeric(at.address);
-    watch(datagrams_.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
+    watch(listening_.datagrams.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
 }
 
 Relay::~Relay() = default;
@@ -82,23 +64,6 @@ void Relay::watch(int fd, std::uint32_t events, std::uint64_t from, int operatio
     epoll_event event{.events = events, .data = {.u64 = from}};
     if (::epoll_ctl(epoll_.get(), operation, fd, &event) != 0)
         throw std::runtime_error(fmt::format("epoll: {}", std::strerror(errno)));
-}
-
-/// So much a second: a scan must not fill the disk. And never waiting for whoever should read it.
-void Relay::say(const std::string& line, std::int64_t now) {
-    if (now / 1'000'000'000 != talk_second_) {
-        talk_second_ = now / 1'000'000'000;
-        talked_ = 0;
-    }
-    pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
-    if (talked_++ >= most_lines || ::poll(&out, 1, 0) <= 0) {
-        ++unsaid_;
-        return;
-    }
-    if (unsaid_ > 0) std::printf("(%d lines were left out)\n", unsaid_);
-    unsaid_ = 0;
-    std::puts(line.c_str());
-    std::fflush(stdout);
 }
 
 std::size_t Relay::pending() const {
@@ -116,23 +81,28 @@ std::uint64_t Relay::new_session(std::size_t place) const {
 
 // -------------------------------------------------------------------------------------------------- peers
 
-/// With all pending places taken the next ones wait in the kernel's queue: nobody is turned away.
 void Relay::watch_listener(bool wanted) {
     if (wanted == accepting_) return;
-    watch(listener_.get(), EPOLLIN, source(Source::listener), wanted ? EPOLL_CTL_ADD : EPOLL_CTL_DEL);
+    watch(listening_.callers.get(), EPOLLIN, source(Source::listener),
+          wanted ? EPOLL_CTL_ADD : EPOLL_CTL_DEL);
     accepting_ = wanted;
 }
 
+/// Whoever comes is taken out of the kernel's queue at once, so that nobody stands in it before the others.
 void Relay::accept_all(std::int64_t now) {
-    for (std::size_t waiting = pending(); waiting < most_pending; ++waiting) {
+    for (int i = 0; i < most_accepts; ++i) {
         sockaddr_storage from{};
         socklen_t length = sizeof from;
-        shm::UniqueFd socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from), &length,
+        shm::UniqueFd socket(::accept4(listening_.callers.get(), reinterpret_cast<sockaddr*>(&from), &length,
                                        SOCK_NONBLOCK | SOCK_CLOEXEC));
         if (!socket) {
             if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)
                 accept_after_ns_ = now + accept_pause_ns;
             return;
+        }
+        if (!make_room(from, now)) {
+            journal_.refused(from, numeric(from), "too many callers that have not said who they are", now);
+            continue;
         }
         const auto free =
             std::find_if(places_.begin(), places_.end(), [](const Place& place) { return !place.peer; });
@@ -142,7 +112,36 @@ void Relay::accept_all(std::int64_t now) {
         ++free->use;
         free->watches_hang_up = free->watches_writing = false;
         watch(free->peer->fd(), EPOLLIN, source(Source::peer, place, free->use), EPOLL_CTL_ADD);
+        serve_peer(place, now);  // most have spoken already, and need no place among those who have not
     }
+}
+
+/// For one more caller. The host with the most callers gives up its oldest: to another host at once, to its
+/// own only after a while, or a crowd of good ones would put each other out for ever.
+bool Relay::make_room(const sockaddr_storage& from, std::int64_t now) {
+    const std::size_t own = pending_of(from);
+    if (own < most_pending_of_host && pending() < most_pending) return true;
+    std::size_t oldest = places, most = own;
+    for (std::size_t i = 0; i < places; ++i) {
+        const Peer* const peer = places_[i].peer.get();
+        if (peer == nullptr || peer->greeted()) continue;
+        const std::size_t theirs = pending_of(peer->from());
+        // Of a host that has all it may it is its own oldest.
+        if (own >= most_pending_of_host ? !same_host(peer->from(), from) : theirs < most) continue;
+        if (oldest == places || theirs > most || peer->heard_ns() < places_[oldest].peer->heard_ns())
+            oldest = i;
+        most = theirs;
+    }
+    if (oldest == places) return false;
+    if (most <= own + 1 && now - places_[oldest].peer->heard_ns() < give_way_ns) return false;
+    end(oldest, "it did not say who it is, and somebody else waits", now);
+    return true;
+}
+
+std::size_t Relay::pending_of(const sockaddr_storage& host) const {
+    return static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [&](const Place& place) {
+        return place.peer && !place.peer->greeted() && same_host(place.peer->from(), host);
+    }));
 }
 
 void Relay::serve_peer(std::size_t place, std::int64_t now) {
@@ -161,14 +160,12 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
         why = error.what();
     }
     if (!knew && peer.greeted())
-        say(fmt::format("{}: in, role {}{}", peer.name(), role_name(peer.role()),
-                        options_.keys.empty() ? "" : ", encrypted"),
-            now);
+        journal_.admitted(peer.from(),
+                          fmt::format("{}: in, role {}{}", peer.name(), role_name(peer.role()),
+                                      options_.keys.empty() ? "" : ", encrypted"),
+                          now);
     if (pulse_.is_open() && !watching_servo_) follow_servo();
-    if (!good) {
-        say(fmt::format("{}: {}: {}", peer.name(), knew ? "out" : "not let in", why), now);
-        return close(place, Error::Kind::disconnected, knew ? "the bridge ends this connection: " + why : "");
-    }
+    if (!good) return end(place, why, now, knew);
     follow(place);
 }
 
@@ -184,6 +181,17 @@ void Relay::follow(std::size_t index) {
         watch(place.peer->fd(), EPOLLIN | (place.watches_writing ? std::uint32_t{EPOLLOUT} : 0u),
               source(Source::peer, index, place.use), EPOLL_CTL_MOD);
     }
+}
+
+/// `told`: the peer is as well.
+void Relay::end(std::size_t index, const std::string& why, std::int64_t now, bool told, Error::Kind kind) {
+    const Peer& peer = *places_[index].peer;
+    if (peer.greeted()) {
+        journal_.event(fmt::format("{}: out: {}", peer.name(), why), now);
+    } else {
+        journal_.refused(peer.from(), peer.name(), why, now);
+    }
+    close(index, kind, told ? "the bridge ends this connection: " + why : "");
 }
 
 void Relay::close(std::size_t index, Error::Kind kind, const std::string& text) {
@@ -205,9 +213,7 @@ void Relay::admit(std::vector<Key> keys) {
         // again.
         const bool knew = places_[i].peer->admitted();
         const std::string why = knew ? "its key is not in the file any more" : "the keys were read again";
-        say(fmt::format("{}: out: {}", places_[i].peer->name(), why), now);
-        close(i, knew ? Error::Kind::permission : Error::Kind::disconnected,
-              "the bridge ends this connection: " + why);
+        end(i, why, now, true, knew ? Error::Kind::permission : Error::Kind::disconnected);
     }
 }
 
@@ -223,7 +229,7 @@ void Relay::follow_servo() {
 
 void Relay::servo_gone() {
     const std::string text = fmt::format("servo '{}' has gone; start it again", options_.servo);
-    say(text, detail::monotonic_ns());
+    journal_.event(text, detail::monotonic_ns());
     for (std::size_t i = 0; i < places; ++i) {
         if (!places_[i].peer || !places_[i].peer->greeted()) continue;
         places_[i].peer->say_gone(text);
@@ -244,8 +250,7 @@ void Relay::serve_device(std::size_t device, std::int64_t now) {
                 follow(place);  // what did not go out at once
                 continue;
             }
-            say(fmt::format("{}: out: {}", peer->name(), peer->why()), now);
-            close(place, Error::Kind::disconnected, "the bridge ends this connection: " + peer->why());
+            end(place, peer->why(), now);
         }
     }
     out_.flush();
@@ -256,7 +261,7 @@ void Relay::serve_device(std::size_t device, std::int64_t now) {
 
 void Relay::take_datagrams(std::int64_t now) {
     for (int bag = 0; bag < most_bags; ++bag) {
-        const std::size_t count = mailbag_.receive(datagrams_.get());
+        const std::size_t count = mailbag_.receive(listening_.datagrams.get());
         for (std::size_t i = 0; i < count; ++i) {
             const std::span<std::byte> datagram = mailbag_.datagram(i);
             std::uint64_t session = 0;
@@ -289,8 +294,7 @@ void Relay::tick(std::int64_t now) {
         const std::string why =
             peer->greeted() ? fmt::format("nothing was heard of it for {} s", dead_after_ns / 1'000'000'000)
                             : fmt::format("it did not say who it is within {:g} s", greeting_seconds);
-        say(fmt::format("{}: out: {}", peer->name(), why), now);
-        close(i, Error::Kind::disconnected, "the bridge ends this connection: " + why);
+        end(i, why, now);
     }
 }
 
@@ -300,7 +304,7 @@ void Relay::run(int signals) {
         std::int64_t now = detail::monotonic_ns();
         const bool anyone = std::any_of(places_.begin(), places_.end(),
                                         [](const Place& place) { return place.peer != nullptr; });
-        watch_listener(now >= accept_after_ns_ && pending() < most_pending);
+        watch_listener(now >= accept_after_ns_);
         const bool timed = anyone || !accepting_;
         if (!timed) last_tick_ns_ = 0;
         const std::int64_t left = std::max<std::int64_t>(0, last_tick_ns_ + tick_ns - now);

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include <knurl/bridge/endpoint.hpp>
-#include <knurl/shm/fd.hpp>
 
+#include "journal.hpp"
+#include "listening.hpp"
 #include "mailbag.hpp"
 #include "peer.hpp"
 
@@ -18,14 +19,15 @@ namespace knurl::bridge {
 
 struct RelayOptions {
     std::string servo = "default";
-    Endpoint listen{};
-    std::vector<Key> keys{};  // none: loopback only
+    std::vector<Endpoint> listen{};  // one, or all addresses of a name: the first that there is room at
+    std::vector<Key> keys{};         // none: loopback only
 };
 
 class Relay {
   public:
     static constexpr std::size_t most_pending = 16;  // that have not said who they are
-    static constexpr double greeting_seconds = 2;    // for that, TLS included
+    static constexpr std::size_t most_pending_of_host = 8;
+    static constexpr double greeting_seconds = 2;  // for that, TLS included
     static constexpr std::size_t places = max_sessions + most_pending;
     static_assert(places <= 256);  // a session's number ends with its place
 
@@ -35,7 +37,7 @@ class Relay {
     Relay(const Relay&) = delete;
     Relay& operator=(const Relay&) = delete;
 
-    const std::string& listening_at() const { return listening_at_; }
+    const std::string& listening_at() const { return listening_.at; }
     /// Until `signals` (a signalfd) is readable. May be called again.
     void run(int signals);
     /// Between two run(): whose keys are these may come in from now on; whose key is not among them, or is
@@ -59,26 +61,28 @@ class Relay {
     void follow(std::size_t place);  // what it wants to be woken for
     void follow_servo();
     void servo_gone();
+    void end(std::size_t place, const std::string& why, std::int64_t now, bool told = true,
+             Error::Kind kind = Error::Kind::disconnected);
     void close(std::size_t place, Error::Kind kind, const std::string& text);
     void tick(std::int64_t now);
     std::uint64_t new_session(std::size_t place) const;
     std::size_t pending() const;
-    void say(const std::string& line, std::int64_t now);
+    std::size_t pending_of(const sockaddr_storage& host) const;
+    bool make_room(const sockaddr_storage& from, std::int64_t now);
 
     RelayOptions options_;
     std::shared_ptr<const TlsContext> tls_;
-    shm::UniqueFd listener_, datagrams_, epoll_;
-    std::string listening_at_;
+    const Listening listening_;
+    shm::UniqueFd epoll_;
     bool accepting_ = false;
     Pulse pulse_;
     bool watching_servo_ = false;
     std::array<Place, places> places_;
     OutQueue out_;
     Mailbag mailbag_;
+    Journal journal_;
     Desk desk_;
     std::int64_t last_tick_ns_ = 0, accept_after_ns_ = 0;
-    std::int64_t talk_second_ = 0;
-    int talked_ = 0, unsaid_ = 0;
 };
 
 }  // namespace knurl::bridge

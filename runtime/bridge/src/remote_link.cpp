@@ -1,5 +1,13 @@
 // The seam's three classes over a Connection and its streams.
 
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <knurl/bridge/remote.hpp>
 
 #include "connection.hpp"
@@ -85,8 +93,26 @@ class RemoteLink final : public detail::Link {
 
 }  // namespace
 
-std::unique_ptr<detail::Link> connect_remote(const Endpoint& bridge, const RemoteOptions& options) {
-    return std::make_unique<RemoteLink>(bridge, options);
+std::unique_ptr<detail::Link> connect_remote(std::span<const Endpoint> bridge, const RemoteOptions& options) {
+    std::vector<std::string> reasons, tried;
+    std::optional<Error::Kind> kind;
+    for (const Endpoint& each : bridge) {
+        try {
+            return std::make_unique<RemoteLink>(each, options);
+        } catch (const Error& error) {
+            if (bridge.size() == 1 || error.kind == Error::Kind::permission) throw;
+            // As long as there may be a bridge at one of them soon, it is worth while to ask again.
+            const bool passes =
+                error.kind == Error::Kind::no_servo || error.kind == Error::Kind::disconnected;
+            if (!kind || passes) kind = error.kind;
+            tried.push_back(numeric(each.address));
+            if (std::find(reasons.begin(), reasons.end(), error.what()) == reasons.end())
+                reasons.emplace_back(error.what());
+        }
+    }
+    throw Error(kind.value_or(Error::Kind::no_servo),
+                fmt::format("{} (tried {} addresses: {})", fmt::join(reasons, "; and "), tried.size(),
+                            fmt::join(tried, ", ")));
 }
 
 }  // namespace knurl::bridge

@@ -34,7 +34,7 @@ using protocol::put_text;
 using protocol::text_of;
 
 inline constexpr std::uint64_t wire_magic = 0x656764697262;  // "bridge"
-inline constexpr std::uint32_t wire_version = 1;
+inline constexpr std::uint32_t wire_version = 2;
 inline constexpr const char* exporter_label = "EXPORTER-knurl-bridge-datagrams";
 
 // ------------------------------------------------------------------------------------------------ bounds
@@ -121,8 +121,8 @@ struct Nothing {
 
 enum class DatagramKind : std::uint8_t {
     hello = 1,  // HelloBody: answers go where this came from
-    ping,       // PingBody, stream 0
-    pong,       // PongBody, stream 0
+    ping,       // PingBody, stream 0; at first with zeros behind it, up to least_datagram_bytes
+    pong,       // PongBody, stream 0; as long as what it answers
     batch,      // BatchPiece, then a piece of BatchHeader + entries
     report,     // ReportPiece, then what its flags say
 };

@@ -1,11 +1,9 @@
 #include "address.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include <knurl/client/error.hpp>
-#include <knurl/protocol/bounds.hpp>
+#include <knurl/protocol/name.hpp>
 
 namespace knurl::detail {
 
@@ -14,17 +12,12 @@ namespace {
 constexpr std::string_view local_prefix = "knurl:";
 constexpr std::string_view remote_prefix = "knurl://";
 
-bool fits_a_name(char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-           c == '_' || c == '.';
-}
-
 }  // namespace
 
-std::optional<bridge::Endpoint> bridge_endpoint(const std::string& address) {
-    if (!address.starts_with(remote_prefix)) return std::nullopt;
+std::vector<bridge::Endpoint> bridge_endpoints(const std::string& address) {
+    if (!address.starts_with(remote_prefix)) return {};
     try {
-        return bridge::resolve(address.substr(remote_prefix.size()));
+        return bridge::resolve_all(address.substr(remote_prefix.size()));
     } catch (const std::runtime_error& reason) {
         throw Error(Error::Kind::no_servo, reason.what());
     }
@@ -33,8 +26,7 @@ std::optional<bridge::Endpoint> bridge_endpoint(const std::string& address) {
 std::string servo_name(const std::string& address) {
     const std::string name =
         address.starts_with(local_prefix) ? address.substr(local_prefix.size()) : address;
-    if (name.empty() || name.size() >= protocol::name_bytes || name.front() == '.' ||
-        !std::all_of(name.begin(), name.end(), fits_a_name))
+    if (!protocol::is_name(name))
         throw Error(
             Error::Kind::no_servo,
             fmt::format("address '{}': no servo has such a name; give 'knurl:NAME', NAME of 1 to {} letters, "

@@ -39,8 +39,8 @@ bool may_be_starting(const Error& error) {
 }  // namespace
 
 ClientState::ClientState(const std::string& address, const ConnectOptions& options)
-    : bridge_(bridge_endpoint(address)),
-      servo_(bridge_ ? bridge_->text : servo_name(address)),
+    : bridge_(bridge_endpoints(address)),
+      servo_(bridge_.empty() ? servo_name(address) : bridge_.front().text),
       options_(options),
       stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     const auto deadline = Clock::now() + options_.wait;
@@ -61,13 +61,13 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
 
 std::unique_ptr<Link> ClientState::open_link() const {
     const std::string name = options_.name.empty() ? program_invocation_short_name : options_.name;
-    if (!bridge_) return connect_local(servo_, name, answer_time);
+    if (bridge_.empty()) return connect_local(servo_, name, answer_time);
     const char* key = std::getenv("KNURL_KEY");
     return bridge::connect_remote(
-        *bridge_, {.client_name = name,
-                   .answer_time = answer_time,
-                   .report_rate = options_.report_rate,
-                   .key_file = options_.key_file.empty() && key != nullptr ? key : options_.key_file});
+        bridge_, {.client_name = name,
+                  .answer_time = answer_time,
+                  .report_rate = options_.report_rate,
+                  .key_file = options_.key_file.empty() && key != nullptr ? key : options_.key_file});
 }
 
 void ClientState::throw_disconnected() const {

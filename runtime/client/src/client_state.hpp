@@ -54,8 +54,8 @@ class ClientState {
     [[noreturn]] void throw_disconnected() const;
 
     const std::uint64_t made_in_ = fork_generation();
-    const std::optional<bridge::Endpoint> bridge_;
-    const std::string servo_;  // its name; through a bridge: host and port
+    const std::vector<bridge::Endpoint> bridge_;  // its addresses; none: on this box
+    const std::string servo_;                     // its name; through a bridge: host and port
     const ConnectOptions options_;
     shm::UniqueFd stop_;  // readable: the watcher ends
     pthread_t watcher_{};

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include <knurl/protocol/bounds.hpp>
+#include <knurl/protocol/name.hpp>
 #include <knurl/servo/config.hpp>
 
 namespace knurl::servo {
@@ -211,9 +211,7 @@ void require_within(const Range& range, double value, std::string_view where) {
 }
 
 void require_name(std::string_view name, std::string_view where) {
-    constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
-    if (name.empty() || name.size() >= protocol::name_bytes || name.front() == '.' ||
-        name.find_first_not_of(letters) != std::string_view::npos) {
+    if (!protocol::is_name(name)) {
         throw ConfigError(
             fmt::format("{} = \"{}\": a name has 1 to {} of the characters a-z A-Z 0-9 _ . - and does "
                         "not begin with a dot",

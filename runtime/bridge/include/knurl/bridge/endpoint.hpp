@@ -2,6 +2,7 @@
 // Where a bridge listens: host and port, as a user writes them.
 
 #include <string>
+#include <vector>
 
 #include <sys/socket.h>
 
@@ -20,8 +21,13 @@ struct Endpoint {
     bool loopback() const;
 };
 
-/// "host:port", "[IPv6]:port", or a host alone (port 4096). May ask a name server. Throws std::runtime_error:
-/// one line that says what is wrong with it and how to write it.
+inline constexpr std::size_t most_addresses = 8;  // of one name that are tried
+
+/// "host:port", "[IPv6]:port", or a host alone (port 4096): all its addresses, best first, each once; at
+/// least one, at most most_addresses. May ask a name server. Throws std::runtime_error: one line that says
+/// what is wrong with it and how to write it.
+std::vector<Endpoint> resolve_all(const std::string& host_and_port);
+/// The first of them.
 Endpoint resolve(const std::string& host_and_port);
 
 /// "192.168.1.7:40112", "[::1]:40112".

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <memory>
+#include <span>
 #include <string>
 
 #include <knurl/bridge/endpoint.hpp>
@@ -17,8 +18,9 @@ struct RemoteOptions {
     std::string key_file{};                       // one key's line; empty: no key
 };
 
-/// One attempt. Throws Error: no_servo if nobody listens there, or its datagrams do not come through;
-/// permission for a wrong key; incompatible.
-std::unique_ptr<detail::Link> connect_remote(const Endpoint& bridge, const RemoteOptions& options);
+/// One attempt at each address in turn, until a bridge lets us in. Throws Error: no_servo if nobody listens
+/// there, or its datagrams do not come through; permission for a wrong key (no more are tried then);
+/// incompatible. Of several addresses it says what is wrong with each, and how many were tried.
+std::unique_ptr<detail::Link> connect_remote(std::span<const Endpoint> bridge, const RemoteOptions& options);
 
 }  // namespace knurl::bridge

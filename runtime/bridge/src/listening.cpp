@@ -1,0 +1,66 @@
+#include "listening.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "datagram_socket.hpp"
+
+namespace knurl::bridge {
+
+namespace {
+
+[[noreturn]] void cannot(const std::string& what) {
+    const char* remedy = errno == EADDRINUSE
+                             ? "; another program has this port: end it, or give another --listen"
+                         : errno == EADDRNOTAVAIL ? "; give --listen an address that this host has"
+                         : errno == EACCES        ? "; ports below 1024 are root's"
+                                                  : "";
+    throw std::runtime_error(fmt::format("{}: {}{}", what, std::strerror(errno), remedy));
+}
+
+Listening listen_at(const Endpoint& endpoint, bool keys) {
+    const std::string what = fmt::format("cannot listen at {}", endpoint.text);
+    if (!endpoint.loopback() && !keys)
+        throw std::runtime_error(
+            fmt::format("{}: whoever reaches it could move the hand, so an address that is not this host's "
+                        "own (127.0.0.1, [::1]) "
+                        "needs keys: `knurl-bridge keygen --name NAME --role control`, then --keys FILE",
+                        what));
+    Listening result{
+        .callers = shm::UniqueFd(::socket(endpoint.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
+        .datagrams = make_datagram_socket(endpoint.family())};
+    const int on = 1;
+    ::setsockopt(result.callers.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    Endpoint at = endpoint;
+    if (!result.callers || ::bind(result.callers.get(), at.get(), at.length) != 0 ||
+        ::listen(result.callers.get(), SOMAXCONN) != 0)
+        cannot(what);
+    at.length = sizeof at.address;  // port 0: now it is known, and the same for datagrams
+    ::getsockname(result.callers.get(), at.get(), &at.length);
+    if (!result.datagrams || ::bind(result.datagrams.get(), at.get(), at.length) != 0)
+        cannot(what + " (UDP)");
+    result.at = numeric(at.address);
+    return result;
+}
+
+}  // namespace
+
+Listening listen_at(std::span<const Endpoint> endpoints, bool keys) {
+    std::string reason;
+    for (const Endpoint& each : endpoints) {
+        try {
+            return listen_at(each, keys);
+        } catch (const std::runtime_error& error) {
+            if (endpoints.size() == 1) throw;
+            if (reason.empty()) reason = error.what();
+        }
+    }
+    throw std::runtime_error(fmt::format("{} (tried {} addresses)", reason, endpoints.size()));
+}
+
+}  // namespace knurl::bridge

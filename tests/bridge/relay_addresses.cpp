@@ -1,0 +1,80 @@
+// A name that stands for several addresses: `localhost` does on many a box, and a bridge listens at one of
+// them.
+
+#include <set>
+
+#include <knurl/bridge/remote.hpp>
+
+#include "relay.hpp"
+#include "relay_stranger.hpp"
+
+namespace knurl::bridge::test {
+namespace {
+
+/// As a name would be found that has these addresses.
+std::vector<Endpoint> addresses(std::initializer_list<std::string> all) {
+    std::vector<Endpoint> result;
+    for (const std::string& each : all) result.push_back(resolve(each));
+    return result;
+}
+
+std::string at(const char* host, std::uint16_t port) {
+    return std::string(host) + ":" + std::to_string(port);
+}
+
+TEST(Addresses, of_a_name_are_tried_in_turn) {
+    const ServoUp servo;
+    const BridgeProcess bridge;
+    const auto all =
+        addresses({at("127.0.0.7", bridge.port()), at("[::1]", bridge.port()), bridge.host_and_port()});
+    EXPECT_EQ(connect_remote(all, {.client_name = "test"})->servo_pid(), servo.pid());
+}
+
+TEST(Addresses, of_which_none_has_a_bridge_are_counted_and_what_is_wrong_is_said_once) {
+    const Error error = refusal([] { connect_remote(addresses({"127.0.0.1:1", "127.0.0.7:1"}), {}); });
+    EXPECT_EQ(error.kind, Error::Kind::no_servo);
+    says(error.what(), "(tried 2 addresses: 127.0.0.1:1, 127.0.0.7:1)");
+    says(error.what(), "no bridge listens at 127.0.0.1:1");
+}
+
+TEST(Addresses, behind_one_of_which_a_bridge_has_no_servo_say_that_too) {
+    ServoProcess servo;
+    servo.end(SIGKILL);
+    const BridgeProcess bridge;
+    const Error error = refusal([&] {
+        connect_remote(addresses({"127.0.0.1:1", bridge.host_and_port()}), {.client_name = "test"});
+    });
+    EXPECT_EQ(error.kind, Error::Kind::no_servo);
+    says(error.what(), "no bridge listens at 127.0.0.1:1");
+    says(error.what(), "the bridge is there, but no servo");
+}
+
+TEST(Addresses, of_a_name_are_each_there_once) {
+    std::set<std::string> different;
+    const std::vector<Endpoint> all = resolve_all("localhost:5000");
+    for (const Endpoint& each : all) {
+        EXPECT_TRUE(each.loopback());
+        EXPECT_EQ(each.text, "localhost:5000");
+        different.insert(numeric(each.address));
+    }
+    EXPECT_EQ(different.size(), all.size());
+    EXPECT_GE(all.size(), 1u);
+}
+
+TEST(Addresses, to_listen_at_are_tried_too_and_the_first_that_is_free_is_taken) {
+    const BridgeProcess first;
+    const Relay second(
+        {.servo = "default", .listen = addresses({first.host_and_port(), at("127.0.0.7", first.port())})});
+    EXPECT_EQ(second.listening_at(), at("127.0.0.7", first.port()));
+    try {
+        const Relay third(
+            {.servo = "default", .listen = addresses({first.host_and_port(), second.listening_at()})});
+        ADD_FAILURE() << "both are taken";
+    } catch (const std::runtime_error& error) {
+        says(error.what(), "another program has this port");
+        says(error.what(), "(tried 2 addresses)");
+    }
+}
+
+}  // namespace
+}  // namespace knurl::bridge::test
