@@ -116,11 +116,15 @@ void Stream::wait(nanoseconds timeout, bool for_any) noexcept {
             if (first) seen = arrivals_;
             drain();
             if (for_any ? arrivals_ != seen : reader_.fresh()) return;
+            if (std::chrono::steady_clock::now() >= deadline) return;
+            asking_ += for_any ? 1 : 0;
         }
-        if (std::chrono::steady_clock::now() >= deadline) return;
         pollfd sources[] = {{.fd = socket_.get(), .events = POLLIN, .revents = 0},
                             {.fd = event_.get(), .events = POLLIN, .revents = 0}};
         shm::poll_until(sources, deadline);
+        if (!for_any) continue;
+        const auto lock = connection_->lock();
+        --asking_;
     }
 }
 
@@ -310,6 +314,9 @@ void Stream::tick(std::int64_t now) noexcept {
 void Stream::take_replies(std::span<const std::byte> bytes) noexcept {
     protocol::Reply reply;
     while (take(bytes, reply)) unanswered_.answered(reply);
+    // Whoever waits for it may have had the report of that cycle before, and would wait for the next one.
+    ++arrivals_;
+    if (asking_ > 0) wake();
 }
 
 void Stream::take_feedback(std::span<const std::byte> bytes) noexcept {

@@ -78,6 +78,7 @@ class Stream {
     shm::UniqueFd socket_, event_, loop_;  // loop_: an epoll over the other two
     bool polled_ = false;                  // by somebody's event loop
     bool raised_ = false;                  // event_
+    std::uint32_t asking_ = 0;             // threads that sleep until anything comes
     std::size_t datagram_limit_ = datagram_bytes;
 
     struct Free {
@@ -86,7 +87,7 @@ class Stream {
     std::unique_ptr<std::byte[], Free> memory_;
     shm::BroadcastWriter writer_;
     shm::BroadcastReader reader_;
-    std::uint64_t arrivals_ = 0;  // reports and feedback
+    std::uint64_t arrivals_ = 0;  // reports, feedback, answers
     std::uint64_t number_ = 0;    // of the newest report
     std::uint64_t gap_ = 0, gap_read_ = 0;
     std::uint64_t late_ = 0, duplicated_ = 0, resent_ = 0;
