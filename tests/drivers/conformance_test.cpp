@@ -1,92 +1,115 @@
 // What every device must do, whatever it is. Each registered driver has a line in `addresses`; a driver
-// without one fails the test.
+// without one fails the test. What lies behind each is in conformance_bench.hpp.
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <filesystem>
+#include <functional>
+#include <future>
+#include <limits>
 #include <map>
 #include <memory>
+#include <random>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <knurl/drivers/motion_device.hpp>
 #include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/sim_profile.hpp>
 
 #include "allocations.hpp"
-#include "example_device.hpp"
-#include "falcon_bench.hpp"
-#include "shared_sim.hpp"
-#include "spacemouse_model.hpp"
-#include "wooden_model.hpp"
+#include "conformance_bench.hpp"
 
 namespace knurl::drivers {
 namespace {
 
+using usb_emulator::falcon_device;
 using usb_emulator::millisecond;
+using usb_emulator::wooden_device;
 
 example::Board board;
 
-/// What a shared-sim needs: a process that lives as long as the test.
-std::string shared_address() {
-    static const std::string path = shared_sim::file_in_memory("knurl-conformance");
-    static const shared_sim::FakeDevice process(KNURL_FAKE_DEVICE, {.path = path, .capacity = 1 << 14});
-    static const struct Remove {
-        ~Remove() { std::filesystem::remove(path); }
-    } remove;
-    return process.address();
-}
+struct Enrolled {
+    std::vector<std::string> whats;  // of the addresses to open
+    std::function<std::unique_ptr<Bench>()> bench;
+};
 
-/// One of each on an emulated bus, plugged in before any of them is opened.
-void plug_in_everything() {
-    using namespace usb_emulator;
-    static Bus bus;
-    static const bool once = [] {
-        bus.plug(falcon_at_centre(), {.port = "1-1", .serial = "FALCON01"});
-        const auto wooden = std::make_shared<WoodenModel>();
-        bus.plug(wooden, {.port = "1-2", .serial = "POLHEM1"});
-        bus.locked([&] { wooden->counts = {0, 2171, 3011}; });  // in the middle of its workspace
-        bus.plug(std::make_shared<SpaceMouseModel>(true), {.port = "1-3", .serial = ""});
-        return true;
-    }();
-    static_cast<void>(once);
-}
-
-/// Every driver of this build, those of the tests as well; for each scheme what to open.
-std::map<std::string, std::vector<std::string>> addresses() {
+/// Every driver of this build, those of the tests as well.
+std::map<std::string, Enrolled> addresses() {
     static const bool once = [] {
         drivers().push_back(example::slider_driver(board));
         shared_sim::enrol();
         return true;
     }();
     static_cast<void>(once);
-    return {{"sim", sim_profile_names()}, {"slider", {"bench"}},   {"shared-sim", {""}},
-            {"falcon", {"FALCON01"}},     {"wooden", {"POLHEM1"}}, {"spacemouse", {""}}};
+    const auto all = []() -> UsbBench::Everything& { return UsbBench::everything(); };
+    return {{"sim", {sim_profile_names(), [] { return std::make_unique<SimBench>(); }}},
+            {"slider", {{"bench"}, [] { return std::make_unique<SliderBench>(board); }}},
+            {"shared-sim", {{""}, [] { return std::make_unique<SharedSimBench>(); }}},
+            {"falcon",
+             {{"ONE"},
+              [=] { return std::make_unique<UsbMotorBench>(falcon_device, all().falcon, "1-1", 4096); }}},
+            {"wooden",
+             {{"ONE"},
+              [=] { return std::make_unique<UsbMotorBench>(wooden_device, all().wooden, "1-2", 3000); }}},
+            {"spacemouse", {{""}, [] { return std::make_unique<SpaceMouseBench>(); }}}};
 }
 
 std::vector<std::string> everything() {
     std::vector<std::string> all = {"motion"};
-    for (const auto& [scheme, whats] : addresses()) {
-        for (const std::string& what : whats) {
+    for (const auto& [scheme, enrolled] : addresses()) {
+        for (const std::string& what : enrolled.whats) {
             all.push_back(scheme + ":" + what);
         }
     }
     return all;
 }
 
+/// A recording has neither motors nor a cable.
+std::unique_ptr<Bench> bench_of(const std::string& address) {
+    if (address == "motion") return std::make_unique<Bench>();
+    return addresses().at(address.substr(0, address.find(':'))).bench();
+}
+
 std::unique_ptr<Device> open(const std::string& address) {
     if (address == "motion") {
         return std::make_unique<MotionDevice>(parse_motion("0,0,0,0\n1,0.1,0,0\n", "m"));
     }
-    plug_in_everything();
-    return open_device(address == "shared-sim:" ? shared_address() : address);
+    return open_device(address == "shared-sim:" ? SharedSimBench::address() : address);
 }
 
 class EveryDevice : public testing::TestWithParam<std::string> {
   protected:
+    std::unique_ptr<Bench> bench_ = bench_of(GetParam());  // first: it plugs the device in
     std::unique_ptr<Device> device_ = open(GetParam());
     JointSample sample_;
+    ReadStatus status_ = ReadStatus::stale;
+    bool written_ = false;
+    Nanoseconds now_ = 0;
+    double largest_ = 0;  // share of its limit that any motor had
+
+    void cycle(const JointEfforts& efforts, Nanoseconds period = millisecond) {
+        status_ = device_->read(now_ += period, sample_);
+        written_ = device_->write(now_, efforts);
+        bench_->moment();
+        largest_ = std::max(largest_, bench_->share(device_.get()));
+    }
+    /// Cycles until it is so; false if it never is.
+    template <class Condition>
+    bool until(const JointEfforts& efforts, Condition&& so, Nanoseconds period = millisecond) {
+        constexpr int patience = 5000;
+        for (int i = 0; i < patience; ++i) {
+            cycle(efforts, period);
+            if (so()) return true;
+        }
+        return false;
+    }
+    JointEfforts limits(double times) const {
+        JointEfforts efforts{};
+        for (std::size_t i = 0; i < device_->link().effort_limit.size(); ++i)
+            efforts[i] = times * device_->link().effort_limit[i];
+        return efforts;
+    }
 
     std::span<const double> joints() const {
         return {sample_.position.data(), static_cast<std::size_t>(device_->link().sensed_joints)};
@@ -187,6 +210,96 @@ TEST_P(EveryDevice, CanBeMadeSafeAtAnyTimeAndReadAfterwards) {
     device_->make_safe();
     device_->read(millisecond, sample_);
     EXPECT_TRUE(std::ranges::all_of(joints(), [](double joint) { return std::isfinite(joint); }));
+}
+
+TEST_P(EveryDevice, LimitsWhatItsMotorsGetWhateverIsWrittenAndForgetsWhatWasTooMuch) {
+    if (!bench_->has_motors()) GTEST_SKIP() << "it has no motors";
+    const unsigned seed = 20261122;
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    constexpr double most = std::numeric_limits<double>::max();
+    for (const double size : {most, -most, 1e300, -1e300, 1e9}) {
+        JointEfforts efforts{};
+        efforts.fill(size);
+        for (int i = 0; i < 20; ++i) cycle(efforts);
+    }
+    for (int i = 0; i < 200; ++i) {
+        JointEfforts efforts = limits(1);
+        for (double& effort : efforts) effort *= std::uniform_real_distribution(-3.0, 3.0)(random);
+        cycle(efforts);
+    }
+    EXPECT_TRUE(until(limits(-2), [&] { return largest_ > 0.95; })) << "and no less than it can";
+    JointEfforts efforts{};
+    efforts.fill(most);
+    ASSERT_TRUE(until(efforts, [&] { return bench_->share(device_.get()) > 0.95; }));
+    // 30 ms of its own time, whose filters are to be done with it by then; then as long as the cable takes.
+    for (int i = 0; i < 30; ++i) cycle(limits(0.02));
+    EXPECT_TRUE(until(
+        limits(0.02), [&] { return bench_->share(device_.get()) < 0.05; }, 0));
+    EXPECT_LE(largest_, 1 + 1e-9);
+}
+
+TEST_P(EveryDevice, SaysThatItIsUnpluggedAndComesBack) {
+    if (!bench_->has_cable()) GTEST_SKIP() << "it has no cable";
+    ASSERT_TRUE(until(limits(0.1), [&] { return status_ == ReadStatus::ok; }));
+    bench_->pull(*device_);
+    ASSERT_TRUE(until(limits(0.1), [&] { return status_ == ReadStatus::unplugged; }));
+    for (int i = 0; i < 20; ++i) {
+        cycle(limits(0.1));
+        EXPECT_EQ(status_, ReadStatus::unplugged);
+        EXPECT_FALSE(written_);
+    }
+    bench_->plug_in_again(*device_);
+    EXPECT_TRUE(until({}, [&] { return status_ == ReadStatus::ok && written_; }));
+}
+
+TEST_P(EveryDevice, LeavesItsMotorsAtZeroWhenItIsClosed) {
+    if (!bench_->has_motors()) GTEST_SKIP() << "it has no motors";
+    if (!bench_->outlives_its_device()) GTEST_SKIP() << "its motors end with it";
+    ASSERT_TRUE(until(limits(0.5), [&] { return bench_->share(device_.get()) > 0.1; }));
+    device_.reset();
+    bench_->moment();
+    bench_->share(nullptr);  // what came before
+    EXPECT_EQ(bench_->share(nullptr), 0);
+}
+
+TEST_P(EveryDevice, NeverWaitsForItsOtherSideAndSellsNoOldSampleAsNew) {
+    ASSERT_TRUE(until(limits(0.1), [&] { return status_ == ReadStatus::ok; }));
+    const bool frozen = bench_->freeze(true);
+    int fresh = 0;
+    auto thousand = std::async(std::launch::async, [&] {
+        for (int i = 0; i < 1000; ++i) {
+            fresh += device_->read(now_ += millisecond, sample_) == ReadStatus::ok ? 1 : 0;
+            EXPECT_TRUE(device_->write(now_, limits(0.1)));
+        }
+    });
+    const bool returned = thousand.wait_for(std::chrono::minutes(1)) == std::future_status::ready;
+    bench_->freeze(false);
+    thousand.wait();
+    EXPECT_TRUE(returned) << "it waited until its other side went on";
+    if (frozen && !bench_->may_be_silent()) {
+        EXPECT_LE(fresh, 4) << "those that were on their way";
+    }
+    EXPECT_TRUE(until({}, [&] { return status_ == ReadStatus::ok; }));
+}
+
+// A sample bears no time of its own: it is that of the read that brought it. So none may be older than the
+// one before.
+TEST_P(EveryDevice, ShowsSamplesInTheOrderOfTheirTime) {
+    if (!bench_->has_encoder()) GTEST_SKIP() << "nothing but its hand, or nothing at all, turns its joints";
+    ASSERT_TRUE(until({}, [&] { return status_ == ReadStatus::ok; }));
+    const double first = sample_.position[0];
+    constexpr int turns = 300;
+    double before = first;
+    for (int i = 0; i < turns; ++i) {
+        bench_->turn(1);
+        cycle({});
+        EXPECT_GE(sample_.position[0], before);
+        before = sample_.position[0];
+    }
+    const double last = first + turns * device_->link().radians_per_count[0];
+    EXPECT_TRUE(until({}, [&] { return std::abs(sample_.position[0] - last) < 1e-9; }));
+    bench_->turn(-turns);
 }
 
 INSTANTIATE_TEST_SUITE_P(Drivers, EveryDevice, testing::ValuesIn(everything()), [](const auto& name) {

@@ -89,27 +89,26 @@ class Falcon final : public Device {
 
     bool write(Nanoseconds now, const JointEfforts& efforts) noexcept override {
         std::array<double, legs> wanted{};
-        bool zero = true;
-        for (std::size_t i = 0; i < legs; ++i) {
-            wanted[i] = std::isfinite(efforts[i]) ? efforts[i] : 0;
-            zero = zero && wanted[i] == 0;
-        }
-        const double dt = std::clamp(static_cast<double>(now - last_write_) * 1e-9, 0.0, longest_step);
-        last_write_ = now;
-        const double share = settings_.low_pass > 0 && homed_ && !zero
-                                 ? 1 - std::exp(-2 * std::numbers::pi * settings_.low_pass * dt)
-                                 : 1;  // a zero is never late
         double largest = 0;
         for (std::size_t i = 0; i < legs; ++i) {
-            smooth_[i] += share * (wanted[i] - smooth_[i]);
-            largest = std::max(largest, std::abs(smooth_[i]) * settings_.counts_per_effort);
+            wanted[i] = std::isfinite(efforts[i]) ? efforts[i] : 0;
+            largest = std::max(largest, std::abs(wanted[i]));
         }
-        // Together, so that the force at the tip keeps its direction.
-        const double scale =
-            settings_.counts_per_effort * std::min(1.0, most_counts / std::max(largest, 1e-9));
+        // Together, so that the force at the tip keeps its direction. Before the low-pass, which would go on
+        // pushing for as long as it takes to forget what the motors cannot do.
+        const double most = most_counts / settings_.counts_per_effort;
+        const double scale = largest > most ? most / largest : 1;
+        const double dt = std::clamp(static_cast<double>(now - last_write_) * 1e-9, 0.0, longest_step);
+        last_write_ = now;
+        const double share = settings_.low_pass > 0 && homed_ && largest > 0
+                                 ? 1 - std::exp(-2 * std::numbers::pi * settings_.low_pass * dt)
+                                 : 1;  // a zero is never late
         usb::Orders orders;
-        for (std::size_t i = 0; i < legs; ++i)  // a positive count turns a leg towards smaller angles
-            orders.efforts[i] = static_cast<std::int16_t>(-std::lround(smooth_[i] * scale));
+        for (std::size_t i = 0; i < legs; ++i) {  // a positive count turns a leg towards smaller angles
+            smooth_[i] += share * (wanted[i] * scale - smooth_[i]);
+            orders.efforts[i] =
+                static_cast<std::int16_t>(-std::lround(settings_.counts_per_effort * smooth_[i]));
+        }
         orders.flags = !homed_ ? info_red : enabled_ ? info_green : info_blue;
         return io_.send(orders);
     }

@@ -152,7 +152,6 @@ void IoThread::open() {
     orders_ = {};
     ++number_;
     reading_.session = number_;
-    reading_.at = monotonic();
     readings_.publish(reading_);
     readings_count_.fetch_add(1, std::memory_order_relaxed);
     session_number_.store(number_, std::memory_order_release);
@@ -302,7 +301,6 @@ void IoThread::received(Transfer& transfer) noexcept {
         garbage_.fetch_add(static_cast<std::uint64_t>(heard.garbage), std::memory_order_relaxed);
     errors_in_row_ = 0;
     if (!heard.reading) return;
-    reading_.at = monotonic();
     readings_.publish(reading_);
     readings_count_.fetch_add(1, std::memory_order_relaxed);
 }

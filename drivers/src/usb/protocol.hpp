@@ -20,7 +20,6 @@ struct Reading {
     std::array<std::int32_t, max_joints> counts = {};
     std::uint32_t buttons = 0;
     bool calibrated = false;
-    Nanoseconds at = 0;         // CLOCK_MONOTONIC when its transfer was complete
     std::uint64_t session = 0;  // of which opening it is
 };
 

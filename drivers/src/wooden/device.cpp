@@ -69,17 +69,17 @@ class WoodenHaptics final : public Device {
     }
 
     bool write(Nanoseconds, const JointEfforts& efforts) noexcept override {
-        std::array<double, motors> milliamperes{};
-        double over = 1;
+        std::array<double, motors> wanted{};
+        double share = 1;  // of all of them, so that the force at the tip keeps its direction
         for (std::size_t i = 0; i < motors; ++i) {
-            const double effort = std::isfinite(efforts[i]) && calibrated_ ? efforts[i] : 0;
-            milliamperes[i] = effort / effort_per_milliampere_[i];
-            over = std::max(over, std::abs(effort) / link_.effort_limit[i]);
+            wanted[i] = std::isfinite(efforts[i]) && calibrated_ ? efforts[i] : 0;
+            const double size = std::abs(wanted[i]);
+            if (size > link_.effort_limit[i]) share = std::min(share, link_.effort_limit[i] / size);
         }
         usb::Orders orders;
-        for (std::size_t i = 0; i < motors;
-             ++i)  // together, so that the force at the tip keeps its direction
-            orders.efforts[i] = static_cast<std::int16_t>(std::lround(milliamperes[i] / over));
+        for (std::size_t i = 0; i < motors; ++i)
+            orders.efforts[i] =
+                static_cast<std::int16_t>(std::lround(wanted[i] * share / effort_per_milliampere_[i]));
         return io_.send(orders);
     }
 
@@ -132,6 +132,11 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
                                      " does not say counts_per_turn, effort_limit and "
                                      "effort_per_count (N m per mA) of axis \"" +
                                      axis.name + "\"");
+    for (const ArmAxis& axis : arm.axes)
+        if (!(*axis.effort_limit / *axis.effort_per_count <= most_milliamperes))
+            throw std::runtime_error("wooden: " + arm.path + ": effort_limit of axis \"" + axis.name +
+                                     "\" is more than the 32767 mA that fit into a report; check its "
+                                     "effort_per_count (N m per mA)");
     std::optional<std::array<double, motors>> at;
     if (!home.empty()) at = degrees(home);
     return std::make_unique<WoodenHaptics>(address.wanted(), arm, at, damping, lag, options.io_priority);

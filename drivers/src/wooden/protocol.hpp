@@ -12,6 +12,7 @@ namespace knurl::drivers::wooden {
 
 inline constexpr std::size_t motors = 3;
 inline constexpr std::size_t encoders = 6;
+inline constexpr double most_milliamperes = 32767;
 
 class Protocol final : public usb::Protocol {
   public:

@@ -192,8 +192,7 @@ void Falcon::hear_firmware(std::uint8_t byte) {
 
 void Falcon::answer() {
     MotorRequest request{.frame = frame_, .info = heard_[13] - 0x41};
-    for (std::size_t leg = 0; leg < 3; ++leg)
-        request.motors[leg] = std::clamp(nibbles(heard_.data() + 1 + 4 * leg), -4096, 4096);
+    for (std::size_t leg = 0; leg < 3; ++leg) request.motors[leg] = nibbles(heard_.data() + 1 + 4 * leg);
     homing_ = (request.info & info_homing) != 0;
     leds_ = request.info & info_leds;
     obey(request);

@@ -5,23 +5,24 @@
 #include <cstdlib>
 #include <random>
 
-#include "falcon_bench.hpp"
+#include "motor_bench.hpp"
 
 namespace knurl::drivers {
 namespace {
 
 using namespace usb_emulator;
 
-class FaultsOfAFalcon : public testing::Test {
+class Faults : public testing::TestWithParam<MotorDevice> {
   protected:
     Bus bus_;
-    std::shared_ptr<Falcon> falcon_ = falcon_at_centre();
+    std::shared_ptr<MotorModel> model_ = GetParam().make();
     static constexpr JointEfforts push = {0.1, 0.1, 0.1};
-    static constexpr std::array<int, 3> pushed = {-1000, -1000, -1000};
+    const std::array<int, 3> pushed = GetParam().all(0.1);
     Nanoseconds now_ = 0;
 
-    std::unique_ptr<Device> open() { return open_device("falcon:FALCON01,low_pass=0"); }
-    void SetUp() override { bus_.plug(falcon_, {.serial = "FALCON01"}); }
+    static std::unique_ptr<Device> open() { return open_device(GetParam().address); }
+    void SetUp() override { plug_in(); }
+    void plug_in() { usb_emulator::plug_in(bus_, GetParam(), model_); }
 
     /// One cycle.
     ReadStatus step(Device& device, const JointEfforts& efforts) {
@@ -40,19 +41,24 @@ class FaultsOfAFalcon : public testing::Test {
     bool pushes(Device& device) {
         for (int i = 0; i < 500; ++i) {
             step(device, push);
-            if (bus_.locked([&] { return falcon_->motors() == pushed; })) return true;
+            if (bus_.locked([&] { return model_->motors() == pushed; })) return true;
         }
         return false;
     }
 
     JointSample sample_;
 };
+INSTANTIATE_TEST_SUITE_P(Devices, Faults, each_motor_device(), name_of);
 
-TEST_F(FaultsOfAFalcon, GarbageIsBadAndTheSampleBeforeItStays) {
+/// Those that its protocol alone has, or alone can tell.
+class FaultsOfAFalcon : public Faults {};
+INSTANTIATE_TEST_SUITE_P(Devices, FaultsOfAFalcon, testing::Values(falcon_device), name_of);
+
+TEST_P(FaultsOfAFalcon, GarbageIsBadAndTheSampleBeforeItStays) {
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
     const JointSample before = sample_;
-    bus_.locked([&] { falcon_->faults.garbage_replies = 1 << 20; });
+    bus_.locked([&] { model_->faults.garbage_replies = 1 << 20; });
     EXPECT_TRUE(until(*device, ReadStatus::bad));
     int bad = 0;
     for (int i = 0; i < 200; ++i) {
@@ -62,70 +68,71 @@ TEST_F(FaultsOfAFalcon, GarbageIsBadAndTheSampleBeforeItStays) {
     }
     EXPECT_GE(bad, 10) << "as many as the servo faults at";
     EXPECT_EQ(sample_.position, before.position);
-    bus_.locked([&] { falcon_->faults.garbage_replies = 0; });
+    bus_.locked([&] { model_->faults.garbage_replies = 0; });
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
 
-TEST_F(FaultsOfAFalcon, ShortPacketsAreBad) {
+TEST_P(Faults, ShortPacketsAreBad) {
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
-    bus_.locked([&] { falcon_->faults.short_packets = 20; });
+    bus_.locked([&] { model_->faults.short_packets = 20; });
     EXPECT_TRUE(until(*device, ReadStatus::bad));
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
 
-TEST_F(FaultsOfAFalcon, FragmentsAreNoFault) {
-    bus_.locked([&] { falcon_->chip.fragment = 5; });
+TEST_P(FaultsOfAFalcon, FragmentsAreNoFault) {
+    bus_.locked([&] { dynamic_cast<Falcon&>(*model_).chip.fragment = 5; });
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
     for (int i = 0; i < 300; ++i) EXPECT_NE(step(*device, {}), ReadStatus::bad);
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
 
-TEST_F(FaultsOfAFalcon, SilenceIsStale) {
+TEST_P(Faults, SilenceIsStale) {
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
-    bus_.locked([&] { falcon_->faults.silent = true; });
+    bus_.locked([&] { model_->faults.silent = true; });
     ASSERT_TRUE(until(*device, ReadStatus::stale));
     step(*device, {});
     step(*device, {});
     for (int i = 0; i < 100; ++i) EXPECT_EQ(step(*device, {}), ReadStatus::stale);
-    bus_.locked([&] { falcon_->faults.silent = false; });
+    bus_.locked([&] { model_->faults.silent = false; });
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
 
-TEST_F(FaultsOfAFalcon, OrdersDoNotPileUpBeforeADeviceThatTakesNone) {
+TEST_P(Faults, OrdersDoNotPileUpBeforeADeviceThatTakesNone) {
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
-    bus_.locked([&] { falcon_->faults.stuck = true; });
+    bus_.locked([&] { model_->faults.stuck = true; });
     for (int i = 0; i < 200; ++i) step(*device, {0.001 * (i + 1), 0, 0});
     std::size_t before = 0;
     bus_.locked([&] {
-        before = falcon_->requests().size();
-        falcon_->faults.stuck = false;
+        before = model_->requests().size();
+        model_->faults.stuck = false;
     });
     // The two that were in flight, then the newest: nothing of what lies between.
-    ASSERT_TRUE(bus_.wait(2000, [&] { return falcon_->requests().size() >= before + 3; }));
+    ASSERT_TRUE(bus_.wait(2000, [&] { return model_->requests().size() >= before + 3; }));
     bus_.locked([&] {
-        const auto& requests = falcon_->requests();
-        EXPECT_LT(-requests[before].motors[0], 1000);
-        EXPECT_LT(-requests[before + 1].motors[0], 1000);
-        const int third = -requests[before + 2].motors[0];
-        EXPECT_TRUE(third == 2000 || third == 0) << third << " (0: the cycle has been silent for 10 ms)";
+        const auto& requests = model_->requests();
+        EXPECT_LT(std::abs(requests[before].motors[0]), std::abs(pushed[0]));
+        EXPECT_LT(std::abs(requests[before + 1].motors[0]), std::abs(pushed[0]));
+        const int third = requests[before + 2].motors[0];
+        EXPECT_TRUE(third == GetParam().all(0.2)[0] || third == 0)
+            << third << " (0: the cycle has been silent for 10 ms)";
     });
 }
 
-TEST_F(FaultsOfAFalcon, AnEncoderThatSlipsIsReportedAsItIs) {
+TEST_P(Faults, AnEncoderThatSlipsIsReportedAsItIs) {
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
     const double before = sample_.position[0];
-    bus_.locked([&] { falcon_->slip(0, 400); });
+    bus_.locked([&] { model_->slip(0, 400); });
     for (int i = 0; i < 200 && sample_.position[0] == before; ++i) step(*device, {});
-    EXPECT_NEAR(sample_.position[0] - before, 400 * falcon_radians_per_count, 1e-9)
+    EXPECT_NEAR(sample_.position[0] - before, 400 * device->link().radians_per_count[0], 1e-9)
         << "to reject it is the servo's";
 }
 
-TEST_F(FaultsOfAFalcon, UnpluggedIsSeenAndPluggedInAgainItIsFoundWithMotorsAtZero) {
+TEST_P(Faults, UnpluggedIsSeenAndPluggedInAgainItIsFoundWithMotorsAtZero) {
     const auto device = open();
     ASSERT_TRUE(pushes(*device));
     bus_.unplug("1-1");
@@ -133,44 +140,44 @@ TEST_F(FaultsOfAFalcon, UnpluggedIsSeenAndPluggedInAgainItIsFoundWithMotorsAtZer
     EXPECT_FALSE(device->write(now_, push));
     EXPECT_FALSE(sample_.calibrated);
 
-    const auto stranger = falcon_at_centre();
-    bus_.plug(stranger, {.port = "1-1", .serial = "FALCON02"});
+    const auto stranger = GetParam().make();
+    usb_emulator::plug_in(bus_, GetParam(), stranger, "1-1", "OTHER");
     std::size_t heard = 0;
-    bus_.locked([&] { heard = falcon_->requests().size(); });
-    bus_.plug(falcon_, {.port = "1-3", .serial = "FALCON01"});
+    bus_.locked([&] { heard = model_->requests().size(); });
+    usb_emulator::plug_in(bus_, GetParam(), model_, "1-3");
     ASSERT_TRUE(until(*device, ReadStatus::ok, 5000)) << "by its serial number, wherever it is";
-    EXPECT_TRUE(sample_.calibrated);
+    EXPECT_EQ(sample_.calibrated, GetParam().homed_after_replug);
     EXPECT_TRUE(stranger->requests().empty());
     for (int i = 0; i < 50; ++i) step(*device, {});
     bus_.locked([&] {
-        for (std::size_t i = heard; i < falcon_->requests().size(); ++i)
-            EXPECT_TRUE(falcon_->requests()[i].is_zero()) << "nothing of what was ordered before";
+        for (std::size_t i = heard; i < model_->requests().size(); ++i)
+            EXPECT_TRUE(model_->requests()[i].is_zero()) << "nothing of what was ordered before";
     });
-    EXPECT_TRUE(pushes(*device));
+    EXPECT_EQ(pushes(*device), GetParam().homed_after_replug) << "and otherwise never";
 }
 
-TEST_F(FaultsOfAFalcon, GoneAndBackBetweenTwoReadsIsStillSaid) {
+TEST_P(Faults, GoneAndBackBetweenTwoReadsIsStillSaid) {
     const auto device = open();
     ASSERT_TRUE(pushes(*device));
     bus_.unplug("1-1");
-    bus_.plug(falcon_, {.serial = "FALCON01"});
+    plug_in();
     // Until it has been opened again, which takes no read.
     std::size_t heard = 0;
-    bus_.locked([&] { heard = falcon_->requests().size(); });
-    ASSERT_TRUE(bus_.wait(5000, [&] { return falcon_->requests().size() > heard + 3; }));
+    bus_.locked([&] { heard = model_->requests().size(); });
+    ASSERT_TRUE(bus_.wait(5000, [&] { return model_->requests().size() > heard + 3; }));
     // A cycle that was in the middle when it happened writes what it has worked out for the device before.
     EXPECT_FALSE(device->write(now_, push));
     const std::uint64_t soon = bus_.frame() + 30;
     bus_.wait(5000, [&] { return bus_.frame() > soon; });
     bus_.locked([&] {
-        for (std::size_t i = heard; i < falcon_->requests().size(); ++i)
-            EXPECT_TRUE(falcon_->requests()[i].is_zero());
+        for (std::size_t i = heard; i < model_->requests().size(); ++i)
+            EXPECT_TRUE(model_->requests()[i].is_zero());
     });
     EXPECT_EQ(step(*device, push), ReadStatus::unplugged);
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
 
-TEST_F(FaultsOfAFalcon, OnceMadeSafeItIsNotPushedByWhatWasOrderedBefore) {
+TEST_P(Faults, OnceMadeSafeItIsNotPushedByWhatWasOrderedBefore) {
     const auto device = open();
     ASSERT_TRUE(pushes(*device));
     bus_.freeze(true);
@@ -178,36 +185,36 @@ TEST_F(FaultsOfAFalcon, OnceMadeSafeItIsNotPushedByWhatWasOrderedBefore) {
         device->read(now_ += millisecond, sample_);
         device->write(now_, push);
     }
-    const std::size_t before = bus_.locked([&] { return falcon_->requests().size(); });
+    const std::size_t before = bus_.locked([&] { return model_->requests().size(); });
     device->read(now_ += millisecond, sample_);
     device->write(now_, {0.2, 0.2, 0.2});
     device->make_safe();
     bus_.freeze(false);
-    ASSERT_TRUE(bus_.wait(5000, [&] { return falcon_->requests().size() > before + 4; }));
+    ASSERT_TRUE(bus_.wait(5000, [&] { return model_->requests().size() > before + 4; }));
     bus_.locked([&] {
-        EXPECT_EQ(falcon_->requests()[before].motors, pushed);
-        for (std::size_t i = before + 2; i < falcon_->requests().size(); ++i)
-            EXPECT_TRUE(falcon_->requests()[i].is_zero()) << "packet " << i - before;
+        EXPECT_EQ(model_->requests()[before].motors, pushed);
+        for (std::size_t i = before + 2; i < model_->requests().size(); ++i)
+            EXPECT_TRUE(model_->requests()[i].is_zero()) << "packet " << i - before;
     });
     EXPECT_TRUE(pushes(*device)) << "orders after it count again";
 }
 
-TEST_F(FaultsOfAFalcon, AFalconThatLostItsFirmwareWithThePowerIsBootedAgain) {
+TEST_P(FaultsOfAFalcon, AFalconThatLostItsFirmwareWithThePowerIsBootedAgain) {
     bus_.unplug("1-1");
     const TemporaryFile firmware(made_up_firmware());
-    falcon_ = falcon_at_centre(false);
-    bus_.plug(falcon_, {.serial = "FALCON01"});
+    model_ = falcon_at_centre(false);
+    plug_in();
     const auto device = open_device("falcon:,low_pass=0,firmware=" + firmware.path());
     ASSERT_TRUE(pushes(*device));
     bus_.unplug("1-1");
     ASSERT_TRUE(until(*device, ReadStatus::unplugged));
-    bus_.plug(falcon_, {.serial = "FALCON01"});
+    plug_in();
     ASSERT_TRUE(until(*device, ReadStatus::ok, 10000));
-    EXPECT_EQ(bus_.locked([&] { return falcon_->boots(); }), 2);
+    EXPECT_EQ(bus_.locked([&] { return dynamic_cast<Falcon&>(*model_).boots(); }), 2);
 }
 
 // The long form: KNURL_USB_UNPLUGS=1000 (scripts/usb).
-TEST_F(FaultsOfAFalcon, ThePlugMayBePulledInTheMiddleOfAnyTransfer) {
+TEST_P(Faults, ThePlugMayBePulledInTheMiddleOfAnyTransfer) {
     const char* asked = std::getenv("KNURL_USB_UNPLUGS");
     const int times = asked != nullptr ? std::atoi(asked) : 50;
     const unsigned seed = 20240607;
@@ -215,15 +222,14 @@ TEST_F(FaultsOfAFalcon, ThePlugMayBePulledInTheMiddleOfAnyTransfer) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     bus_.unplug("1-1");
     int closed_at_once = 0;
-    std::shared_ptr<Falcon> previous;
     for (int i = 0; i < times; ++i) {
-        falcon_ = falcon_at_centre();
+        model_ = GetParam().make();
         const bool stuck = random() % 3 == 0;  // with packets on their way to it
-        bus_.plug(falcon_, {.serial = "FALCON01"});
+        plug_in();
         const auto device = open();
         const auto cycles = static_cast<int>(random() % 6);
         for (int k = 0; k < cycles; ++k) step(*device, push);
-        if (stuck) bus_.locked([&] { falcon_->faults.stuck = true; });
+        if (stuck) bus_.locked([&] { model_->faults.stuck = true; });
         for (int k = 0; k < 2; ++k) {
             device->read(now_ += millisecond, sample_);
             device->write(now_, push);
@@ -235,22 +241,22 @@ TEST_F(FaultsOfAFalcon, ThePlugMayBePulledInTheMiddleOfAnyTransfer) {
         }
         ASSERT_TRUE(until(*device, ReadStatus::unplugged, 5000)) << "time " << i;
         if (random() % 4 != 0) continue;
-        falcon_ = falcon_at_centre();
-        bus_.plug(falcon_, {.serial = "FALCON01"});
+        model_ = GetParam().make();
+        plug_in();
         ASSERT_TRUE(until(*device, ReadStatus::ok, 5000)) << "time " << i;
         bus_.unplug("1-1");
     }
     std::printf("%d times unplugged, %d of them closed at once\n", times, closed_at_once);
 }
 
-TEST_F(FaultsOfAFalcon, OneThatFailsLeavesTheOtherAlone) {
-    const auto other = falcon_at_centre();
-    bus_.plug(other, {.port = "1-2", .serial = "FALCON02"});
+TEST_P(Faults, OneThatFailsLeavesTheOtherAlone) {
+    const auto other = GetParam().make();
+    usb_emulator::plug_in(bus_, GetParam(), other, "1-2", "OTHER");
     const auto failing = open();
-    const auto working = open_device("falcon:FALCON02,low_pass=0");
+    const auto working = open_device(GetParam().other);
     ASSERT_TRUE(until(*failing, ReadStatus::ok));
     ASSERT_TRUE(until(*working, ReadStatus::ok));
-    bus_.locked([&] { falcon_->faults = {.garbage_replies = 100, .stuck = true}; });
+    bus_.locked([&] { model_->faults = {.garbage_replies = 100, .stuck = true}; });
     constexpr int half = 20, most = 20000;
     int fresh = 0;
     bool pulled = false;

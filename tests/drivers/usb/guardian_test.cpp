@@ -12,7 +12,7 @@
 #include <sys/syscall.h>
 #include <sys/wait.h>
 
-#include "falcon_bench.hpp"
+#include "motor_bench.hpp"
 #include "usb/zero_line.hpp"
 
 namespace knurl::drivers {
@@ -44,6 +44,10 @@ class Servo {
         // First the guardian, while its servo lives: killed inside a call to the mock, that would leave it
         // half an exchange.
         close(ask_);
+        if (guardian_stopped_) {
+            syscall(SYS_pidfd_send_signal, guardian_, SIGCONT, nullptr, 0);
+            kill(pid_, SIGCONT);
+        }
         if (guardian_ >= 0) {
             pollfd gone{.fd = guardian_, .events = POLLIN, .revents = 0};
             poll(&gone, 1, -1);
@@ -69,6 +73,13 @@ class Servo {
     }
     void tell_guardian() { ASSERT_EQ(write(ask_, "z", 1), 1); }
     void signal(int number) { kill(pid_, number); }
+    void stop_both() {
+        kill(pid_, SIGSTOP);
+        int status = 0;
+        waitpid(pid_, &status, WUNTRACED);
+        syscall(SYS_pidfd_send_signal, guardian_, SIGSTOP, nullptr, 0);
+        guardian_stopped_ = true;
+    }
     void end() {
         if (pid_ > 0) {
             kill(pid_, SIGKILL);
@@ -82,21 +93,23 @@ class Servo {
   private:
     pid_t pid_ = -1;
     int guardian_ = -1;  // pidfd
+    bool guardian_stopped_ = false;
     bool real_time_ = false;
     int ask_ = -1;
     FILE* hear_ = nullptr;
 };
 
-constexpr std::array<int, 3> pushed = {-1000, -1000, -1000};
 constexpr int promised = 5;  // ms of the bus's clock
 
-class GuardianOfAFalcon : public testing::Test {
+class Guardian : public testing::TestWithParam<MotorDevice> {
   protected:
+    const std::array<int, 3> pushed = GetParam().all(0.1), pushed_half = GetParam().all(0.05);
+
     void SetUp() override {
-        bus_.plug(falcon_, {.serial = "FALCON01"});
-        servo_ = std::make_unique<Servo>("falcon:FALCON01,low_pass=0");
+        plug_in(bus_, GetParam(), device_);
+        servo_ = std::make_unique<Servo>(GetParam().address);
         ASSERT_TRUE(servo_->ready());
-        ASSERT_TRUE(bus_.wait(10000, [&] { return falcon_->motors() == pushed; }));
+        ASSERT_TRUE(bus_.wait(10000, [&] { return device_->motors() == pushed; }));
     }
 
     /// Until the servo waits for the bus, with efforts on their way. Killed inside a call to the mock, it
@@ -109,20 +122,19 @@ class GuardianOfAFalcon : public testing::Test {
     }
     /// From now on the bus's clock runs: at once, so that no frame is the guardian's for nothing. (A servo
     /// that was sent SIGKILL runs no more, whenever its parent hears of it.)
-    std::uint64_t run_on() {
-        const std::size_t before = bus_.locked([&] { return falcon_->requests().size(); });
-        const std::uint64_t since = bus_.frame();
+    void run_on(std::uint64_t& since) {
+        const std::size_t before = bus_.locked([&] { return device_->requests().size(); });
+        since = bus_.frame();
         bus_.freeze(false);
+        ASSERT_TRUE(bus_.wait(1000, [&] { return device_->requests().size() >= before + 2; }));
         bus_.locked([&] {
-            EXPECT_GE(falcon_->requests().size(), before + 2) << "what was on its way arrives first";
-            EXPECT_EQ(falcon_->requests()[before + 1].motors, pushed);
+            EXPECT_EQ(device_->requests()[before + 1].motors, pushed) << "what was on its way arrives first";
         });
-        return since;
     }
     void expect_zero_in_time(std::uint64_t since) {
-        const bool zero = bus_.wait(1000, [&] { return falcon_->motors() == std::array<int, 3>{}; });
+        const bool zero = bus_.wait(1000, [&] { return device_->motors() == std::array<int, 3>{}; });
         EXPECT_TRUE(zero);
-        const std::uint64_t frame = bus_.locked([&] { return falcon_->requests().back().frame; });
+        const std::uint64_t frame = bus_.locked([&] { return device_->requests().back().frame; });
         const int late = static_cast<int>(frame - since);
         std::printf("zero after %d ms of the bus's clock\n", late);
         if (servo_->real_time())
@@ -132,39 +144,66 @@ class GuardianOfAFalcon : public testing::Test {
     }
 
     Bus bus_;
-    std::shared_ptr<Falcon> falcon_ = falcon_at_centre();
+    std::shared_ptr<MotorModel> device_ = GetParam().make();
     std::unique_ptr<Servo> servo_;
 };
 
-TEST_F(GuardianOfAFalcon, ZeroesItWhenTheServoIsKilled) {
+TEST_P(Guardian, ZeroesItWhenTheServoIsKilled) {
     let_it_run_dry();
     servo_->signal(SIGKILL);
-    const std::uint64_t since = run_on();
+    std::uint64_t since = 0;
+    run_on(since);
+    ASSERT_FALSE(HasFatalFailure());
     expect_zero_in_time(since);
     servo_->end();
     EXPECT_EQ(servo_->line(), "safe\n");
 }
 
-TEST_F(GuardianOfAFalcon, ZeroesItWhenTheServoStandsStillAndNothingOldFollowsWhenItGoesOn) {
+TEST_P(Guardian, ZeroesItWhenTheServoStandsStillAndNothingOldFollowsWhenItGoesOn) {
     let_it_run_dry();
     servo_->signal(SIGSTOP);
     int status = 0;
     waitpid(servo_->pid(), &status, WUNTRACED);
     ASSERT_TRUE(WIFSTOPPED(status));
     servo_->tell_guardian();
-    const std::uint64_t since = run_on();
+    std::uint64_t since = 0;
+    run_on(since);
+    ASSERT_FALSE(HasFatalFailure());
     expect_zero_in_time(since);
     EXPECT_EQ(servo_->line(), "safe\n");
-    const std::size_t zeroed = bus_.locked([&] { return falcon_->requests().size(); });
+    const std::size_t zeroed = bus_.locked([&] { return device_->requests().size(); });
     const std::uint64_t stopped_for = bus_.frame() + 600;
     bus_.wait(10000, [&] { return bus_.frame() > stopped_for; });
     servo_->signal(SIGCONT);
     // The efforts that it had ordered before it was stopped come to nothing. What it pushes once it has read
     // again is the servo's affair: it has seen the guardian's act.
-    ASSERT_TRUE(bus_.wait(5000, [&] { return falcon_->motors() == std::array<int, 3>{-500, -500, -500}; }));
+    ASSERT_TRUE(bus_.wait(5000, [&] { return device_->motors() == pushed_half; }));
     bus_.locked([&] {
-        for (std::size_t i = zeroed; i < falcon_->requests().size(); ++i)
-            EXPECT_GE(falcon_->requests()[i].motors[0], -500) << "packet " << i - zeroed;
+        for (std::size_t i = zeroed; i < device_->requests().size(); ++i)
+            EXPECT_LE(std::abs(device_->requests()[i].motors[0]), std::abs(pushed_half[0]))
+                << "packet " << i - zeroed;
+    });
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices, Guardian, each_motor_device(), name_of);
+
+/// Those that switch their amplifiers off by themselves.
+class Watchdog : public Guardian {};
+INSTANTIATE_TEST_SUITE_P(Devices, Watchdog, testing::Values(wooden_device), name_of);
+
+TEST_P(Watchdog, IsTheLastWhenServoAndGuardianStandStill) {
+    let_it_run_dry();
+    servo_->stop_both();
+    std::uint64_t since = 0;
+    run_on(since);
+    ASSERT_FALSE(HasFatalFailure());
+    ASSERT_TRUE(bus_.wait(10000, [&] { return device_->motors() == std::array<int, 3>{}; }));
+    bus_.locked([&] {
+        const MotorRequest& last = device_->requests().back();
+        EXPECT_EQ(last.motors, pushed) << "nobody told it";
+        EXPECT_LE(last.frame, since + promised) << "what was on its way";
+        EXPECT_EQ(dynamic_cast<WoodenModel&>(*device_).tripped_at(),
+                  last.frame + WoodenModel::watchdog_frames);
     });
 }
 

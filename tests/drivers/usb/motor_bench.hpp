@@ -11,14 +11,14 @@ namespace knurl::drivers::usb_emulator {
 
 struct MotorDevice {
     const char* name;
-    const char* address;  // plugged in with the serial number "ONE"
+    const char* address;  // of the one with the serial number "ONE"
+    const char* other;    // "OTHER"
     std::shared_ptr<MotorModel> (*make)();
     /// Puts it into the middle of its workspace, after its power came. With the bus locked.
     void (*centre)(MotorModel& model);
     /// What efforts of so many N m on every joint are in its own unit.
     std::array<int, 3> (*all)(double effort);
     bool homed_after_replug;  // else only a servo that is started anew may push
-    bool tells_noise;         // from a reading; else whatever has the right length is one
 };
 
 inline std::ostream& operator<<(std::ostream& out, const MotorDevice& device) {
@@ -29,6 +29,7 @@ inline std::ostream& operator<<(std::ostream& out, const MotorDevice& device) {
 inline const MotorDevice falcon_device = {
     .name = "falcon",
     .address = "falcon:ONE,low_pass=0",
+    .other = "falcon:OTHER,low_pass=0",
     .make = [] { return std::shared_ptr<MotorModel>(falcon_at_centre()); },
     .centre = [](MotorModel&) {},
     .all =
@@ -36,13 +37,13 @@ inline const MotorDevice falcon_device = {
             const int counts = static_cast<int>(std::lround(-10000 * effort));
             return std::array<int, 3>{counts, counts, counts};
         },
-    .homed_after_replug = true,
-    .tells_noise = true};
+    .homed_after_replug = true};
 
 /// mA; 0.0259 N m/A behind gears of 16, 12 and 12.
 inline const MotorDevice wooden_device = {
     .name = "wooden",
     .address = "wooden:ONE",
+    .other = "wooden:OTHER",
     .make = [] { return std::shared_ptr<MotorModel>(std::make_shared<WoodenModel>()); },
     .centre =
         [](MotorModel& model) {
@@ -55,8 +56,7 @@ inline const MotorDevice wooden_device = {
             };
             return std::array<int, 3>{milliamperes(16), milliamperes(12), milliamperes(12)};
         },
-    .homed_after_replug = false,
-    .tells_noise = false};
+    .homed_after_replug = false};
 
 /// `port`: 1-1 unless it is said.
 inline void plug_in(Bus& bus, const MotorDevice& device, const std::shared_ptr<MotorModel>& model,

@@ -58,7 +58,7 @@ class WoodenModel final : public MotorModel {
     void frame(std::uint64_t number) override {
         frame_ = number;
         if (number - heard_ < watchdog_frames) return;
-        tripped_ = tripped_ || motors_ != std::array<int, 3>{};
+        if (motors_ != std::array<int, 3>{}) tripped_at_ = number;
         motors_ = {};
     }
     void power_on() override {
@@ -68,12 +68,12 @@ class WoodenModel final : public MotorModel {
     void slip(std::size_t axis, int by) override { counts[axis] += by; }
 
     std::array<int, 6> counts = {};  // motors() are mA
-    bool watchdog_tripped() const { return tripped_; }
+    /// When its watchdog last switched off motors that pushed, frame; 0: never.
+    std::uint64_t tripped_at() const { return tripped_at_; }
 
   private:
     Identity identity_;
-    bool tripped_ = false;
-    std::uint64_t frame_ = 0, heard_ = 0, told_ = 0;
+    std::uint64_t frame_ = 0, heard_ = 0, told_ = 0, tripped_at_ = 0;
     std::mt19937 noise_{1};
 };
 

@@ -1,0 +1,211 @@
+#pragma once
+// What lies behind an address of the conformance suite: motors, cable and encoder as the far side has them,
+// so that the suite need not believe the driver.
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+
+#include <sys/wait.h>
+
+#include <knurl/drivers/sim_device.hpp>
+
+#include "example_device.hpp"
+#include "motor_bench.hpp"
+#include "shared_sim.hpp"
+#include "spacemouse_model.hpp"
+
+namespace knurl::drivers {
+
+/// As it stands: a device without motors, cable or other side.
+class Bench {
+  public:
+    virtual ~Bench() = default;
+
+    virtual bool has_motors() const { return false; }
+    /// Its motors are still there when the device is closed.
+    virtual bool outlives_its_device() const { return true; }
+    virtual bool has_cable() const { return false; }
+    virtual bool has_encoder() const { return false; }
+    /// It has nothing to say while nothing moves, which is no fault.
+    virtual bool may_be_silent() const { return false; }
+
+    /// The largest |effort| that reached a motor since this was asked last, as a share of that motor's limit;
+    /// the present one if none did. `device`: null once it is closed.
+    virtual double share(const Device* /*device*/) { return 0; }
+    virtual void pull(Device& /*device*/) {}
+    virtual void plug_in_again(Device& /*device*/) {}
+    /// The other side, if it has one, stands still; false: there is none.
+    virtual bool freeze(bool /*frozen*/) { return false; }
+    /// Turns the first encoder by so many counts.
+    virtual void turn(int /*counts*/) {}
+    /// Lets the other side's time pass.
+    virtual void moment() {}
+};
+
+/// The simulated device: all of it is in this process, on the caller's clock.
+class SimBench final : public Bench {
+  public:
+    bool has_motors() const override { return true; }
+    bool outlives_its_device() const override { return false; }
+    bool has_cable() const override { return true; }
+    double share(const Device* device) override {
+        const auto& sim = dynamic_cast<const SimDevice&>(*device);
+        double largest = 0;
+        for (std::size_t i = 0; i < sim.link().effort_limit.size(); ++i)
+            largest = std::max(largest, std::abs(sim.state().efforts[i]) / sim.link().effort_limit[i]);
+        return largest;
+    }
+    void pull(Device& device) override {
+        auto& sim = dynamic_cast<SimDevice&>(device);
+        sim.faults().unplug_at = static_cast<std::int64_t>(sim.state().reads);
+    }
+    void plug_in_again(Device& device) override {
+        auto& sim = dynamic_cast<SimDevice&>(device);
+        sim.faults().replug_at = static_cast<std::int64_t>(sim.state().reads);
+    }
+};
+
+class SliderBench final : public Bench {
+  public:
+    explicit SliderBench(example::Board& board) : board_(board) {}
+    bool has_motors() const override { return true; }
+    bool has_cable() const override { return true; }
+    bool has_encoder() const override { return true; }
+    double share(const Device*) override { return std::abs(board_.milliamps.load()) / 1500.0; }
+    void pull(Device&) override { board_.plugged = false; }
+    void plug_in_again(Device&) override { board_.plugged = true; }
+    void turn(int counts) override { board_.encoder += counts; }
+
+  private:
+    example::Board& board_;
+};
+
+/// A process of its own, which lives as long as the tests; its log says what reached the motors.
+class SharedSimBench final : public Bench {
+  public:
+    static std::string address() { return process().address(); }
+
+    bool has_motors() const override { return true; }
+    bool has_cable() const override { return true; }
+    double share(const Device* device) override {
+        if (device != nullptr) limits_ = device->link().effort_limit;
+        const std::uint64_t written = process().mapping()->records.load(std::memory_order_acquire);
+        const shared_sim::Record* log = shared_sim::log_of(&*process().mapping());
+        const std::uint64_t first = seen_ < written || written == 0 ? seen_ : written - 1;
+        double largest = 0;
+        for (std::uint64_t record = first; record < written; ++record)
+            for (std::size_t i = 0; i < shared_sim::joints; ++i)
+                largest = std::max(largest, std::abs(log[record].effort[i]) / limits_.at(i));
+        seen_ = written;
+        return largest;
+    }
+    void pull(Device&) override { obey(shared_sim::control_unplug); }
+    void plug_in_again(Device&) override { obey(0); }
+    bool freeze(bool frozen) override {
+        ::kill(process().pid(), frozen ? SIGSTOP : SIGCONT);
+        int status = 0;
+        if (frozen) ::waitpid(process().pid(), &status, WUNTRACED);
+        return true;
+    }
+    void moment() override { process().wait_steps(2); }
+
+  private:
+    static shared_sim::FakeDevice& process() {
+        static const struct File {
+            std::string path = shared_sim::file_in_memory("knurl-conformance");
+            ~File() { std::filesystem::remove(path); }
+        } file;
+        static shared_sim::FakeDevice device(KNURL_FAKE_DEVICE, {.path = file.path, .capacity = 1 << 16});
+        return device;
+    }
+    static void obey(std::uint64_t control) {
+        process().control(control);
+        process().wait_steps(2);
+    }
+
+    std::uint64_t seen_ = process().mapping()->records.load(std::memory_order_acquire);
+    std::vector<double> limits_;
+};
+
+/// Something on the emulated bus, which is there as long as the tests.
+class UsbBench : public Bench {
+  public:
+    /// Everything is plugged in before anything is opened.
+    struct Everything {
+        usb_emulator::Bus bus;
+        std::shared_ptr<usb_emulator::MotorModel> falcon = usb_emulator::falcon_device.make(),
+                                                  wooden = usb_emulator::wooden_device.make();
+        std::shared_ptr<usb_emulator::SpaceMouseModel> mouse =
+            std::make_shared<usb_emulator::SpaceMouseModel>(true);
+        Everything() {
+            plug_in(bus, usb_emulator::falcon_device, falcon, "1-1");
+            plug_in(bus, usb_emulator::wooden_device, wooden, "1-2");
+            bus.plug(mouse, {.port = "1-3", .serial = ""});
+        }
+    };
+    static Everything& everything() {
+        static Everything all;
+        return all;
+    }
+
+    UsbBench() { everything(); }
+    bool has_cable() const override { return true; }
+    bool freeze(bool frozen) override {
+        bus().freeze(frozen);
+        return true;
+    }
+    void moment() override {
+        const std::uint64_t frame = bus().frame();
+        bus().wait(1, [&] { return bus().frame() > frame; });
+    }
+
+  protected:
+    static usb_emulator::Bus& bus() { return everything().bus; }
+};
+
+class SpaceMouseBench final : public UsbBench {
+  public:
+    bool may_be_silent() const override { return true; }
+    void pull(Device&) override { bus().unplug("1-3"); }
+    void plug_in_again(Device&) override { bus().plug(everything().mouse, {.port = "1-3", .serial = ""}); }
+};
+
+class UsbMotorBench final : public UsbBench {
+  public:
+    /// `limit` of each motor, in the device's own unit.
+    UsbMotorBench(const usb_emulator::MotorDevice& device, std::shared_ptr<usb_emulator::MotorModel> model,
+                  std::string port, int limit)
+        : device_(device), model_(std::move(model)), port_(std::move(port)), limit_(limit) {
+        seen_ = bus().locked([&] { return model_->requests().size(); });
+    }
+    bool has_motors() const override { return true; }
+    bool has_encoder() const override { return true; }
+    double share(const Device*) override {
+        return bus().locked([&] {
+            int largest = 0;
+            const auto count = [&](const std::array<int, 3>& motors) {
+                for (const int motor : motors) largest = std::max(largest, std::abs(motor));
+            };
+            count(model_->motors());
+            for (; seen_ < model_->requests().size(); ++seen_) count(model_->requests()[seen_].motors);
+            return largest / static_cast<double>(limit_);
+        });
+    }
+    void pull(Device&) override { bus().unplug(port_); }
+    void plug_in_again(Device&) override { plug_in(bus(), device_, model_, port_); }
+    void turn(int counts) override {
+        bus().locked([&] { model_->slip(0, counts); });
+    }
+
+  private:
+    const usb_emulator::MotorDevice& device_;
+    std::shared_ptr<usb_emulator::MotorModel> model_;
+    std::string port_;
+    int limit_;
+    std::size_t seen_ = 0;
+};
+
+}  // namespace knurl::drivers
