@@ -41,7 +41,7 @@ void IoThread::Poke::take() const noexcept {
 }
 
 IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priority)
-    : wanted_(std::move(wanted)), protocol_(std::move(protocol)) {
+    : wanted_(std::move(wanted)), protocol_(std::move(protocol)), context_(priority) {
     std::array<std::uint8_t, packet_bytes> zero{};
     zero_line_.emplace(std::span(zero.data(), protocol_->takes_efforts() ? protocol_->pack({}, zero) : 0));
     for (auto& [list, n] : {std::pair{&in_, transfers_in}, std::pair{&out_, transfers_out}})
@@ -208,6 +208,7 @@ bool IoThread::any_active() const noexcept {
 
 /// A device that sends readings of its own accord looks well however long it has taken no effort.
 bool IoThread::deaf(Nanoseconds now) const noexcept {
+    if (unheard_ < deaf_orders) return false;
     return std::ranges::any_of(
         out_, [now](const auto& transfer) { return transfer->active && now - transfer->since > deaf_after; });
 }

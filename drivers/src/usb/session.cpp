@@ -7,6 +7,8 @@
 #include <utility>
 
 #include <linux/usbdevice_fs.h>
+#include <pthread.h>
+#include <sched.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -46,9 +48,18 @@ std::string listed(const std::vector<Found>& found) {
 
 }  // namespace
 
-Context::Context() {
-    if (const int code = libusb_init(&context_); code != 0)
-        throw std::runtime_error(std::string("cannot look at USB: ") + libusb_strerror(code));
+Context::Context(int priority) {
+    // libusb starts a thread of its own for hot-plugging, which inherits this one's priority. A process is
+    // dead, for a guardian that waits for that, when the last of its threads has been let run once more: an
+    // ordinary one may have to wait for long.
+    int policy = SCHED_OTHER;
+    sched_param before{};
+    pthread_getschedparam(pthread_self(), &policy, &before);
+    const sched_param real_time{.sched_priority = priority};
+    const bool raised = priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &real_time) == 0;
+    const int code = libusb_init(&context_);
+    if (raised) pthread_setschedparam(pthread_self(), policy, &before);
+    if (code != 0) throw std::runtime_error(std::string("cannot look at USB: ") + libusb_strerror(code));
     libusb_set_pollfd_notifiers(
         context_, [](int fd, short, void* self) { static_cast<Context*>(self)->newest_descriptor_ = fd; },
         [](int, void*) {}, this);

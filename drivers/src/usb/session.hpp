@@ -43,7 +43,8 @@ struct Found {
 /// One context of libusb. Used by one thread at a time.
 class Context {
   public:
-    Context();
+    /// `priority`: SCHED_FIFO of libusb's own thread, 0: ordinary; one that it may not have is left alone.
+    explicit Context(int priority = 0);
     ~Context();
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
