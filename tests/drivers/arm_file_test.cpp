@@ -73,7 +73,7 @@ TEST(ArmFile, DegreesAndRadiansAreTheSameArm) {
 
 TEST(ArmFile, ABaseTurnsTheArmAndAToolMovesItsTip) {
     const auto followed_by = [](const char* more) {
-        std::string text = good;
+        std::string text(good);
         text += more;
         return text;
     };
