@@ -59,6 +59,7 @@ SimProfile sim_profile_of(const ArmFile& arm, std::vector<std::string>* assumed)
     p.workspace_radius = arm.workspace_radius;
     p.stop_radius = stops_beyond * arm.workspace_radius;
 
+    p.rate = arm.rate;
     p.quantum = arm.resolution.value_or(usual_resolution);
     bool counted = true;
     for (std::size_t i = 0; i < arm.joints(); ++i) {

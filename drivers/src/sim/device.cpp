@@ -52,6 +52,7 @@ LinkConfig describe(const SimProfile& p) {
     link.actuated_joints = p.joints - p.passive_joints;
     link.senses_orientation = p.senses_orientation;
     link.renders_torque = p.renders_torque;
+    link.nominal_rate = p.rate;
     for (std::size_t i = 0; i < static_cast<std::size_t>(p.joints); ++i) {
         const double stated = p.radians_per_count[i];
         link.radians_per_count.push_back(stated > 0 ? stated : p.quantum / p.lever[i]);

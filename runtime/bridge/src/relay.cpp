@@ -338,7 +338,10 @@ void Relay::run(int signals) {
                     break;
                 case Source::peers_servo:
                     if (!there) break;
-                    places_[which].peer->say_gone("the servo has closed this connection");
+                    // When it dies its sockets close one after the other: which of the two it is shows later.
+                    places_[which].peer->say_gone(
+                        fmt::format("servo '{}' has gone, or has closed this connection; start it again",
+                                    options_.servo));
                     close(which, Error::Kind::disconnected, "");
                     break;
                 case Source::peer:

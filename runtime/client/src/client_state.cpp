@@ -208,8 +208,8 @@ void ClientState::reattach() {
         const Lock lock(mutex_);
         // Somebody has to do something there first; knocking fast would fill the other side's log.
         hopeless_ = error.kind == Error::Kind::permission || error.kind == Error::Kind::incompatible;
-        // "Nobody listens" says less than why it went away.
-        if (error.kind != Error::Kind::no_servo) note_loss(error.what());
+        // That nobody listens there says less than why it went away.
+        if (hopeless_) note_loss(error.what());
         return;
     } catch (const std::exception&) {
         return;  // not there yet

@@ -40,6 +40,7 @@ struct SimProfile {
     int passive_joints = 0;  // of those, the last ones: encoders without motors
     bool senses_orientation = false;
     bool renders_torque = false;
+    double rate = 1000;  // Hz, that its loop needs at most
 
     // Posture and gearing, per joint.
     JointArray centre = {};             // rad (m), the tip in the middle of the workspace
