@@ -41,7 +41,7 @@ void IoThread::Poke::take() const noexcept {
 }
 
 IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priority)
-    : wanted_(std::move(wanted)), protocol_(std::move(protocol)), context_(priority) {
+    : wanted_(std::move(wanted)), protocol_(std::move(protocol)), context_(priority > 0) {
     std::array<std::uint8_t, packet_bytes> zero{};
     zero_line_.emplace(std::span(zero.data(), protocol_->takes_efforts() ? protocol_->pack({}, zero) : 0));
     for (auto& [list, n] : {std::pair{&in_, transfers_in}, std::pair{&out_, transfers_out}})

@@ -48,15 +48,16 @@ std::string listed(const std::vector<Found>& found) {
 
 }  // namespace
 
-Context::Context(int priority) {
+Context::Context(bool real_time) {
     // libusb starts a thread of its own for hot-plugging, which inherits this one's priority. A process is
     // dead, for a guardian that waits for that, when the last of its threads has been let run once more: an
-    // ordinary one may have to wait for long.
+    // ordinary one may have to wait for long. The lowest real-time priority is enough, and keeps its look at
+    // what was plugged in out of the way of the other devices' I/O.
     int policy = SCHED_OTHER;
     sched_param before{};
     pthread_getschedparam(pthread_self(), &policy, &before);
-    const sched_param real_time{.sched_priority = priority};
-    const bool raised = priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &real_time) == 0;
+    const sched_param lowest{.sched_priority = sched_get_priority_min(SCHED_FIFO)};
+    const bool raised = real_time && pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest) == 0;
     const int code = libusb_init(&context_);
     if (raised) pthread_setschedparam(pthread_self(), policy, &before);
     if (code != 0) throw std::runtime_error(std::string("cannot look at USB: ") + libusb_strerror(code));

@@ -43,8 +43,8 @@ struct Found {
 /// One context of libusb. Used by one thread at a time.
 class Context {
   public:
-    /// `priority`: SCHED_FIFO of libusb's own thread, 0: ordinary; one that it may not have is left alone.
-    explicit Context(int priority = 0);
+    /// `real_time`: libusb's own thread is SCHED_FIFO too, where that is allowed.
+    explicit Context(bool real_time = false);
     ~Context();
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
