@@ -55,17 +55,16 @@ class Felt {
         scene_.set_fade({.automatic = 0.2 * lateness.interval, .rise_speed = 0.1});
     }
 
-    void set(const Faces& faces, double recovery = automatic) {
+    void set(const Faces& faces) {
         for (std::uint32_t i = 0; i < max_faces; ++i) {
             const Handle handle{i, 1};
             if (i >= faces.count) {
                 if (there_[i]) scene_.remove(handle);
                 there_[i] = false;
             } else if (how_.rim > 0) {
-                put(handle, Cap{.rim = how_.rim, .stiffness = how_.stiffness, .recovery = recovery},
-                    faces.face[i]);
+                put(handle, Cap{.rim = how_.rim, .stiffness = how_.stiffness}, faces.face[i]);
             } else {
-                put(handle, Plane{.stiffness = how_.stiffness, .recovery = recovery}, faces.face[i]);
+                put(handle, Plane{.stiffness = how_.stiffness}, faces.face[i]);
             }
         }
     }
@@ -102,7 +101,6 @@ Outcome run(const Run& how, const Model& model, const Path& path, const Truth& t
     struct Update {
         int lands;
         Faces faces;
-        double recovery;
     };
     std::deque<Update> on_their_way;
     FollowMemory memory;
@@ -125,31 +123,25 @@ Outcome run(const Run& how, const Model& model, const Path& path, const Truth& t
         last = p;
         if (cycle >= first && (cycle - first) % update_cycles == 0) {
             Faces next{.face = {}, .count = 1};
-            double recovery = automatic;
-            if (how.way == Way::none) {
-                next.face[0] = model(to_plain(p));
-            } else if (how.way == Way::unchecked) {
-                next.face[0] = model(look_ahead(to_plain(p), to_plain(slow), lateness));
-            } else {
+            if (how.way == Way::safe) {
                 const Followed followed =
                     follow_surface(model, {.time = t, .position = to_plain(p), .velocity = to_plain(slow)},
                                    lateness, {.stiffness = how.stiffness, .rim = how.rim}, memory);
-                recovery = followed.recovery;
-                if (how.way == Way::safe)
-                    next = followed.faces;
-                else
-                    next.face[0] = model(look_ahead(to_plain(p), to_plain(slow),
-                                                    {.latency = followed.horizon, .interval = 0}));
+                next = followed.faces;
                 outcome.full_share += followed.look_ahead == 1 ? 1 : 0;
                 outcome.cornered += next.count > 1 ? 1 : 0;
                 outcome.undersampled += followed.undersampled ? 1 : 0;
                 outcome.asked += followed.asked;
+            } else {
+                next.face[0] = how.way == Way::none
+                                   ? model(to_plain(p))
+                                   : model(look_ahead(to_plain(p), to_plain(slow), lateness));
             }
             ++updates;
-            on_their_way.push_back({cycle + latency_cycles, next, recovery});
+            on_their_way.push_back({cycle + latency_cycles, next});
         }
         if (!on_their_way.empty() && on_their_way.front().lands == cycle) {
-            felt.set(on_their_way.front().faces, on_their_way.front().recovery);
+            felt.set(on_their_way.front().faces);
             on_their_way.pop_front();
         }
         const Vector3d force = felt.force(p);

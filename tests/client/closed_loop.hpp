@@ -1,8 +1,7 @@
 #pragma once
 // A hand, a servo and a slow application around the library's prediction, on a virtual clock: the hand is a
 // mass that wants to follow a path, the servo evaluates a Scene at 1 kHz, the application reads the hand at
-// 20 Hz and its answer is felt 25 ms later, cross-faded over 10 ms, or, where it is predicted, as long as the
-// library says.
+// 20 Hz and its answer is felt 25 ms later, cross-faded over 10 ms.
 
 #include <functional>
 #include <limits>
@@ -24,7 +23,6 @@ inline constexpr knurl::Lateness lateness{.latency = latency_cycles * dt, .inter
 enum class Way {
     none,       // with the plane where the hand was
     unchecked,  // with the plane where it will be, whatever that does
-    as_far,     // the same, but as far ahead and faded as long as the library does
     safe,       // as the library does
 };
 

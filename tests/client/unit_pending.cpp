@@ -219,24 +219,6 @@ TEST(Pending, a_batch_that_changes_everything_always_fits) {
     EXPECT_LE(table.batch().size(), small.batch_bytes);
 }
 
-TEST(Pending, a_plane_that_is_followed_is_sent_as_its_shape_alone_its_fade_among_it) {
-    Pair pair;
-    Plane plane = plane_at(1);
-    const Handle handle = pair.table.add(kind_of<Plane>, bytes_of(plane), {});
-    constexpr std::size_t alone = 80, whole = 264;
-    for (const double recovery : {0.015, 0.018, 0.010}) {
-        plane.offset += 1e-3;
-        plane.recovery = recovery;  // as the measured interval wants it
-        pair.table.set(handle, bytes_of(plane));
-        EXPECT_EQ(pair.table.batch().size(), alone);
-        pair.commit();
-        pair.servo.take();
-    }
-    plane.friction.dynamic += 0.1;
-    pair.table.set(handle, bytes_of(plane));
-    EXPECT_EQ(pair.table.batch().size(), whole) << "this test would not see one that is sent whole";
-}
-
 TEST(Pending, slots_run_out_with_a_line_that_says_what_to_ask_for) {
     Table table({.representations = 2, .batch_bytes = 4096});
     table.add(kind_of<Plane>, bytes_of(plane_at(0)), {});

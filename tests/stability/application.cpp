@@ -91,11 +91,9 @@ Answer Application::solve(double t, const Vector3d& p, const Vector3d& velocity)
     if (method.predicted) {
         const knurl::HandNow hand{
             .time = t, .position = knurl::to_plain(p), .velocity = knurl::to_plain(velocity)};
-        const knurl::Followed followed = knurl::follow_surface(
-            model_, hand, {.latency = latency(), .interval = conditions_.interval()},
-            {.stiffness = stiffness_, .rim = curved ? cap.rim : 0, .recovery = method.recovery}, memory_);
-        face = followed.faces.face[0];
-        cap.recovery = plane.recovery = followed.recovery;
+        face = knurl::follow_surface(model_, hand, {.latency = latency(), .interval = conditions_.interval()},
+                                     {.stiffness = stiffness_, .rim = curved ? cap.rim : 0}, memory_)
+                   .faces.face[0];
     }
     knurl::place(cap, face);
     knurl::place(plane, face);

@@ -35,14 +35,6 @@ double rim_of(const Cap& cap) {
     return cap.rim;
 }
 
-/// Cross-faded, not by one of the paper's recoveries.
-bool fades(const Plane& plane) {
-    return plane.update == PlaneUpdate::fade;
-}
-bool fades(const Cap&) {
-    return true;
-}
-
 }  // namespace
 
 Followed ClaimState::follow(Handle handle, Kind kind, const SurfaceModel& model) {
@@ -67,11 +59,8 @@ Followed ClaimState::follow_with(Handle handle, const SurfaceModel& model) {
     Lateness late = lateness();
     if (!ages_.empty() && !followed.follow_intervals.empty())
         late.interval = followed.follow_intervals.median();
-    // What the last call has put there for `automatic` still stands for it.
-    if (fades(params) && params.recovery == memory.recovery) params.recovery = automatic;
     const Follower follower{.stiffness = std::min(params.stiffness, limits_.max_stiffness),
-                            .rim = rim_of(params),
-                            .recovery = params.recovery};
+                            .rim = rim_of(params)};
     lock.unlock();  // the model is the application's: it may call us
     const Followed result = follow_surface(model,
                                            {.time = static_cast<double>(report->read_ns) * 1e-9,
@@ -80,7 +69,6 @@ Followed ClaimState::follow_with(Handle handle, const SurfaceModel& model) {
                                            late, follower, memory);
     lock = enter();
 
-    if (fades(params)) params.recovery = result.recovery;
     send_faces(handle, params, result.faces);
     entry(handle).followed = memory;
     if (result.undersampled) ++undersampled_;

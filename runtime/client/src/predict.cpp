@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "corner.hpp"
@@ -18,56 +17,12 @@ constexpr double largest_tolerance = 0.5e-3;  // m
 constexpr double force_tolerance = 1.0;       // N: the kick that a wrong face may add
 constexpr double forgetting = 0.8;            // per update: about the last five count
 constexpr double longest_memory = 1.0;        // s: what is older says nothing about the next movement
-constexpr double enough_alike = 0.1;  // of the fade: what is sent need not follow every measured interval
 
-/// How a kind of representation is followed; measured, tests/stability/README.md.
-struct Following {
-    double fade;   // of the interval
-    double ahead;  // of the fade, for which is looked further ahead
-    /// Share of the horizon by how far velocity told where the hand went: 1 from `sure` on, in proportion
-    /// down to 0 at `lost`, but never less than `least`.
-    double sure, lost, least;
-
-    double share(double told) const noexcept { return std::clamp((told - lost) / (sure - lost), least, 1.0); }
-};
-constexpr Following follow_plane{.fade = 0.30, .ahead = 0.7, .sure = 1, .lost = 0, .least = 0};
-constexpr Following follow_cap{.fade = 0.15, .ahead = 2.0, .sure = 0.85, .lost = 0.5, .least = 0.35};
-
-/// A cap of a model that does not know how its surface curves is a plane.
-const Following& following(const Follower& follower, const SurfacePoint& here) {
-    const bool curved = here.curvature != 0 || here.curvature2 != 0;
-    return follower.rim > 0 && curved ? follow_cap : follow_plane;
-}
-
-/// From a report's read to the middle of the time in which what is computed from it is felt.
-double felt_after(const Lateness& lateness) {
-    return lateness.latency + lateness.interval / 2;
-}
-
-/// `time`, shortened so that the hand does not get further than max_look_ahead.
-double within_reach(const Vector3d& velocity, double time) {
+/// t*, shortened so that the hand does not get further than max_look_ahead.
+double look_ahead_time(const Vector3d& velocity, const Lateness& lateness) {
+    const double time = lateness.latency + lateness.interval / 2;
     const double speed = velocity.norm();
     return speed * time > max_look_ahead ? max_look_ahead / speed : time;
-}
-
-/// In which a hand that brakes would come to rest, s; infinite for one that does not.
-double stopping_time(const Vector3d& velocity, const Vector3d& acceleration) {
-    const double braking = -acceleration.dot(velocity);
-    return braking > 0 ? velocity.squaredNorm() / braking : std::numeric_limits<double>::infinity();
-}
-
-/// The time in which the velocity, if it stayed as it is, would take a braking hand as far as it gets in
-/// `time`; not back again, for where it goes after its turn nobody knows.
-double braked(double time, double stop) {
-    return time < stop ? time - time * time / (2 * stop) : stop / 2;
-}
-
-/// Over which a new face reaches the hand: as the application wants it, else a share of the interval, within
-/// the bounds of automatic_fade.
-double recovery_of(const Follower& follower, const Lateness& lateness, const Following& how) {
-    if (follower.recovery != automatic || lateness.interval == 0) return follower.recovery;
-    const double fade = how.fade * lateness.interval;
-    return std::min(lateness.interval, std::clamp(fade, 2e-3, 50e-3));
 }
 
 /// Looking to opposite sides; at a right angle they do not.
@@ -98,7 +53,7 @@ Vector3d restrained(const Vector3d& way, const Face& at_hand, double height) {
 
 Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness) noexcept {
     const Vector3d v = to_eigen(velocity);
-    return to_plain(to_eigen(position) + v * within_reach(v, felt_after(lateness)));
+    return to_plain(to_eigen(position) + v * look_ahead_time(v, lateness));
 }
 
 void Trust::observe(double time, const Vec3& position, const Vec3& velocity, double horizon) noexcept {
@@ -157,29 +112,14 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     const double height = here.height(p);
     // Along the surface: what a contact stops says nothing about where a hand wants to go.
     const Vector3d along = v - v.dot(here.normal()) * here.normal();
-    const Following& how = following(follower, here.point());
-    result.recovery = recovery_of(follower, lateness, how);
-    if (follower.recovery == automatic &&
-        std::abs(result.recovery - memory.recovery) <= enough_alike * memory.recovery)
-        result.recovery = memory.recovery;
-    memory.recovery = follower.recovery == automatic ? result.recovery : automatic;
-    const double fade = result.recovery == automatic ? 0 : result.recovery;
-    const double horizon = felt_after(lateness) + how.ahead * fade;
-    result.horizon = horizon;
-    memory.trust.observe(hand.time, hand.position, to_plain(along), horizon);
-    result.trust = how.share(memory.trust.factor());
-    Vector3d acceleration = Vector3d::Zero();
-    if (memory.time && hand.time > *memory.time && hand.time - *memory.time < longest_memory)
-        acceleration = (along - to_eigen(memory.velocity)) / (hand.time - *memory.time);
-    const double stop = stopping_time(v, acceleration);
-    memory.velocity = to_plain(along);
-    memory.time = hand.time;
+    memory.trust.observe(hand.time, hand.position, to_plain(along), lateness.latency + lateness.interval / 2);
+    result.trust = memory.trust.factor();
 
     const double tolerance = follower.stiffness > 0
                                  ? std::min(largest_tolerance, force_tolerance / follower.stiffness)
                                  : largest_tolerance;
-    const double time = result.trust * within_reach(v, braked(horizon, stop));
-    const double landing_time = std::min(result.trust * braked(lateness.latency, stop), time);
+    const double time = result.trust * look_ahead_time(v, lateness);
+    const double landing_time = std::min(result.trust * lateness.latency, time);
     const Vector3d landing = p + v * landing_time;
     std::vector<Face> faces{here};
     if (time > 0 && !v.isZero()) {

@@ -7,29 +7,19 @@
 // of a plate is nearer to its other face, and the hand is pushed out there. So the look-ahead is tried,
 // checked against the model at the moment of landing, and halved until it is harmless:
 //
-//     t*    = s(latency + interval/2 + c fade)       s(t) = t, of a hand that brakes t - t^2 / (2 t_stop)
-//     v t*  at most 20 mm                            normal part: at most up to the surface
-//     p_L   = p + v s(latency)                       where the hand is when the update lands
-//     face  = model(p + v t*), accepted if           height of p_L over that plane or cap
-//             h(p_L) >= min(d(p_L), 0) - min(0.5 mm, 1 N / k)   ... is no worse than under the model itself
+//     v t*  = v (latency + interval/2), at most 20 mm          normal part: at most up to the surface
+//     p_L   = p + v latency                                    where the hand is when the update lands
+//     face  = model(p + v t*), accepted if                     height of p_L over that plane or cap
+//             h(p_L) >= min(d(p_L), 0) - min(0.5 mm, 1 N / k)  ... is no worse than under the model itself
 //     else t* / 2, t* / 4, 0
 //
-// A hand that turns round is not where its velocity says. While it brakes, a = dv/dt since the last update
-// with a.v < 0, it is taken to go on braking like that: it would stop after t_stop = v^2 / (-a.v), half of
-// v t_stop away, and what comes after the turn nobody knows, so no further than there. And how far the past
-// updates' velocities did explain where it went is measured, and the look-ahead shortened by it (trust): 1 on
-// a stroke, about 0.8 for 50 ms of a 3 Hz reversal, 0.5 to 0.6 at 5 Hz. A cap goes on as the surface does, so
-// that one which was placed too far along it costs little: it is shortened only below 0.85, but steeply.
-//
-// A face that fades in is felt later than it lands. Planes, of which each is a step from the last, fade over
-// 30 % of the interval; caps, which know how the surface goes on, over 15 %. These and c (0.7 for planes, 2
-// for caps) are measured: tests/stability/README.md. A fade that was left to us stays as it is while the
-// measured interval changes by less than a tenth. Where the model tells no curvature, a cap is a plane.
+// A hand that turns round is not where its velocity says. How far the past updates' velocities did explain
+// where it went is measured, and the look-ahead shortened by it (trust): 1 on a stroke, about 0.8 for 50 ms
+// of a 3 Hz reversal.
 
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 
 #include <knurl/reps/cap.hpp>
@@ -86,6 +76,12 @@ struct Faces {
     std::span<const SurfacePoint> all() const { return {face.data(), count}; }
 };
 
+/// What the next call has to know of the last ones.
+struct FollowMemory {
+    Faces sent;  // last; none: never
+    Trust trust;
+};
+
 /// The hand as a report has it.
 struct HandNow {
     double time = 0;  // s, of any epoch: when it was read
@@ -93,28 +89,16 @@ struct HandNow {
     Vec3 velocity{};  // m/s, slow (Report::slow_velocity)
 };
 
-/// What the next call has to know of the last ones.
-struct FollowMemory {
-    Faces sent;                   // last; none: never
-    double recovery = automatic;  // s, sent with them where it was left to us
-    Trust trust;
-    Vec3 velocity{};             // m/s, along the surface ...
-    std::optional<double> time;  // s, ... at the last call
-};
-
 /// What follows the surface.
 struct Follower {
-    double stiffness = 0;         // N/m, as applied
-    double rim = 0;               // 1, of a cap (Cap::rim); 0: a plane
-    double recovery = automatic;  // s, as the application wants it; automatic: as is best for this follower
+    double stiffness = 0;  // N/m, as applied
+    double rim = 0;        // 1, of a cap (Cap::rim); 0: a plane
 };
 
 struct Followed {
-    Faces faces;                  // to send
-    double recovery = automatic;  // s, to send with them
-    double horizon = 0;           // s, latency + interval/2 + c fade, whatever of it passed
-    double look_ahead = 0;        // share of t* that passed the check: 1, 1/2, 1/4 or 0
-    double trust = 1;             // by which t* was shortened before
+    Faces faces;             // to send
+    double look_ahead = 0;   // share of t* that passed the check: 1, 1/2, 1/4 or 0
+    double trust = 1;        // by which t* was shortened before
     bool kept_side = false;  // the nearest face was not the one by which the hand came in: the last stays
     bool undersampled =
         false;                // |v| interval > R/2: between two updates the hand passes more than a plane or
@@ -124,7 +108,7 @@ struct Followed {
 
 inline constexpr double max_look_ahead = 0.020;  // m
 
-/// Position of the hand latency + interval/2 from now, at most max_look_ahead away. Frame as given.
+/// Position of the hand t* from now, at most max_look_ahead away. Frame as given.
 Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness) noexcept;
 
 /// The plane or cap to send. Throws knurl::Error if the model answers with something not finite, a zero
