@@ -66,7 +66,7 @@ TEST(Keys, that_are_taken_out_of_the_file_end_the_session_on_sighup) {
     says(said, "its key is not in the file any more");
     says(bridge.line(), "read again");
     ASSERT_TRUE(eventually([&] { return !going.connected(); }));
-    // The bridge's farewell, or, once it has knocked again, why it is not let in.
+    // By the bridge's farewell, or, once it has knocked again, by why it is not let in.
     says(refusal([&] { going.arm(); }).what(), "key");
     EXPECT_EQ(refused_by(bridge, anna).kind, Error::Kind::permission);
     EXPECT_TRUE(staying.next_report(10s)) << "the others notice nothing";

@@ -186,11 +186,11 @@ void ClientState::lose_link() {
     const Lock lock(mutex_);
     link_.reset();
     hopeless_ = false;
+    note_loss(why);  // before anybody can find himself without a servo
     for (Reader* reader : readers_) {
         reader->detach();
         if (!options_.reattach) reader->give_up(why + " (then connect again)");
     }
-    note_loss(why);
 }
 
 /// With the lock held: what every call that needs the servo says until it is back.
