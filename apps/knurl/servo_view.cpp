@@ -20,14 +20,13 @@ namespace knurl::cli {
 
 namespace {
 
-constexpr int answer_within_ms = 2000;
-
 std::string name_of(const std::string& socket) {
     return std::filesystem::path(socket).stem().string();
 }
 
 /// The broker's answer to our Hello; throws what it refuses us for.
-protocol::Welcome greet(const shm::UniqueFd& connection, std::vector<shm::UniqueFd>& segments) {
+protocol::Welcome greet(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
+                        std::vector<shm::UniqueFd>& segments) {
     protocol::Hello hello;
     hello.layout = protocol::wire_hash();
     protocol::put_text(hello.client, "knurl");
@@ -35,7 +34,7 @@ protocol::Welcome greet(const shm::UniqueFd& connection, std::vector<shm::Unique
         throw std::runtime_error("the servo hung up");
     }
     pollfd wait{.fd = connection.get(), .events = POLLIN, .revents = 0};
-    if (::poll(&wait, 1, answer_within_ms) <= 0)
+    if (::poll(&wait, 1, static_cast<int>(answer_time.count())) <= 0)
         throw std::runtime_error("the servo does not answer; is it stopped?");
 
     alignas(8) std::byte buffer[std::max(sizeof(protocol::Welcome), sizeof(protocol::Refused))];
@@ -127,10 +126,10 @@ DeviceView look_at_device(const std::byte* memory) {
 
 }  // namespace
 
-ServoWatch::ServoWatch(const std::string& socket) : socket_(socket) {
+ServoWatch::ServoWatch(const std::string& socket, std::chrono::milliseconds answer_time) : socket_(socket) {
     const auto connection = shm::connect_to(socket);
     std::vector<shm::UniqueFd> descriptors;
-    const auto welcome = greet(connection, descriptors);
+    const auto welcome = greet(connection, answer_time, descriptors);
     pid_ = static_cast<pid_t>(welcome.servo_pid);
     for (const auto& descriptor : descriptors) {
         segments_.push_back(shm::Segment::open(descriptor.get(), protocol::device_layout().total,

@@ -2,6 +2,7 @@
 // A look at a running servo: what its report memory says, read through a mapping that cannot be written.
 // Looking claims nothing, and the servo does nothing for it.
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -50,8 +51,10 @@ struct ServoView {
 /// The mapped memory of a servo's devices; may be looked at again and again.
 class ServoWatch {
   public:
-    /// Throws std::runtime_error: nobody listens there, or the servo is of another build.
-    explicit ServoWatch(const std::string& socket);
+    /// Throws std::runtime_error: nobody listens there, nobody answers in time, or the servo is of another
+    /// build.
+    explicit ServoWatch(const std::string& socket,
+                        std::chrono::milliseconds answer_time = std::chrono::seconds(2));
 
     ServoView look() const;
     /// Of each device, the reports since the last call (the first one begins with the newest). What was

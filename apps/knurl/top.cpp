@@ -1,16 +1,17 @@
 // knurl top: what a servo does with its time and its clients with it, live. Read-only: the servo does nothing
 // for it.
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sleeper.hpp>
 
 #include <knurl/protocol/attach.hpp>
 
-#include "latency_floors.hpp"
 #include "top_terminal.hpp"
 #include "top_text.hpp"
 #include "verbs.hpp"
@@ -19,7 +20,11 @@ namespace knurl::cli {
 
 namespace {
 
+using measure::Nanoseconds, measure::now_ns;
 using nlohmann::json;
+
+// While a servo is sought: every look asks for it, and whoever types Ctrl-C waits for the look.
+constexpr std::chrono::milliseconds answer_time{100};
 
 struct Arguments {
     std::string servo = "default";
@@ -75,7 +80,7 @@ class Looker {
     /// One that has ended leaves its memory as it was, one that is stopped as well: who answers now?
     void find_again(Look& look) {
         try {
-            ServoWatch now(socket_);
+            ServoWatch now(socket_, answer_time);
             if (now.look().pid == look.pid) return;
             look.problem = fmt::format("pid {} has taken the place of {}", now.look().pid, look.pid);
             servo_ = std::move(now);
@@ -141,7 +146,8 @@ void add_top(CLI::App& program, Run& run) {
         ->type_name("N");
     verb->add_flag("--json", arguments->json, "a line of JSON for each look");
     verb->footer(
-        "lateness  from a cycle's deadline until the device has been read\n"
+        "lateness  from a cycle's deadline until the device has been read; of the newest 4095 cycles at "
+        "most\n"
         "cycle     means of one cycle in 64; sleep: the rest of the period, waking included\n"
         "age       of the newest update when its force was written: since the report that it answers was "
         "read\n"

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+
+#include <measure.hpp>
 
 namespace knurl::cli {
 
@@ -24,9 +27,9 @@ void note_lateness(DeviceRates& rates, const std::vector<Report>& seen) {
     for (const Report& report : seen)
         late.push_back(static_cast<double>(report.read_ns - report.deadline_ns) * 1e-3);
     if (late.empty()) return;
-    std::sort(late.begin(), late.end());
-    rates.late_median = late[late.size() / 2];
-    rates.late_max = late.back();
+    const measure::Result result = measure::summarise("lateness", "us", std::move(late));
+    rates.late_median = result.p50;
+    rates.late_max = result.max;
 }
 
 }  // namespace

@@ -26,10 +26,11 @@ struct DeviceRates {
     std::uint64_t late = 0, overruns = 0;
     /// us, means of the cycles that were stamped (one in 64); none: none was in this time.
     std::optional<std::array<double, cycle_parts.size()>> parts;
-    double step = 0;                              // us, of all parts
-    double sleep = 0;                             // us, the rest of the measured period
-    double busy = 0;                              // of the period, 0 to 1
-    std::optional<double> late_median, late_max;  // us, from deadline to read, of the reports that were seen
+    double step = 0;   // us, of all parts
+    double sleep = 0;  // us, the rest of the measured period
+    double busy = 0;   // of the period, 0 to 1
+    // us, from deadline to read, of the reports that were seen; the median of 20 or more
+    std::optional<double> late_median, late_max;
     std::vector<ClientRates> clients;
 };
 

@@ -38,7 +38,7 @@ json json_of(const ClientRates& rates) {
             {"name", client.name},
             {"role", client.observer ? "observer" : "claim"},
             {"updates", rates.updates},
-            {"age_at_use", client.age},
+            {"age_at_use_us", client.age > 0 ? json(client.age * 1e6) : json()},
             {"merged", rates.merged},
             {"refused", rates.refused},
             {"missed", rates.missed},
@@ -60,8 +60,8 @@ std::string text_of(const DeviceRates& rates) {
         fmt::format("  {:.1f} of {:g} Hz  force {:.2f} of {:.3g} N  k_max {:.4g} N/m\n", rates.rate,
                     device.info.rate, force_of(device), device.info.peak_force, device.info.max_stiffness);
     text += "    lateness";
-    if (rates.late_median)
-        text += fmt::format("  median {:.1f} us  at most {:.1f} us", *rates.late_median, *rates.late_max);
+    if (rates.late_median) text += fmt::format("  median {:.1f} us", *rates.late_median);
+    if (rates.late_max) text += fmt::format("  at most {:.1f} us", *rates.late_max);
     text += counted(device.counters.at("late_cycles"), rates.late, "late cycles") +
             counted(device.counters.at("overruns"), rates.overruns, "overruns") + "\n";
     if (rates.parts) {

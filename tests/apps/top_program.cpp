@@ -164,6 +164,7 @@ class OnTerminal {
     OnTerminal(const OnTerminal&) = delete;
     OnTerminal& operator=(const OnTerminal&) = delete;
 
+    pid_t pid() const { return pid_; }
     void type(char key) { ASSERT_EQ(::write(terminal_, &key, 1), 1); }
     bool shows(const std::string& text) {
         while (shown.find(text) == std::string::npos)
@@ -212,6 +213,35 @@ TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
     for (std::string line; std::getline(lines, line); ++rows) EXPECT_LE(line.size(), 41u) << line;  // and \r
     EXPECT_LE(rows, 10);
     EXPECT_GT(rows, 4);
+}
+
+TEST(Top, SuspendedItGivesTheTerminalBackAndTakesItAgain) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3"});
+    OnTerminal top(100, 30);
+    ASSERT_TRUE(top.shows("lateness")) << top.shown;
+    top.shown.clear();
+    ::kill(top.pid(), SIGTSTP);
+    int status = 0;
+    ASSERT_EQ(::waitpid(top.pid(), &status, WUNTRACED), top.pid());
+    ASSERT_TRUE(WIFSTOPPED(status)) << "it was suspended";
+    EXPECT_TRUE(top.shows("\033[?1049l")) << "the shell's own page is back";
+    ::kill(top.pid(), SIGCONT);
+    EXPECT_TRUE(top.shows("\033[?1049h")) << "and its own again";
+    EXPECT_TRUE(top.shows("lateness")) << top.shown;
+    ::kill(top.pid(), SIGTERM);
+    EXPECT_EQ(top.end(), 0);
+}
+
+TEST(Top, AServoThatStandsStillIsNoReasonToHang) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3"});
+    Background top({knurl_program(), "top", "--rate", "20"});
+    ASSERT_TRUE(top.says("lateness")) << top.said();
+    ::kill(servo.pid(), SIGSTOP);
+    EXPECT_TRUE(top.says("pid " + std::to_string(servo.pid()) + " has ended or stands still")) << top.said();
+    ::kill(servo.pid(), SIGCONT);
+    EXPECT_EQ(top.end(SIGTERM), 0);
 }
 
 }  // namespace

@@ -71,12 +71,16 @@ TEST(TopRates, ALookThatIsTooShortForAStampKeepsThePartsOfTheOneBefore) {
 }
 
 TEST(TopRates, LatenessIsOfTheReportsThatWereSeen) {
-    std::vector<Report> seen(5);
+    std::vector<Report> seen(41);
     for (std::size_t i = 0; i < seen.size(); ++i)
         seen[i].read_ns = static_cast<std::int64_t>(10'000 * (i + 1));
     const auto rates = cli::rates_between(device({}), device({}), 1, seen);
-    EXPECT_EQ(rates.late_median, 30);
-    EXPECT_EQ(rates.late_max, 50);
+    EXPECT_EQ(rates.late_median, 210);
+    EXPECT_EQ(rates.late_max, 410);
+    seen.resize(5);
+    const auto few = cli::rates_between(device({}), device({}), 1, seen);
+    EXPECT_FALSE(few.late_median) << "too few";
+    EXPECT_EQ(few.late_max, 50);
 }
 
 TEST(TopRates, ClientsAreFoundAgainByTheirRow) {

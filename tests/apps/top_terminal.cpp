@@ -1,7 +1,14 @@
 // A page of `knurl top` on terminals of any size.
 
+#include <csignal>
+#include <string>
+
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
 #include <top_terminal.hpp>
+#include <unistd.h>
 
 namespace knurl::test {
 namespace {
@@ -31,6 +38,38 @@ TEST(TopTerminal, TheLastLineSaysHowManyFoundNoRoom) {
     EXPECT_EQ(fitted("1\n2\n3\n4\n", 80, 4), "1\n2\n3\n4");
     EXPECT_EQ(fitted("1\n2\n3\n4\n", 80, 3), "1\n2\n... and 2 lines more");
     EXPECT_EQ(fitted("1\n2\n3\n4\n", 6, 1), "... an");
+}
+
+TEST(TopTerminal, AResizedPageIsDrawnAnewAtOnce) {
+    winsize size{.ws_row = 20, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
+    int screen = -1;
+    const pid_t pid = ::forkpty(&screen, nullptr, nullptr, &size);
+    if (pid == 0) {
+        ::setenv("TERM", "xterm", 1);
+        cli::Terminal terminal(true);
+        terminal.show("1\n2\n3\n4\n5\n");
+        terminal.wait(3600);  // nothing is shown any more: until it is asked to end
+        _exit(0);
+    }
+    std::string shown;
+    const auto shows = [&](const char* what) {
+        char text[4096];
+        while (shown.find(what) == std::string::npos) {
+            const ssize_t n = ::read(screen, text, sizeof text);  // ctest's time-out is ours
+            if (n <= 0) return false;
+            shown.append(text, static_cast<std::size_t>(n));
+        }
+        return true;
+    };
+    ASSERT_TRUE(shows("5")) << shown;
+    size.ws_row = 3;
+    ASSERT_EQ(::ioctl(screen, TIOCSWINSZ, &size), 0);
+    EXPECT_TRUE(shows("... and 3 lines more")) << shown;
+    ::kill(pid, SIGTERM);
+    int status = 0;
+    ASSERT_EQ(::waitpid(pid, &status, 0), pid);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+    ::close(screen);
 }
 
 }  // namespace

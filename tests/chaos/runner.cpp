@@ -1,9 +1,8 @@
-// knurl_chaos --seed N [--faults M] [--kinds local|network|NAME] [--without NAME]: M faults in an order and
-// with details that the seed makes (0: each kind once). Ends at the first broken promise, with the seed that
-// shows it again; a fault during which the machine itself stood still is tried again, three times in all. At
-// the end it prints how long the promised things took on this machine (measured, never judged: promises are
-// judged by cycles and order of events). Faults of a USB cable and its device:
-// tests/drivers/usb/knurld_test.cpp.
+// knurl_chaos --seed N [--faults M] [--kinds local|network|NAME]: M faults in an order and with details that
+// the seed makes (0: each kind once). Ends at the first broken promise, with the seed that shows it again; a
+// fault during which the machine itself stood still is tried again, three times in all. At the end it prints
+// how long the promised things took on this machine (measured, never judged: promises are judged by cycles
+// and order of events). Faults of a USB cable and its device: tests/drivers/usb/knurld_test.cpp.
 
 #include <algorithm>
 #include <cstdio>
@@ -202,21 +201,20 @@ int run(unsigned seed, std::size_t count, const std::vector<Fault>& kinds) {
 int main(int argc, char** argv) {
     unsigned seed = 1;
     std::size_t count = 0;
-    std::string which = "all", without;
+    std::string which = "all";
     for (int i = 1; i < argc; i += 2) {
         const std::string word = argv[i];
-        const bool known = word == "--seed" || word == "--faults" || word == "--kinds" || word == "--without";
+        const bool known = word == "--seed" || word == "--faults" || word == "--kinds";
         if (!known || i + 1 == argc) {
             std::fprintf(stderr,
                          "knurl_chaos: '%s' is unknown or has no value; known are --seed N, --faults M, "
-                         "--kinds local|network|NAME and --without NAME\n",
+                         "--kinds local|network|NAME\n",
                          argv[i]);
             return 2;
         }
         if (word == "--seed") seed = static_cast<unsigned>(std::strtoul(argv[i + 1], nullptr, 10));
         if (word == "--faults") count = std::strtoul(argv[i + 1], nullptr, 10);
         if (word == "--kinds") which = argv[i + 1];
-        if (word == "--without") without = argv[i + 1];
     }
     try {
         using knurl::chaos::faults, knurl::chaos::network_faults;
@@ -225,7 +223,6 @@ int main(int argc, char** argv) {
         if (which != "local") kinds.insert(kinds.end(), network_faults().begin(), network_faults().end());
         if (which != "all" && which != "local" && which != "network")
             std::erase_if(kinds, [&](const knurl::chaos::Fault& fault) { return fault.name != which; });
-        std::erase_if(kinds, [&](const knurl::chaos::Fault& fault) { return fault.name == without; });
         if (kinds.empty()) throw std::runtime_error("no fault is named '" + which + "'");
         return knurl::chaos::run(seed, count, kinds);
     } catch (const std::exception& error) {

@@ -1,5 +1,8 @@
 // apps/measure: a loop with nothing in it keeps a servo's time; a witness sees only what it may.
 
+#include <algorithm>
+#include <thread>
+
 #include <gtest/gtest.h>
 #include <measure.hpp>
 #include <sleeper.hpp>
@@ -54,6 +57,28 @@ TEST(Witness, GivesEachGapOnceAndOnlyLongOnes) {
         }
         known = now_ns();
     }
+}
+
+TEST(Witness, SeesThatItsCpuWasTakenFromIt) {
+    const unsigned cpu = allowed_cpus().back();
+    Witness witness({cpu}, 1);
+    if (witness.watching() == 0) GTEST_SKIP() << "no right to SCHED_FIFO";
+    witness.gaps();
+    Nanoseconds begin = 0, end = 0;
+    std::thread([&] {  // above it, and never asleep
+        ASSERT_TRUE(settle_on(cpu, 2));
+        begin = now_ns();
+        while ((end = now_ns()) < begin + 20 * ms) {
+        }
+    })
+        .join();
+    Nanoseconds longest = 0;
+    const Nanoseconds patience = end + 5000 * ms;  // until it has had its turn
+    for (; longest < 15 * ms && now_ns() < patience; sleep_until(now_ns() + ms))
+        for (const Gap& gap : witness.gaps())
+            longest = std::max(longest, std::min(gap.end, end) - std::max(gap.begin, begin));
+    EXPECT_GE(longest, 15 * ms) << "of the 20 ms in which it could not run";
+    for (const Gap& gap : witness.gaps()) EXPECT_GT(gap.end, end) << "the same is not told twice";
 }
 
 TEST(Witness, IsNoneOnACpuThatItMayNotHave) {
