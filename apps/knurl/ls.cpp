@@ -107,7 +107,9 @@ json json_of(const DeviceView& device) {
             {"k_max", info.max_stiffness},
             {"peak_force", info.peak_force},
             {"force", force_of(device)},
+            {"peak_torque", info.peak_torque},
             {"renders_torque", info.renders_torque != 0},
+            {"senses_orientation", info.senses_orientation != 0},
             {"held_by", holders},
             {"counters", device.counters},
             {"clients", clients}};

@@ -95,6 +95,72 @@ rate = 2000
     EXPECT_EQ(period_of(right), 500'000);
 }
 
+TEST(Hands, one_of_each_of_two_servos_and_one_of_these_ends) {
+    ServoProcess first({"--device", "hand=sim:cartesian3"});
+    Client to_first = connect();
+    Claim left = to_first.claim("hand");
+    push(left, 0.25);
+    {
+        ServoProcess second({"--device", "hand=sim:premium15", "--rate", "500"});
+        Client to_second = connect();
+        Claim right = to_second.claim("hand");
+        EXPECT_NE(to_first.servo_pid(), to_second.servo_pid());
+        EXPECT_EQ(right.device().rate, 500);
+        push(right, -0.5);
+        feel(left, 0.25);
+        feel(right, -0.5);
+        second.end(SIGKILL);
+        EXPECT_TRUE(eventually([&] { return !right.connected(); }));
+        const HandReport later = after(left, 200);
+        EXPECT_EQ(later.state, DeviceState::active);
+        EXPECT_NEAR(later.sent_force.x, 0.25, 1e-9);
+    }
+}
+
+/// A force on a probe at the end of a lever.
+struct OnALever {
+    Vec3 lever{0.01, 0.02, 0.015}, force{0, 0, 0.5};  // m in the hand's frame, N
+    void add(Claim& hand) const {
+        hand.place_probe(1, {.offset = lever});
+        hand.add(at_once(force), {.probe = 1, .on_silence = OnSilence::hold});
+        hand.arm();
+    }
+    HandReport felt(Claim& hand) const {
+        return read_until(hand, [&](const HandReport& report) {
+            return is_active(report) && std::abs(report.sent_force.z - force.z) < 1e-9;
+        });
+    }
+};
+
+TEST(Hands, that_render_torque_say_so_and_are_sent_the_levers) {
+    ServoProcess servo({"--device", "sim:generic6"});
+    Client client = connect();
+    Claim hand = client.claim();
+    EXPECT_TRUE(hand.device().renders_torque);
+    EXPECT_TRUE(hand.device().senses_orientation);
+    EXPECT_GT(hand.device().peak_torque, 0);
+    const OnALever lever;
+    lever.add(hand);
+    const HandReport report = lever.felt(hand);
+    const Eigen::Vector3d expected =
+        (to_eigen(report.orientation) * to_eigen(lever.lever)).cross(to_eigen(report.sent_force));
+    ASSERT_GT(expected.norm(), 1e-3);
+    EXPECT_NEAR((to_eigen(report.sent_torque) - expected).norm(), 0, 1e-9)
+        << to_eigen(report.sent_torque).transpose() << " against " << expected.transpose();
+}
+
+TEST(Hands, without_torque_say_so_and_are_sent_the_force_alone) {
+    ServoProcess servo({"--device", "sim:premium15"});
+    Client client = connect();
+    Claim hand = client.claim();
+    EXPECT_FALSE(hand.device().renders_torque);
+    EXPECT_FALSE(hand.device().senses_orientation);
+    EXPECT_EQ(hand.device().peak_torque, 0);
+    const OnALever lever;
+    lever.add(hand);
+    EXPECT_EQ(to_eigen(lever.felt(hand).sent_torque).norm(), 0);
+}
+
 TEST(Hands, of_two_applications_one_may_end) {
     ServoProcess servo({"--device", "left=sim:cartesian3", "--device", "right=sim:cartesian3,mass=0.2"});
     Client mine = connect();

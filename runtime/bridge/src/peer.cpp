@@ -25,8 +25,10 @@ DeviceRow row_of(const DeviceDescription& device) {
     row.workspace_centre = device.workspace_centre;
     row.workspace_radius = device.workspace_radius;
     row.peak_force = device.peak_force;
+    row.peak_torque = device.peak_torque;
     row.max_stiffness = device.max_stiffness;
     row.renders_torque = device.renders_torque ? 1 : 0;
+    row.senses_orientation = device.senses_orientation ? 1 : 0;
     return row;
 }
 

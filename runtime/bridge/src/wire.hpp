@@ -91,9 +91,10 @@ struct DeviceRow {
     Vec3 workspace_centre;        // m
     double workspace_radius = 0;  // m
     double peak_force = 0;        // N
+    double peak_torque = 0;       // N m
     double max_stiffness = 0;     // N/m
     std::uint32_t renders_torque = 0;
-    std::uint32_t reserved = 0;
+    std::uint32_t senses_orientation = 0;
 };
 
 struct Refused {
@@ -168,7 +169,7 @@ inline constexpr std::uint32_t feedback = 1u << 1;  // then a FeedbackHeader,
 inline constexpr std::uint32_t felt = 1u << 2;      // then this piece of its entries
 }  // namespace piece_flags
 
-static_assert(sizeof(Hello) == 88 && sizeof(Welcome) == 16 && sizeof(DeviceRow) == 320);
+static_assert(sizeof(Hello) == 88 && sizeof(Welcome) == 16 && sizeof(DeviceRow) == 328);
 static_assert(sizeof(Refused) == 520 && sizeof(Attached) == sizeof(protocol::Claimed) + 8);
 static_assert(sizeof(DatagramHeader) == 24 && sizeof(BatchPiece) == 16 && sizeof(ReportPiece) == 40);
 

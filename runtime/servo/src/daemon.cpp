@@ -159,6 +159,7 @@ struct Station {
                                  link.workspace_centre[2]};
         info.workspace_radius = link.workspace_radius;
         info.peak_force = peak_force();
+        info.peak_torque = peak_torque();
         info.max_stiffness = max_stiffness(link, config.rate);
         info.damping = link.damping;
         info.lag = link.lag;
@@ -175,6 +176,9 @@ struct Station {
 
     double peak_force() const {
         return config.limits.peak_force > 0 ? config.limits.peak_force : device->link().peak_force;
+    }
+    double peak_torque() const {
+        return config.limits.peak_torque > 0 ? config.limits.peak_torque : device->link().peak_torque;
     }
 
     void stop() noexcept {

@@ -9,12 +9,14 @@ namespace knurl {
 
 struct DeviceDescription {
     std::string name, address, profile, serial;
-    double rate = 0;              // Hz
-    Vec3 workspace_centre;        // m
-    double workspace_radius = 0;  // m
-    double peak_force = 0;        // N
-    double max_stiffness = 0;     // N/m
-    bool renders_torque = false;
+    double rate = 0;                  // Hz
+    Vec3 workspace_centre;            // m
+    double workspace_radius = 0;      // m
+    double peak_force = 0;            // N
+    double peak_torque = 0;           // N m
+    double max_stiffness = 0;         // N/m
+    bool renders_torque = false;      // else torque is discarded
+    bool senses_orientation = false;  // else it is that of the base
 };
 
 namespace detail {
@@ -31,8 +33,10 @@ DeviceDescription describe(const Row& row) {
             .workspace_centre = row.workspace_centre,
             .workspace_radius = row.workspace_radius,
             .peak_force = row.peak_force,
+            .peak_torque = row.peak_torque,
             .max_stiffness = row.max_stiffness,
-            .renders_torque = row.renders_torque != 0};
+            .renders_torque = row.renders_torque != 0,
+            .senses_orientation = row.senses_orientation != 0};
 }
 
 }  // namespace detail

@@ -33,6 +33,7 @@ struct DeviceInfo {
     Vec3 workspace_centre;        // m
     double workspace_radius = 0;  // m
     double peak_force = 0;        // N
+    double peak_torque = 0;       // N m; 0: it renders none
     double max_stiffness = 0;     // N/m: what k is clamped to, device frame
     double damping = 0;           // N s/m
     double lag = 0;               // s
