@@ -1,7 +1,9 @@
 // How a servo begins and ends: one of a name, cleanly on a signal, guarded when it is killed or stands still.
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include <fcntl.h>
@@ -70,6 +72,21 @@ TEST(Life, ASecondServoOfTheSameNameIsRefused) {
     const Knurld other(home, {"--device", "sim:premium15", "--name", "other"});
     EXPECT_TRUE(RawClient(home).greet().welcome);  // the first one's socket is still its own
     EXPECT_TRUE(RawClient(home, "other").greet().welcome);
+}
+
+TEST(Life, WhatItDoesNotDriveCostsNoThread) {
+    if (sanitized) GTEST_SKIP() << "sanitizers have threads of their own";
+    const Home home;
+    const Knurld knurld(home, {"--device", "left=sim:premium15", "--device", "right=sim:cartesian3"});
+    std::multiset<std::string> names;
+    for (const auto& task :
+         std::filesystem::directory_iterator("/proc/" + std::to_string(knurld.pid()) + "/task")) {
+        std::string name;
+        std::getline(std::ifstream(task.path() / "comm") >> std::ws, name);
+        names.insert(name);
+    }
+    EXPECT_EQ(names, (std::multiset<std::string>{"knurld", "knurl-servo", "knurl-servo", "knurl-waker"}))
+        << "none for USB or other drivers, one loop a device";
 }
 
 TEST(Life, AStaleSocketIsTakenOverSilently) {
