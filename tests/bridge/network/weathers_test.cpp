@@ -12,10 +12,14 @@ namespace {
 struct Case {
     const char* name;
     Weather weather;
+    Keyed keyed = Keyed::yes;
 };
 std::ostream& operator<<(std::ostream& out, const Case& c) {
     return out << c.name;
 }
+
+constexpr Weather foul{
+    .loss = 0.3, .duplicate = 0.2, .reorder = 0.3, .held = 0.2, .delay = 0.02, .jitter = 0.1};
 
 constexpr std::uint64_t seed = 7;
 constexpr std::uint64_t interval = 20;  // cycles between two commits
@@ -25,38 +29,13 @@ const Case weathers[] = {
     {"Far", {.delay = 0.1}},
     {"Doubled", {.duplicate = 0.5, .reorder = 0.5, .held = 0.03}},
     {"Swinging", {.delay = 0.001, .swing = 0.2, .swing_period = 0.2}},
-    {"Foul", {.loss = 0.3, .duplicate = 0.2, .reorder = 0.3, .held = 0.2, .delay = 0.02, .jitter = 0.1}},
-};
-
-ConstantForce along_x(double x) {
-    return at_once({x, 0, 0});
-}
-
-/// A remote application that holds a force, armed and in full effect.
-struct Remote {
-    Remote(Setting& setting, const ConstantForce& first, const Use& use = {})
-        : client(setting.remote()),
-          hand(client.claim("", {.update_interval = 20ms})),
-          force(hand.add(first, use)) {
-        hand.arm();
-        setting.pass_until(
-            [&] { return setting.state == DeviceState::active && setting.felt() == first.force.x; },
-            [&] { hand.commit(); });
-        setting.trace.clear();
-    }
-    void commit(const ConstantForce& params) {
-        force.set(params);
-        hand.commit();
-    }
-
-    Client client;
-    Claim hand;
-    Representing<ConstantForce> force;
+    {"Foul", foul},
+    {"FoulWithoutAKey", foul, Keyed::no},  // which is for loopback alone
 };
 
 class Under : public testing::TestWithParam<Case> {
   protected:
-    Setting setting{GetParam().weather, seed};
+    Setting setting{GetParam().weather, seed, GetParam().keyed};
 };
 INSTANTIATE_TEST_SUITE_P(Weather, Under, testing::ValuesIn(weathers),
                          [](const auto& of) { return std::string(of.param.name); });
