@@ -15,6 +15,7 @@
 #include <sys/socket.h>
 
 #include <knurl/bridge/endpoint.hpp>
+#include <knurl/shm/fd.hpp>
 
 #include "../client/servo_process.hpp"
 #include "keys.hpp"
