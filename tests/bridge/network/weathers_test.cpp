@@ -136,7 +136,7 @@ TEST_P(Under, TheClockIsKnownWithinWhatItSays) {
     Client client = setting.remote();
     Observer observer = client.observe();
     std::uint64_t looked = 0;
-    setting.pass(1200, 10, [&] {
+    const auto look = [&] {
         while (const auto report = observer.next_report(0ns)) {
             // Both ends are on this host: the truth is known, but for what passes while it is looked at.
             const auto truth = [&] {
@@ -155,8 +155,10 @@ TEST_P(Under, TheClockIsKnownWithinWhatItSays) {
         if (network.round_trip > 0ns) {
             EXPECT_LE(std::chrono::abs(network.clock_offset), network.clock_uncertainty);
         }
-    });
-    EXPECT_GT(looked, 20u);
+    };
+    setting.pass(1200, 10, look);
+    // Of those that such a network delays by turns the newest win: in a second there may be few.
+    setting.pass_until([&] { return looked > 20; }, look);
 }
 
 }  // namespace
