@@ -10,6 +10,8 @@
 #include <frame_stream.hpp>
 #include <gtest/gtest.h>
 #include <latency_echo.hpp>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <seal.hpp>
 #include <sys/socket.h>
@@ -34,9 +36,10 @@ bridge::Endpoint any_port() {
 class RawPeer {
   public:
     static constexpr int little = 4096;  // bytes that it has room for: the echo has to wait for it soon
-    explicit RawPeer(const TcpEcho& echo, int room = little)
+    explicit RawPeer(const TcpEcho& echo, int room = little, int segment = 0)
         : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
         ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
+        if (segment > 0) ::setsockopt(fd_.get(), IPPROTO_TCP, TCP_MAXSEG, &segment, sizeof segment);
         EXPECT_EQ(::connect(fd_.get(), echo.at().get(), echo.at().length), 0);
         const timeval limit{.tv_sec = patience.count(), .tv_usec = 0};
         ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
@@ -114,6 +117,25 @@ TEST(TcpEcho, AnswersExactlyWhatCameHoweverItWasSplitAndHoweverOftenItHadToWait)
     }
     const auto rest = peer.receive(sent.size() - came.size());
     came.insert(came.end(), rest.begin(), rest.end());
+    EXPECT_TRUE(came == sent) << came.size() << " of " << sent.size() << " bytes came back";
+}
+
+TEST(TcpEcho, WaitsWhereThereIsNoRoomAtAll) {
+    // Segments as long as what it takes at a time (and 12 bytes of time stamps): its buffer is then full at
+    // the end of a message, and the next one finds no room for a single byte.
+    constexpr std::size_t at_a_time = 4096;
+    const TcpEcho echo(any_port());
+    const RawPeer peer(echo, 1 << 18, at_a_time + 12);
+    std::vector<char> sent, came;
+    for (int round = 0; round < 6; ++round) {
+        do {
+            std::vector<char> part(at_a_time, static_cast<char>('a' + sent.size() / at_a_time % 26));
+            const std::size_t taken = peer.send_now(part);
+            sent.insert(sent.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(taken));
+        } while (peer.takes_more());
+        const auto back = peer.receive(sent.size() - came.size());
+        came.insert(came.end(), back.begin(), back.end());
+    }
     EXPECT_TRUE(came == sent) << came.size() << " of " << sent.size() << " bytes came back";
 }
 
