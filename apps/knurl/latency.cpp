@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "latency_bound.hpp"
 #include "latency_echo.hpp"
 #include "latency_floors.hpp"
 #include "latency_paths.hpp"
@@ -26,6 +27,7 @@ namespace {
 
 constexpr Nanoseconds long_block = 50'000'000, short_block = 25'000'000, ping_pong_length = 5'000'000;  // ns
 constexpr std::uint64_t commands_every = 4;  // updates: so many commands at least
+constexpr int witness_priority = 95;         // above everybody: late only when the machine stands still
 constexpr int waker_priority = 60;           // of the thread in knurld that wakes sleepers; the servo's is 80
 
 struct Arguments {
@@ -94,11 +96,12 @@ Client connect(const Arguments& arguments, PrivateServo* servo) {
 }
 
 FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, NetworkFloors& network,
-                        std::uint64_t updates) {
+                        std::uint64_t updates, bool remote) {
     FloorSamples floors;
     const bool terminal = ::isatty(2) != 0;
     const PathSamples& seen = paths.samples();
-    while (seen.commit_to_write.size() < updates || seen.command.size() < updates / commands_every) {
+    while (seen.commit_to_write.size() < updates || seen.command.size() < updates / commands_every ||
+           (remote && seen.to_use.size() < updates)) {
         const std::size_t before = seen.commit_to_write.size();
         paths.updates_and_spinning_block(long_block);
         paths.blocking_block(short_block);
@@ -106,6 +109,7 @@ FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, Network
         paths.descriptor_block(short_block);
         eventfd_block(placement, short_block, floors.eventfd);
         network.udp_block(short_block);
+        if (remote) paths.updates_and_blocking_block(long_block);
         paths.commands_block(long_block, [&](bool counts) { network.tcp_ping_pong(counts); });
         bare_loop_block(placement, paths.period(), paths.deadline(), short_block, floors.bare_loop);
         const std::size_t done = seen.commit_to_write.size();
@@ -134,7 +138,7 @@ std::vector<double> one_after_another(const std::vector<double>& a, const std::v
 }
 
 measure::Run summary(const PathSamples& paths, const FloorSamples& floors, const NetworkFloors& network,
-                     Nanoseconds period, Way way) {
+                     Nanoseconds period, Way way, const std::optional<RemoteBound>& bound) {
     const auto result = [](const char* name, const std::vector<double>& samples) {
         return measure::summarise(name, "us", in_microseconds(samples));
     };
@@ -177,28 +181,37 @@ measure::Run summary(const PathSamples& paths, const FloorSamples& floors, const
     const auto round_trip = result("floor.tcp_round_trip", tcp);
     const auto wake_and_tcp = result("floor.wake_and_tcp", one_after_another(floors.eventfd, tcp));
     for (measure::Result& more : std::vector<measure::Result>{
+             result("update.remote_to_use", paths.to_use), result("update.remote_to_write", paths.to_write),
              related("report.blocking_after_write", paths.after_write, wake_and_udp, true),
              result("floor.udp_one_way", udp), wake_and_udp,
              related("command.round_trip", paths.command, round_trip, true),
              related("command.less_cycle_wait", paths.command_less_wait, wake_and_tcp, true), round_trip,
              wake_and_tcp})
         run.results.push_back(std::move(more));
+    if (bound)
+        run.bounds.push_back({.name = "update.remote_to_use",
+                              .unit = "us",
+                              .limit = bound->limit * 1e-3,
+                              .n = bound->n,
+                              .within = bound->use_within,
+                              .references_within = bound->floors_within,
+                              .stalled = bound->stalled});
     return run;
 }
 
 std::string network_line(const Network& network, const WireSizes& sizes) {
     using Microseconds = std::chrono::duration<double, std::micro>;
     return fmt::format(
-        "network: {}, round trip at least {:.1f} us, clock offset {:.1f} us +- {:.1f} us, drift {:.1f} ppm, "
-        "{} reports "
-        "lost, {} late, {} datagrams doubled, {} batches sent again.\nDatagrams of {} bytes; "
+        "network: {}, round trip at least {:.1f} us, clock offset {:.1f} us +- {:.1f} us, drift {:.1f} ppm "
+        "+- {:.1f} ppm, {} reports lost, {} late, {} datagrams doubled, {} batches sent again.\nDatagrams of "
+        "{} bytes; "
         "floor.udp_one_way is half an echo of that size between blocking readers. Commands and answers of {} "
         "bytes by {};\nfloor.tcp_round_trip is a plain TCP echo of that size. The servo's stamps are by the "
         "clock estimate.\n",
         network.encrypted ? "encrypted" : "not encrypted", Microseconds(network.round_trip).count(),
         Microseconds(network.clock_offset).count(), Microseconds(network.clock_uncertainty).count(),
-        network.drift * 1e6, network.lost, network.late, network.duplicated, network.resent, sizes.datagram,
-        sizes.command, network.encrypted ? "TLS 1.3 over TCP" : "TCP");
+        network.drift * 1e6, network.drift_uncertainty * 1e6, network.lost, network.late, network.duplicated,
+        network.resent, sizes.datagram, sizes.command, network.encrypted ? "TLS 1.3 over TCP" : "TCP");
 }
 
 void show(const Arguments& arguments, const measure::Run& run, const std::string& setting) {
@@ -246,14 +259,23 @@ int run_latency(const Arguments& arguments) {
     const WireSizes sizes = wire_sizes(hand.network().encrypted);
     NetworkFloors network(bridge_of(arguments), arguments.echo, sizes, placement);
     LatencyPaths paths(hand, arguments.seed);
-    const FloorSamples floors = run_blocks(paths, placement, network, arguments.updates);
-    const double rate = hand.device().rate;
     const Way way = way_of(arguments);
-    const std::string about_network = way == Way::shared_memory ? "" : network_line(hand.network(), sizes);
+    const bool remote = way != Way::shared_memory;
+    std::optional<measure::Witness> witness;
+    if (remote) witness.emplace(measure::allowed_cpus(), witness_priority);
+    const FloorSamples floors = run_blocks(paths, placement, network, arguments.updates, remote);
+    const double rate = hand.device().rate;
+    std::string about_network;
+    std::optional<RemoteBound> bound;
+    if (remote) {
+        bound = remote_bound(paths.samples(), network.udp_one_way(), floors.eventfd, paths.period(),
+                             witness->gaps());
+        about_network = network_line(hand.network(), sizes) + (bound ? to_text(*bound) : "");
+    }
     hand.release();
 
     const PathSamples& samples = paths.samples();
-    show(arguments, summary(samples, floors, network, paths.period(), way),
+    show(arguments, summary(samples, floors, network, paths.period(), way, bound),
          fmt::format(
              "\n{} at {:g} Hz on CPU {}, client on CPU {} ({}), seed {}; {} updates merged, {} "
              "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "
@@ -308,7 +330,10 @@ void add_latency(CLI::App& program, Run& run) {
         verb->add_option("--json", arguments->json_file, "for programs, into FILE or standard output")
             ->expected(0, 1)
             ->type_name("FILE");
-    verb->footer("A percentile with fewer than ten samples above it is left out (null).");
+    verb->footer(
+        "A bridge that asks for keys: KNURL_KEY names the file with yours, as for every application "
+        "(KNURL_KEY=~/anna.key knurl latency --connect knurl://lab:4096).\n"
+        "A percentile with fewer than ten samples above it is left out (null).");
     verb->callback([&run, arguments, json] {
         arguments->json = json->count() > 0;
         run = [arguments] { return run_latency(*arguments); };

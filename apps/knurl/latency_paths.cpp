@@ -60,9 +60,11 @@ void LatencyPaths::wait_until_felt() {
 void LatencyPaths::commit_update(Nanoseconds intended) {
     const double force = force_of(++updates_);
     force_->set({.force = {force, 0, 0}, .recovery = 0});
+    const Nanoseconds begun = now_ns();
     hand_.commit();
     pending_.push_back({.force = force,
                         .intended = intended,
+                        .begun = begun,
                         .committed = now_ns(),
                         .basis_read = newest_ ? newest_->read_ns : 0});
 }
@@ -101,6 +103,13 @@ void LatencyPaths::used(const Update& update, const HandReport& report) {
     samples_.overlooked.push_back(static_cast<double>(overlooked));
 }
 
+void LatencyPaths::used_by_sleeper(const Update& update, const HandReport& report) {
+    const Nanoseconds written = ours(report.write_ns);
+    samples_.to_use.push_back(std::max(0.0, static_cast<double>(ours(report.read_ns) - update.begun)));
+    samples_.to_write.push_back(static_cast<double>(written - update.begun));
+    samples_.commits.push_back({.begin = update.begun, .end = written});
+}
+
 void LatencyPaths::catch_up() {
     while (const auto report = hand_.next_report(0ns)) newest_ = report;
     if (!hand_.connected())
@@ -108,7 +117,7 @@ void LatencyPaths::catch_up() {
     cold_ = cold_reports;
 }
 
-void LatencyPaths::updates_and_spinning_block(Nanoseconds length) {
+void LatencyPaths::updates_block(Nanoseconds length, bool spinning) {
     catch_up();
     const Nanoseconds end = now_ns() + length;
     const auto step = [this] {
@@ -121,14 +130,22 @@ void LatencyPaths::updates_and_spinning_block(Nanoseconds length) {
             commit_update(due);
             due += step();  // the intended times stay where they were drawn, however late this loop is
         }
-        const auto report = hand_.next_report(0ns);
+        const Nanoseconds next = due < end ? due : now + period_;
+        const auto report =
+            hand_.next_report(std::chrono::nanoseconds(spinning ? 0 : std::max<Nanoseconds>(0, next - now)));
         if (!report) continue;
-        note(*report, now_ns(), samples_.spinning, samples_.spinning_deadline);
+        if (spinning)
+            note(*report, now_ns(), samples_.spinning, samples_.spinning_deadline);
+        else
+            see(*report);
         const auto felt = std::find_if(pending_.begin(), pending_.end(), [&](const Update& update) {
             return same_force(update.force, report->scene_force.x);
         });
         if (felt == pending_.end()) continue;
-        used(*felt, *report);
+        if (spinning)
+            used(*felt, *report);
+        else
+            used_by_sleeper(*felt, *report);
         samples_.merged += static_cast<std::uint64_t>(felt - pending_.begin());
         pending_.erase(pending_.begin(), felt + 1);
     }

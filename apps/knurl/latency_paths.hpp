@@ -15,6 +15,11 @@
 
 namespace knurl::cli {
 
+/// CLOCK_MONOTONIC, ns.
+struct Span {
+    Nanoseconds begin = 0, end = 0;
+};
+
 /// Samples in ns.
 struct PathSamples {
     std::vector<double>
@@ -31,8 +36,12 @@ struct PathSamples {
         after_write;              // blocking: write to the motors (then it publishes) -> the client has it
     std::vector<double> command;  // asked -> answered
     std::vector<double> command_less_wait;  // the same, less the wait for the servo's next cycle
-    std::uint64_t merged = 0;               // updates that a later one overtook before the servo looked
-    std::uint64_t lost = 0;                 // updates whose force was never seen
+    // With an application that sleeps between its updates and its reports:
+    std::vector<double> to_use,
+        to_write;               // commit is called -> the cycle that uses it begins; -> has written
+    std::vector<Span> commits;  // of each of these, by our clock
+    std::uint64_t merged = 0;   // updates that a later one overtook before the servo looked
+    std::uint64_t lost = 0;     // updates whose force was never seen
 };
 
 /// An application whose updates can be told apart by the force that they make: a constant force of a few
@@ -44,7 +53,9 @@ class LatencyPaths {
 
     // Blocks of about that length.
     /// Spins for reports and commits updates at random phase: uniform over a cycle, drawn beforehand.
-    void updates_and_spinning_block(Nanoseconds length);
+    void updates_and_spinning_block(Nanoseconds length) { updates_block(length, true); }
+    /// The same, sleeping for whatever comes first, a report or the next update's time.
+    void updates_and_blocking_block(Nanoseconds length) { updates_block(length, false); }
     void blocking_block(Nanoseconds length);
     void descriptor_block(Nanoseconds length);
     /// Commands that change nothing (an `arm` of what is armed), at random phase, each by itself. `beside`
@@ -59,14 +70,16 @@ class LatencyPaths {
   private:
     struct Update {
         double force;  // N
-        Nanoseconds intended, committed;
+        Nanoseconds intended, begun, committed;
         Nanoseconds basis_read;  // of the report it was computed from
     };
 
+    void updates_block(Nanoseconds length, bool spinning);
     void wait_until_felt();
     void command(bool counts);
     void commit_update(Nanoseconds intended);
     void used(const Update& update, const HandReport& report);
+    void used_by_sleeper(const Update& update, const HandReport& report);
     void catch_up();
     void see(const HandReport& report);
     /// A time stamp of the servo's, by our own clock.

@@ -168,6 +168,15 @@ std::string to_json(const Run& run) {
                            {"max", r.max},
                            {"reference", or_null(r.reference)},
                            {"ratio", or_null(r.ratio)}});
+    Json bounds = Json::array();
+    for (const Bound& b : run.bounds)
+        bounds.push_back({{"name", b.name},
+                          {"unit", b.unit},
+                          {"limit", b.limit},
+                          {"n", b.n},
+                          {"within", b.within},
+                          {"references_within", b.references_within},
+                          {"stalled", b.stalled}});
     const Json all = {{"machine",
                        {{"processor", m.processor},
                         {"cpus", m.cpus},
@@ -176,7 +185,8 @@ std::string to_json(const Run& run) {
                         {"idle", m.idle},
                         {"build", m.build},
                         {"date", m.date}}},
-                      {"results", results}};
+                      {"results", results},
+                      {"bounds", bounds}};
     return all.dump(2);
 }
 

@@ -44,15 +44,27 @@ Result summarise(std::string name, std::string unit, std::vector<double> samples
 /// States `result` as a multiple of `reference`.
 void relate(Result& result, const Result& reference);
 
+/// How many of a result's samples kept to a limit that the same run's references make.
+struct Bound {
+    std::string name;  // the result's
+    std::string unit;
+    double limit = 0;
+    std::size_t n = 0, within = 0;
+    double references_within = 0;  // share of the references' own samples that would have
+    std::size_t stalled = 0;       // not within, but the machine stood still meanwhile
+};
+
 struct Run {
     Machine machine;
     std::vector<Result> results;
+    std::vector<Bound> bounds{};
 };
 
 /// The machine in a line or two, then a table.
 void print(std::ostream& out, const Run& run);
 
-/// {"machine": {...}, "results": [{"name", "unit", "n", "p50", "p99", "p999", "max", "reference", "ratio"}]}
+/// {"machine": {...}, "results": [{"name", "unit", "n", "p50", "p99", "p999", "max", "reference", "ratio"}],
+///  "bounds": [{"name", "unit", "limit", "n", "within", "references_within", "stalled"}]}
 /// What is missing is null.
 std::string to_json(const Run& run);
 

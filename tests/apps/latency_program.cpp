@@ -109,6 +109,24 @@ void expect_commands_beside_tcp(const json& all, std::size_t least) {
     EXPECT_TRUE(named(all, "command.round_trip")["ratio"].is_number());
 }
 
+/// What is printed is one cycle of 1 ms and 1.2 x the floors of the table beside it.
+void expect_remote_bound(const json& all, std::size_t least) {
+    for (const char* name : {"update.remote_to_use", "update.remote_to_write"})
+        EXPECT_GE(named(all, name)["n"], least) << name;
+    const json &udp = named(all, "floor.udp_one_way"), &wake = named(all, "floor.eventfd_wake");
+    if (!udp["p50"].is_number() || !wake["p50"].is_number()) return;  // on a slow machine there are few
+    ASSERT_EQ(all["bounds"].size(), 1u);
+    const json& bound = all["bounds"][0];
+    EXPECT_EQ(bound["name"], "update.remote_to_use");
+    EXPECT_EQ(bound["n"], named(all, "update.remote_to_use")["n"]);
+    const double limit = 1000 + 1.2 * (udp["p50"].get<double>() + wake["p50"].get<double>());
+    EXPECT_NEAR(bound["limit"], limit, 1e-6);
+    // Half of all phases wait for half a cycle at most, so that most updates keep it by far, however busy the
+    // machine. A bridge that handed them on once a cycle would lose more than that.
+    const std::size_t n = bound["n"], within = bound["within"], stalled = bound["stalled"];
+    EXPECT_GE(2 * (within + stalled), n) << bound;
+}
+
 TEST(LatencyOf, ARunningServoIsMeasuredThroughItsBridgeBesidePlainEchoes) {
     const Home home;
     const Servo servo({"--device", "sim:cartesian3"});
@@ -119,6 +137,7 @@ TEST(LatencyOf, ARunningServoIsMeasuredThroughItsBridgeBesidePlainEchoes) {
         EXPECT_GT(named(all, name)["n"], 0) << name;
     EXPECT_EQ(named(all, "report.blocking_after_write")["reference"], "floor.wake_and_udp");
     expect_commands_beside_tcp(all, 20);
+    expect_remote_bound(all, 80);
 }
 
 TEST(LatencyOf, WithAKeyTheEchoesAreAsLongAsWhatIsSealed) {

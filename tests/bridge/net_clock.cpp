@@ -28,6 +28,7 @@ struct World {
         const double omega = 2 * M_PI / (7 * s);
         return offset + drift * t - wander / omega * std::cos(omega * t);
     }
+    double rate(double t) const { return drift + wander * std::sin(2 * M_PI / (7 * s) * t); }  // s/s
     double remote(double t) const { return t + truth(t); }
     double tail(double mean) { return mean > 0 ? std::exponential_distribution<>(1 / mean)(random) : 0; }
 
@@ -57,6 +58,7 @@ TEST(ClockEstimate, KnowsNothingBeforeTheFirstExchange) {
     EXPECT_FALSE(estimate.known());
     EXPECT_EQ(estimate.uncertainty(0), ClockEstimate::unknown);
     EXPECT_EQ(estimate.offset_at(5), 0);
+    EXPECT_EQ(estimate.drift_uncertainty(), ClockEstimate::max_drift);
 }
 
 TEST(ClockEstimate, OneExchangeLeavesHalfTheRoundTrip) {
@@ -87,12 +89,18 @@ TEST(ClockEstimate, StatesNothingButTheTruthWhateverTheWayDoes) {
         double t = uniform(0, 1e6) * s;
         for (int i = 0; i < 300; ++i) {
             double end = 0;
-            world.exchange(estimate, t, &end);
+            const bool came = world.exchange(estimate, t, &end);
             if (!estimate.known()) continue;
             // Offsets of 1e16 ns are told apart by 2 ns in the test's own arithmetic.
             ASSERT_LE(outside(estimate, world, end), 4) << "seed " << seed << " exchange " << i;
             ASSERT_LE(outside(estimate, world, end + uniform(0, 1) * s), 4)
                 << "seed " << seed << " exchange " << i;
+            // The test's 4 ns over the 10 ms that lie between two exchanges at least.
+            if (came) {
+                ASSERT_LE(std::abs(estimate.drift() - world.rate(end)),
+                          estimate.drift_uncertainty() + 4 / (10 * ms))
+                    << "seed " << seed << " exchange " << i;
+            }
             t = end + (i < 20 ? 10 : 100) * ms;
         }
     }
@@ -113,6 +121,7 @@ TEST(ClockEstimate, IsTightOnAQuietNetwork) {
         EXPECT_LT(std::abs(static_cast<double>(estimate.offset_at(now)) - world.truth(end)), 0.02 * ms)
             << "seed " << seed;
         EXPECT_NEAR(estimate.drift(), 40e-6, 20e-6) << "seed " << seed;
+        EXPECT_LT(estimate.drift_uncertainty(), 50e-6) << "seed " << seed;
     }
 }
 

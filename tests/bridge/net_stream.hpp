@@ -74,10 +74,11 @@ struct Stream : testing::Test {
     }
     /// Where datagrams go from now on.
     void bind(PeerStream& stream) {
-        sockaddr_storage to{};
+        Correspondent to;
         const sockaddr_in at = loopback(port_of(peer));
-        std::memcpy(&to, &at, sizeof at);
-        stream.bind(to, sizeof at);
+        std::memcpy(&to.address, &at, sizeof at);
+        to.length = sizeof at;
+        stream.bind(to);
     }
     /// The cycle `number` ends, 1 ms after the one before it.
     bool cycle(PeerStream& stream, std::int64_t number) {

@@ -76,5 +76,27 @@ TEST(Addresses, to_listen_at_are_tried_too_and_the_first_that_is_free_is_taken) 
     }
 }
 
+TEST(Addresses, of_a_host_that_has_several_all_answer_whoever_asked_there) {
+    const ServoUp servo;
+    KeyRing ring;
+    const std::string key = ring.add("carl", Role::control);
+    const auto expect_answers = [&](const BridgeProcess& bridge, const char* host) {
+        // The clock's datagrams, then a claim's: a socket that is connected to `host` takes nothing of
+        // others.
+        Client client = Client::connect("knurl://" + at(host, bridge.port()),
+                                        {.name = "test", .wait = 10s, .key_file = key});
+        Claim hand = client.claim("", {.shared = true});
+        auto force = hand.add(at_once({}));
+        ASSERT_TRUE(hand.next_report(10s)) << host;
+        force.set(at_once({1e-3, 0, 0}));
+        EXPECT_TRUE(hand.wait_applied(hand.commit(), 10s)) << host;
+    };
+    const BridgeProcess everywhere({"--keys", ring.file()}, "0.0.0.0:0");
+    for (const char* host : {"127.0.0.1", "127.0.0.2", "127.7.7.7"}) expect_answers(everywhere, host);
+    const BridgeProcess of_both({"--keys", ring.file()}, "[::]:0");
+    if (of_both.address().empty()) GTEST_SKIP() << "no IPv6 here; IPv4 has passed";
+    for (const char* host : {"[::1]", "127.0.0.1", "127.0.0.2"}) expect_answers(of_both, host);
+}
+
 }  // namespace
 }  // namespace knurl::bridge::test

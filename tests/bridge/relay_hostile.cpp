@@ -174,7 +174,8 @@ TEST_F(Hostile, a_replayed_datagram_keeps_nobody_s_session_alive) {
     std::jthread replay([&](const std::stop_token& stop) {
         while (!stop.stop_requested()) {
             stranger.send(bridge.port(), datagram);
-            std::this_thread::sleep_for(20ms);  // paces the replay; nothing waits for it
+            // Often enough that one which counted would keep the session, and no flood; nothing waits for it.
+            std::this_thread::sleep_for(20ms);
         }
     });
     EXPECT_TRUE(ended(stream));

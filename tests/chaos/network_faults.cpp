@@ -1,10 +1,12 @@
 // An application on another host: its network, its bridge, strangers at the bridge's door. The wall is then
-// held through the proxy of tests/bridge; each fault begins and ends with a hand that feels a wall of this
-// box.
+// held through the proxy of tests/bridge, mostly with a key (TLS, sealed datagrams); each fault begins and
+// ends with a hand that feels a wall of this box.
 
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <thread>
@@ -27,10 +29,14 @@ using test::Program;
 
 namespace {
 
+enum class Keyed : bool { no, yes };
+
 /// The bridge and the network before it; the application that holds the wall is behind both while this lives.
 class Remote {
   public:
-    explicit Remote(Stage& stage, const Weather& weather = {.delay = 0.002}) : stage_(stage) {
+    explicit Remote(Stage& stage, const Weather& weather = {.delay = 0.002}, Keyed keyed = Keyed::yes)
+        : stage_(stage) {
+        if (keyed == Keyed::yes) make_key();
         start_bridge("127.0.0.1:0");
         Proxy::Options options;
         options.to_port = port_;
@@ -39,11 +45,16 @@ class Remote {
         proxy.emplace(options);
         stage.start_wall("knurl://127.0.0.1:" + std::to_string(proxy->port()));
     }
-    ~Remote() { stage_.wall.reset(); }
+    ~Remote() {
+        stage_.wall.reset();
+        unsetenv("KNURL_KEY");
+    }
 
     void start_bridge(const std::string& listen) {
         bridge.reset();
-        bridge.emplace(stage_.home, KNURL_BRIDGE, std::vector<std::string>{"--listen", listen});
+        std::vector<std::string> words{"--listen", listen};
+        if (!keys_.empty()) words.insert(words.end(), {"--keys", keys_});
+        bridge.emplace(stage_.home, KNURL_BRIDGE, words);
         const std::string mark = "is reached at knurl://127.0.0.1:";
         bridge->wait_for_output(mark);
         while (bridge->output().find('\n') == std::string::npos) bridge->wait_for_output("\n");
@@ -63,7 +74,20 @@ class Remote {
     std::optional<Proxy> proxy;
 
   private:
+    /// With one key in it a bridge's file is its owner's too.
+    void make_key() {
+        const std::string file = stage_.home.path() / "bridge.keys";
+        std::error_code none;
+        std::filesystem::remove(file, none);
+        Program keygen(stage_.home, KNURL_BRIDGE,
+                       {"keygen", "--keys", file, "--name", "wall", "--role", "control"});
+        demand(keygen.wait() == 0, "a key is made: " + keygen.output());
+        setenv("KNURL_KEY", file.c_str(), 1);
+        keys_ = file;
+    }
+
     Stage& stage_;
+    std::string keys_;  // the bridge's file; "": it asks for none
     std::uint16_t port_ = 0;
 };
 
@@ -116,7 +140,7 @@ void replayed_datagrams(Stage& stage) {
 }
 
 void fluctuating_delay(Stage& stage) {
-    const Remote remote(stage, {.swing = 0.2, .swing_period = 0.05 + 0.4 * share(stage)});
+    const Remote remote(stage, {.swing = 0.2, .swing_period = 0.05 + 0.4 * share(stage)}, Keyed::no);
     const std::int64_t from = Stage::now();
     stage.let_pass(3.0);
     demand_undisturbed(stage, from, "a delay that goes up and down by 200 ms");
@@ -151,7 +175,7 @@ void connection_reset(Stage& stage) {
 // ------------------------------------------------------------------------------------- what runs at its ends
 
 void peer_killed(Stage& stage) {
-    const Remote remote(stage);
+    const Remote remote(stage, {.delay = 0.002}, Keyed::no);
     const std::int64_t from = Stage::now();
     stage.wall->signal(SIGKILL);
     gone(stage, from, "remote application killed: zero within 60 ms");
@@ -187,8 +211,8 @@ void servo_killed_under_bridge(Stage& stage) {
 
 // ----------------------------------------------------------------------------------------------- strangers
 
-void hostile_packets(Stage& stage) {
-    Remote remote(stage, {});
+void hostile_packets_at(Stage& stage, Keyed keyed) {
+    Remote remote(stage, {}, keyed);
     const std::size_t before = remote.resident();
     std::mt19937_64 random(stage.random());
     std::atomic<bool> done = false;
@@ -212,6 +236,13 @@ void hostile_packets(Stage& stage) {
     stranger.join();
     demand_undisturbed(stage, from, "a flood of packets at the bridge");
     demand(remote.resident() < before + (32u << 20), "a flood costs the bridge no memory to speak of");
+}
+
+void hostile_packets(Stage& stage) {
+    hostile_packets_at(stage, Keyed::yes);
+}
+void hostile_packets_without_keys(Stage& stage) {
+    hostile_packets_at(stage, Keyed::no);
 }
 
 void half_open_peers(Stage& stage) {
@@ -244,6 +275,7 @@ constexpr Fault all[] = {
     {"bridge killed", bridge_killed},
     {"servo killed under the bridge", servo_killed_under_bridge},
     {"hostile packets", hostile_packets},
+    {"hostile packets, no keys", hostile_packets_without_keys},
     {"half-open peers", half_open_peers},
 };
 

@@ -100,6 +100,10 @@ double ClockEstimate::drift() const noexcept {
     return known() ? 0.5 * (least_drift_ + most_drift_) : 0;
 }
 
+double ClockEstimate::drift_uncertainty() const noexcept {
+    return known() ? 0.5 * (most_drift_ - least_drift_) : max_drift;
+}
+
 std::int64_t ClockEstimate::round_trip() const noexcept {
     std::int64_t shortest = 0;
     for (std::size_t i = 0; i < count_; ++i)

@@ -33,6 +33,8 @@ class ClockEstimate {
     std::int64_t uncertainty(std::int64_t now) const noexcept;
     /// s/s: how much faster the remote clock runs.
     double drift() const noexcept;
+    /// s/s: |drift() - truth at the newest exchange| is at most this; max_drift while unknown.
+    double drift_uncertainty() const noexcept;
     /// ns, without the remote's own time: the shortest in the window. 0 while unknown.
     std::int64_t round_trip() const noexcept;
     /// A clock was set, or the remote is another host.

@@ -36,6 +36,11 @@ Listening listen_at(const Endpoint& endpoint, bool keys) {
         .datagrams = make_datagram_socket(endpoint.family())};
     const int on = 1;
     ::setsockopt(result.callers.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    // Each datagram says which of this host's addresses it came to (correspondent.hpp).
+    if (endpoint.family() == AF_INET)
+        ::setsockopt(result.datagrams.get(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
+    else
+        ::setsockopt(result.datagrams.get(), IPPROTO_IPV6, IPV6_RECVPKTINFO, &on, sizeof on);
     Endpoint at = endpoint;
     if (!result.callers || ::bind(result.callers.get(), at.get(), at.length) != 0 ||
         ::listen(result.callers.get(), SOMAXCONN) != 0)

@@ -7,6 +7,8 @@
 
 #include <sys/socket.h>
 
+#include "correspondent.hpp"
+
 namespace knurl::bridge {
 
 class Mailbag {
@@ -20,7 +22,8 @@ class Mailbag {
             messages_[i].msg_hdr = {};
             messages_[i].msg_hdr.msg_iov = &pieces_[i];
             messages_[i].msg_hdr.msg_iovlen = 1;
-            messages_[i].msg_hdr.msg_name = &from_[i];
+            messages_[i].msg_hdr.msg_name = &from_[i].address;
+            messages_[i].msg_hdr.msg_control = infos_[i].bytes;
         }
     }
     Mailbag(const Mailbag&) = delete;
@@ -28,21 +31,28 @@ class Mailbag {
 
     /// Those that are there, never waiting. How many.
     std::size_t receive(int socket) noexcept {
-        for (auto& message : messages_) message.msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+        for (auto& message : messages_) {
+            message.msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+            message.msg_hdr.msg_controllen = PacketInfo::room;
+        }
         const int got = ::recvmmsg(socket, messages_.data(), most, MSG_DONTWAIT, nullptr);
         return got > 0 ? static_cast<std::size_t>(got) : 0;
     }
     std::span<std::byte> datagram(std::size_t i) noexcept {
         return {buffers_[i].data(), messages_[i].msg_len};
     }
-    const sockaddr_storage& from(std::size_t i) const noexcept { return from_[i]; }
-    socklen_t from_length(std::size_t i) const noexcept { return messages_[i].msg_hdr.msg_namelen; }
+    const Correspondent& from(std::size_t i) noexcept {
+        from_[i].length = messages_[i].msg_hdr.msg_namelen;
+        from_[i].came_in_at(messages_[i].msg_hdr);
+        return from_[i];
+    }
 
   private:
     std::array<std::array<std::byte, bytes>, most> buffers_;
     std::array<iovec, most> pieces_;
     std::array<mmsghdr, most> messages_;
-    std::array<sockaddr_storage, most> from_;
+    std::array<Correspondent, most> from_;
+    std::array<PacketInfo, most> infos_;
 };
 
 }  // namespace knurl::bridge

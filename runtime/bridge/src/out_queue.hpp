@@ -9,6 +9,7 @@
 
 #include <sys/socket.h>
 
+#include "correspondent.hpp"
 #include "wire.hpp"
 
 namespace knurl::bridge {
@@ -28,13 +29,10 @@ class OutQueue {
     }
     /// It is `bytes` long now. `limit` goes down if the path to that peer carries less; it must live until
     /// flush().
-    void put(std::size_t bytes, const sockaddr_storage& to, socklen_t to_length,
-             std::size_t* limit) noexcept {
-        to_[size_] = to;
+    void put(std::size_t bytes, const Correspondent& to, std::size_t* limit) noexcept {
         pieces_[size_] = {.iov_base = buffers_[size_].data(), .iov_len = bytes};
         messages_[size_].msg_hdr = {};
-        messages_[size_].msg_hdr.msg_name = &to_[size_];
-        messages_[size_].msg_hdr.msg_namelen = to_length;
+        to.address_to(messages_[size_].msg_hdr, to_[size_], from_[size_]);
         messages_[size_].msg_hdr.msg_iov = &pieces_[size_];
         messages_[size_].msg_hdr.msg_iovlen = 1;
         limits_[size_++] = limit;
@@ -61,6 +59,7 @@ class OutQueue {
     std::size_t size_ = 0;
     std::array<std::array<std::byte, datagram_bytes>, most> buffers_;
     std::array<sockaddr_storage, most> to_;
+    std::array<PacketInfo, most> from_;
     std::array<iovec, most> pieces_;
     std::array<mmsghdr, most> messages_;
     std::array<std::size_t*, most> limits_;

@@ -231,6 +231,13 @@ void Peer::say_gone(const std::string& text) noexcept {
     frames_.send(static_cast<std::uint16_t>(FrameType::gone), 0, std::as_bytes(std::span(text)));
 }
 
+std::string Peer::dropped() const {
+    if (replayed_ + forged_ == 0) return {};
+    return fmt::format(
+        "; dropped: {} datagrams that had come before or were too old, {} that were not its own", replayed_,
+        forged_);
+}
+
 // ------------------------------------------------------------------------------------------- the data path
 
 bool Peer::cycle(std::uint32_t device, const Report& report, std::int64_t now, Desk& desk) noexcept {
@@ -245,11 +252,14 @@ bool Peer::cycle(std::uint32_t device, const Report& report, std::int64_t now, D
     return true;
 }
 
-void Peer::datagram(std::span<std::byte> datagram, const sockaddr_storage& from, socklen_t from_length,
-                    std::int64_t now, Desk& desk) noexcept {
+void Peer::datagram(std::span<std::byte> datagram, const Correspondent& from, std::int64_t now,
+                    Desk& desk) noexcept {
     if (!greeted()) return;
     const Inbox::Opened opened = inbox_.open(datagram, windows_);
-    if (opened.verdict != Inbox::Verdict::good) return;
+    if (opened.verdict != Inbox::Verdict::good) {
+        ++(opened.verdict == Inbox::Verdict::foreign ? forged_ : replayed_);
+        return;
+    }
     heard_ns_ = now;
     std::span<const std::byte> body = opened.body;
     if (opened.header.kind == DatagramKind::ping) {
@@ -265,8 +275,7 @@ void Peer::datagram(std::span<std::byte> datagram, const sockaddr_storage& from,
         const std::size_t bytes =
             std::clamp(sizeof header + opened.body.size(), least, room.size() - tag_bytes);
         std::memset(room.data() + least, 0, bytes - least);
-        if (const std::size_t length = outbox_.close(room, bytes))
-            desk.out.put(length, from, from_length, nullptr);
+        if (const std::size_t length = outbox_.close(room, bytes)) desk.out.put(length, from, nullptr);
         return;
     }
     PeerStream* stream = stream_of(opened.header.stream);
@@ -275,7 +284,7 @@ void Peer::datagram(std::span<std::byte> datagram, const sockaddr_storage& from,
     if (opened.header.kind == DatagramKind::batch) {
         stream->batch_piece(opened.header, body);
     } else if (opened.header.kind == DatagramKind::hello && take(body, hello)) {
-        stream->bind(from, from_length);
+        stream->bind(from);
         if (hello.received == 0) stream->repeat(way(desk));
     }
 }

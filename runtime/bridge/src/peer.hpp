@@ -48,10 +48,12 @@ class Peer {
     // Each false: it is to be closed, for why().
     bool serve(Desk& desk, std::int64_t now);  // its connection has something, or room
     bool cycle(std::uint32_t device, const Report& report, std::int64_t now, Desk& desk) noexcept;
-    void datagram(std::span<std::byte> datagram, const sockaddr_storage& from, socklen_t from_length,
-                  std::int64_t now, Desk& desk) noexcept;
+    void datagram(std::span<std::byte> datagram, const Correspondent& from, std::int64_t now,
+                  Desk& desk) noexcept;
 
     const std::string& why() const noexcept { return why_; }
+    /// What was sent in its name and dropped, for the journal; empty: nothing.
+    std::string dropped() const;
     /// Says why, if the peer can understand it, and closes.
     void close(Desk& desk, Error::Kind kind, const std::string& text) noexcept;
     void say_gone(const std::string& text) noexcept;
@@ -79,6 +81,7 @@ class Peer {
     std::array<std::unique_ptr<PeerStream>, max_streams> streams_;
     std::size_t next_stream_ = 0;
     std::int64_t heard_ns_;
+    std::uint64_t replayed_ = 0, forged_ = 0;  // datagrams
     std::string why_;
 };
 

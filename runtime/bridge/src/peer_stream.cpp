@@ -58,11 +58,6 @@ PeerStream::PeerStream(std::uint32_t id, detail::Attachment attachment, double r
     entries_.reserve(attachment_.terms.capacity.representations);
 }
 
-void PeerStream::bind(const sockaddr_storage& to, socklen_t length) noexcept {
-    to_ = to;
-    to_length_ = length;
-}
-
 // ------------------------------------------------------------------------------------------ to the servo
 
 bool PeerStream::commands(std::span<const std::byte> cells, Role role, const char*& why) noexcept {
@@ -155,7 +150,7 @@ bool PeerStream::cycle(const Report& report, std::int64_t now, const Way& way, c
     }
     const bool is_due = due(report);
     if (is_due) note(report);
-    if (to_length_ == 0) return true;
+    if (to_.length == 0) return true;
     if (is_due) {
         send(&report, way);
     } else if (acknowledges) {
@@ -242,8 +237,7 @@ void PeerStream::send(const Report* report, const Way& way) noexcept {
         }
         std::memcpy(room.data(), &header, sizeof header);
         std::memcpy(room.data() + sizeof header, &piece, sizeof piece);
-        if (const std::size_t length = way.outbox.close(room, at))
-            way.out.put(length, to_, to_length_, &limit_);
+        if (const std::size_t length = way.outbox.close(room, at)) way.out.put(length, to_, &limit_);
     }
 }
 

@@ -29,7 +29,7 @@ class PeerStream {
     const detail::Attachment& attachment() const noexcept { return attachment_; }
 
     /// Reports go there from now on.
-    void bind(const sockaddr_storage& to, socklen_t length) noexcept;
+    void bind(const Correspondent& to) noexcept { to_ = to; }
 
     // Each false: the peer is to be closed, for `why`.
     bool commands(std::span<const std::byte> cells, Role role, const char*& why) noexcept;
@@ -55,8 +55,7 @@ class PeerStream {
     const std::uint32_t id_;
     detail::Attachment attachment_;
     std::int64_t period_ns_, due_ns_ = 0;  // by the reports' deadlines; 0: each report
-    sockaddr_storage to_{};
-    socklen_t to_length_ = 0;  // 0: not bound yet
+    Correspondent to_{};                   // nobody: not bound yet
     std::size_t limit_ = datagram_bytes;
     std::uint64_t number_ =
         0;  // of the newest report, whether it was sent or nobody was there yet to send it to

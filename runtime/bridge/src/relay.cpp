@@ -32,6 +32,9 @@ constexpr std::int64_t accept_pause_ns = 100'000'000;  // when the process is ou
 constexpr int most_bags = 8;      // of datagrams in one round; the others wait for their turn
 constexpr int most_reports = 64;  // of one device in one round
 constexpr int most_accepts = 64;  // in one round
+// Whoever leaves may have a few on their way still; more of no session are said, once a minute.
+constexpr std::uint64_t few_strays = 64;
+constexpr std::int64_t strays_said_every_ns = 60'000'000'000;
 constexpr std::int64_t give_way_ns = 500'000'000;
 
 /// Never waits for whoever should read it.
@@ -187,7 +190,7 @@ void Relay::follow(std::size_t index) {
 void Relay::end(std::size_t index, const std::string& why, std::int64_t now, bool told, Error::Kind kind) {
     const Peer& peer = *places_[index].peer;
     if (peer.greeted()) {
-        journal_.event(fmt::format("{}: out: {}", peer.name(), why), now);
+        journal_.event(fmt::format("{}: out: {}{}", peer.name(), why, peer.dropped()), now);
     } else {
         journal_.refused(peer.from(), peer.name(), why, now);
     }
@@ -265,13 +268,16 @@ void Relay::take_datagrams(std::int64_t now) {
         for (std::size_t i = 0; i < count; ++i) {
             const std::span<std::byte> datagram = mailbag_.datagram(i);
             std::uint64_t session = 0;
+            ++strays_;
             if (datagram.size() < sizeof(DatagramHeader)) continue;
             std::memcpy(&session, datagram.data(), sizeof session);
             const std::size_t place = session & 0xff;
             if (place >= places || !places_[place].peer) continue;
             Peer& peer = *places_[place].peer;
-            if (peer.session() != session || !same_host(peer.from(), mailbag_.from(i))) continue;
-            peer.datagram(datagram, mailbag_.from(i), mailbag_.from_length(i), now, desk_);
+            const Correspondent& from = mailbag_.from(i);
+            if (peer.session() != session || !same_host(peer.from(), from.address)) continue;
+            --strays_;
+            peer.datagram(datagram, from, now, desk_);
         }
         if (count < Mailbag::most) return;
     }
@@ -281,6 +287,11 @@ void Relay::tick(std::int64_t now) {
     // Whoever stood still himself has heard nothing meanwhile.
     const bool stood_still = last_tick_ns_ != 0 && now - last_tick_ns_ > dead_after_ns / 2;
     last_tick_ns_ = now;
+    if (strays_ > few_strays && now >= say_strays_after_ns_) {
+        journal_.event(fmt::format("{} datagrams of no session were dropped", strays_), now);
+        strays_ = 0;
+        say_strays_after_ns_ = now + strays_said_every_ns;
+    }
     for (std::size_t i = 0; i < places; ++i) {
         Peer* const peer = places_[i].peer.get();
         if (peer == nullptr) continue;

@@ -83,6 +83,8 @@ class Relay {
     Journal journal_;
     Desk desk_;
     std::int64_t last_tick_ns_ = 0, accept_after_ns_ = 0;
+    std::uint64_t strays_ = 0;  // datagrams of no session, not said yet
+    std::int64_t say_strays_after_ns_ = 0;
 };
 
 }  // namespace knurl::bridge

@@ -210,6 +210,7 @@ Network Stream::network() noexcept {
             .clock_offset = nanoseconds(clock.offset_at(now)),
             .clock_uncertainty = nanoseconds(clock.uncertainty(now)),
             .drift = clock.drift(),
+            .drift_uncertainty = clock.drift_uncertainty(),
             .encrypted = connection_->encrypted()};
 }
 

@@ -1,5 +1,6 @@
 #include "two_hosts.hpp"
 
+#include <atomic>
 #include <cstdlib>
 #include <stdexcept>
 
@@ -12,10 +13,14 @@ namespace knurl::bridge::test {
 namespace {
 
 constexpr const char* own_space = "/proc/thread-self/ns/net";
+std::atomic<int> made = 0;  // by this process: each pair has its own names and addresses
 
 }  // namespace
 
-TwoHosts::TwoHosts(int mtu) : base_("knurl-" + std::to_string(::getpid())), net_(::getpid() % 250) {
+TwoHosts::TwoHosts(int mtu) {
+    const int number = made++;
+    base_ = "knurl-" + std::to_string(::getpid()) + "-" + std::to_string(number);
+    net_ = (::getpid() + number) % 250;
     const std::string a = name(Host::server), b = name(Host::client), width = "/24";
     if (::geteuid() != 0) {
         two_ = false;
@@ -41,7 +46,7 @@ TwoHosts::TwoHosts(int mtu) : base_("knurl-" + std::to_string(::getpid())), net_
 }
 
 TwoHosts::~TwoHosts() {
-    if (::geteuid() != 0) return;
+    if (::geteuid() != 0 || base_.empty()) return;
     for (const Host host : {Host::server, Host::client}) {
         spaces_[static_cast<std::size_t>(host)].reset();
         // Also where only one could be made. The wire goes with its ends.

@@ -15,6 +15,8 @@ class TwoHosts {
 
     /// `mtu`: bytes of an IP packet that the wire carries.
     explicit TwoHosts(int mtu = 1500);
+    struct One {};
+    explicit TwoHosts(One) : two_(false), why_("one was asked for") {}
     ~TwoHosts();
     TwoHosts(const TwoHosts&) = delete;
     TwoHosts& operator=(const TwoHosts&) = delete;

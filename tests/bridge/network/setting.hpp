@@ -1,12 +1,15 @@
 #pragma once
 // A servo with its bridge, a bad network before it, and who looks on from the servo's own host: the local
-// observer's reports are the force trace.
+// observer's reports are the force trace. The application and the proxy are on a host of their own where two
+// can be made (two_hosts.hpp); the wire between them and the bridge is then a real one.
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,6 +20,7 @@
 
 #include "../relay_support.hpp"
 #include "proxy.hpp"
+#include "two_hosts.hpp"
 
 namespace knurl::bridge::test {
 
@@ -39,15 +43,38 @@ inline void expect_no_bumps(const std::vector<Cycle>& trace, double slope, std::
             << "cycle " << trace[i].number << ", seed " << seed;
 }
 
+/// Made once: it takes longer than most tests.
+inline const TwoHosts& hosts() {
+    static const TwoHosts two;
+    static const bool said = [] {
+        if (!two.two()) std::fprintf(stderr, "one host only (%s): over loopback\n", two.why().c_str());
+        return true;
+    }();
+    static_cast<void>(said);
+    return two;
+}
+
+enum class Keyed : bool { no, yes };  // TLS and sealed datagrams; on two hosts there is nothing else
+
 class Setting {
   public:
-    explicit Setting(const Weather& weather = {}, std::uint64_t seed = 1) : proxy(options(weather, seed)) {
+    using Overhear = std::function<void(std::span<const char>)>;
+
+    explicit Setting(const Weather& weather = {}, std::uint64_t seed = 1, Keyed keyed = Keyed::yes,
+                     Overhear overhear = {})
+        : here_(hosts_of(keyed), TwoHosts::Host::client),
+          key_(keyed == Keyed::yes ? ring_.add("remote", Role::control) : ""),
+          bridge_(start_bridge(keyed)),
+          bridge(*bridge_),
+          proxy(options(weather, seed, keyed, std::move(overhear))) {
         local_ = std::make_unique<Client>(Client::connect("knurl:default", {.name = "watcher", .wait = 20s}));
         watcher_ = std::make_unique<Observer>(local_->observe());
     }
 
     std::string address() const { return "knurl://127.0.0.1:" + std::to_string(proxy.port()); }
-    Client remote() const { return Client::connect(address(), {.name = "remote", .wait = 20s}); }
+    Client remote() const {
+        return Client::connect(address(), {.name = "remote", .wait = 20s, .key_file = key_});
+    }
 
     /// Lets that many cycles of the servo pass; in each `step` cycles-th, `app` does what an application
     /// does. The trace goes on.
@@ -85,24 +112,67 @@ class Setting {
     Vec3 position;  // m
 
   private:
-    Proxy::Options options(const Weather& weather, std::uint64_t seed) const {
+    static const TwoHosts& hosts_of(Keyed keyed) {
+        static const TwoHosts one{TwoHosts::One{}};
+        return keyed == Keyed::yes ? hosts() : one;
+    }
+    std::unique_ptr<BridgeProcess> start_bridge(Keyed keyed) const {
+        const TwoHosts& on = hosts_of(keyed);
+        const TwoHosts::On there(on, TwoHosts::Host::server);
+        if (keyed == Keyed::no) return std::make_unique<BridgeProcess>();
+        return std::make_unique<BridgeProcess>(std::vector<std::string>{"--keys", ring_.file()},
+                                               on.address(TwoHosts::Host::server) + ":0");
+    }
+    Proxy::Options options(const Weather& weather, std::uint64_t seed, Keyed keyed, Overhear overhear) const {
         Proxy::Options o;
+        o.to = hosts_of(keyed).address(TwoHosts::Host::server);
         o.to_port = bridge.port();
+        o.overhear = std::move(overhear);
         o.seed = seed;
         o.weather = weather;
         return o;
     }
 
+    const TwoHosts::On here_;  // this thread's, and of all that it starts but for the bridge
+    KeyRing ring_;
+    const std::string key_;  // its owner's file
     ServoProcess servo_;
+    std::unique_ptr<BridgeProcess> bridge_;
 
   public:
-    BridgeProcess bridge;
+    BridgeProcess& bridge;
     Proxy proxy;
 
   private:
     std::int64_t last_read_ns_ = 0;
     std::unique_ptr<Client> local_;
     std::unique_ptr<Observer> watcher_;
+};
+
+inline ConstantForce along_x(double x) {
+    return at_once({x, 0, 0});
+}
+
+/// A remote application that holds a force, armed and in full effect.
+struct Remote {
+    Remote(Setting& setting, const ConstantForce& first, const Use& use = {})
+        : client(setting.remote()),
+          hand(client.claim("", {.update_interval = 20ms})),
+          force(hand.add(first, use)) {
+        hand.arm();
+        setting.pass_until(
+            [&] { return setting.state == DeviceState::active && setting.felt() == first.force.x; },
+            [&] { hand.commit(); });
+        setting.trace.clear();
+    }
+    void commit(const ConstantForce& params) {
+        force.set(params);
+        hand.commit();
+    }
+
+    Client client;
+    Claim hand;
+    Representing<ConstantForce> force;
 };
 
 }  // namespace knurl::bridge::test

@@ -12,10 +12,14 @@ namespace {
 struct Case {
     const char* name;
     Weather weather;
+    Keyed keyed = Keyed::yes;
 };
 std::ostream& operator<<(std::ostream& out, const Case& c) {
     return out << c.name;
 }
+
+constexpr Weather foul{
+    .loss = 0.3, .duplicate = 0.2, .reorder = 0.3, .held = 0.2, .delay = 0.02, .jitter = 0.1};
 
 constexpr std::uint64_t seed = 7;
 constexpr std::uint64_t interval = 20;  // cycles between two commits
@@ -25,38 +29,13 @@ const Case weathers[] = {
     {"Far", {.delay = 0.1}},
     {"Doubled", {.duplicate = 0.5, .reorder = 0.5, .held = 0.03}},
     {"Swinging", {.delay = 0.001, .swing = 0.2, .swing_period = 0.2}},
-    {"Foul", {.loss = 0.3, .duplicate = 0.2, .reorder = 0.3, .held = 0.2, .delay = 0.02, .jitter = 0.1}},
-};
-
-ConstantForce along_x(double x) {
-    return at_once({x, 0, 0});
-}
-
-/// A remote application that holds a force, armed and in full effect.
-struct Remote {
-    Remote(Setting& setting, const ConstantForce& first, const Use& use = {})
-        : client(setting.remote()),
-          hand(client.claim("", {.update_interval = 20ms})),
-          force(hand.add(first, use)) {
-        hand.arm();
-        setting.pass_until(
-            [&] { return setting.state == DeviceState::active && setting.felt() == first.force.x; },
-            [&] { hand.commit(); });
-        setting.trace.clear();
-    }
-    void commit(const ConstantForce& params) {
-        force.set(params);
-        hand.commit();
-    }
-
-    Client client;
-    Claim hand;
-    Representing<ConstantForce> force;
+    {"Foul", foul},
+    {"FoulWithoutAKey", foul, Keyed::no},  // which is for loopback alone
 };
 
 class Under : public testing::TestWithParam<Case> {
   protected:
-    Setting setting{GetParam().weather, seed};
+    Setting setting{GetParam().weather, seed, GetParam().keyed};
 };
 INSTANTIATE_TEST_SUITE_P(Weather, Under, testing::ValuesIn(weathers),
                          [](const auto& of) { return std::string(of.param.name); });
@@ -157,7 +136,7 @@ TEST_P(Under, TheClockIsKnownWithinWhatItSays) {
     Client client = setting.remote();
     Observer observer = client.observe();
     std::uint64_t looked = 0;
-    setting.pass(1200, 10, [&] {
+    const auto look = [&] {
         while (const auto report = observer.next_report(0ns)) {
             // Both ends are on this host: the truth is known, but for what passes while it is looked at.
             const auto truth = [&] {
@@ -176,8 +155,10 @@ TEST_P(Under, TheClockIsKnownWithinWhatItSays) {
         if (network.round_trip > 0ns) {
             EXPECT_LE(std::chrono::abs(network.clock_offset), network.clock_uncertainty);
         }
-    });
-    EXPECT_GT(looked, 20u);
+    };
+    setting.pass(1200, 10, look);
+    // Of those that such a network delays by turns the newest win: in a second there may be few.
+    setting.pass_until([&] { return looked > 20; }, look);
 }
 
 }  // namespace

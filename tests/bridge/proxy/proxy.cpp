@@ -107,6 +107,7 @@ struct Connection {
 struct Proxy::Impl {
     sockaddr_in to;
     std::uint64_t seed;
+    std::function<void(std::span<const char>)> overhear;
     UniqueFd tcp, udp, wake;
     std::uint16_t port = 0;
     Clock::time_point start = Clock::now();
@@ -139,6 +140,7 @@ Proxy::Proxy(const Options& options) : impl_(std::make_unique<Impl>()) {
     Impl& self = *impl_;
     self.to = address_of(options.to, options.to_port);
     self.seed = options.seed;
+    self.overhear = options.overhear;
     self.weather = options.weather;
     // A port that is free for TCP may be taken for UDP: if any will do, the next one may be free for both.
     for (int tries = options.port == 0 ? 16 : 1; tries > 0 && !self.udp; --tries) {
@@ -267,6 +269,7 @@ void Proxy::Impl::datagrams_from_clients() {
         const ssize_t got =
             ::recvfrom(udp.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
         if (got < 0) return;
+        if (overhear) overhear({bytes.data(), static_cast<std::size_t>(got)});
         const std::uint32_t flow = flow_of(from);
         if (flow < max_flows) take(Way::forth, flow, bytes.data(), static_cast<std::size_t>(got));
     }

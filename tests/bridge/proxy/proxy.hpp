@@ -3,7 +3,9 @@
 // to the server's with the weather of a seed. In a thread of its own.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "weather.hpp"
@@ -28,6 +30,8 @@ class Proxy {
         std::uint16_t to_port = 0;
         std::uint64_t seed = 1;
         Weather weather;
+        /// Each datagram from a client, in the proxy's thread, before its fate.
+        std::function<void(std::span<const char>)> overhear{};
     };
     /// Throws std::runtime_error, one line: a bad address, or it is in use.
     explicit Proxy(const Options& options);

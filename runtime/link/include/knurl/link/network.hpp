@@ -15,6 +15,7 @@ struct Network {
     std::chrono::nanoseconds clock_offset{0};       // the servo's CLOCK_MONOTONIC minus ours
     std::chrono::nanoseconds clock_uncertainty{0};  // the offset is right within this
     double drift = 0;                               // s/s: how much faster the servo's clock runs
+    double drift_uncertainty = 0;                   // s/s: the drift is right within this
     bool encrypted = false;
 };
 

@@ -1,0 +1,76 @@
+// The main job from another host: knurl-surface strokes a relief through a bridge with a key, over a real
+// wire between two network namespaces where they can be made, and its own judgement of that is looked at.
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "../client/bridge_process.hpp"
+#include "program.hpp"
+#include "two_hosts.hpp"
+
+namespace {
+
+using knurl::bridge::test::TwoHosts;
+using knurl::test::Background;
+using knurl::test::Home;
+using knurl::test::run;
+
+/// One broad hill: 40 x 20 mm, 10 mm high.
+std::string hill() {
+    std::ostringstream pgm;
+    pgm << "P2 80 40 10000\n";
+    for (int r = 0; r < 40; ++r)
+        for (int c = 0; c < 80; ++c)
+            pgm << std::lround(10000 * std::pow(std::sin(M_PI * c / 79) * std::sin(M_PI * r / 39), 2))
+                << '\n';
+    return pgm.str();
+}
+
+TEST(SurfaceOverABridge, StrokesAReliefOfAnotherHostAndIsJudgedStable) {
+    const Home home;
+    const TwoHosts hosts;
+    if (!hosts.two()) std::fprintf(stderr, "one host only (%s): over loopback\n", hosts.why().c_str());
+    const std::string model = home.file("hill.pgm", hill()), stroke = home.path("stroke.csv"),
+                      keys = home.path("bridge.keys"), outcome_file = home.path("out.json");
+    ASSERT_EQ(run({KNURL_SURFACE_PROGRAM, model, "--write-stroke", stroke}).code, 0);
+    ASSERT_EQ(run({KNURL_BRIDGE, "keygen", "--keys", keys, "--name", "hand", "--role", "control"}).code, 0);
+    Background knurld({KNURLD_PROGRAM, "--device", "sim:premium15", "--hand", stroke});
+    ASSERT_TRUE(knurld.says("ready")) << knurld.said();
+    std::optional<client_test::BridgeProcess> bridge;
+    {
+        const TwoHosts::On on(hosts, TwoHosts::Host::server);
+        bridge.emplace(std::vector<std::string>{"--keys", keys},
+                       hosts.address(TwoHosts::Host::server) + ":0");
+    }
+    ASSERT_FALSE(bridge->address().empty()) << bridge->first_line();
+
+    ::setenv("KNURL_KEY", keys.c_str(), 1);  // with one key in it, also its owner's file
+    const auto outcome = [&] {
+        const TwoHosts::On on(hosts, TwoHosts::Host::client);
+        return run({KNURL_SURFACE_PROGRAM, model, "--connect", bridge->address(), "--wait", "30", "--ways",
+                    "force,knurl", "--json", outcome_file});
+    }();
+    ::unsetenv("KNURL_KEY");
+    ASSERT_EQ(outcome.code, 0) << outcome.err << knurld.said();
+    const auto json = nlohmann::json::parse(knurl::test::text_of_file(outcome_file));
+    const auto &force = json.at("strokes").at(0), &knurl = json.at("strokes").at(1);
+    EXPECT_FALSE(force.at("stable")) << force;
+    for (const auto* stroke_made : {&force, &knurl}) EXPECT_GT(stroke_made->at("updates"), 5) << *stroke_made;
+    EXPECT_GT(knurl.at("cycles"), 1000) << "to its end: " << knurl;
+    EXPECT_TRUE(knurl.at("fault_at").is_null()) << knurl;
+    EXPECT_GT(knurl.at("mean_force"), 0.5) << knurl;
+    EXPECT_GT(knurl.at("contact_share"), 0.5) << knurl;
+    // A machine that stands still loses reports and updates: that is the machine's, and the judge counts it.
+    if (knurl.at("stalls") == 0 && knurl.at("missed") == 0) {
+        EXPECT_TRUE(knurl.at("stable")) << knurl;
+    }
+    EXPECT_EQ(knurld.end(SIGTERM), 0);
+}
+
+}  // namespace
