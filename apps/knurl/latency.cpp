@@ -26,6 +26,7 @@ namespace knurl::cli {
 namespace {
 
 constexpr Nanoseconds long_block = 50'000'000, short_block = 25'000'000, ping_pong_length = 5'000'000;  // ns
+constexpr int udp_calls = 4;                 // there is time for so many, however far the bridge is
 constexpr std::uint64_t commands_every = 4;  // updates: so many commands at least
 constexpr int witness_priority = 95;         // above everybody: late only when the machine stands still
 constexpr int waker_priority = 60;           // of the thread in knurld that wakes sleepers; the servo's is 80
@@ -108,7 +109,7 @@ FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, Network
         ping_pong_block(placement, ping_pong_length, floors.ping_pong);
         paths.descriptor_block(short_block);
         eventfd_block(placement, short_block, floors.eventfd);
-        network.udp_block(short_block);
+        network.udp_block(std::max(short_block, udp_calls * paths.round_trip()));
         if (remote) paths.updates_and_blocking_block(long_block);
         paths.commands_block(long_block, [&](bool counts) { network.tcp_ping_pong(counts); });
         bare_loop_block(placement, paths.period(), paths.deadline(), short_block, floors.bare_loop);

@@ -64,6 +64,8 @@ class LatencyPaths {
 
     const PathSamples& samples() const { return samples_; }
     Nanoseconds period() const { return period_; }
+    /// To the bridge and back, as the clocks are told; 0 on one box.
+    Nanoseconds round_trip() const { return hand_.network().round_trip.count(); }
     /// A deadline of the servo's, the newest known, by our clock.
     Nanoseconds deadline() const { return newest_ ? ours(newest_->deadline_ns) : 0; }
 
