@@ -326,16 +326,30 @@ void Bus::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer
 }
 
 void Bus::on_gone(UMockdevIoctlClient* client, GParamSpec*, gpointer bus) {
+    const std::lock_guard lock(static_cast<Bus*>(bus)->mutex_);
     static_cast<Bus*>(bus)->forget(client);
 }
 
-// A client may be freed without having said that it closed, and the next one lie at the same address.
+// A client may be freed without having said that it closed, and the next one lie at the same address. The one
+// who frees it may be a request of its own that has just ended, in the middle of serve() with the bus locked:
+// it is only noted here, and forgotten before anybody is served again.
 void Bus::on_freed(gpointer bus, GObject* client) {
-    static_cast<Bus*>(bus)->forget(reinterpret_cast<UMockdevIoctlClient*>(client));
+    const std::lock_guard lock(static_cast<Bus*>(bus)->freed_mutex_);
+    static_cast<Bus*>(bus)->freed_.push_back(reinterpret_cast<UMockdevIoctlClient*>(client));
 }
 
+/// With the lock held.
+void Bus::forget_freed() {
+    std::vector<UMockdevIoctlClient*> freed;
+    {
+        const std::lock_guard lock(freed_mutex_);
+        freed.swap(freed_);
+    }
+    for (UMockdevIoctlClient* const client : freed) forget(client);
+}
+
+/// With the lock held.
 void Bus::forget(UMockdevIoctlClient* client) {
-    const std::lock_guard lock(mutex_);
     const auto found = clients_.find(client);
     if (found == clients_.end()) return;
     UsbfsNode* const node = found->second;
@@ -376,6 +390,7 @@ void Bus::handle(UMockdevIoctlClient* client) {
             call.urb != nullptr || (call.request != USBDEVFS_SUBMITURB && call.request != USBDEVFS_BULK);
         const std::lock_guard lock(mutex_);
         calls_.fetch_add(1, std::memory_order_acq_rel);
+        forget_freed();
         UsbfsNode* node = node_of(client);
         if (whole)
             result =
@@ -411,6 +426,7 @@ void Bus::run() {
         std::vector<std::string> pull;
         {
             const std::lock_guard lock(mutex_);
+            forget_freed();
             if (!frozen_ && !held_) pass_frame();
             pull.swap(unplug_soon_);
         }
