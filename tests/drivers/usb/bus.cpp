@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <dlfcn.h>
 #include <linux/usbdevice_fs.h>
 #include <pthread.h>
 #include <sys/ioctl.h>
@@ -102,6 +103,11 @@ std::size_t argument_bytes(unsigned long request) {
     }
 }
 
+void with_preload_locks(int (*what)(pthread_mutex_t*)) {
+    for (const char* name : {"ioctl_lock", "trap_path_lock"})
+        if (void* const lock = dlsym(RTLD_DEFAULT, name)) what(static_cast<pthread_mutex_t*>(lock));
+}
+
 UMockdevIoctlData* resolve(UMockdevIoctlData* data, std::size_t offset, std::size_t bytes) {
     GError* error = nullptr;
     UMockdevIoctlData* found =
@@ -148,7 +154,15 @@ std::unique_ptr<Urb> submitted(UsbfsNode::Call& call) {
 void start_under_umockdev(int, char** argv) {
     prctl(PR_SET_TIMERSLACK, 1UL);  // the preload yields with usleep(0): 50 us each with the ordinary slack
     const char* loaded = std::getenv("LD_PRELOAD");
-    if (loaded != nullptr && std::strstr(loaded, preload) != nullptr) return;
+    if (loaded != nullptr && std::strstr(loaded, preload) != nullptr) {
+        // The preload takes these around every open(), also of threads that have nothing to do with USB. A
+        // fork meanwhile leaves them taken in the child for ever, and its first open() waits. Before any
+        // other handler is there, so that it runs first in the child.
+        pthread_atfork([] { with_preload_locks(pthread_mutex_lock); },
+                       [] { with_preload_locks(pthread_mutex_unlock); },
+                       [] { with_preload_locks(pthread_mutex_unlock); });
+        return;
+    }
     const std::string both =
         loaded != nullptr && *loaded != 0 ? std::string(loaded) + ":" + preload : preload;
     setenv("LD_PRELOAD", both.c_str(), 1);
