@@ -10,11 +10,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <dlfcn.h>
 #include <linux/usbdevice_fs.h>
 #include <pthread.h>
 #include <sys/ioctl.h>
-#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -22,55 +20,7 @@ namespace knurl::drivers::usb_emulator {
 
 namespace {
 
-constexpr const char* preload = "libumockdev-preload.so.0";
 constexpr long frame_ns = 1'000'000;
-
-/// USB 2.0, table 9-8 to 9-13: one configuration, one interface.
-std::vector<std::uint8_t> descriptors(const Identity& identity) {
-    const auto low = [](unsigned word) { return static_cast<std::uint8_t>(word & 0xff); };
-    const auto high = [](unsigned word) { return static_cast<std::uint8_t>(word >> 8); };
-    const unsigned total = 9 + 9 + 7 * static_cast<unsigned>(identity.endpoints.size());
-    std::vector<std::uint8_t> bytes = {18,
-                                       1,
-                                       0,
-                                       2,
-                                       0,
-                                       0,
-                                       0,
-                                       64,
-                                       low(identity.vendor),
-                                       high(identity.vendor),
-                                       low(identity.product),
-                                       high(identity.product),
-                                       0,
-                                       1,
-                                       1,
-                                       2,
-                                       3,
-                                       1,
-                                       9,
-                                       2,
-                                       low(total),
-                                       high(total),
-                                       1,
-                                       1,
-                                       0,
-                                       0x80,
-                                       50,
-                                       9,
-                                       4,
-                                       0,
-                                       0,
-                                       low(static_cast<unsigned>(identity.endpoints.size())),
-                                       identity.interface_class,
-                                       0,
-                                       0,
-                                       0};
-    for (const std::uint8_t endpoint : identity.endpoints)
-        for (const int byte : {7, 5, int{endpoint}, identity.interrupt_endpoints ? 3 : 2, 64, 0, 1})
-            bytes.push_back(static_cast<std::uint8_t>(byte));
-    return bytes;
-}
 
 std::string hex(const std::vector<std::uint8_t>& bytes) {
     std::string text;
@@ -101,11 +51,6 @@ std::size_t argument_bytes(unsigned long request) {
         default:
             return _IOC_SIZE(request);
     }
-}
-
-void with_preload_locks(int (*what)(pthread_mutex_t*)) {
-    for (const char* name : {"ioctl_lock", "trap_path_lock"})
-        if (void* const lock = dlsym(RTLD_DEFAULT, name)) what(static_cast<pthread_mutex_t*>(lock));
 }
 
 UMockdevIoctlData* resolve(UMockdevIoctlData* data, std::size_t offset, std::size_t bytes) {
@@ -150,30 +95,6 @@ std::unique_ptr<Urb> submitted(UsbfsNode::Call& call) {
 }
 
 }  // namespace
-
-void start_under_umockdev(int, char** argv) {
-    prctl(PR_SET_TIMERSLACK, 1UL);  // the preload yields with usleep(0): 50 us each with the ordinary slack
-    const char* loaded = std::getenv("LD_PRELOAD");
-    if (loaded != nullptr && std::strstr(loaded, preload) != nullptr) {
-        // The preload takes these around every open(), also of threads that have nothing to do with USB. A
-        // fork meanwhile leaves them taken in the child for ever, and its first open() waits. Before any
-        // other handler is there, so that it runs first in the child.
-        pthread_atfork([] { with_preload_locks(pthread_mutex_lock); },
-                       [] { with_preload_locks(pthread_mutex_unlock); },
-                       [] { with_preload_locks(pthread_mutex_unlock); });
-        return;
-    }
-    const std::string both =
-        loaded != nullptr && *loaded != 0 ? std::string(loaded) + ":" + preload : preload;
-    setenv("LD_PRELOAD", both.c_str(), 1);
-    // The sanitizer wants to be first; behind the preload it works as well.
-    const char* asan = std::getenv("ASAN_OPTIONS");
-    setenv("ASAN_OPTIONS",
-           ((asan != nullptr ? std::string(asan) + ":" : "") + "verify_asan_link_order=0").c_str(), 1);
-    execv("/proc/self/exe", argv);
-    std::perror("cannot start again under umockdev");
-    std::exit(1);
-}
 
 Bus::Bus() : testbed_(umockdev_testbed_new()), handler_(umockdev_ioctl_base_new()) {
     if (umockdev_in_mock_environment() == FALSE)  // caches its answer: not before there is a testbed
