@@ -231,21 +231,27 @@ void IoThread::wait(int timeout_ms) noexcept {
 void IoThread::converse() noexcept {
     for (const auto& transfer : in_) ask(*transfer);
     last_order_ = monotonic();
-    std::uint64_t acts = zero_line_->acts();
+    answered_acts_ = zero_line_->acts();
     const int silence_ms = protocol_->takes_efforts() ? static_cast<int>(silence / 1'000'000) : -1;
     while (!gone_ && !stop_.load(std::memory_order_relaxed)) {
         wait(silence_ms);
         if (halted_) clear_halts();
-        const bool fresh = newest_orders_.take(orders_);
-        const Nanoseconds now = monotonic();
-        deaf_.store(deaf(now), std::memory_order_relaxed);
-        const bool silent = !fresh && now - last_order_ >= silence;
-        if (silent) orders_ = {};
-        if (fresh || silent) last_order_ = now;
-        const bool made_safe = acts != zero_line_->acts();
-        acts = zero_line_->acts();
-        if (fresh || silent || made_safe || owed_) transmit(fresh);
+        attend();
     }
+}
+
+/// What the cycle or the guardian has asked for since the last time goes out.
+void IoThread::attend() noexcept {
+    const bool fresh = newest_orders_.take(orders_);
+    const Nanoseconds now = monotonic();
+    deaf_.store(deaf(now), std::memory_order_relaxed);
+    const bool silent = !fresh && now - last_order_ >= silence;
+    if (silent) orders_ = {};
+    if (fresh || silent) last_order_ = now;
+    const std::uint64_t acts = zero_line_->acts();
+    const bool made_safe = acts != answered_acts_;
+    answered_acts_ = acts;
+    if (fresh || silent || made_safe || owed_) transmit(fresh);
 }
 
 // The race with make_safe in another process, while this one is stopped anywhere:
@@ -343,6 +349,10 @@ void IoThread::on_in(libusb_transfer* block) {
     const bool closing = (self.number_ & 1U) == 0;
     if (block->status != LIBUSB_TRANSFER_CANCELLED && !self.gone_ && !self.halted_ && !closing)
         self.ask(transfer);
+    // libusb hands over up to 26 transfers before it returns. Orders do not wait for that: where packets come
+    // in as fast as they are asked for (a slow machine, a device that floods) they would be many packets
+    // late, and a device that answers orders alone would have nothing new to say meanwhile.
+    if (!self.gone_ && !closing) self.attend();
 }
 
 void IoThread::on_out(libusb_transfer* block) {

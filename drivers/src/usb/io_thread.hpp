@@ -99,6 +99,7 @@ class IoThread {
     void close() noexcept;
     void live() noexcept;
     void converse() noexcept;
+    void attend() noexcept;
     void transmit(bool fresh) noexcept;
     void submit(Transfer& transfer, std::uint8_t endpoint, std::size_t length,
                 libusb_transfer_cb_fn done) noexcept;
@@ -141,9 +142,10 @@ class IoThread {
     Reading reading_;
     Orders orders_;
     Nanoseconds last_order_ = 0;
-    std::uint64_t number_ = 0;  // of this opening; even: it is closed
-    bool owed_ = false;         // orders came while every packet was in flight
-    int unheard_ = 0;           // orders since the device took a packet
+    std::uint64_t answered_acts_ = 0;  // ZeroLine::acts() that a zero has followed
+    std::uint64_t number_ = 0;         // of this opening; even: it is closed
+    bool owed_ = false;                // orders came while every packet was in flight
+    int unheard_ = 0;                  // orders since the device took a packet
     bool gone_ = false;
     bool halted_ = false;
     int errors_in_row_ = 0;

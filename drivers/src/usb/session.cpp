@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <thread>
 #include <utility>
 
 #include <linux/usbdevice_fs.h>
@@ -160,7 +161,15 @@ Session::Session(Context& context, Found found, int interface, const std::atomic
                                  "1.0.26 or later on Linux's usbfs");
     }
     libusb_set_auto_detach_kernel_driver(handle_, 1);
-    if (const int code = libusb_claim_interface(handle_, interface_); code != 0) {
+    // A servo that has just died is no other program: its guardian holds the node until it has saved what it
+    // knows, and who starts the next one does not wait for that.
+    constexpr Milliseconds patience{2000}, pause{20};
+    int code = libusb_claim_interface(handle_, interface_);
+    for (Milliseconds waited{0}; code == LIBUSB_ERROR_BUSY && waited < patience && !stop_; waited += pause) {
+        std::this_thread::sleep_for(pause);
+        code = libusb_claim_interface(handle_, interface_);
+    }
+    if (code != 0) {
         libusb_close(handle_);
         if (code == LIBUSB_ERROR_NO_DEVICE) throw Unplugged(device.node + " has just been unplugged");
         if (code == LIBUSB_ERROR_BUSY)

@@ -13,7 +13,6 @@
 #include <linux/usbdevice_fs.h>
 #include <pthread.h>
 #include <sys/ioctl.h>
-#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -21,55 +20,7 @@ namespace knurl::drivers::usb_emulator {
 
 namespace {
 
-constexpr const char* preload = "libumockdev-preload.so.0";
 constexpr long frame_ns = 1'000'000;
-
-/// USB 2.0, table 9-8 to 9-13: one configuration, one interface.
-std::vector<std::uint8_t> descriptors(const Identity& identity) {
-    const auto low = [](unsigned word) { return static_cast<std::uint8_t>(word & 0xff); };
-    const auto high = [](unsigned word) { return static_cast<std::uint8_t>(word >> 8); };
-    const unsigned total = 9 + 9 + 7 * static_cast<unsigned>(identity.endpoints.size());
-    std::vector<std::uint8_t> bytes = {18,
-                                       1,
-                                       0,
-                                       2,
-                                       0,
-                                       0,
-                                       0,
-                                       64,
-                                       low(identity.vendor),
-                                       high(identity.vendor),
-                                       low(identity.product),
-                                       high(identity.product),
-                                       0,
-                                       1,
-                                       1,
-                                       2,
-                                       3,
-                                       1,
-                                       9,
-                                       2,
-                                       low(total),
-                                       high(total),
-                                       1,
-                                       1,
-                                       0,
-                                       0x80,
-                                       50,
-                                       9,
-                                       4,
-                                       0,
-                                       0,
-                                       low(static_cast<unsigned>(identity.endpoints.size())),
-                                       identity.interface_class,
-                                       0,
-                                       0,
-                                       0};
-    for (const std::uint8_t endpoint : identity.endpoints)
-        for (const int byte : {7, 5, int{endpoint}, identity.interrupt_endpoints ? 3 : 2, 64, 0, 1})
-            bytes.push_back(static_cast<std::uint8_t>(byte));
-    return bytes;
-}
 
 std::string hex(const std::vector<std::uint8_t>& bytes) {
     std::string text;
@@ -144,22 +95,6 @@ std::unique_ptr<Urb> submitted(UsbfsNode::Call& call) {
 }
 
 }  // namespace
-
-void start_under_umockdev(int, char** argv) {
-    prctl(PR_SET_TIMERSLACK, 1UL);  // the preload yields with usleep(0): 50 us each with the ordinary slack
-    const char* loaded = std::getenv("LD_PRELOAD");
-    if (loaded != nullptr && std::strstr(loaded, preload) != nullptr) return;
-    const std::string both =
-        loaded != nullptr && *loaded != 0 ? std::string(loaded) + ":" + preload : preload;
-    setenv("LD_PRELOAD", both.c_str(), 1);
-    // The sanitizer wants to be first; behind the preload it works as well.
-    const char* asan = std::getenv("ASAN_OPTIONS");
-    setenv("ASAN_OPTIONS",
-           ((asan != nullptr ? std::string(asan) + ":" : "") + "verify_asan_link_order=0").c_str(), 1);
-    execv("/proc/self/exe", argv);
-    std::perror("cannot start again under umockdev");
-    std::exit(1);
-}
 
 Bus::Bus() : testbed_(umockdev_testbed_new()), handler_(umockdev_ioctl_base_new()) {
     if (umockdev_in_mock_environment() == FALSE)  // caches its answer: not before there is a testbed
@@ -326,16 +261,30 @@ void Bus::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer
 }
 
 void Bus::on_gone(UMockdevIoctlClient* client, GParamSpec*, gpointer bus) {
+    const std::lock_guard lock(static_cast<Bus*>(bus)->mutex_);
     static_cast<Bus*>(bus)->forget(client);
 }
 
-// A client may be freed without having said that it closed, and the next one lie at the same address.
+// A client may be freed without having said that it closed, and the next one lie at the same address. The one
+// who frees it may be a request of its own that has just ended, in the middle of serve() with the bus locked:
+// it is only noted here, and forgotten before anybody is served again.
 void Bus::on_freed(gpointer bus, GObject* client) {
-    static_cast<Bus*>(bus)->forget(reinterpret_cast<UMockdevIoctlClient*>(client));
+    const std::lock_guard lock(static_cast<Bus*>(bus)->freed_mutex_);
+    static_cast<Bus*>(bus)->freed_.push_back(reinterpret_cast<UMockdevIoctlClient*>(client));
 }
 
+/// With the lock held.
+void Bus::forget_freed() {
+    std::vector<UMockdevIoctlClient*> freed;
+    {
+        const std::lock_guard lock(freed_mutex_);
+        freed.swap(freed_);
+    }
+    for (UMockdevIoctlClient* const client : freed) forget(client);
+}
+
+/// With the lock held.
 void Bus::forget(UMockdevIoctlClient* client) {
-    const std::lock_guard lock(mutex_);
     const auto found = clients_.find(client);
     if (found == clients_.end()) return;
     UsbfsNode* const node = found->second;
@@ -376,6 +325,7 @@ void Bus::handle(UMockdevIoctlClient* client) {
             call.urb != nullptr || (call.request != USBDEVFS_SUBMITURB && call.request != USBDEVFS_BULK);
         const std::lock_guard lock(mutex_);
         calls_.fetch_add(1, std::memory_order_acq_rel);
+        forget_freed();
         UsbfsNode* node = node_of(client);
         if (whole)
             result =
@@ -411,6 +361,7 @@ void Bus::run() {
         std::vector<std::string> pull;
         {
             const std::lock_guard lock(mutex_);
+            forget_freed();
             if (!frozen_ && !held_) pass_frame();
             pull.swap(unplug_soon_);
         }

@@ -99,6 +99,7 @@ class Bus {
     static void on_gone(UMockdevIoctlClient* client, GParamSpec*, gpointer bus);
     static void on_freed(gpointer bus, GObject* client);
     void forget(UMockdevIoctlClient* client);
+    void forget_freed();
     void handle(UMockdevIoctlClient* client);
     UsbfsNode* node_of(UMockdevIoctlClient* client);
     Socket& at(const std::string& port);
@@ -112,6 +113,8 @@ class Bus {
     std::map<std::string, Socket> sockets_;           // by port
     std::vector<std::unique_ptr<UsbfsNode>> pulled_;  // openers may still ask them
     std::map<UMockdevIoctlClient*, UsbfsNode*> clients_;
+    std::mutex freed_mutex_;  // innermost
+    std::vector<UMockdevIoctlClient*> freed_;
     std::vector<std::string> unplug_soon_;
     std::set<std::string> attached_;  // nodes that have had a handler
     int next_address_ = 2;

@@ -26,6 +26,10 @@ struct Identity {
     std::string kernel_driver;            // bound to interface 0 when it is plugged in; empty: none
 };
 
+/// Device, configuration, interface and endpoint descriptors as sysfs shows them: one configuration, one
+/// interface. USB 2.0, tables 9-8 to 9-13.
+std::vector<std::uint8_t> descriptors(const Identity& identity);
+
 /// All calls come with the bus's lock held, never two at once.
 class Model {
   public:
