@@ -10,7 +10,9 @@
 #include <fstream>
 #include <random>
 
+#include <measure.hpp>
 #include <sched.h>
+#include <sleeper.hpp>
 #include <sys/syscall.h>
 
 #include "knurld_bench.hpp"
@@ -230,10 +232,14 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         real_time_ = (::sched_getscheduler(servo_->pid()) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO;
     }
 
-    /// The bus runs from the moment of the kill: what the kernel takes to end the process counts. A machine
-    /// that stood still meanwhile gets more chances, as with the chaos runner.
+    /// The bus runs from the moment of the kill: what the kernel takes to end the process counts. Where the
+    /// machine itself stood still meanwhile it is done again, as in the chaos runner; once also where nobody
+    /// saw that, since the witness does not see what holds up the bus's own thread, which is none of real
+    /// time.
     void kill_servo() {
-        constexpr int chances = 5;
+        constexpr int chances = 5, above_all = 95;
+        measure::Witness witness(measure::allowed_cpus(), above_all);
+        int unexplained = 0;
         for (int i = 1;; ++i) {
             note_policy();
             let_it_run_dry();
@@ -241,14 +247,16 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
             const std::uint64_t since = bus_.frame();
             const std::size_t before = requests();
             ASSERT_NE(bus_.locked([&] { return device_->motors(); }), (std::array<int, 3>{}));
+            witness.gaps();                  // those before are of no interest
             ::kill(servo_->pid(), SIGKILL);  // none of its threads returns to its program from now on
             bus_.freeze(false);
             const std::optional<int> late = zero_after(before, since);
+            unexplained += witness.gaps().empty() ? 1 : 0;
             servo_->end(SIGKILL);
             ASSERT_TRUE(late.has_value());
             expect_rest_from(requests());
             servo_->start();
-            if (*late <= promised || i == chances) {
+            if (*late <= promised || i == chances || unexplained > 1) {
                 expect_in_time(*late, promised);
                 return;
             }
