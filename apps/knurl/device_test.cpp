@@ -44,6 +44,13 @@ void print_text(const Trial& trial) {
                    percentile(rest.transfer, 0.5) * 1e6, percentile(rest.transfer, 0.99) * 1e6,
                    percentile(rest.transfer, 1) * 1e6);
     }
+    if (rest.round_trip.empty())
+        fmt::print("  round trip       none: no sample followed an order within 20 ms\n");
+    else
+        fmt::print(
+            "  round trip       p50 {:.0f}, p99 {:.0f}, max {:.0f} us from an order to the next sample\n",
+            percentile(rest.round_trip, 0.5) * 1e6, percentile(rest.round_trip, 0.99) * 1e6,
+            percentile(rest.round_trip, 1) * 1e6);
     std::string counts;
     for (const double c : rest.counts_apart) counts += fmt::format("{}{:.0f}", counts.empty() ? "" : ", ", c);
     fmt::print("  noise at rest    {:.1f} um rms, {:.1f} um at most; joints wander by {} counts\n",
@@ -94,7 +101,8 @@ json to_json(const Trial& trial, const std::vector<std::string>& found) {
           {"tip_max", rest.tip_apart},
           {"joint_counts", rest.counts_apart},
           {"lateness", spread(rest.lateness)},
-          {"read_and_write", spread(rest.transfer)}}},
+          {"read_and_write", spread(rest.transfer)},
+          {"round_trip", spread(rest.round_trip)}}},
         {"pushes", pushes},
         {"wall",
          {{"stiffness", trial.wall.stiffness},

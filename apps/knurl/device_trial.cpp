@@ -26,6 +26,10 @@ constexpr double fastest = 1;          // m/s: whoever tests a device does not w
 constexpr double hold_stiffness = 50;  // N/m, towards where it began, between the trials
 constexpr double hold_damping = 2;     // N s/m
 constexpr int servo_priority = 80;
+constexpr int round_trips = 200;
+constexpr int cold_orders = 3;                      // what the trial before has sent may still be on its way
+constexpr Nanoseconds longest_answer = 20'000'000;  // then it is none
+constexpr Nanoseconds look = 10'000;                // between looks on a virtual clock
 
 Nanoseconds monotonic() {
     timespec t{};
@@ -75,6 +79,25 @@ class Bench {
             if (!go_on) return;
         }
     }
+    /// As RestTrial::round_trip. Each is waited for, so that no answer is another order's.
+    std::vector<double> round_trips(int count) {
+        std::vector<double> took;
+        for (int i = 0; i < count + cold_orders; ++i) {
+            now_ += period_;
+            wait();
+            read();
+            write(Vector3d::Zero());
+            const Nanoseconds sent = clock();
+            do {
+                if (options_.virtual_time) now_ += look;
+                read();
+            } while (moment_.status != ReadStatus::ok && clock() - sent < longest_answer);
+            if (i >= cold_orders && moment_.status == ReadStatus::ok)
+                took.push_back(static_cast<double>(clock() - sent) * 1e-9);
+            now_ = std::max(now_, clock());
+        }
+        return took;
+    }
     /// Back to `home`, gently.
     void settle(double seconds, const Vector3d& home) {
         run(seconds, [&](const Moment& m, Vector3d& force) {
@@ -87,6 +110,7 @@ class Bench {
     bool known() const { return known_; }
 
   private:
+    Nanoseconds clock() const { return options_.virtual_time ? now_ : monotonic(); }
     double wait() {
         if (options_.virtual_time) return 0;
         const timespec until{.tv_sec = now_ / 1'000'000'000, .tv_nsec = now_ % 1'000'000'000};
@@ -95,7 +119,7 @@ class Bench {
     }
     void read() {
         drivers::JointSample sample = moment_.sample;
-        moment_.status = device_.read(options_.virtual_time ? now_ : monotonic(), sample);
+        moment_.status = device_.read(clock(), sample);
         if (moment_.status == ReadStatus::unplugged)
             throw std::runtime_error("it was unplugged; plug it in and start again");
         if (moment_.status != ReadStatus::ok) return;
@@ -125,7 +149,7 @@ class Bench {
             for (int j = 0; j < link.actuated_joints; ++j)
                 efforts[static_cast<std::size_t>(j)] = scale * wanted[j];
         }
-        if (!device_.write(options_.virtual_time ? now_ : monotonic(), efforts))
+        if (!device_.write(clock(), efforts))
             throw std::runtime_error("it takes no efforts any more: unplugged?");
         if (known_ && !safe) {
             throw std::runtime_error(
@@ -179,6 +203,7 @@ RestTrial rest(Bench& bench, const drivers::LinkConfig& link, const TrialOptions
         return true;
     });
     rest.sample_rate = static_cast<double>(rest.fresh) / seconds;
+    rest.round_trip = bench.round_trips(round_trips);
     for (std::size_t j = 0; j < joints; ++j) {
         const double count = j < link.radians_per_count.size() ? link.radians_per_count[j] : 0;
         rest.counts_apart.push_back(count > 0 ? (high[j] - low[j]) / count : 0);

@@ -26,9 +26,12 @@ struct HomingTrial {
 
 struct RestTrial {
     std::uint64_t cycles = 0, fresh = 0, stale = 0, bad = 0;
-    double sample_rate = 0;            // Hz, of fresh samples
-    std::vector<double> lateness;      // s, of each cycle's begin; empty on a virtual clock
-    std::vector<double> transfer;      // s, of read and write together; likewise
+    double sample_rate = 0;        // Hz, of fresh samples
+    std::vector<double> lateness;  // s, of each cycle's begin; empty on a virtual clock
+    std::vector<double> transfer;  // s, of read and write together; likewise
+    /// s, each from an order of no effort until the next sample is there: the round trip of a device that
+    /// answers orders; of one that speaks by itself, how long its next word takes.
+    std::vector<double> round_trip;
     std::vector<double> counts_apart;  // per joint: between its lowest and highest reading
     double tip_noise = 0;              // m rms about the mean
     double tip_apart = 0;              // m, largest distance from the mean

@@ -22,9 +22,10 @@ using testing::IsEmpty;
 /// A simulated device without a hand, changed by what may be wrong with one.
 class Broken final : public drivers::Device {
   public:
-    double effort = 1;        // what the motors make of an effort
-    double moves_back = 1;    // -1: joint 0's encoder counts the wrong way
-    std::uint64_t stale = 0;  // one of so many samples does not come; 0: all do
+    double effort = 1;                       // what the motors make of an effort
+    double moves_back = 1;                   // -1: joint 0's encoder counts the wrong way
+    std::uint64_t stale = 0;                 // one of so many samples does not come; 0: all do
+    drivers::Nanoseconds answers_after = 0;  // ns, each order and nothing else; 0: whenever it is asked
 
     explicit Broken(const std::string& options = "")
         : inner_(drivers::open_device("sim:cartesian3,grip=0,coulomb=0" + options)) {}
@@ -33,9 +34,11 @@ class Broken final : public drivers::Device {
     drivers::ReadStatus read(drivers::Nanoseconds now, drivers::JointSample& sample) noexcept override {
         const drivers::ReadStatus status = inner_->read(now, sample);
         sample.position[0] *= moves_back;
+        if (answers_after != 0 && now - ordered_ < answers_after) return drivers::ReadStatus::stale;
         return stale != 0 && ++reads_ % stale == 0 ? drivers::ReadStatus::stale : status;
     }
     bool write(drivers::Nanoseconds now, const drivers::JointEfforts& efforts) noexcept override {
+        ordered_ = now;
         drivers::JointEfforts made = efforts;
         for (double& e : made) e *= effort;
         return inner_->write(now, made);
@@ -45,6 +48,7 @@ class Broken final : public drivers::Device {
   private:
     std::unique_ptr<drivers::Device> inner_;
     std::uint64_t reads_ = 0;
+    drivers::Nanoseconds ordered_ = 0;
 };
 
 Trial tried(drivers::Device& device) {
@@ -95,15 +99,29 @@ TEST(DeviceTest, MissingSamplesAreCounted) {
     EXPECT_THAT(cli::findings(trial), Contains(HasSubstr("only 75.0 %")));
 }
 
+TEST(DeviceTest, TheRoundTripIsFromAnOrderToItsAnswer) {
+    constexpr double answer = 850e-6, look = 10e-6;  // s
+    Broken device;
+    device.answers_after = 850'000;
+    const Trial trial = tried(device);
+    ASSERT_EQ(trial.rest.round_trip.size(), 200u);
+    for (const double took : trial.rest.round_trip) {
+        EXPECT_GE(took, answer - 1e-12);
+        EXPECT_LE(took, answer + look);
+    }
+}
+
 TEST(DeviceTest, TheProgramSaysItAsTextAndAsJson) {
     const Outcome text = knurl({"device", "test", "sim:premium15,grip=0", "--virtual"});
     EXPECT_EQ(text.code, 0) << text.err;
     EXPECT_THAT(text.out, HasSubstr("stiffest wall"));
+    EXPECT_THAT(text.out, HasSubstr("us from an order to the next sample"));
     EXPECT_THAT(text.out, HasSubstr("as it should be"));
     const auto json =
         nlohmann::json::parse(knurl({"device", "test", "sim:premium15,grip=0", "--virtual", "--json"}).out);
     EXPECT_EQ(json.at("device"), "premium15");
     EXPECT_EQ(json.at("pushes").size(), 3u);
+    EXPECT_GT(json.at("rest").at("round_trip").at("p50"), 0);
     EXPECT_TRUE(json.at("findings").empty());
 }
 
