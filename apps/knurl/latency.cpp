@@ -307,7 +307,8 @@ void add_latency(CLI::App& program, Run& run) {
         ->type_name("HOST:PORT");
     verb->add_option("--device", arguments->device, "which of its devices; default: the only one")
         ->type_name("NAME");
-    verb->add_option("--updates", arguments->updates, "at random phase, and a quarter as many commands")
+    verb->add_option("--updates", arguments->updates,
+                     "at random phase, and at least a quarter as many commands")
         ->capture_default_str()
         ->type_name("N");
     verb->add_option("--rate", arguments->rate, "of the private servo")
