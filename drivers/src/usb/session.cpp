@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <mutex>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -47,7 +49,23 @@ std::string listed(const std::vector<Found>& found) {
     return text;
 }
 
+std::mutex open_here_mutex;
+std::set<std::string> open_here;  // nodes
+
 }  // namespace
+
+OpenHere::OpenHere(const UsbDevice& device) : node_(device.node) {
+    const std::lock_guard lock(open_here_mutex);
+    if (!open_here.insert(node_).second)
+        throw std::runtime_error(device.address() + " (" + device.node +
+                                 ") is open already under another name; give each hand a device of its own: "
+                                 "`knurl devices` lists what is plugged in");
+}
+
+OpenHere::~OpenHere() {
+    const std::lock_guard lock(open_here_mutex);
+    open_here.erase(node_);
+}
 
 Context::Context(bool real_time) {
     // libusb starts a thread of its own for hot-plugging, which inherits this one's priority. A process is

@@ -64,6 +64,19 @@ class Context {
     int newest_descriptor_ = -1;
 };
 
+/// That this process has a device open; the kernel could only say that somebody does.
+class OpenHere {
+  public:
+    /// Throws std::runtime_error: it has it open already.
+    explicit OpenHere(const UsbDevice& device);
+    ~OpenHere();
+    OpenHere(const OpenHere&) = delete;
+    OpenHere& operator=(const OpenHere&) = delete;
+
+  private:
+    std::string node_;
+};
+
 class Session {
   public:
     /// Opens the node and claims the interface; a kernel driver that has it is detached, and attached again
@@ -98,6 +111,7 @@ class Session {
     std::size_t transfer(std::uint8_t endpoint, std::uint8_t* bytes, std::size_t count, Milliseconds timeout);
 
     Found found_;
+    OpenHere open_here_{found_.info};
     int interface_;
     const std::atomic<bool>& stop_;
     libusb_device_handle* handle_ = nullptr;

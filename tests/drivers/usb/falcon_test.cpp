@@ -144,9 +144,18 @@ TEST_F(FalconOnABus, SaysWhenAnotherProgramHoldsIt) {
                                        " (falcon:FALCON01); end it: sudo fuser -v " + node),
               std::string::npos);
     bus_.hold_by_another("1-1", false);
-    const auto device = open();
-    EXPECT_NE(error_of("falcon:").find("another program holds"), std::string::npos)
-        << "another servo as well";
+    EXPECT_EQ(open()->link().serial, "FALCON01");
+}
+
+TEST_F(FalconOnABus, SaysWhenItIsOpenUnderAnotherName) {
+    const std::string node = bus_.plug(falcon_at_centre(), {.serial = "FALCON01"});
+    {
+        const auto device = open();
+        EXPECT_NE(error_of("falcon:port=1-1")
+                      .find("falcon:FALCON01 (" + node + ") is open already under another name"),
+                  std::string::npos);
+    }
+    EXPECT_EQ(open()->link().serial, "FALCON01") << "it was closed";
 }
 
 TEST_F(FalconOnABus, SaysWhichRuleGivesTheRights) {
