@@ -1,6 +1,7 @@
 #pragma once
 // A real knurld with a simulated device, in a folder of its own that goes with it; with
-// KNURL_TEST_TRANSPORT=bridge a real knurl-bridge stands before it, and connect() goes through that.
+// KNURL_TEST_TRANSPORT=bridge a real knurl-bridge stands before it, and connect() goes through that; with
+// bridge-with-key that one lets nobody in without a key.
 
 #include <chrono>
 #include <csignal>
@@ -41,7 +42,7 @@ class ServoProcess {
         ::setenv("KNURL_STATE_DIR", (folder_ / "state").c_str(), 1);
         start();
         if (!through_bridge()) return;
-        bridge_.emplace();
+        bridge_.emplace(keys());
         ::setenv("KNURL_TEST_ADDRESS", bridge_->address().c_str(), 1);
     }
     ~ServoProcess() {
@@ -55,7 +56,7 @@ class ServoProcess {
 
     static bool through_bridge() {
         const char* transport = std::getenv("KNURL_TEST_TRANSPORT");
-        return transport != nullptr && std::string(transport) == "bridge";
+        return transport != nullptr && std::string(transport).starts_with("bridge");
     }
     /// What the servo sees as the owner of this process's claims.
     pid_t claimant() const { return bridge_ ? bridge_->pid() : ::getpid(); }
@@ -90,6 +91,17 @@ class ServoProcess {
     std::filesystem::path socket() const { return folder_ / "default.sock"; }
 
   private:
+    /// The bridge's arguments; whoever connects from here has the key.
+    std::vector<std::string> keys() const {
+        if (std::string(std::getenv("KNURL_TEST_TRANSPORT")) != "bridge-with-key") return {};
+        const std::string file = (folder_ / "keys").string();
+        std::string make = KNURL_BRIDGE;
+        make += " keygen --name test --role control --keys " + file + " >/dev/null";
+        if (std::system(make.c_str()) != 0) throw std::runtime_error("no key for the test");
+        ::setenv("KNURL_KEY", file.c_str(), 1);
+        return {"--keys", file};
+    }
+
     std::string program_;
     std::vector<std::string> arguments_;
     std::filesystem::path folder_;

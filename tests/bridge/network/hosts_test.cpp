@@ -87,6 +87,7 @@ TEST_F(TwoHostsWithANarrowWire, ABatchOfAnySizeArrivesWholeAndSoDoesWhatIsFelt) 
 }
 
 TEST_F(TwoHostsWithAWireTooNarrow, AnApplicationIsToldSoAtOnce) {
+    Client::connect("knurl:default", {.wait = 20s});  // the servo has come up
     const TwoHosts::On on(hosts, Host::client);
     says(refused_by(*bridge, key).what(), "raise the MTU of the narrowest link (a tunnel?) to 788 or more");
 }
