@@ -46,7 +46,7 @@ void Connection::stop() {
 }
 
 void Connection::run() noexcept {
-    std::int64_t next_tick = detail::monotonic_ns() + tick_ns;
+    std::int64_t next_tick = detail::monotonic_ns() + tick_ns, due = next_tick;
     for (;;) {
         bool writing = false, dead = false;
         {
@@ -59,7 +59,7 @@ void Connection::run() noexcept {
                              .events = static_cast<short>(POLLIN | (writing ? POLLOUT : 0)),
                              .revents = 0},
                             {.fd = clock_socket_.get(), .events = POLLIN, .revents = 0}};
-        const std::int64_t left = std::max<std::int64_t>(0, next_tick - detail::monotonic_ns());
+        const std::int64_t left = std::max<std::int64_t>(0, due - detail::monotonic_ns());
         // A connection that has ended is always readable: only the end of this thread is waited for.
         ::poll(sources, dead ? 1 : 3, dead ? -1 : static_cast<int>((left + 999'999) / 1'000'000));
         if (sources[0].revents != 0) return;
@@ -68,9 +68,15 @@ void Connection::run() noexcept {
         serve_frames();
         serve_clock();
         const std::int64_t now = detail::monotonic_ns();
-        if (now < next_tick) continue;
-        next_tick = now + tick_ns;
-        tick(now);
+        if (now >= next_tick) {
+            next_tick = now + tick_ns;
+            tick(now);
+        }
+        // A batch that is sent while this thread sleeps is due after the tick that ends its sleep.
+        static_assert(tick_ns <= resend_ns);
+        due = next_tick;
+        for (const auto& stream : streams_)
+            if (stream) due = std::min(due, stream->resend(now));
     }
 }
 

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <limits>
 #include <new>
 
 #include <netinet/in.h>
@@ -303,13 +304,17 @@ void Stream::tick(std::int64_t now) noexcept {
         hello();
         next_hello_ns_ = now + (number_ == 0 ? hello_interval_ns : remind_interval_ns);
     }
-    if (!batch_.unacknowledged()) return;
-    if (batch_by_tcp_) {
-        if (!batch_sent_) send_batch(now);  // it waited for room; once sent it arrives
-    } else if (now - sent_ns_ >= resend_ns) {
+    if (batch_.unacknowledged() && batch_by_tcp_ && !batch_sent_)
+        send_batch(now);  // it waited for room; once sent it arrives
+}
+
+std::int64_t Stream::resend(std::int64_t now) noexcept {
+    if (!batch_.unacknowledged() || batch_by_tcp_) return std::numeric_limits<std::int64_t>::max();
+    if (now - sent_ns_ >= resend_ns) {
         ++resent_;
         send_batch(now);
     }
+    return sent_ns_ + resend_ns;
 }
 
 void Stream::take_replies(std::span<const std::byte> bytes) noexcept {

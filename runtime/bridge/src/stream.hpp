@@ -49,6 +49,8 @@ class Stream {
 
     // By the connection's thread, with the lock held.
     void tick(std::int64_t now) noexcept;
+    /// What was not acknowledged for `resend_ns` goes out once more. When that will be due next.
+    std::int64_t resend(std::int64_t now) noexcept;
     void take_replies(std::span<const std::byte> bytes) noexcept;
     void take_feedback(std::span<const std::byte> bytes) noexcept;
     /// The other end has gone: whoever waits is woken.
