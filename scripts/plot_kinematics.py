@@ -21,14 +21,14 @@ def draw(data, path):
     figure, row = plt.subplots(1, len(speeds), figsize=(11, 3.7), dpi=90, sharey=True, squeeze=False)
     for axes, speed in zip(row.flat, speeds):
         for start, colour in COLOURS.items():
-            line = [p for p in data["points"] if p["start"] == start and p["speed"] == speed and p["steps"] > 0]
+            line = [p for p in data["points"] if p["start"] == start and p["speed"] == speed and p["steps"] >= 0]
             ours = start == "three spheres"
             axes.plot([p["ns"] for p in line], [p["worst"] for p in line], "-o", ms=3.2, lw=1.8 if ours else 0.9,
                       color=colour, label="from " + start, zorder=4 if ours else 3)
-            for p in line[:4]:
+            for p in line[:5]:
                 axes.annotate(str(p["steps"]), (p["ns"], p["worst"]), xytext=(4, 4), textcoords="offset points",
                               fontsize=6, color=colour)
-            until = [p for p in data["points"] if p["start"] == start and p["speed"] == speed and p["steps"] == 0]
+            until = [p for p in data["points"] if p["start"] == start and p["speed"] == speed and p["steps"] < 0]
             for p in until:
                 axes.plot(p["ns"], p["worst"], "o", ms=9, mfc="none", mec=colour, mew=1.6 if p["knurl"] else 0.7,
                           zorder=5)
@@ -45,7 +45,7 @@ def draw(data, path):
     row.flat[0].set_ylabel("largest error of the position, m", fontsize=7.5, color=FAINT)
     row.flat[0].text(0, 1.3e-9, " the goal", fontsize=6.5, color=FAINT)
     row.flat[-1].legend(fontsize=7, frameon=False, loc="upper right")
-    figure.text(0.01, 0.015, "Small figures: Newton steps. Rings: until nothing changes; the thick one is Delta::forward. "
+    figure.text(0.01, 0.015, "Small figures: Newton steps; 0 from three spheres is the closed form. Rings: until nothing changes; the thick one is Delta::forward. "
                 f"Falcon at 1 kHz. {machine_line(data['machine'])}.", fontsize=6, color=FAINT)
     figure.tight_layout(rect=(0, 0.04, 1, 1))
     save(figure, path, 48)

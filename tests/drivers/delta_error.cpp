@@ -49,17 +49,19 @@ Path path_at(const Delta& delta, double speed) {
 /// One cycle: from the angles and the two poses before to the pose. `jacobian` is J^T F's.
 using Solve = std::function<void(const Angles&, Vector3d& last, Vector3d& before_last, Matrix3d& jacobian)>;
 
-/// Takes `steps` Newton steps (0: until nothing changes) from wherever `start` says.
+/// Takes `steps` Newton steps from wherever `start` says. None still ask for one, since it brings the
+/// Jacobian.
 template <class Start>
 Solve newton(const Delta& delta, int steps, Start start) {
     return
         [&delta, steps, start](const Angles& q, Vector3d& last, Vector3d& before_last, Matrix3d& jacobian) {
             const Delta::Cranks ends = delta.cranks(q);
             Vector3d position = start(ends, last, before_last), change;
-            for (int i = 0; i < (steps == 0 ? Delta::most_steps : steps); ++i) {
+            if (steps == 0) delta.step(ends, position, change, jacobian);
+            for (int i = 0; i < (steps == DeltaPoint::until_settled ? Delta::most_steps : steps); ++i) {
                 if (!delta.step(ends, position, change, jacobian)) break;
                 position += change;
-                if (steps == 0 && change.norm() < Delta::enough) break;
+                if (steps == DeltaPoint::until_settled && change.norm() < Delta::enough) break;
             }
             before_last = last;
             last = position;
@@ -104,7 +106,7 @@ std::vector<DeltaPoint> delta_run_time_against_error() {
     for (const double speed : {0.05, 0.3, 1.0}) {
         const Path path = path_at(delta, speed);
         std::vector<Contestant> contestants;
-        for (int steps = 0; steps <= 6; ++steps) {
+        for (int steps = DeltaPoint::until_settled; steps <= 6; ++steps) {
             const auto enrol = [&](const char* name, auto start) {
                 Contestant contestant;
                 contestant.point.start = name;
@@ -116,7 +118,7 @@ std::vector<DeltaPoint> delta_run_time_against_error() {
             enrol("three spheres", [&delta](const Delta::Cranks& ends, const Vector3d&, const Vector3d&) {
                 return delta.three_spheres(ends);
             });
-            contestants.back().point.knurl = steps == 0;
+            contestants.back().point.knurl = steps == DeltaPoint::until_settled;
             enrol("last pose",
                   [](const Delta::Cranks&, const Vector3d& last, const Vector3d&) { return last; });
             enrol("last pose moved on", [](const Delta::Cranks&, const Vector3d& last,

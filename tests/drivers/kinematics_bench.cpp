@@ -92,8 +92,10 @@ int write_errors(const char* path, const knurl::measure::Machine& machine) {
         nlohmann::ordered_json::parse(knurl::measure::to_json({.machine = machine, .results = {}}));
     json["points"] = nlohmann::ordered_json::array();
     for (const DeltaPoint& point : delta_run_time_against_error()) {
-        std::printf("%4.2f m/s  %-20s %d steps  %6.1f ns  worst %.2g m  median %.2g m%s\n", point.speed,
-                    point.start.c_str(), point.steps, point.ns, point.worst, point.median,
+        const std::string steps =
+            point.steps == DeltaPoint::until_settled ? "all" : std::to_string(point.steps);
+        std::printf("%4.2f m/s  %-20s %3s steps  %6.1f ns  worst %.2g m  median %.2g m%s\n", point.speed,
+                    point.start.c_str(), steps.c_str(), point.ns, point.worst, point.median,
                     point.knurl ? "  <- Knurl" : "");
         json["points"].push_back({{"start", point.start},
                                   {"speed", point.speed},
