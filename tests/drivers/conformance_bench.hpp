@@ -29,12 +29,17 @@ class Bench {
     virtual bool outlives_its_device() const { return true; }
     virtual bool has_cable() const { return false; }
     virtual bool has_encoder() const { return false; }
+    /// An I/O thread of its own lies between the cycle and it, which sleeps until the first read. (Where a
+    /// write goes straight to the other side, only the caller keeps to the order.)
+    virtual bool sleeps_until_read() const { return false; }
     /// It has nothing to say while nothing moves, which is no fault.
     virtual bool may_be_silent() const { return false; }
 
     /// The largest |effort| that reached a motor since this was asked last, as a share of that motor's limit;
     /// the present one if none did. `device`: null once it is closed.
     virtual double share(const Device* /*device*/) { return 0; }
+    /// Packets of efforts that have reached it, ever.
+    virtual std::size_t packets() { return 0; }
     virtual void pull(Device& /*device*/) {}
     virtual void plug_in_again(Device& /*device*/) {}
     /// The other side, if it has one, stands still; false: there is none.
@@ -179,10 +184,14 @@ class UsbMotorBench final : public UsbBench {
     UsbMotorBench(const usb_emulator::MotorDevice& device, std::shared_ptr<usb_emulator::MotorModel> model,
                   std::string port, int limit)
         : device_(device), model_(std::move(model)), port_(std::move(port)), limit_(limit) {
-        seen_ = bus().locked([&] { return model_->requests().size(); });
+        seen_ = packets();
     }
     bool has_motors() const override { return true; }
     bool has_encoder() const override { return true; }
+    bool sleeps_until_read() const override { return true; }
+    std::size_t packets() override {
+        return bus().locked([&] { return model_->requests().size(); });
+    }
     double share(const Device*) override {
         return bus().locked([&] {
             int largest = 0;

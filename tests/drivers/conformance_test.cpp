@@ -163,6 +163,24 @@ TEST_P(EveryDevice, IsReadBeforeAnythingIsWrittenAndIsInItsWorkspace) {
     }
 }
 
+// A guardian is forked between opening and the first read: from a process whose threads do nothing.
+TEST_P(EveryDevice, IsSentNothingBeforeItIsReadAndNothingThatWasWrittenBefore) {
+    if (!bench_->sleeps_until_read()) GTEST_SKIP() << "no thread of its own writes to it";
+    bench_->share(device_.get());  // what came before
+    const std::size_t before = bench_->packets();
+    for (int i = 0; i < 50; ++i) {
+        device_->write(now_ += millisecond, limits(1));
+        bench_->moment();
+    }
+    EXPECT_EQ(bench_->packets(), before);
+    EXPECT_EQ(bench_->share(device_.get()), 0);
+    device_->read(now_ += millisecond, sample_);
+    for (int i = 0; i < 50; ++i) bench_->moment();
+    EXPECT_GT(bench_->packets(), before) << "now its thread is awake";
+    EXPECT_EQ(bench_->share(device_.get()), 0) << "nobody knew where it was when that was written";
+    EXPECT_TRUE(until(limits(0.5), [&] { return bench_->share(device_.get()) > 0.1; }));
+}
+
 TEST_P(EveryDevice, StaysFiniteWhateverIsWritten) {
     const double bad[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300, -1e300, 5e-324};
     Nanoseconds now = 0;

@@ -115,6 +115,8 @@ ReadStatus IoThread::take(Reading& reading) noexcept {
 }
 
 bool IoThread::send(Orders orders) noexcept {
+    if (!begun_)
+        return there();  // answers no sample: the thread that the first take() wakes must not find it
     orders.session = seen_session_;
     orders.acts = seen_acts_;
     newest_orders_.publish(orders);
