@@ -1,6 +1,11 @@
 // One clear line for every mistake in an arm's file, and nothing worse for any damage.
 
+#include <filesystem>
+#include <fstream>
 #include <random>
+
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "arm_example.hpp"
 
@@ -148,6 +153,35 @@ TEST(ArmFile, AFileThatIsDamagedIsRefusedAndNeverMore) {
         EXPECT_TRUE(said.starts_with("mine.toml:")) << said << "\n" << text;
         EXPECT_EQ(said.find('\n'), std::string::npos) << said;
     }
+}
+
+TEST(ArmFile, WhatIsNoSmallFileIsNotRead) {
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::temp_directory_path() / ("knurl-arm-" + std::to_string(getpid()));
+    fs::create_directory(folder);
+    const std::string huge = folder / "huge.toml", pipe = folder / "pipe.toml";
+    std::ofstream(huge) << good;
+    fs::resize_file(huge, 5'000'000'000);  // all holes: takes no room
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    const auto said = [](const std::string& path) -> std::string {
+        try {
+            load_arm(path);
+        } catch (const std::runtime_error& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    const std::string mend = "; give an arm's TOML file";
+    EXPECT_EQ(said("/dev/zero"), "/dev/zero: is a device, pipe or socket, no file" + mend);
+    EXPECT_EQ(said(pipe), pipe + ": is a device, pipe or socket, no file" + mend)
+        << "does not wait for a writer";
+    EXPECT_EQ(said(folder), folder.string() + ": is a folder" + mend);
+    EXPECT_EQ(said(huge), huge + ": is larger than 1 MiB, and an arm has some 3 KiB" + mend);
+    EXPECT_EQ(said(folder / "none.toml"),
+              (folder / "none.toml").string() + ": cannot be read: No such file or directory");
+    fs::resize_file(huge, good.size());
+    EXPECT_EQ(said(huge), "accepted");
+    fs::remove_all(folder);
 }
 
 }  // namespace

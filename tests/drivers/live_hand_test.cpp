@@ -112,5 +112,19 @@ TEST(LiveHand, ANodeThatCannotBeOpenedIsNamed) {
     }
 }
 
+TEST(LiveHand, WhatIsNoInputDeviceIsRefused) {
+    const InputNode mouse{"n"};
+    for (const std::string path : {"/etc/passwd", "/dev/null", "/tmp"}) {
+        try {
+            open_device("sim:premium15,live=" + mouse.path() + ":" + path);
+            ADD_FAILURE() << path;
+        } catch (const std::runtime_error& error) {
+            EXPECT_NE(std::string(error.what()).find("\"" + path + "\" is no input device; /dev/input/by-id"),
+                      std::string::npos)
+                << error.what();
+        }
+    }
+}
+
 }  // namespace
 }  // namespace knurl::drivers

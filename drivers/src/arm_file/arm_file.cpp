@@ -4,9 +4,9 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
-#include <sstream>
 #include <stdexcept>
 
 #include <Eigen/LU>
@@ -18,6 +18,7 @@ namespace knurl::drivers {
 
 namespace {
 
+constexpr std::size_t largest_file = 1 << 20;  // bytes
 constexpr double singular = 1e6;  // condition of a coupling: figures of three digits do not make one
 
 /// The tables of a [[name]].
@@ -295,13 +296,26 @@ ArmFile parse_arm(std::string_view text, const std::string& name) {
 }
 
 ArmFile load_arm(const std::string& path) {
+    const auto refuse = [&path](const std::string& what) {
+        return std::runtime_error(path + ": " + what + "; give an arm's TOML file");
+    };
+    // A device or a pipe may have no end, and opening one may wait for ever: neither is opened.
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(path, error);
+    if (status.type() == std::filesystem::file_type::none)
+        throw std::runtime_error(path + ": cannot be read: " + error.message());
+    if (std::filesystem::is_directory(status)) throw refuse("is a folder");
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+        throw refuse("is a device, pipe or socket, no file");
     errno = 0;
     std::ifstream file(path, std::ios::binary);
-    std::stringstream text;
-    if (!file.is_open() || (!(text << file.rdbuf()) && file.peek() != std::ifstream::traits_type::eof())) {
-        throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno != 0 ? errno : EISDIR));
-    }
-    return parse_arm(text.str(), path);
+    if (!file.is_open()) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+    std::string text(largest_file + 1, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (file.bad()) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    if (text.size() > largest_file) throw refuse("is larger than 1 MiB, and an arm has some 3 KiB");
+    return parse_arm(text, path);
 }
 
 }  // namespace knurl::drivers

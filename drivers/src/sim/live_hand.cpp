@@ -9,6 +9,8 @@
 #include <linux/input.h>
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace knurl::drivers {
@@ -22,6 +24,17 @@ constexpr double follow_time = 0.03;  // s: a mouse moves in steps, no hand does
 constexpr std::array<std::uint16_t, 6> moving_keys = {KEY_LEFT, KEY_RIGHT,    KEY_DOWN,
                                                       KEY_UP,   KEY_PAGEDOWN, KEY_PAGEUP};
 constexpr std::array<std::uint16_t, 4> button_keys = {BTN_LEFT, BTN_RIGHT, BTN_MIDDLE, KEY_SPACE};
+
+constexpr const char* where_they_are =
+    "/dev/input/by-id names mice (-event-mouse) and keyboards (-event-kbd)";
+
+/// An event node, or a pipe through which a program sends the same records.
+bool gives_events(int node) noexcept {
+    int version = 0;
+    if (ioctl(node, EVIOCGVERSION, &version) == 0) return true;
+    struct stat status {};
+    return fstat(node, &status) == 0 && S_ISFIFO(status.st_mode);
+}
 
 /// Only the listener writes: no other store can come between load and store.
 template <class T>
@@ -47,13 +60,18 @@ LiveHand::LiveHand(const std::string& paths, double reach) : reach_(reach) {
         const int node = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
         if (node < 0) {
             const std::string why = std::strerror(errno);
-            const std::string mend =
-                errno == EACCES ? "; sudo usermod --append --groups input $USER, then log in again"
-                                : "; /dev/input/by-id names mice (-event-mouse) and keyboards (-event-kbd)";
+            const std::string mend = errno == EACCES
+                                         ? "; sudo usermod --append --groups input $USER, then log in again"
+                                         : std::string("; ") + where_they_are;
             close_all();
             throw std::runtime_error("live=" + paths + ": cannot open \"" + path + "\": " + why + mend);
         }
         nodes_.push_back(node);
+        if (!gives_events(node)) {
+            close_all();
+            throw std::runtime_error("live=" + paths + ": \"" + path + "\" is no input device; " +
+                                     where_they_are);
+        }
     }
     stop_ = eventfd(0, EFD_CLOEXEC);
     if (stop_ < 0) {

@@ -23,7 +23,8 @@ namespace knurl::drivers {
 class LiveHand {
   public:
     /// `paths`: "/dev/input/event3" or several with colons between. `reach`: m, of the ball about the origin
-    /// that it stays in. Throws std::runtime_error: which cannot be opened, and what gives the right to.
+    /// that it stays in. Throws std::runtime_error: which cannot be opened, and what gives the right to;
+    /// which is no event node (a FIFO may stand for one).
     LiveHand(const std::string& paths, double reach);
     ~LiveHand();
     LiveHand(const LiveHand&) = delete;
