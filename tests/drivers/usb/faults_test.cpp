@@ -93,9 +93,15 @@ TEST_P(Faults, SilenceIsStale) {
     ASSERT_TRUE(until(*device, ReadStatus::ok));
     bus_.locked([&] { model_->faults.silent = true; });
     ASSERT_TRUE(until(*device, ReadStatus::stale));
-    step(*device, {});
-    step(*device, {});
-    for (int i = 0; i < 100; ++i) EXPECT_EQ(step(*device, {}), ReadStatus::stale);
+    constexpr int on_their_way = 4;  // at most, however late this machine lets the driver look at them
+    int fresh = 0;
+    for (int i = 0; i < 100; ++i) {
+        const ReadStatus status = step(*device, {});
+        fresh += status == ReadStatus::ok ? 1 : 0;
+        EXPECT_TRUE(status == ReadStatus::stale || status == ReadStatus::ok);
+    }
+    EXPECT_LE(fresh, on_their_way);
+    EXPECT_EQ(step(*device, {}), ReadStatus::stale);
     bus_.locked([&] { model_->faults.silent = false; });
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
