@@ -17,7 +17,7 @@ namespace {
 using drivers::JointArray;
 using Eigen::Vector3d;
 
-constexpr int directions = 162;              // in which the reach is looked for
+constexpr int directions = 162;              // in which reach and force are looked for
 constexpr int places = 2000;                 // in the workspace
 constexpr double step = 0.004;               // m along a ray
 constexpr double farthest = 1.5;             // m
@@ -77,12 +77,21 @@ std::string overstepped(const CheckedArm& arm, const JointArray& q) {
     return {};
 }
 
-/// Largest force along u before the first motor is at its limit: the efforts are J^T f u.
-double force_along(const CheckedArm& arm, const Posture& posture, const std::vector<double>& limits,
-                   const Vector3d& u) {
+using Wrench = Eigen::Matrix<double, 6, 1>;  // force and torque
+
+Wrench force_along(const Vector3d& u) {
+    return (Wrench() << u, Vector3d::Zero()).finished();
+}
+Wrench torque_about(const Vector3d& u) {
+    return (Wrench() << Vector3d::Zero(), u).finished();
+}
+
+/// Largest multiple (N, N m) of w before the first motor is at its limit: the efforts are J^T w.
+double largest(const CheckedArm& arm, const Posture& posture, const std::vector<double>& limits,
+               const Wrench& w) {
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < driven(arm); ++i) {
-        const double share = std::abs(posture.jacobian.col(i).head<3>().dot(u));
+        const double share = std::abs(posture.jacobian.col(i).dot(w));
         if (share > 1e-12) least = std::min(least, limits[static_cast<std::size_t>(i)] / share);
     }
     return least;
@@ -103,13 +112,14 @@ Extreme weakest(const CheckedArm& arm, const Posture& posture, const std::vector
     return found;
 }
 
-double resolution(const CheckedArm& arm, const Posture& posture) {
+/// What one count of the coarsest axis does: m that the tip moves (rows from 0), rad that it turns (from 3).
+double resolution(const CheckedArm& arm, const Posture& posture, int from = 0) {
     double most = 0;
     for (int i = 0; i < arm.profile.joints; ++i) {
         const auto axis = static_cast<std::size_t>(i);
         const double stated = arm.profile.radians_per_count[axis];
         const double count = stated > 0 ? stated : arm.profile.quantum / arm.profile.lever[axis];
-        most = std::max(most, count * posture.jacobian.col(i).head<3>().norm());
+        most = std::max(most, count * posture.jacobian.col(i).segment<3>(from).norm());
     }
     return most;
 }
@@ -203,14 +213,25 @@ ArmCheck check(const CheckedArm& arm) {
     int axis = 0;
     result.weakest_at_centre = weakest(arm, centre, limits, &axis);
     result.weakest_axis = arm.axis_names[static_cast<std::size_t>(axis)];
-    for (int i = 0; i < 3; ++i) result.along_axes[i] = force_along(arm, centre, limits, Vector3d::Unit(i));
+    for (int i = 0; i < 3; ++i)
+        result.along_axes[i] = largest(arm, centre, limits, force_along(Vector3d::Unit(i)));
+    for (int i = 0; i < directions; ++i) {
+        const Vector3d way = direction(i, directions);
+        result.every_way_at_centre.push_back(
+            {.value = largest(arm, centre, limits, force_along(way)), .where = way});
+    }
     for (int i = 0; i < places; ++i) {
         const Vector3d way = direction(i, places);
-        const double force = force_along(arm, centre, limits, way);
+        const double force = largest(arm, centre, limits, force_along(way));
         if (std::isfinite(force) && force > result.strongest_at_centre.value)
             result.strongest_at_centre = {.value = force, .where = way};
     }
     result.resolution_at_centre = resolution(arm, centre);
+    if (profile.renders_torque) {
+        for (int i = 0; i < 3; ++i)
+            result.torque_about_axes[i] = largest(arm, centre, limits, torque_about(Vector3d::Unit(i)));
+        result.angular_resolution = resolution(arm, centre, 3);
+    }
 
     result.best_condition.value = result.weakest_anywhere.value = std::numeric_limits<double>::infinity();
     std::vector<double> conditions, resolutions;

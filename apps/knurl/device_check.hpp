@@ -63,10 +63,15 @@ struct ArmCheck {
     std::string weakest_axis;
     Extreme strongest_at_centre;                           // value and direction
     Eigen::Vector3d along_axes = Eigen::Vector3d::Zero();  // x, y, z
+    std::vector<Extreme> every_way_at_centre;              // values and directions, evenly over a sphere
     Extreme weakest_anywhere;                              // value and place
+    // N m, likewise; where the arm renders torque
+    Eigen::Vector3d torque_about_axes = Eigen::Vector3d::Zero();  // x, y, z
     // m that one count of the coarsest axis moves the tip; 0: counts are not known
     double resolution_at_centre = 0, median_resolution = 0;
     Extreme worst_resolution;
+    double angular_resolution =
+        0;  // rad that one count turns the tip at the centre; where torque is rendered
 };
 ArmCheck check(const CheckedArm& arm);
 

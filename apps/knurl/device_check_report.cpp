@@ -103,10 +103,20 @@ std::string report_text(const CheckedArm& arm, const ArmCheck& c) {
                      at(c.weakest_anywhere.where)));
     line(fmt::format("  {:<22}{:.2f} peak, {:.2f} for ever", "stated", p.peak_force,
                      p.continuous_force > 0 ? p.continuous_force : p.peak_force / 2));
+    if (p.renders_torque) {
+        line("largest torque (N m, likewise, at the centre)");
+        line(fmt::format("  {:<22}x {:.3f}, y {:.3f}, z {:.3f}", "about", c.torque_about_axes.x(),
+                         c.torque_about_axes.y(), c.torque_about_axes.z()));
+        line(fmt::format("  {:<22}{:.3f} peak", "stated", p.peak_torque));
+    }
     line("resolution (micrometres at the tip, one count of the coarsest axis)");
     line(fmt::format("  {:<22}{:.1f} at the centre, median {:.1f}, worst {:.1f} at {}", "encoders",
                      1e6 * c.resolution_at_centre, 1e6 * c.median_resolution, 1e6 * c.worst_resolution.value,
                      at(c.worst_resolution.where)));
+    if (p.renders_torque) {
+        line(fmt::format("  {:<22}{:.2f} mrad at the centre", "angular, encoders",
+                         1e3 * c.angular_resolution));
+    }
     if (!arm.assumed.empty()) line("assumed where the file says nothing (for simulation)");
     for (const std::string& each : arm.assumed) line("  " + each);
     for (const std::string& each : remarks(arm, c)) line("note: " + each);
@@ -118,6 +128,8 @@ std::string report_json(const CheckedArm& arm, const ArmCheck& c) {
     json figures = json::array();
     for (const drivers::ArmFigure& f : arm.figures)
         figures.push_back({{"name", f.name}, {"value", f.value}, {"source", f.source}});
+    json directions = json::array();
+    for (const Extreme& way : c.every_way_at_centre) directions.push_back(extreme(way, "along"));
     const json report = {
         {"name", p.name},
         {"description", p.description},
@@ -141,12 +153,16 @@ std::string report_json(const CheckedArm& arm, const ArmCheck& c) {
           {"weakest_axis", c.weakest_axis},
           {"along_axes", list(c.along_axes)},
           {"strongest_at_centre", extreme(c.strongest_at_centre, "along")},
+          {"directions", directions},
           {"weakest", extreme(c.weakest_anywhere, "at")},
           {"peak", p.peak_force}}},
+        {"torque", p.renders_torque ? json{{"about_axes", list(c.torque_about_axes)}, {"peak", p.peak_torque}}
+                                    : json()},
         {"resolution",
          {{"centre", c.resolution_at_centre},
           {"median", c.median_resolution},
-          {"worst", extreme(c.worst_resolution, "at")}}},
+          {"worst", extreme(c.worst_resolution, "at")},
+          {"angular", p.renders_torque ? json(c.angular_resolution) : json()}}},
         {"assumed", arm.assumed},
         {"notes", remarks(arm, c)},
         {"figures", figures}};

@@ -69,7 +69,7 @@ void print_text(const Trial& trial) {
                trial.wall.bounded ? " or more" : "", trial.wall.predicted);
 }
 
-json to_json(const Trial& trial, const std::vector<std::string>& found) {
+json to_json(const Trial& trial, const std::string& address, const std::vector<std::string>& found) {
     const RestTrial& rest = trial.rest;
     json pushes = json::array();
     for (const PushTrial& push : trial.pushes) {
@@ -87,6 +87,7 @@ json to_json(const Trial& trial, const std::vector<std::string>& found) {
     const measure::Machine machine = measure::this_machine();
     return {
         {"device", trial.link.name},
+        {"address", address},
         {"serial", trial.link.serial},
         {"machine", {{"processor", machine.processor}, {"kernel", machine.kernel}, {"date", machine.date}}},
         {"rate", trial.rate},
@@ -135,17 +136,35 @@ void require_address(const std::string& address) {
     throw UsageError(fmt::format("\"{}\" is no address; write one of {}", address, known));
 }
 
+/// The address with the simulated hand let go, unless it says what the hand does: a simulated device is held
+/// if nothing is said, and a hand in the way is none of the device's faults.
+std::string without_hand(const std::string& address) {
+    constexpr std::string_view of_the_hand[] = {"grip", "hand",   "hand_normal", "hand_damping",
+                                                "push", "finger", "tremor",      "live"};
+    if (!address.starts_with("sim:")) return address;
+    for (std::size_t comma = address.find(','); comma != std::string::npos;) {
+        const std::size_t next = address.find(',', comma + 1);
+        const std::string option = address.substr(comma + 1, next - comma - 1);
+        if (std::ranges::count(of_the_hand, option.substr(0, option.find('='))) != 0) return address;
+        comma = next;
+    }
+    return address + ",grip=0";
+}
+
 int test(const TestOptions& options) {
     require_address(options.address);
     if (options.trial.virtual_time && !options.address.starts_with("sim:"))
         throw UsageError("--virtual is for simulated devices: a real one has only this time");
-    const std::unique_ptr<drivers::Device> device = drivers::open_device(options.address);
+    const std::string address = without_hand(options.address);
+    const std::unique_ptr<drivers::Device> device = drivers::open_device(address);
+    if (!options.as_json && address != options.address)
+        fmt::print(stderr, "nobody's hand on it: tests {} (grip=0.5 would hold it)\n", address);
     const Trial trial = try_device(*device, options.trial, [&](const std::string& line) {
         if (!options.as_json) fmt::print(stderr, "{} ...\n", line);
     });
     const std::vector<std::string> found = findings(trial);
     if (options.as_json) {
-        fmt::print("{}\n", to_json(trial, found).dump(2));
+        fmt::print("{}\n", to_json(trial, address, found).dump(2));
     } else {
         print_text(trial);
         for (const std::string& line : found) fmt::print("  ! {}\n", line);
@@ -160,7 +179,7 @@ void add_device_test(CLI::App& device, Run& run) {
     auto* verb =
         device.add_subcommand("test", "Tries a device: noise, rate, force, stiffest wall. It moves!");
     auto options = std::make_shared<TestOptions>();
-    verb->add_option("ADDRESS", options->address, "as for knurld --device: sim:premium15,grip=0")->required();
+    verb->add_option("ADDRESS", options->address, "as for knurld --device: sim:premium15")->required();
     verb->add_option("--rate", options->trial.rate, "Hz (1000)")->check(CLI::Range(500.0, 20000.0));
     verb->add_option("--push", options->trial.push, "N, the larger push (1)")->check(CLI::Range(0.1, 5.0));
     verb->add_option("--homing-time", options->trial.homing_time, "s to wait for homing (60)")
@@ -169,6 +188,7 @@ void add_device_test(CLI::App& device, Run& run) {
     verb->add_flag("--json", options->as_json, "the same for programs (SI units)");
     verb->footer(
         "The device must hang or rest freely, nobody's hand on it; no servo may hold it.\n"
+        "A simulated one is let go of (grip=0), unless its address says what the hand does.\n"
         "Exit code 1: something is not as its description says.");
     verb->callback([&run, options] { run = [options] { return test(*options); }; });
 }

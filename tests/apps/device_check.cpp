@@ -1,5 +1,6 @@
 // `knurl device check`: its figures against closed forms, its picture, and what it says about a bad file.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -66,6 +67,96 @@ TEST(DeviceCheck, ForceAndResolutionAreThoseOfTheLevers) {
     EXPECT_LE(force["weakest"]["value"], force["weakest_at_centre"]["value"]);
     EXPECT_NEAR(report["resolution"]["centre"], 1e-3 * reach, 1e-12) << "the turret's counts are coarse";
     EXPECT_NEAR(report["resolution"]["worst"]["value"], 1e-3 * (reach + 0.05), 1e-3 * 0.003);
+}
+
+/// The levers of the two links at the centre: the turret's straight sideways, the shoulder's straight up, the
+/// elbow's along the upper arm, as the elbow is as far above the tip as it is behind it.
+TEST(DeviceCheck, TheLargestForceIsGivenInEveryDirection) {
+    const Folder folder;
+    const json report = checked(folder.file("two.toml", two_links));
+    const double reach = 0.2 * std::numbers::sqrt2, half = reach / 2;
+    const json& all = report["force"]["directions"];
+    ASSERT_EQ(all.size(), 162u);
+    double out = 0, sideways = 0, up = 0;
+    for (const json& one : all) {
+        const auto u = one["along"].get<std::vector<double>>();
+        EXPECT_NEAR(std::hypot(u[0], u[1], u[2]), 1, 1e-12);
+        const double turret = 2 / std::abs(reach * u[1]), shoulder = 1 / std::abs(reach * u[2]),
+                     elbow = 0.5 / std::abs(half * (u[0] + u[2]));
+        EXPECT_NEAR(one["value"], std::min({turret, shoulder, elbow}), 1e-9) << one;
+        out = std::max(out, std::abs(u[0])), sideways = std::max(sideways, std::abs(u[1]));
+        up = std::max(up, std::abs(u[2]));
+        EXPECT_GE(one["value"].get<double>() + 1e-9, report["force"]["weakest_at_centre"]["value"]);
+    }
+    EXPECT_GT(std::min({out, sideways, up}), 0.98) << "all around";
+}
+
+/// Three axes that cross in the tip beside three that slide: each torque is one motor's.
+TEST(DeviceCheck, TorqueAndAngularResolutionAreThoseOfTheMotorsThatTurnIt) {
+    const Folder folder;
+    const std::string path = folder.file("gantry.toml", R"(name = "gantry"
+source = "invented"
+[[row]]
+prismatic = true
+alpha_deg = 90
+[[row]]
+prismatic = true
+theta_deg = 90
+alpha_deg = 90
+[[row]]
+prismatic = true
+[[row]]
+alpha_deg = 90
+[[row]]
+theta_deg = 90
+alpha_deg = 90
+[[row]]
+[[axis]]
+limits = [-0.3, 0.3]
+metres_per_count = 1e-5
+effort_limit = 5
+[[axis]]
+limits = [-0.3, 0.3]
+metres_per_count = 1e-5
+effort_limit = 6
+[[axis]]
+limits = [-0.3, 0.3]
+metres_per_count = 1e-5
+effort_limit = 7
+[[axis]]
+limits_deg = [-90, 90]
+radians_per_count = 1e-3
+effort_limit = 0.1
+[[axis]]
+limits_deg = [-60, 60]
+radians_per_count = 3e-3
+effort_limit = 0.2
+[[axis]]
+limits_deg = [-90, 90]
+radians_per_count = 2e-3
+effort_limit = 0.3
+[workspace]
+centre = [0, 0, 0, 0, 0, 0]
+radius = 0.1
+[tip]
+peak_force = 5
+peak_torque = 0.1
+)");
+    const json report = checked(path);
+    auto torque = report["torque"]["about_axes"].get<std::vector<double>>();
+    std::sort(torque.begin(), torque.end());
+    ASSERT_EQ(torque.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(torque[i], 0.1 * static_cast<double>(i + 1), 1e-9);
+    EXPECT_EQ(report["torque"]["peak"], 0.1);
+    EXPECT_NEAR(report["resolution"]["angular"], 3e-3, 1e-12) << "the coarsest of the three";
+
+    for (const char* arm : {"generic6", "generic7"}) {
+        const std::string text = knurl({"device", "check", arm}).out;
+        EXPECT_NE(text.find("largest torque (N m"), std::string::npos) << text;
+        EXPECT_NE(text.find("mrad at the centre"), std::string::npos) << text;
+    }
+    EXPECT_TRUE(checked("omni")["torque"].is_null()) << "its wrist has no motors";
+    EXPECT_EQ(knurl({"device", "check", "omni"}).out.find("torque (N m"), std::string::npos);
 }
 
 TEST(DeviceCheck, ReachEndsAtTheLimits) {

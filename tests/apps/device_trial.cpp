@@ -125,6 +125,20 @@ TEST(DeviceTest, TheProgramSaysItAsTextAndAsJson) {
     EXPECT_TRUE(json.at("findings").empty());
 }
 
+TEST(DeviceTest, ASimulatedArmIsLetGoOfUnlessAHandIsAskedFor) {
+    const Outcome free = knurl({"device", "test", "sim:premium15", "--virtual"});
+    EXPECT_EQ(free.code, 0) << free.out;
+    EXPECT_THAT(free.err, HasSubstr("nobody's hand on it: tests sim:premium15,grip=0 "));
+    EXPECT_THAT(free.out, HasSubstr("as it should be"));
+    const Outcome held = knurl({"device", "test", "sim:premium15,seed=2,grip=1", "--virtual"});
+    EXPECT_EQ(held.code, 1) << held.out;
+    EXPECT_THAT(held.err, testing::Not(HasSubstr("nobody's hand")));
+    EXPECT_THAT(held.out, HasSubstr("times as strong as it should be"));
+    const auto json =
+        nlohmann::json::parse(knurl({"device", "test", "sim:cartesian3,seed=2", "--virtual", "--json"}).out);
+    EXPECT_EQ(json.at("address"), "sim:cartesian3,seed=2,grip=0");
+}
+
 TEST(DeviceTest, MistakesAreOneLineThatSaysWhatToDo) {
     const Home home;
     const Outcome unknown = knurl({"device", "test", "left"});
