@@ -21,8 +21,9 @@ def draw(data, path):
     figure, row = plt.subplots(1, len(speeds), figsize=(11, 3.7), dpi=90, sharey=True, squeeze=False)
     for axes, speed in zip(row.flat, speeds):
         for start, colour in COLOURS.items():
-            line = [p for p in data["points"] if p["start"] == start and p["speed"] == speed and p["steps"] >= 0]
-            ours = start == "three spheres"
+            ours = start == "three spheres"  # the others' start by itself is no answer
+            line = [p for p in data["points"]
+                    if p["start"] == start and p["speed"] == speed and p["steps"] >= (0 if ours else 1)]
             axes.plot([p["ns"] for p in line], [p["worst"] for p in line], "-o", ms=3.2, lw=1.8 if ours else 0.9,
                       color=colour, label="from " + start, zorder=4 if ours else 3)
             for p in line[:5]:
