@@ -41,7 +41,13 @@ std::string holder(const UsbDevice& device, const std::vector<ServoView>& servos
 
 Seen look(const UsbDevice& device, const std::vector<ServoView>& servos) {
     Seen seen{.device = device, .held_by = holder(device, servos), .problem = {}, .mend = {}};
-    if (device.accessible || !seen.held_by.empty()) return seen;
+    if (!seen.held_by.empty()) return seen;
+    if (device.claimed) {
+        seen.problem = "another program holds it";
+        seen.mend = fmt::format("sudo fuser -v {} shows which; end it", device.node);
+        return seen;
+    }
+    if (device.accessible) return seen;
     const drivers::NoRights why = drivers::no_rights(device);
     seen.problem = why.problem;
     seen.mend = why.mend;
@@ -105,6 +111,7 @@ int list(bool as_json) {
                            {"vendor", seen.device.vendor},
                            {"product", seen.device.product},
                            {"accessible", seen.device.accessible},
+                           {"claimed", seen.device.claimed},
                            {"held_by", seen.held_by},
                            {"problem", seen.problem},
                            {"mend", seen.mend},

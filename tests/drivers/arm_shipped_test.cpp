@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include <knurl/drivers/reach.hpp>
+
 #include "arm_example.hpp"
 
 namespace knurl::drivers {
@@ -11,8 +13,8 @@ namespace {
 using namespace arms;
 using Eigen::Vector3d;
 
-JointArray random_joints(std::mt19937_64& engine, const JointArray& centre) {
-    std::uniform_real_distribution<double> one(-1, 1);
+JointArray random_joints(std::mt19937_64& engine, const JointArray& centre, double away = 1) {
+    std::uniform_real_distribution<double> one(-away, away);
     JointArray q = centre;
     for (double& joint : q) joint += one(engine);
     return q;
@@ -33,6 +35,38 @@ TEST(ShippedArms, ReadAndHaveTheirNamesAndASourceForEachFigure) {
             }
         }
         EXPECT_LT(tip(arm, arm.centre).norm(), 1e-15) << "the origin is the workspace's centre";
+    }
+}
+
+TEST(ShippedArms, ForwardOfTheInverseIsThePlaceThatWasAskedFor) {
+    constexpr unsigned seed = 20261122;
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937_64 engine(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> one(0, 1);
+    for (const std::string& name : shipped_arms()) {
+        const ArmFile arm = find_arm(name);
+        const SerialChain mechanism(arm.table);
+        const auto forward = [&](const JointArray& q) {
+            TipPose pose;
+            Jacobian jacobian;
+            EXPECT_TRUE(mechanism.forward({q.data(), arm.joints()}, pose, jacobian));
+            return pose;
+        };
+        for (int trial = 0; trial < 1000; ++trial) {  // anywhere in the workspace, from its centre
+            const Vector3d direction = Vector3d(normal(engine), normal(engine), normal(engine)).normalized();
+            const Vector3d place = arm.workspace_radius * std::cbrt(one(engine)) * direction;
+            const auto q = reach(mechanism, arm.centre, place);
+            ASSERT_TRUE(q) << name << " does not reach " << place.transpose();
+            EXPECT_LT((forward(*q).position - place).norm(), 1e-9) << name;
+        }
+        for (int trial = 0; trial < 1000 && arm.joints() >= 6; ++trial) {
+            const TipPose wanted = forward(random_joints(engine, arm.centre, 0.5));
+            const auto q = reach(mechanism, arm.centre, wanted.position, wanted.orientation);
+            ASSERT_TRUE(q) << name << " does not reach " << wanted.position.transpose();
+            EXPECT_LT((forward(*q).position - wanted.position).norm(), 1e-9) << name;
+            EXPECT_LT(forward(*q).orientation.angularDistance(wanted.orientation), 1e-6) << name;
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
+#include <span>
 #include <stdexcept>
 
 #include <sys/eventfd.h>
@@ -150,7 +151,9 @@ void IoThread::open() {
     for (const libusb_pollfd& wait : context_.descriptors())
         waits_.push_back({.fd = wait.fd, .events = wait.events, .revents = 0});
     gone_ = halted_ = owed_ = false;
-    errors_in_row_ = unheard_ = 0;
+    unheard_ = 0;
+    for (auto* list : {&in_, &out_})
+        for (const auto& transfer : *list) transfer->errors_in_row = 0;
     orders_ = {};
     ++number_;
     reading_.session = number_;
@@ -264,12 +267,19 @@ void IoThread::attend() noexcept {
 // Orders carry the count that the cycle saw when it read the sample that they answer; older ones are zero.
 // Stopped between the first look and the submission, an old effort goes out after the guardian's zero when
 // the process is let go on, and the second look makes a zero follow it.
+//
+// An interrupt endpoint takes one packet a frame, so one is on its way and not two: a second would wait a
+// whole frame behind it, and so would every order after it. For the same reason an order that finds it on its
+// way is not kept until it was taken: the next cycle's takes its place. A zero is kept.
 void IoThread::transmit(bool fresh) noexcept {
     if (!protocol_->takes_efforts()) return;
-    for (int i = 0; i < transfers_out; ++i) {
-        const auto free = std::ranges::find_if(out_, [](const auto& transfer) { return !transfer->active; });
-        owed_ = free == out_.end();
-        if (owed_) {  // the newest goes when one of them is done
+    const bool one_a_frame = session_->interrupt();
+    const std::span packets(out_.data(), one_a_frame ? 1 : out_.size());
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+        const auto free =
+            std::ranges::find_if(packets, [](const auto& transfer) { return !transfer->active; });
+        if (free == packets.end()) {
+            owed_ = owed_ || !fresh || !one_a_frame;  // goes when one of them is done
             if (!fresh) return;
             missed_.fetch_add(1, std::memory_order_relaxed);
             unheard_ = std::min(unheard_ + 1, deaf_orders);
@@ -282,7 +292,8 @@ void IoThread::transmit(bool fresh) noexcept {
         const std::size_t length = protocol_->pack(now, transfer.bytes);
         submit(transfer, session_->out(), length, on_out);
         if (transfer.active) sent_.fetch_add(1, std::memory_order_relaxed);
-        if (zero_line_->acts() == acts) return;
+        owed_ = !transfer.active || zero_line_->acts() != acts;
+        if (!owed_) return;
     }
 }
 
@@ -295,7 +306,7 @@ void IoThread::submit(Transfer& transfer, std::uint8_t endpoint, std::size_t len
     transfer.active = code == 0;
     transfer.since = monotonic();
     if (code == 0) return;
-    gone_ = gone_ || code == LIBUSB_ERROR_NO_DEVICE || ++errors_in_row_ > most_errors;
+    gone_ = gone_ || code == LIBUSB_ERROR_NO_DEVICE || ++transfer.errors_in_row > most_errors;
     errors_.fetch_add(1, std::memory_order_relaxed);
 }
 
@@ -308,7 +319,7 @@ void IoThread::received(Transfer& transfer) noexcept {
     const Heard heard = protocol_->hear(std::span(transfer.bytes.data(), length), reading_);
     if (heard.garbage > 0)
         garbage_.fetch_add(static_cast<std::uint64_t>(heard.garbage), std::memory_order_relaxed);
-    errors_in_row_ = 0;
+    transfer.errors_in_row = 0;
     if (!heard.reading) return;
     readings_.publish(reading_);
     readings_count_.fetch_add(1, std::memory_order_relaxed);
@@ -329,7 +340,7 @@ void IoThread::ended(Transfer& transfer) noexcept {
             break;
     }
     errors_.fetch_add(1, std::memory_order_relaxed);
-    gone_ = gone_ || ++errors_in_row_ > most_errors;
+    gone_ = gone_ || ++transfer.errors_in_row > most_errors;
 }
 
 void IoThread::clear_halts() noexcept {
@@ -359,11 +370,14 @@ void IoThread::on_in(libusb_transfer* block) {
 
 void IoThread::on_out(libusb_transfer* block) {
     Transfer& transfer = *static_cast<Transfer*>(block->user_data);
+    IoThread& self = *transfer.owner;
     transfer.active = false;
-    if (block->status == LIBUSB_TRANSFER_COMPLETED)
-        transfer.owner->errors_in_row_ = transfer.owner->unheard_ = 0;
-    else
-        transfer.owner->ended(transfer);
+    if (block->status == LIBUSB_TRANSFER_COMPLETED) {
+        transfer.errors_in_row = self.unheard_ = 0;
+    } else {
+        self.ended(transfer);
+        self.owed_ = true;  // what it carried may have been a zero
+    }
 }
 
 }  // namespace knurl::drivers::usb

@@ -49,7 +49,7 @@ class IoThread {
     static constexpr int deaf_orders = 20;
     static constexpr int transfers_in = 3;   // asked for at any time
     static constexpr int transfers_out = 2;  // in flight at most
-    static constexpr int most_errors = 64;   // in a row: it is closed and opened again
+    static constexpr int most_errors = 64;   // in a row of one transfer: it is closed and opened again
     static constexpr int search_ms = 50;     // between looks for a device that is gone
     static constexpr std::size_t stack_bytes = 512 << 10;
 
@@ -92,6 +92,7 @@ class IoThread {
         std::unique_ptr<libusb_transfer, Free> block;
         bool active = false;
         Nanoseconds since = 0;  // it was submitted
+        int errors_in_row = 0;
         std::array<std::uint8_t, packet_bytes> bytes = {};
     };
 
@@ -144,11 +145,10 @@ class IoThread {
     Nanoseconds last_order_ = 0;
     std::uint64_t answered_acts_ = 0;  // ZeroLine::acts() that a zero has followed
     std::uint64_t number_ = 0;         // of this opening; even: it is closed
-    bool owed_ = false;                // orders came while every packet was in flight
+    bool owed_ = false;                // orders are still to go out, when a packet is free
     int unheard_ = 0;                  // orders since the device took a packet
     bool gone_ = false;
     bool halted_ = false;
-    int errors_in_row_ = 0;
 
     // Between the two.
     Newest<Reading> readings_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <set>
@@ -24,6 +25,14 @@ std::string attribute(const std::string& port, const char* name) {
     std::string text;
     std::getline(file, text);
     return text;
+}
+
+/// The kernel shows a program's claim as the interface's driver.
+bool claimed(const std::string& port) {
+    std::error_code none;
+    const std::string interface = port + ":" + attribute(port, "bConfigurationValue") + ".0";
+    return std::filesystem::read_symlink("/sys/bus/usb/devices/" + port + "/" + interface + "/driver", none)
+               .filename() == "usbfs";
 }
 
 /// As sysfs names it.
@@ -114,7 +123,8 @@ std::vector<Found> Context::list(std::span<const UsbId> ids, std::string_view sc
                     .twin = false,
                     .port = port,
                     .node = node,
-                    .accessible = access(node.c_str(), R_OK | W_OK) == 0};
+                    .accessible = access(node.c_str(), R_OK | W_OK) == 0,
+                    .claimed = claimed(port)};
         one.device = {libusb_ref_device(device), libusb_unref_device};
     }
     libusb_free_device_list(all, 1);

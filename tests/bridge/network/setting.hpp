@@ -30,7 +30,7 @@ using proxy::Weather;
 /// One cycle as the local observer saw it.
 struct Cycle {
     std::uint64_t number;
-    double dt;           // s, since the one before; a period at least
+    double dt;           // s, since the one before, no less than the servo took it for: from its deadline
     double scene, sent;  // N along x: what the scene wants, and what the supervisor passes
 };
 
@@ -83,9 +83,9 @@ class Setting {
         for (std::uint64_t i = 0; i < cycles; ++i) {
             const auto report = watcher_->next_report(10s);
             ASSERT_TRUE(report) << "the servo stands still";
-            const double dt = std::max(1e-3, 1e-9 * static_cast<double>(report->read_ns - last_read_ns_));
+            const double dt = std::max(1e-3, 1e-9 * static_cast<double>(report->read_ns - last_deadline_ns_));
             trace.push_back({report->cycle, dt, report->scene_force.x, report->sent_force.x});
-            last_read_ns_ = report->read_ns;
+            last_deadline_ns_ = report->deadline_ns;
             state = report->state;
             position = report->position;
             if (i % step == 0) app();
@@ -144,7 +144,7 @@ class Setting {
     Proxy proxy;
 
   private:
-    std::int64_t last_read_ns_ = 0;
+    std::int64_t last_deadline_ns_ = 0;
     std::unique_ptr<Client> local_;
     std::unique_ptr<Observer> watcher_;
 };

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 
@@ -228,6 +229,12 @@ void Bus::wait_until_quiet() {
 void Bus::hold_by_another(const std::string& port, bool held) {
     const std::lock_guard lock(mutex_);
     at(port).usbfs->hold_by_another(held);
+    const std::filesystem::path interface = real_path("/sys/devices/usb1/" + port + "/" + port + ":1.0");
+    std::filesystem::create_directory(interface);
+    if (held)
+        std::filesystem::create_symlink("../../../../bus/usb/drivers/usbfs", interface / "driver");
+    else
+        std::filesystem::remove(interface / "driver");
 }
 
 std::string Bus::bound_driver(const std::string& port) {

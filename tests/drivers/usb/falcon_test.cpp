@@ -143,7 +143,9 @@ TEST_F(FalconOnABus, SaysWhenAnotherProgramHoldsIt) {
     EXPECT_NE(error_of("falcon:").find("another program holds " + node +
                                        " (falcon:FALCON01); end it: sudo fuser -v " + node),
               std::string::npos);
+    EXPECT_TRUE(usb_devices().at(0).claimed);
     bus_.hold_by_another("1-1", false);
+    EXPECT_FALSE(usb_devices().at(0).claimed);
     EXPECT_EQ(open()->link().serial, "FALCON01");
 }
 

@@ -88,6 +88,45 @@ TEST_P(FaultsOfAFalcon, FragmentsAreNoFault) {
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
 
+/// Until it is told that the halt is over, a stalled endpoint answers whatever is asked with a stall.
+TEST_P(Faults, AStalledEndpointIsFreedAndCarriesOn) {
+    const auto device = open();
+    ASSERT_TRUE(pushes(*device));
+    for (int i = 0; i < 20; ++i) {
+        bus_.locked([&] {
+            model_->stalls_out = i % 2;
+            model_->stalls_in = 1 - i % 3 % 2;
+        });
+        const double effort = 0.05 + 0.01 * (i % 2);
+        const auto obeyed = [&] { return model_->motors() == GetParam().all(effort); };
+        for (int k = 0; k < 500 && !bus_.locked(obeyed); ++k) {
+            const ReadStatus status = step(*device, {effort, effort, effort});
+            EXPECT_TRUE(status == ReadStatus::ok || status == ReadStatus::stale);
+        }
+        EXPECT_TRUE(bus_.locked(obeyed)) << "round " << i;
+        EXPECT_TRUE(until(*device, ReadStatus::ok, 100, {effort, effort, effort})) << "round " << i;
+        EXPECT_EQ(bus_.locked([&] { return model_->stalls_out + model_->stalls_in; }), 0);
+    }
+}
+
+TEST_P(Faults, AZeroThatMetAStallIsSentAgain) {
+    const auto device = open();
+    ASSERT_TRUE(pushes(*device));
+    bus_.locked([&] { model_->stalls_out = 1; });
+    device->make_safe();
+    EXPECT_TRUE(bus_.wait(1000, [&] { return model_->motors() == std::array<int, 3>{}; }));
+    EXPECT_EQ(bus_.locked([&] { return model_->stalls_out; }), 0);
+}
+
+TEST_P(Faults, OneThatStallsForEverIsOpenedAnew) {
+    const auto device = open();
+    ASSERT_TRUE(pushes(*device));
+    bus_.locked([&] { model_->stalls_in = 1 << 20; });
+    EXPECT_TRUE(until(*device, ReadStatus::unplugged, 3000, push));
+    bus_.locked([&] { model_->stalls_in = 0; });
+    EXPECT_TRUE(until(*device, ReadStatus::ok));
+}
+
 TEST_P(Faults, SilenceIsStale) {
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
@@ -116,15 +155,17 @@ TEST_P(Faults, OrdersDoNotPileUpBeforeADeviceThatTakesNone) {
         before = model_->requests().size();
         model_->faults.stuck = false;
     });
-    // The two that were in flight, then the newest: nothing of what lies between.
-    ASSERT_TRUE(bus_.wait(2000, [&] { return model_->requests().size() >= before + 3; }));
+    // Those that were in flight, then the newest: nothing of what lies between.
+    const std::size_t in_flight = kept_of_efforts(*model_);
+    step(*device, {0.2, 0, 0});
+    ASSERT_TRUE(bus_.wait(2000, [&] { return model_->requests().size() > before + in_flight; }));
     bus_.locked([&] {
         const auto& requests = model_->requests();
-        EXPECT_LT(std::abs(requests[before].motors[0]), std::abs(pushed[0]));
-        EXPECT_LT(std::abs(requests[before + 1].motors[0]), std::abs(pushed[0]));
-        const int third = requests[before + 2].motors[0];
-        EXPECT_TRUE(third == GetParam().all(0.2)[0] || third == 0)
-            << third << " (0: the cycle has been silent for 10 ms)";
+        for (std::size_t i = before; i < before + in_flight; ++i)
+            EXPECT_LT(std::abs(requests[i].motors[0]), std::abs(pushed[0]));
+        const int next = requests[before + in_flight].motors[0];
+        EXPECT_TRUE(next == GetParam().all(0.2)[0] || next == 0)
+            << next << " (0: the cycle has been silent for 10 ms)";
     });
 }
 
@@ -187,7 +228,8 @@ TEST_P(Faults, OnceMadeSafeItIsNotPushedByWhatWasOrderedBefore) {
     const auto device = open();
     ASSERT_TRUE(pushes(*device));
     bus_.freeze(true);
-    while (bus_.in_flight("1-1") < 5) {  // two packets on their way, so that the next order has to wait
+    const std::size_t on_their_way = kept_of_efforts(*model_);  // so that the next order has to wait
+    while (bus_.in_flight("1-1") < kept_for_samples + on_their_way) {
         device->read(now_ += millisecond, sample_);
         device->write(now_, push);
     }
@@ -199,7 +241,7 @@ TEST_P(Faults, OnceMadeSafeItIsNotPushedByWhatWasOrderedBefore) {
     ASSERT_TRUE(bus_.wait(5000, [&] { return model_->requests().size() > before + 4; }));
     bus_.locked([&] {
         EXPECT_EQ(model_->requests()[before].motors, pushed);
-        for (std::size_t i = before + 2; i < model_->requests().size(); ++i)
+        for (std::size_t i = before + on_their_way; i < model_->requests().size(); ++i)
             EXPECT_TRUE(model_->requests()[i].is_zero()) << "packet " << i - before;
     });
     EXPECT_TRUE(pushes(*device)) << "orders after it count again";

@@ -35,6 +35,9 @@ class Model {
   public:
     virtual ~Model() = default;
 
+    /// So many requests meet an endpoint that stalls; each halts it until the halt is cleared.
+    int stalls_in = 0, stalls_out = 0;
+
     virtual const Identity& identity() const = 0;
     /// Bytes moved, or -EPIPE to stall.
     virtual int control(const Setup& setup, std::span<std::uint8_t> data) = 0;

@@ -58,6 +58,13 @@ inline const MotorDevice wooden_device = {
         },
     .homed_after_replug = false};
 
+/// Requests that the driver keeps with a device: for samples, and of efforts. A second packet of efforts
+/// would wait where the device takes one a frame.
+inline constexpr std::size_t kept_for_samples = 3;
+inline std::size_t kept_of_efforts(const MotorModel& model) {
+    return model.identity().interrupt_endpoints ? 1 : 2;
+}
+
 /// `port`: 1-1 unless it is said.
 inline void plug_in(Bus& bus, const MotorDevice& device, const std::shared_ptr<MotorModel>& model,
                     const std::string& port = "1-1", const std::string& serial = "ONE") {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <set>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -196,8 +195,10 @@ Result UsbfsNode::call(Call& call, std::uint64_t frame, bool frozen) {
             return done(USB_SPEED_FULL);
         case USBDEVFS_SETCONFIGURATION:
         case USBDEVFS_SETINTERFACE:
-        case USBDEVFS_CLEAR_HALT:
         case USBDEVFS_RESETEP:
+            return done();
+        case USBDEVFS_CLEAR_HALT:
+            halted_.erase(static_cast<std::uint8_t>(as<unsigned>(call.argument)));
             return done();
         case USBDEVFS_RESET:
             model_->power_on();
@@ -210,6 +211,16 @@ Result UsbfsNode::call(Call& call, std::uint64_t frame, bool frozen) {
         default:
             return failed(ENOTTY);
     }
+}
+
+/// As the device's own halt does it, which only CLEAR_FEATURE(ENDPOINT_HALT) ends (USB 2.0, 9.4.5).
+bool UsbfsNode::stalls(std::uint8_t endpoint) {
+    if (halted_.contains(endpoint)) return true;
+    int& left = (endpoint & USB_DIR_IN) != 0 ? model_->stalls_in : model_->stalls_out;
+    if (left == 0) return false;
+    --left;
+    halted_.insert(endpoint);
+    return true;
 }
 
 /// False: not now.
@@ -226,6 +237,8 @@ bool UsbfsNode::move(Urb& urb) {
         };
         const Setup setup{raw[0], raw[1], word(2), word(4), word(6)};
         moved = model_->control(setup, {urb.bytes() + setup_bytes, urb.length - setup_bytes});
+    } else if (stalls(urb.endpoint)) {
+        moved = -EPIPE;
     } else if ((urb.endpoint & USB_DIR_IN) != 0) {
         moved = model_->in(urb.endpoint, {urb.bytes(), urb.length});
     } else {

@@ -8,6 +8,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,7 @@ class UsbfsNode {
     Result discard(std::uint64_t address, UMockdevIoctlClient* client);
     Result take_urb(Opener& opener, Call& call, std::uint64_t frame, bool frozen);
     bool held_elsewhere(const Opener& opener, unsigned interface) const;
+    bool stalls(std::uint8_t endpoint);
     bool move(Urb& urb);
     void finish(Flying flying);
     void show_readiness();
@@ -101,6 +103,7 @@ class UsbfsNode {
     bool plugged_ = true;
     bool held_by_another_ = false;
     std::string kernel_driver_;
+    std::set<std::uint8_t> halted_;  // endpoints
     std::map<UMockdevIoctlClient*, Opener> openers_;
     std::list<Flying> pending_;  // in order of submission
 };

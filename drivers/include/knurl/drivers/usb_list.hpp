@@ -16,6 +16,7 @@ struct UsbDevice {
     std::string port;         // bus and ports, "1-1.2": stays the same until it is plugged in elsewhere
     std::string node;         // "/dev/bus/usb/001/004"
     bool accessible = false;  // this user may open the node
+    bool claimed = false;     // a program talks to it, this one or another
 
     /// What opens it: "falcon:SERIAL", or "falcon:port=1-1.2" where no serial number tells it apart.
     std::string address() const;
