@@ -372,12 +372,10 @@ void IoThread::on_out(libusb_transfer* block) {
     Transfer& transfer = *static_cast<Transfer*>(block->user_data);
     IoThread& self = *transfer.owner;
     transfer.active = false;
-    if (block->status == LIBUSB_TRANSFER_COMPLETED) {
+    if (block->status == LIBUSB_TRANSFER_COMPLETED)
         transfer.errors_in_row = self.unheard_ = 0;
-    } else {
-        self.ended(transfer);
-        self.owed_ = true;  // what it carried may have been a zero
-    }
+    else
+        self.ended(transfer);  // what it carried is sent again by the next order, or by silence
 }
 
 }  // namespace knurl::drivers::usb
