@@ -64,7 +64,10 @@ struct Came {
 };
 
 struct Stream : testing::Test {
-    Stream() { pair.open(); }
+    Stream() {
+        pair.open();
+        width.came_through(datagram_bytes);
+    }
 
     detail::Attachment attachment() {
         detail::Attachment attached;
@@ -123,7 +126,8 @@ struct Stream : testing::Test {
     shm::UniqueFd peer = bound(SOCK_DGRAM | SOCK_NONBLOCK), ours = bound(SOCK_DGRAM | SOCK_NONBLOCK);
     OutQueue out{ours.get()};
     Outbox outbox{1, nullptr};
-    Way way{.frames = pair.server, .outbox = outbox, .out = out};
+    PathWidth width;
+    Way way{.frames = pair.server, .outbox = outbox, .out = out, .width = width};
     Played servo;
     const char* why = "";
 };

@@ -1,5 +1,6 @@
 // Whoever speaks nonsense, too much, or not at all, costs the others nothing.
 
+#include <chrono>
 #include <random>
 #include <thread>
 
@@ -90,6 +91,29 @@ TEST_F(Hostile, callers_who_never_say_who_they_are_are_dropped_after_two_seconds
     EXPECT_TRUE(connect_to(bridge).connected());
     EXPECT_TRUE(hung_up(silent.front())) << "it gave way";
     for (std::size_t i = 0; i < Relay::most_pending_of_host; ++i) EXPECT_TRUE(hung_up(silent[i])) << i;
+    bystander.expect_well();
+}
+
+TEST_F(Hostile, who_calls_again_and_again_is_heard_so_often_and_costs_the_others_nothing) {
+    Bystander bystander(bridge);
+    Hello other = hello();
+    ++other.version;  // which is answered
+    const auto call = frame(FrameType::hello, 0, other);
+    const auto begin = std::chrono::steady_clock::now();
+    int heard = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const shm::UniqueFd fd = dial_from("127.0.0.2", bridge.port());
+        put(fd, call);
+        char first = 0;
+        heard += ::recv(fd.get(), &first, 1, 0) == 1 ? 1 : 0;
+        if (i % 500 == 0) bystander.expect_well();
+    }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    EXPECT_GE(heard, CallerRate::burst);
+    EXPECT_LE(heard, CallerRate::burst + static_cast<double>(CallerRate::per_second) * took.count() + 1);
+    says(bridge.line_with("not let in: its host"), "127.0.0.2:");
+    EXPECT_TRUE(Client::connect(bridge.address(), {.name = "test", .wait = 0ms}).connected())
+        << "of another host";
     bystander.expect_well();
 }
 

@@ -21,6 +21,8 @@ namespace {
 constexpr std::int64_t tick_ns = 10'000'000;
 constexpr std::int64_t quick_ping_ns = 10'000'000, ping_ns = 100'000'000;
 constexpr std::int64_t quick_for_ns = 200'000'000;
+constexpr std::int64_t probe_ns =
+    1'000'000'000;  // between two long ones, while the path is not known to carry them
 
 }  // namespace
 
@@ -83,7 +85,14 @@ void Connection::run() noexcept {
 void Connection::tick(std::int64_t now) noexcept {
     for (const auto& stream : streams_)
         if (stream) stream->tick(now);
-    if (now >= next_ping_ns_) ping(now);
+    if (now >= next_ping_ns_) {
+        ping(now);
+        const bool wide = width_.bytes() == datagram_bytes && longest_ >= datagram_bytes;
+        if (!wide && now >= next_probe_ns_) {
+            ping(now, datagram_bytes);
+            if (now - started_ns_ >= quick_for_ns) next_probe_ns_ = now + probe_ns;
+        }
+    }
     // Whoever stood still himself has heard nothing meanwhile.
     if (now - last_tick_ns_ > dead_after_ns / 2) heard_ns_ = now;
     last_tick_ns_ = now;
@@ -92,9 +101,9 @@ void Connection::tick(std::int64_t now) noexcept {
 }
 
 void Connection::ping(std::int64_t now, std::size_t length) noexcept {
-    alignas(8) std::array<std::byte, least_datagram_bytes> room{};
+    alignas(8) std::array<std::byte, datagram_bytes> room{};
     const DatagramHeader header{.kind = DatagramKind::ping};
-    const PingBody body{.sent_ns = now};
+    const PingBody body{.sent_ns = now, .longest = longest_};
     const std::size_t tag = outbox_.overhead() - sizeof header;
     post(clock_socket_.get(), room, std::max(write(room, header, body), length - std::min(length, tag)));
     next_ping_ns_ = now + (now - started_ns_ < quick_for_ns ? quick_ping_ns : ping_ns);
@@ -110,7 +119,7 @@ void Connection::serve_clock() noexcept {
         PongBody pong;
         if (!take(body, pong)) continue;
         clock_.add(pong.ping_sent_ns, pong.received_ns, pong.sent_ns, now);
-        longest_pong_ = std::max(longest_pong_, mailbag_.datagram(i).size());
+        width_.came_through(pong.longest);
     }
 }
 
@@ -246,12 +255,17 @@ bool Connection::post(int socket, std::span<std::byte> room, std::size_t bytes) 
     const std::size_t length = outbox_.close(room, bytes);
     if (length == 0) return false;
     // Lost here or lost on the way is the same, but for one thing.
-    return ::send(socket, room.data(), length, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || errno != EMSGSIZE;
+    if (::send(socket, room.data(), length, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || errno != EMSGSIZE)
+        return true;
+    width_.refused();
+    return false;
 }
 
 Inbox::Opened Connection::open(std::span<std::byte> datagram) noexcept {
     const Inbox::Opened opened = inbox_.open(datagram, windows_);
-    if (opened.verdict == Inbox::Verdict::good) heard_ns_ = detail::monotonic_ns();
+    if (opened.verdict != Inbox::Verdict::good) return opened;
+    heard_ns_ = detail::monotonic_ns();
+    longest_ = std::max<std::uint64_t>(longest_, datagram.size());
     return opened;
 }
 

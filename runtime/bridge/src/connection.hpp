@@ -22,6 +22,7 @@
 #include "clock_estimate.hpp"
 #include "frame_stream.hpp"
 #include "mailbag.hpp"
+#include "path_width.hpp"
 #include "post.hpp"
 
 namespace knurl::bridge {
@@ -66,6 +67,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     /// Opens what came in; it counts as a word from the other end.
     Inbox::Opened open(std::span<std::byte> datagram) noexcept;
     std::size_t overhead() const noexcept { return outbox_.overhead(); }
+    const PathWidth& width() const noexcept { return width_; }
     const ClockEstimate& clock() const noexcept { return clock_; }
     bool encrypted() const noexcept { return frames_.encrypted(); }
     Mailbag& mailbag() noexcept { return mailbag_; }
@@ -116,8 +118,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     std::array<CounterWindow, max_streams + 1>
         windows_{};  // per stream, for all that use its number one after another
     ClockEstimate clock_;
-    std::size_t longest_pong_ = 0;  // bytes
-    std::int64_t started_ns_ = 0, next_ping_ns_ = 0, heard_ns_ = 0, last_tick_ns_ = 0;
+    PathWidth width_;
+    std::uint64_t longest_ = 0;  // bytes, of what has come from there
+    std::int64_t started_ns_ = 0, next_ping_ns_ = 0, next_probe_ns_ = 0, heard_ns_ = 0, last_tick_ns_ = 0;
 
     std::vector<DeviceDescription> devices_;
     pid_t servo_pid_ = 0;

@@ -158,15 +158,22 @@ shm::UniqueFd Connection::datagram_socket() const {
 }
 
 void Connection::try_datagrams(shm::Deadline deadline) {
-    constexpr std::chrono::milliseconds patience{50};
-    while (longest_pong_ < least_datagram_bytes) {
+    constexpr std::int64_t patience_ms = 50;
+    for (std::int64_t next = 0; longest_ < least_datagram_bytes;) {
         if (std::chrono::steady_clock::now() > deadline) no_datagrams();
-        ping(detail::monotonic_ns());
-        ping(detail::monotonic_ns(), least_datagram_bytes);
+        const std::int64_t now = detail::monotonic_ns();
+        if (now >= next) {
+            ping(now);
+            ping(now, datagram_bytes);  // before the one that is waited for: where it comes through, it is
+                                        // here first
+            ping(now, least_datagram_bytes);
+            next = now + patience_ms * 1'000'000;
+        }
         pollfd socket{.fd = clock_socket_.get(), .events = POLLIN, .revents = 0};
-        ::poll(&socket, 1, static_cast<int>(patience.count()));
+        ::poll(&socket, 1, patience_ms);
         serve_clock();
     }
+    next_ping_ns_ = 0;  // the first one says what came
 }
 
 void Connection::no_datagrams() const {

@@ -1,7 +1,6 @@
 #pragma once
 // Datagrams to many peers in few system calls.
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
@@ -10,7 +9,7 @@
 #include <sys/socket.h>
 
 #include "correspondent.hpp"
-#include "wire.hpp"
+#include "path_width.hpp"
 
 namespace knurl::bridge {
 
@@ -27,15 +26,15 @@ class OutQueue {
         if (size_ == most) flush();
         return buffers_[size_];
     }
-    /// It is `bytes` long now. `limit` goes down if the path to that peer carries less; it must live until
-    /// flush().
-    void put(std::size_t bytes, const Correspondent& to, std::size_t* limit) noexcept {
+    /// It is `bytes` long now. `width` hears of it if the path to that peer carries less; it must live until
+    /// flush(). None: that much was tried, and not counted on.
+    void put(std::size_t bytes, const Correspondent& to, PathWidth* width) noexcept {
         pieces_[size_] = {.iov_base = buffers_[size_].data(), .iov_len = bytes};
         messages_[size_].msg_hdr = {};
         to.address_to(messages_[size_].msg_hdr, to_[size_], from_[size_]);
         messages_[size_].msg_hdr.msg_iov = &pieces_[size_];
         messages_[size_].msg_hdr.msg_iovlen = 1;
-        limits_[size_++] = limit;
+        widths_[size_++] = width;
     }
 
     /// What the kernel does not take is lost, as on any network.
@@ -47,8 +46,7 @@ class OutQueue {
                 done += static_cast<std::size_t>(sent);
                 continue;
             }
-            if (errno == EMSGSIZE && limits_[done] != nullptr)
-                *limits_[done] = std::max(least_datagram_bytes, *limits_[done] * 3 / 4);
+            if (errno == EMSGSIZE && widths_[done] != nullptr) widths_[done]->refused();
             ++done;  // one peer's trouble is not the next one's
         }
         size_ = 0;
@@ -62,7 +60,7 @@ class OutQueue {
     std::array<PacketInfo, most> from_;
     std::array<iovec, most> pieces_;
     std::array<mmsghdr, most> messages_;
-    std::array<std::size_t*, most> limits_;
+    std::array<PathWidth*, most> widths_;
 };
 
 }  // namespace knurl::bridge

@@ -261,14 +261,18 @@ void Peer::datagram(std::span<std::byte> datagram, const Correspondent& from, st
         return;
     }
     heard_ns_ = now;
+    longest_ = std::max<std::uint64_t>(longest_, datagram.size());
     std::span<const std::byte> body = opened.body;
     if (opened.header.kind == DatagramKind::ping) {
         PingBody ping;
         if (!take(body, ping)) return;
+        width_.came_through(ping.longest);
         const std::span<std::byte> room = desk.out.room();
         const DatagramHeader header{.kind = DatagramKind::pong};
-        const PongBody pong{
-            .ping_sent_ns = ping.sent_ns, .received_ns = now, .sent_ns = detail::monotonic_ns()};
+        const PongBody pong{.ping_sent_ns = ping.sent_ns,
+                            .received_ns = now,
+                            .sent_ns = detail::monotonic_ns(),
+                            .longest = longest_};
         // As long as what it answers, so that a path which is too narrow is found both ways, and nobody is
         // made to send more than he gets. What was in the buffer before is another peer's.
         const std::size_t least = write(room, header, pong);

@@ -67,7 +67,9 @@ class Peer {
     std::optional<std::string> forbidden(const protocol::ClaimRequest& request) const;
     bool fail(std::string why);
     PeerStream* stream_of(std::uint32_t id) noexcept;
-    Way way(Desk& desk) noexcept { return {.frames = frames_, .outbox = outbox_, .out = desk.out}; }
+    Way way(Desk& desk) noexcept {
+        return {.frames = frames_, .outbox = outbox_, .out = desk.out, .width = width_};
+    }
 
     FrameStream frames_;
     const sockaddr_storage from_;
@@ -78,6 +80,8 @@ class Peer {
     Outbox outbox_;
     Inbox inbox_;
     std::array<CounterWindow, max_streams + 1> windows_{};
+    PathWidth width_;
+    std::uint64_t longest_ = 0;  // bytes, of its datagrams
     std::array<std::unique_ptr<PeerStream>, max_streams> streams_;
     std::size_t next_stream_ = 0;
     std::int64_t heard_ns_;

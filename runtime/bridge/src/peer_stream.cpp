@@ -191,8 +191,8 @@ bool PeerStream::answer(const Way& way, const char*& why) noexcept {
 }
 
 /// Datagrams that all of it takes; more than max_pieces: it goes by TCP.
-std::size_t PeerStream::pieces(std::size_t overhead, bool report) const noexcept {
-    const std::size_t room = limit_ - overhead - sizeof(ReportPiece);
+std::size_t PeerStream::pieces(const Way& way, bool report) const noexcept {
+    const std::size_t room = way.width.bytes() - way.outbox.overhead() - sizeof(ReportPiece);
     const std::size_t first = room - (report ? sizeof(Report) : 0) - sizeof(protocol::FeedbackHeader);
     if (entries_.size() <= first / entry_bytes) return 1;
     const std::size_t left = entries_.size() - first / entry_bytes, each = room / entry_bytes;
@@ -200,9 +200,10 @@ std::size_t PeerStream::pieces(std::size_t overhead, bool report) const noexcept
 }
 
 void PeerStream::send(const Report* report, const Way& way) noexcept {
-    const std::size_t overhead = way.outbox.overhead();
+    // What is sent may end in finding the path narrower: one length for all pieces.
+    const std::size_t overhead = way.outbox.overhead(), limit = way.width.bytes();
     const bool claim = attachment_.channel != nullptr;
-    std::size_t count = claim && !entries_.empty() ? pieces(overhead, report != nullptr) : 1;
+    std::size_t count = claim && !entries_.empty() ? pieces(way, report != nullptr) : 1;
     const bool felt = claim && !entries_.empty() && count <= max_pieces;
     if (!felt) count = 1;
     std::size_t entry = 0;
@@ -231,20 +232,20 @@ void PeerStream::send(const Report* report, const Way& way) noexcept {
             piece.flags |= piece_flags::felt;
             piece.first_entry = static_cast<std::uint32_t>(entry);
             piece.entries = static_cast<std::uint32_t>(
-                std::min((limit_ - at - tag) / entry_bytes, entries_.size() - entry));
+                std::min((limit - at - tag) / entry_bytes, entries_.size() - entry));
             put(entries_.data() + entry, piece.entries * entry_bytes);
             entry += piece.entries;
         }
         std::memcpy(room.data(), &header, sizeof header);
         std::memcpy(room.data() + sizeof header, &piece, sizeof piece);
-        if (const std::size_t length = way.outbox.close(room, at)) way.out.put(length, to_, &limit_);
+        if (const std::size_t length = way.outbox.close(room, at)) way.out.put(length, to_, &way.width);
     }
 }
 
 /// Feedback that is too large for datagrams, now and then. False: no room.
 bool PeerStream::send_felt(std::int64_t now, const Way& way) noexcept {
     if (entries_.empty() || feedback_.cycle == felt_sent_ || now - felt_sent_ns_ < felt_interval_ns ||
-        pieces(way.outbox.overhead(), true) <= max_pieces || way.frames.queued() > felt_backlog)
+        pieces(way, true) <= max_pieces || way.frames.queued() > felt_backlog)
         return true;
     felt_sent_ = feedback_.cycle;
     felt_sent_ns_ = now;

@@ -19,6 +19,7 @@ struct Way {
     FrameStream& frames;
     Outbox& outbox;
     OutQueue& out;
+    PathWidth& width;
 };
 
 class PeerStream {
@@ -50,13 +51,12 @@ class PeerStream {
     bool due(const Report& report) noexcept;
     void send(const Report* report, const Way& way) noexcept;
     bool send_felt(std::int64_t now, const Way& way) noexcept;
-    std::size_t pieces(std::size_t overhead, bool report) const noexcept;
+    std::size_t pieces(const Way& way, bool report) const noexcept;
 
     const std::uint32_t id_;
     detail::Attachment attachment_;
     std::int64_t period_ns_, due_ns_ = 0;  // by the reports' deadlines; 0: each report
     Correspondent to_{};                   // nobody: not bound yet
-    std::size_t limit_ = datagram_bytes;
     std::uint64_t number_ =
         0;  // of the newest report, whether it was sent or nobody was there yet to send it to
     Report newest_{};

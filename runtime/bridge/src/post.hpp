@@ -53,7 +53,8 @@ class Inbox {
         if (key != nullptr) opener_.emplace(*key);
     }
 
-    /// Nothing of it is believed until the verdict is good. `windows`: one per stream, 0 included.
+    /// Nothing of it is believed while the verdict is foreign; what came before, or may have, is the peer's,
+    /// and good for counting only. `windows`: one per stream, 0 included.
     Opened open(std::span<std::byte> datagram, std::span<CounterWindow> windows) noexcept {
         Opened opened;
         const std::size_t tag = opener_ ? tag_bytes : 0;
@@ -62,15 +63,13 @@ class Inbox {
         if (opened.header.session != session_ || opened.header.stream >= windows.size()) return opened;
         CounterWindow& window = windows[opened.header.stream];
         const CounterWindow::Seen seen = window.look(opened.header.counter);
-        if (seen != CounterWindow::Seen::never) {
-            opened.verdict = seen == CounterWindow::Seen::already ? Verdict::already : Verdict::too_old;
-            return opened;
-        }
         if (opener_ && !opener_->open(opened.header.counter, datagram, sizeof(DatagramHeader))) return opened;
-        window.accept(opened.header.counter);
         opened.body =
             datagram.subspan(sizeof(DatagramHeader), datagram.size() - sizeof(DatagramHeader) - tag);
-        opened.verdict = Verdict::good;
+        if (seen == CounterWindow::Seen::never) window.accept(opened.header.counter);
+        opened.verdict = seen == CounterWindow::Seen::never     ? Verdict::good
+                         : seen == CounterWindow::Seen::already ? Verdict::already
+                                                                : Verdict::too_old;
         return opened;
     }
 

@@ -31,7 +31,8 @@ constexpr std::int64_t tick_ns = 100'000'000;
 constexpr std::int64_t accept_pause_ns = 100'000'000;  // when the process is out of descriptors
 constexpr int most_bags = 8;      // of datagrams in one round; the others wait for their turn
 constexpr int most_reports = 64;  // of one device in one round
-constexpr int most_accepts = 64;  // in one round
+constexpr int most_calls = 64;    // in one round, most of them to be sent away at once,
+constexpr int most_accepts = 8;   // or to be heard, which takes longer
 // Whoever leaves may have a few on their way still; more of no session are said, once a minute.
 constexpr std::uint64_t few_strays = 64;
 constexpr std::int64_t strays_said_every_ns = 60'000'000'000;
@@ -93,7 +94,7 @@ void Relay::watch_listener(bool wanted) {
 
 /// Whoever comes is taken out of the kernel's queue at once, so that nobody stands in it before the others.
 void Relay::accept_all(std::int64_t now) {
-    for (int i = 0; i < most_accepts; ++i) {
+    for (int calls = 0, accepts = 0; calls < most_calls && accepts < most_accepts; ++calls) {
         sockaddr_storage from{};
         socklen_t length = sizeof from;
         shm::UniqueFd socket(::accept4(listening_.callers.get(), reinterpret_cast<sockaddr*>(&from), &length,
@@ -103,6 +104,10 @@ void Relay::accept_all(std::int64_t now) {
                 accept_after_ns_ = now + accept_pause_ns;
             return;
         }
+        if (!caller_rate_.allows(from, now)) {
+            journal_.refused(from, numeric(from), "its host calls too often", now);
+            continue;
+        }
         if (!make_room(from, now)) {
             journal_.refused(from, numeric(from), "too many callers that have not said who they are", now);
             continue;
@@ -111,6 +116,7 @@ void Relay::accept_all(std::int64_t now) {
             std::find_if(places_.begin(), places_.end(), [](const Place& place) { return !place.peer; });
         if (free == places_.end()) return;
         const auto place = static_cast<std::size_t>(free - places_.begin());
+        ++accepts;
         free->peer = std::make_unique<Peer>(std::move(socket), from, new_session(place), tls_, now);
         ++free->use;
         free->watches_hang_up = free->watches_writing = false;

@@ -10,6 +10,7 @@
 
 #include <knurl/bridge/endpoint.hpp>
 
+#include "caller_rate.hpp"
 #include "journal.hpp"
 #include "listening.hpp"
 #include "mailbag.hpp"
@@ -81,6 +82,7 @@ class Relay {
     OutQueue out_;
     Mailbag mailbag_;
     Journal journal_;
+    CallerRate caller_rate_;
     Desk desk_;
     std::int64_t last_tick_ns_ = 0, accept_after_ns_ = 0;
     std::uint64_t strays_ = 0;  // datagrams of no session, not said yet

@@ -164,14 +164,20 @@ bool Stream::drain() noexcept {
 
 void Stream::take_datagram(std::span<std::byte> datagram) noexcept {
     const Inbox::Opened opened = connection_->open(datagram);
-    if (opened.verdict == Inbox::Verdict::already) ++duplicated_;
-    if (opened.verdict == Inbox::Verdict::too_old) ++late_;
-    if (opened.verdict != Inbox::Verdict::good || opened.header.stream != id_ ||
+    if (opened.verdict == Inbox::Verdict::foreign || opened.header.stream != id_ ||
         opened.header.kind != DatagramKind::report)
         return;
+    if (opened.verdict == Inbox::Verdict::already) {
+        ++duplicated_;
+        return;
+    }
     std::span<const std::byte> body = opened.body;
     ReportPiece piece;
     if (!take(body, piece)) return;
+    if (opened.verdict == Inbox::Verdict::too_old) {
+        if ((piece.flags & piece_flags::report) != 0) tally_.take_old(piece.number);
+        return;
+    }
     Report report;
     if ((piece.flags & piece_flags::report) != 0) {
         if (!take(body, report)) return;
@@ -187,15 +193,9 @@ void Stream::take_datagram(std::span<std::byte> datagram) noexcept {
 }
 
 void Stream::take_report(std::uint64_t number, const Report& report) noexcept {
-    if (number == number_) return;  // the newest, sent again to one that had none
-    if (number < number_) {
-        ++late_;
-        return;
-    }
-    if (number_ != 0) gap_ += number - number_ - 1;
-    number_ = number;
+    if (!tally_.take(number)) return;
     ++arrivals_;
-    const Slot slot{.report = report, .gap = gap_};
+    const Slot slot{.report = report, .gap = tally_.gaps()};
     writer_.publish(&slot);
 }
 
@@ -203,9 +203,9 @@ Network Stream::network() noexcept {
     const auto lock = connection_->lock();
     const std::int64_t now = detail::monotonic_ns();
     const ClockEstimate& clock = connection_->clock();
-    return {.lost = gap_ - std::min(gap_, late_),
-            .late = late_,
-            .duplicated = duplicated_,
+    return {.lost = tally_.lost(),
+            .late = tally_.late(),
+            .duplicated = duplicated_ + tally_.copies(),
             .resent = resent_,
             .round_trip = nanoseconds(clock.round_trip()),
             .clock_offset = nanoseconds(clock.offset_at(now)),
@@ -258,7 +258,7 @@ void Stream::acknowledge(const protocol::FeedbackHeader& header, std::uint64_t a
 }
 
 std::size_t Stream::piece_bytes() const noexcept {
-    return (datagram_limit_ - connection_->overhead() - sizeof(BatchPiece)) / 8 * 8;
+    return (connection_->width().bytes() - connection_->overhead() - sizeof(BatchPiece)) / 8 * 8;
 }
 
 void Stream::send_batch(std::int64_t now) noexcept {
@@ -284,9 +284,7 @@ bool Stream::send_pieces(std::span<const std::byte> message) noexcept {
         const std::size_t head = write(room, header, piece);
         std::memcpy(room.data() + head, part.data(), part.size());
         if (connection_->post(socket_.get(), room, head + part.size())) continue;
-        // The path carries less than was thought. It is sent again in smaller ones, or by TCP.
-        datagram_limit_ = std::max(least_datagram_bytes, datagram_limit_ * 3 / 4);
-        return false;
+        return false;  // the path carries less by now: it goes by TCP, and the next ones in smaller pieces
     }
     return true;
 }
@@ -294,7 +292,7 @@ bool Stream::send_pieces(std::span<const std::byte> message) noexcept {
 void Stream::hello() noexcept {
     alignas(8) std::array<std::byte, 128> room;
     const DatagramHeader header{.kind = DatagramKind::hello, .stream = static_cast<std::uint8_t>(id_)};
-    const HelloBody body{.received = number_};
+    const HelloBody body{.received = tally_.newest()};
     connection_->post(socket_.get(), room, write(room, header, body));
 }
 
@@ -302,7 +300,7 @@ void Stream::tick(std::int64_t now) noexcept {
     if (drain()) wake();
     if (now >= next_hello_ns_) {
         hello();
-        next_hello_ns_ = now + (number_ == 0 ? hello_interval_ns : remind_interval_ns);
+        next_hello_ns_ = now + (tally_.newest() == 0 ? hello_interval_ns : remind_interval_ns);
     }
     if (batch_.unacknowledged() && batch_by_tcp_ && !batch_sent_)
         send_batch(now);  // it waited for room; once sent it arrives

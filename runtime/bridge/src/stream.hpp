@@ -17,6 +17,7 @@
 #include "connection.hpp"
 #include "feedback_assembly.hpp"
 #include "pending_batch.hpp"
+#include "report_tally.hpp"
 #include "unanswered.hpp"
 
 namespace knurl::bridge {
@@ -81,7 +82,6 @@ class Stream {
     bool polled_ = false;                  // by somebody's event loop
     bool raised_ = false;                  // event_
     std::uint32_t asking_ = 0;             // threads that sleep until anything comes
-    std::size_t datagram_limit_ = datagram_bytes;
 
     struct Free {
         void operator()(std::byte* memory) const noexcept;
@@ -90,9 +90,9 @@ class Stream {
     shm::BroadcastWriter writer_;
     shm::BroadcastReader reader_;
     std::uint64_t arrivals_ = 0;  // reports, feedback, answers
-    std::uint64_t number_ = 0;    // of the newest report
-    std::uint64_t gap_ = 0, gap_read_ = 0;
-    std::uint64_t late_ = 0, duplicated_ = 0, resent_ = 0;
+    ReportTally tally_;
+    std::uint64_t gap_read_ = 0;                 // tally_.gaps() up to what was read
+    std::uint64_t duplicated_ = 0, resent_ = 0;  // datagrams, batches
     std::int64_t next_hello_ns_ = 0;
 
     PendingBatch batch_;

@@ -34,15 +34,16 @@ using protocol::put_text;
 using protocol::text_of;
 
 inline constexpr std::uint64_t wire_magic = 0x656764697262;  // "bridge"
-inline constexpr std::uint32_t wire_version = 2;
+inline constexpr std::uint32_t wire_version = 3;
 inline constexpr const char* exporter_label = "EXPORTER-knurl-bridge-datagrams";
 
 // ------------------------------------------------------------------------------------------------ bounds
 
 inline constexpr std::size_t max_sessions = protocol::max_clients;
 inline constexpr std::uint32_t max_streams =
-    protocol::max_claims_of_connection;              // claims and observers of one connection
-inline constexpr std::size_t datagram_bytes = 1200;  // to begin with; the path may allow less
+    protocol::max_claims_of_connection;  // claims and observers of one connection
+inline constexpr std::size_t datagram_bytes =
+    1200;  // at most; how many a path carries shows (path_width.hpp)
 inline constexpr std::size_t least_datagram_bytes =
     760;                                               // a report and feedback; IPv6 carries 1280 everywhere
 inline constexpr std::size_t max_pieces = 4;           // of a batch or feedback in datagrams; more go by TCP
@@ -122,7 +123,7 @@ struct Nothing {
 
 enum class DatagramKind : std::uint8_t {
     hello = 1,  // HelloBody: answers go where this came from
-    ping,       // PingBody, stream 0; at first with zeros behind it, up to least_datagram_bytes
+    ping,       // PingBody, stream 0; some with zeros behind it, to see what the path carries
     pong,       // PongBody, stream 0; as long as what it answers
     batch,      // BatchPiece, then a piece of BatchHeader + entries
     report,     // ReportPiece, then what its flags say
@@ -142,12 +143,14 @@ struct HelloBody {
     std::uint64_t received = 0;  // reports so far: 0 asks for the newest one
 };
 struct PingBody {
-    std::int64_t sent_ns = 0;  // the asker's clock
+    std::int64_t sent_ns = 0;   // the asker's clock
+    std::uint64_t longest = 0;  // bytes, of the datagrams that have come through to the asker so far
 };
 struct PongBody {
     std::int64_t ping_sent_ns = 0;
     std::int64_t received_ns = 0;  // the answerer's clock
     std::int64_t sent_ns = 0;
+    std::uint64_t longest = 0;  // as in PingBody, to the answerer
 };
 
 struct BatchPiece {

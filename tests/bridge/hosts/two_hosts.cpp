@@ -17,7 +17,7 @@ std::atomic<int> made = 0;  // by this process: each pair has its own names and 
 
 }  // namespace
 
-TwoHosts::TwoHosts(int mtu) {
+TwoHosts::TwoHosts(int server_mtu, int client_mtu) {
     const int number = made++;
     base_ = "knurl-" + std::to_string(::getpid()) + "-" + std::to_string(number);
     net_ = (::getpid() + number) % 250;
@@ -29,8 +29,8 @@ TwoHosts::TwoHosts(int mtu) {
     }
     run("ip netns add " + a);
     run("ip netns add " + b);
-    run("ip -n " + a + " link add wire mtu " + std::to_string(mtu) + " type veth peer name wire mtu " +
-        std::to_string(mtu) + " netns " + b);
+    run("ip -n " + a + " link add wire mtu " + std::to_string(server_mtu) + " type veth peer name wire mtu " +
+        std::to_string(client_mtu) + " netns " + b);
     run("ip -n " + a + " address add " + address(Host::server) + width + " dev wire");
     run("ip -n " + b + " address add " + address(Host::client) + width + " dev wire");
     for (const std::string& host : {a, b})

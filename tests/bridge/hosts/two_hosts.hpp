@@ -13,8 +13,9 @@ class TwoHosts {
   public:
     enum class Host : std::uint8_t { server, client };
 
-    /// `mtu`: bytes of an IP packet that the wire carries.
-    explicit TwoHosts(int mtu = 1500);
+    /// Bytes of an IP packet that each end of the wire carries. An end drops without a word what is longer
+    /// and comes from the other: where they differ long datagrams vanish on their way to the narrower one.
+    explicit TwoHosts(int server_mtu = 1500, int client_mtu = 1500);
     struct One {};
     explicit TwoHosts(One) : two_(false), why_("one was asked for") {}
     ~TwoHosts();

@@ -1,11 +1,14 @@
 // The servo on one host, the application on another: two network namespaces, keys, an encrypted way.
 
 #include <algorithm>
+#include <atomic>
+#include <cstring>
 #include <optional>
 #include <vector>
 
 #include "setting.hpp"
 #include "two_hosts.hpp"
+#include "wire.hpp"
 
 namespace knurl::bridge::test {
 namespace {
@@ -14,7 +17,7 @@ using Host = TwoHosts::Host;
 
 /// A servo and its bridge on the one; nothing is started where there is one host only.
 struct Apart {
-    explicit Apart(int mtu) : hosts(mtu) {
+    Apart(int server_mtu, int client_mtu) : hosts(server_mtu, client_mtu) {
         if (!hosts.two()) return;
         key = ring.add("workstation", Role::control);
         servo.emplace();
@@ -29,9 +32,9 @@ struct Apart {
     std::optional<BridgeProcess> bridge;
 };
 
-template <int mtu>
+template <int server_mtu, int client_mtu = server_mtu>
 struct With : testing::Test, Apart {
-    With() : Apart(mtu) {}
+    With() : Apart(server_mtu, client_mtu) {}
     void SetUp() override {
         if (!hosts.two())
             GTEST_SKIP() << "one host only (" << hosts.why() << "): the other tests go over loopback";
@@ -40,6 +43,30 @@ struct With : testing::Test, Apart {
 using TwoHostsApart = With<1400>;
 using TwoHostsWithANarrowWire = With<1000>;    // which takes less than a datagram of ours
 using TwoHostsWithAWireTooNarrow = With<780>;  // not even the least
+using TwoHostsNarrowToTheClient = With<1500, 1000>;
+using TwoHostsNarrowToTheServer = With<1000, 1500>;
+
+/// Batches and what is felt in one datagram, in several, and in ones that a wider path would carry.
+void expect_batches_and_what_is_felt(Client& client) {
+    for (const std::uint32_t count : {1u, 6u, 20u, 30u}) {
+        Claim hand = client.claim("", {.shared = true, .representations = count});
+        std::vector<Representing<ConstantForce>> forces;
+        for (std::uint32_t i = 0; i < count; ++i) forces.push_back(hand.add(at_once({})));
+        hand.arm();
+        for (int round = 1; round <= 5; ++round) {
+            const double share = 0.02 * round / count;
+            for (auto& force : forces) force.set(at_once({share, 0, 0}));
+            ASSERT_TRUE(hand.wait_applied(hand.commit(), 5s)) << count << " representations";
+            read_until(hand, [&](const HandReport&) {
+                return std::ranges::all_of(forces, [&](const Representing<ConstantForce>& force) {
+                    const auto felt = force.felt();
+                    return felt && felt->force.x == share;
+                });
+            });
+        }
+        EXPECT_EQ(hand.network().lost, 0u) << "a report that nobody's wire was too busy for, of " << count;
+    }
+}
 
 TEST_F(TwoHostsApart, AnApplicationArmsAndFeels) {
     const TwoHosts::On on(hosts, Host::client);
@@ -69,21 +96,66 @@ TEST_F(TwoHostsApart, AStrangerIsToldToHaveAKey) {
 TEST_F(TwoHostsWithANarrowWire, ABatchOfAnySizeArrivesWholeAndSoDoesWhatIsFelt) {
     const TwoHosts::On on(hosts, Host::client);
     Client client = connect_to(*bridge, key);
-    for (const std::uint32_t count : {1u, 20u, 30u}) {
-        Claim hand = client.claim("", {.shared = true, .representations = count});
-        std::vector<Representing<ConstantForce>> forces;
-        for (std::uint32_t i = 0; i < count; ++i) forces.push_back(hand.add(at_once({})));
-        hand.arm();
-        const double share = 0.1 / count;
-        for (auto& force : forces) force.set(at_once({share, 0, 0}));
-        ASSERT_TRUE(hand.wait_applied(hand.commit(), 20s)) << count;
-        read_until(hand, [&](const HandReport&) {
-            return std::ranges::all_of(forces, [&](const Representing<ConstantForce>& force) {
-                const auto felt = force.felt();
-                return felt && felt->force.x == share;
-            });
-        });
+    expect_batches_and_what_is_felt(client);
+}
+
+TEST_F(TwoHostsNarrowToTheClient, NothingThatIsSentVanishes) {
+    const TwoHosts::On on(hosts, Host::client);
+    Client client = connect_to(*bridge, key);
+    expect_batches_and_what_is_felt(client);
+}
+
+TEST_F(TwoHostsNarrowToTheServer, NothingThatIsSentVanishes) {
+    const TwoHosts::On on(hosts, Host::client);
+    Client client = connect_to(*bridge, key);
+    expect_batches_and_what_is_felt(client);
+}
+
+/// Without a key a bridge listens at its own host alone: what brings the datagrams there from another one, as
+/// a tunnel would, is on that host as well.
+void expect_nothing_vanishes_without_a_key(const TwoHosts& hosts) {
+    std::optional<BridgeProcess> keyless;
+    std::optional<Proxy> tunnel;
+    {
+        const TwoHosts::On on(hosts, Host::server);
+        keyless.emplace();
+        Proxy::Options options;
+        options.listen = hosts.address(Host::server);
+        options.to_port = keyless->port();
+        tunnel.emplace(options);
     }
+    const TwoHosts::On on(hosts, Host::client);
+    Client client = Client::connect(
+        "knurl://" + hosts.address(Host::server) + ":" + std::to_string(tunnel->port()), {.wait = 10s});
+    expect_batches_and_what_is_felt(client);
+}
+TEST_F(TwoHostsNarrowToTheClient, NothingThatIsSentVanishesWithoutAKeyEither) {
+    expect_nothing_vanishes_without_a_key(hosts);
+}
+TEST_F(TwoHostsNarrowToTheServer, NothingThatIsSentVanishesWithoutAKeyEither) {
+    expect_nothing_vanishes_without_a_key(hosts);
+}
+
+/// Else nobody would see that only short datagrams are sent any more.
+TEST(AWideWire, CarriesLongDatagramsBothWays) {
+    std::atomic<std::size_t> longest[2]{};  // bytes, of batches and of reports
+    Setting setting({}, 1, Keyed::yes, [&](proxy::Way way, Proxy::At, std::span<const char> datagram) {
+        DatagramHeader header;
+        if (datagram.size() < sizeof header) return;
+        std::memcpy(&header, datagram.data(), sizeof header);
+        if (header.kind != DatagramKind::batch && header.kind != DatagramKind::report) return;
+        auto& most = longest[static_cast<std::size_t>(way)];
+        most = std::max<std::size_t>(most, datagram.size());
+    });
+    Client client = setting.remote();
+    Claim hand = client.claim("", {.representations = 30});
+    std::vector<Representing<ConstantForce>> forces;
+    for (int i = 0; i < 30; ++i) forces.push_back(hand.add(at_once({})));
+    setting.pass_until([&] { return longest[0] > 1100 && longest[1] > 1100; },
+                       [&] {
+                           for (auto& force : forces) force.set(at_once({1e-3, 0, 0}));
+                           hand.commit();
+                       });
 }
 
 TEST_F(TwoHostsWithAWireTooNarrow, AnApplicationIsToldSoAtOnce) {

@@ -54,7 +54,8 @@ struct Replay : testing::Test {
     std::mutex mutex;
     std::vector<Datagram> recorded;
     shm::UniqueFd attacker;
-    Setting setting{{}, 1, Keyed::yes, [this](std::span<const char> datagram) {
+    Setting setting{{}, 1, Keyed::yes, [this](proxy::Way way, Proxy::At at, std::span<const char> datagram) {
+                        if (way != proxy::Way::forth || at != Proxy::At::entry) return;
                         const std::scoped_lock lock(mutex);
                         recorded.emplace_back(datagram.begin(), datagram.end());
                     }};

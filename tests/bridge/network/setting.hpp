@@ -58,7 +58,7 @@ enum class Keyed : bool { no, yes };  // TLS and sealed datagrams; on two hosts 
 
 class Setting {
   public:
-    using Overhear = std::function<void(std::span<const char>)>;
+    using Overhear = decltype(Proxy::Options::overhear);
 
     explicit Setting(const Weather& weather = {}, std::uint64_t seed = 1, Keyed keyed = Keyed::yes,
                      Overhear overhear = {})
@@ -72,8 +72,9 @@ class Setting {
     }
 
     std::string address() const { return "knurl://127.0.0.1:" + std::to_string(proxy.port()); }
-    Client remote() const {
-        return Client::connect(address(), {.name = "remote", .wait = 20s, .key_file = key_});
+    Client remote(double report_rate = 0) const {
+        return Client::connect(address(),
+                               {.name = "remote", .wait = 20s, .report_rate = report_rate, .key_file = key_});
     }
 
     /// Lets that many cycles of the servo pass; in each `step` cycles-th, `app` does what an application

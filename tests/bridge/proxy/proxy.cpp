@@ -107,7 +107,7 @@ struct Connection {
 struct Proxy::Impl {
     sockaddr_in to;
     std::uint64_t seed;
-    std::function<void(std::span<const char>)> overhear;
+    std::function<void(Way, At, std::span<const char>)> overhear;
     UniqueFd tcp, udp, wake;
     std::uint16_t port = 0;
     Clock::time_point start = Clock::now();
@@ -269,7 +269,6 @@ void Proxy::Impl::datagrams_from_clients() {
         const ssize_t got =
             ::recvfrom(udp.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
         if (got < 0) return;
-        if (overhear) overhear({bytes.data(), static_cast<std::size_t>(got)});
         const std::uint32_t flow = flow_of(from);
         if (flow < max_flows) take(Way::forth, flow, bytes.data(), static_cast<std::size_t>(got));
     }
@@ -287,6 +286,7 @@ void Proxy::Impl::datagrams_from_server(std::uint32_t flow) {
 void Proxy::Impl::take(Way way, std::uint32_t flow, const char* bytes, std::size_t size) {
     const auto w = static_cast<std::size_t>(way);
     const double at = now();
+    if (overhear) overhear(way, At::entry, {bytes, size});
     // The n-th datagram keeps its fate across a cut.
     const Fate fate = fate_of(weather, seed, way, flow, flows[flow].seen[w]++, at);
     ++counts.datagrams[w];
@@ -310,6 +310,7 @@ void Proxy::Impl::deliver() {
         const Waiting& datagram = waiting.top();
         const auto w = static_cast<std::size_t>(datagram.way);
         const Flow& flow = flows[datagram.flow];
+        if (overhear && !is_cut) overhear(datagram.way, At::exit, datagram.bytes);
         if (is_cut)
             ++counts.lost[w];
         else if (datagram.way == Way::forth)

@@ -23,6 +23,7 @@ struct Counts {
 
 class Proxy {
   public:
+    enum class At : std::uint8_t { entry, exit };
     struct Options {
         std::string listen = "127.0.0.1";  // IPv4
         std::uint16_t port = 0;            // 0: any
@@ -30,8 +31,9 @@ class Proxy {
         std::uint16_t to_port = 0;
         std::uint64_t seed = 1;
         Weather weather;
-        /// Each datagram from a client, in the proxy's thread, before its fate.
-        std::function<void(std::span<const char>)> overhear{};
+        /// Each datagram, in the proxy's thread: as it comes in, before its fate, and each copy as it goes
+        /// out.
+        std::function<void(Way, At, std::span<const char>)> overhear{};
     };
     /// Throws std::runtime_error, one line: a bad address, or it is in use.
     explicit Proxy(const Options& options);

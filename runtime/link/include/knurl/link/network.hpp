@@ -5,11 +5,13 @@
 
 namespace knurl {
 
-/// What lies between an application and its servo. On one box nothing does: all 0.
+/// What lies between an application and its servo. On one box nothing does: all 0. Each report since the
+/// first one that came was read, or overwritten unread, or is lost, or late; a network that reorders makes
+/// them late.
 struct Network {
-    std::uint64_t lost = 0;                         // reports that were sent and never came
+    std::uint64_t lost = 0;                         // reports that did not come; one on its way still may
     std::uint64_t late = 0;                         // that came after a newer one, and were dropped
-    std::uint64_t duplicated = 0;                   // datagrams that came again, and were dropped
+    std::uint64_t duplicated = 0;                   // copies of what had come, which were dropped
     std::uint64_t resent = 0;                       // batches sent again because no answer had come
     std::chrono::nanoseconds round_trip{0};         // the shortest of the last exchanges
     std::chrono::nanoseconds clock_offset{0};       // the servo's CLOCK_MONOTONIC minus ours
