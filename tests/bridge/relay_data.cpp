@@ -11,6 +11,7 @@
 #include "counter_window.hpp"
 #include "feedback_assembly.hpp"
 #include "pending_batch.hpp"
+#include "seed.hpp"
 #include "unanswered.hpp"
 
 namespace knurl::bridge {
@@ -72,8 +73,8 @@ std::vector<Datagram> pieces_of(const PendingBatch& batch, std::size_t most) {
 }
 
 TEST(Data, after_any_losses_the_newest_of_everything_is_there) {
-    const std::uint32_t seed = std::random_device{}();
-    SCOPED_TRACE(seed);
+    const std::uint32_t seed = test::seed();
+    SCOPED_TRACE(test::text_of_seed(seed));
     std::mt19937 random(seed);
     for (int trial = 0; trial < 200; ++trial) {
         PendingBatch batch({.representations = slots, .batch_bytes = slots * 128});
@@ -228,8 +229,8 @@ TEST(Data, pieces_that_were_never_sent_do_no_harm) {
 }
 
 TEST(Data, a_counter_is_accepted_once_and_never_when_it_is_old) {
-    const std::uint32_t seed = std::random_device{}();
-    SCOPED_TRACE(seed);
+    const std::uint32_t seed = test::seed();
+    SCOPED_TRACE(test::text_of_seed(seed));
     std::mt19937 random(seed);
     CounterWindow window;
     std::vector<bool> accepted(5000);
