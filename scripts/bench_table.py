@@ -18,6 +18,8 @@ REFERENCES = [
     (r"(?:cartesian|three_axes|six_axes|seven_axes)", "three_sincos"),
     (r"cycle_.*", "read_and_kinematics"),
 ]
+# Of `knurl latency` through a bridge: what is not in the local run, or means something else there.
+OF_THE_BRIDGE = re.compile(r"update\.remote_|report\.blocking_after|command\.|floor\.(udp|tcp|wake_and)_")
 
 
 def reference_of(name, known):
@@ -74,9 +76,15 @@ def main():
     for path in sorted(folder.glob("*.json")):
         if path.name.endswith(".google.json"):
             continue
-        for r in json.loads(path.read_text())["results"]:
+        run = json.loads(path.read_text())
+        for r in run["results"]:
+            if path.stem.startswith("latency_bridge") and not OF_THE_BRIDGE.match(r["name"]):
+                continue
             print(f"| {path.stem} | {r['name']} | {r['unit']} | {r['n']} | {number(r['p50'])} | {number(r['p99'])} "
                   f"| {number(r['p999'])} | {number(r['max'])} | {r['reference'] or ''} | {number(r['ratio'])} |")
+        for b in run.get("bounds", []):
+            print(f"| {path.stem} | {b['name']}: share within {number(b['limit'])} {b['unit']} | | {b['n']} | | | | "
+                  f"| its floors' own {number(b['references_within'])} | {number(b['within'] / b['n'])} |")
 
 
 if __name__ == "__main__":

@@ -11,11 +11,13 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "latency_bound.hpp"
 #include "latency_echo.hpp"
 #include "latency_floors.hpp"
+#include "latency_network.hpp"
 #include "latency_paths.hpp"
 #include "measure.hpp"
 #include "private_servo.hpp"
@@ -189,45 +191,32 @@ measure::Run summary(const PathSamples& paths, const FloorSamples& floors, const
              related("command.less_cycle_wait", paths.command_less_wait, wake_and_tcp, true), round_trip,
              wake_and_tcp})
         run.results.push_back(std::move(more));
-    if (bound)
-        run.bounds.push_back({.name = "update.remote_to_use",
-                              .unit = "us",
-                              .limit = bound->limit * 1e-3,
-                              .n = bound->n,
-                              .within = bound->use_within,
-                              .references_within = bound->floors_within,
-                              .stalled = bound->stalled});
+    if (bound) run.bounds.push_back(bound->use);
     return run;
 }
 
-std::string network_line(const Network& network, const WireSizes& sizes) {
-    using Microseconds = std::chrono::duration<double, std::micro>;
-    return fmt::format(
-        "network: {}, round trip at least {:.1f} us, clock offset {:.1f} us +- {:.1f} us, drift {:.1f} ppm "
-        "+- {:.1f} ppm, {} reports lost, {} late, {} datagrams doubled, {} batches sent again.\nDatagrams of "
-        "{} bytes; "
-        "floor.udp_one_way is half an echo of that size between blocking readers. Commands and answers of {} "
-        "bytes by {};\nfloor.tcp_round_trip is a plain TCP echo of that size. The servo's stamps are by the "
-        "clock estimate.\n",
-        network.encrypted ? "encrypted" : "not encrypted", Microseconds(network.round_trip).count(),
-        Microseconds(network.clock_offset).count(), Microseconds(network.clock_uncertainty).count(),
-        network.drift * 1e6, network.drift_uncertainty * 1e6, network.lost, network.late, network.duplicated,
-        network.resent, sizes.datagram, sizes.command, network.encrypted ? "TLS 1.3 over TCP" : "TCP");
+/// The table, and what is true of all of it.
+std::string to_json(const measure::Run& run, const PathSamples& samples,
+                    const nlohmann::ordered_json& network) {
+    auto all = nlohmann::ordered_json::parse(measure::to_json(run));
+    all["updates"] = {{"merged", samples.merged}, {"lost", samples.lost}};
+    all["network"] = network;
+    return all.dump(2) + "\n";
 }
 
-void show(const Arguments& arguments, const measure::Run& run, const std::string& setting) {
+void show(const Arguments& arguments, const measure::Run& run, const std::string& setting,
+          const std::string& json) {
     if (!arguments.json) {
         measure::print(std::cout, run);
         std::cout << setting << "\n";
         return;
     }
-    const std::string text = measure::to_json(run) + "\n";
     if (arguments.json_file.empty()) {
-        std::cout << text;
+        std::cout << json;
         return;
     }
     std::ofstream file(arguments.json_file, std::ios::trunc);
-    file << text;
+    file << json;
     file.close();
     if (!file) throw std::runtime_error(arguments.json_file + ": cannot be written");
 }
@@ -257,7 +246,7 @@ int run_latency(const Arguments& arguments) {
                         "it out",
                         arguments.priority, arguments.priority));
     }
-    const WireSizes sizes = wire_sizes(hand.network().encrypted);
+    const bridge::WireSizes sizes = bridge::wire_sizes(hand.network().encrypted);
     NetworkFloors network(bridge_of(arguments), arguments.echo, sizes, placement);
     LatencyPaths paths(hand, arguments.seed);
     const Way way = way_of(arguments);
@@ -267,16 +256,20 @@ int run_latency(const Arguments& arguments) {
     const FloorSamples floors = run_blocks(paths, placement, network, arguments.updates, remote);
     const double rate = hand.device().rate;
     std::string about_network;
+    nlohmann::ordered_json network_for_programs;  // null: there is none
     std::optional<RemoteBound> bound;
     if (remote) {
         bound = remote_bound(paths.samples(), network.udp_one_way(), floors.eventfd, paths.period(),
                              witness->gaps());
-        about_network = network_line(hand.network(), sizes) + (bound ? to_text(*bound) : "");
+        const Network seen = hand.network();
+        about_network = network_text(seen, sizes) + (bound ? to_text(*bound) : "");
+        network_for_programs = network_json(seen, sizes);
     }
     hand.release();
 
     const PathSamples& samples = paths.samples();
-    show(arguments, summary(samples, floors, network, paths.period(), way, bound),
+    const measure::Run run = summary(samples, floors, network, paths.period(), way, bound);
+    show(arguments, run,
          fmt::format(
              "\n{} at {:g} Hz on CPU {}, client on CPU {} ({}), seed {}; {} updates merged, {} "
              "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "
@@ -284,7 +277,8 @@ int run_latency(const Arguments& arguments) {
              own ? "private servo on sim:cartesian3" : arguments.connect, rate, placement.servo_cpu,
              placement.client_cpu,
              arguments.priority > 0 ? fmt::format("SCHED_FIFO {}", arguments.priority) : "ordinary priority",
-             arguments.seed, samples.merged, samples.lost, about_network));
+             arguments.seed, samples.merged, samples.lost, about_network),
+         to_json(run, samples, network_for_programs));
     return 0;
 }
 

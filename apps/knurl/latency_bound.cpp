@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "measure.hpp"
-
 namespace knurl::cli {
 
 namespace {
@@ -28,14 +26,17 @@ std::optional<RemoteBound> remote_bound(const PathSamples& paths, std::span<cons
     if (!way || !woken || paths.to_use.empty()) return std::nullopt;
     const double cycle = static_cast<double>(period);
     const double granted = RemoteBound::grace * (*way + *woken);
-    RemoteBound bound{.limit = cycle + granted, .n = paths.to_use.size()};
-    for (std::size_t i = 0; i < bound.n; ++i) {
-        if (paths.to_use[i] <= bound.limit)
-            ++bound.use_within;
+    const double limit = cycle + granted;
+    RemoteBound bound;
+    bound.use.limit = limit * 1e-3;
+    bound.use.n = paths.to_use.size();
+    for (std::size_t i = 0; i < bound.use.n; ++i) {
+        if (paths.to_use[i] <= limit)
+            ++bound.use.within;
         else if (std::ranges::any_of(gaps,
                                      [&](const measure::Gap& gap) { return meet(paths.commits[i], gap); }))
-            ++bound.stalled;
-        if (paths.to_write[i] <= bound.limit) ++bound.write_within;
+            ++bound.use.stalled;
+        if (paths.to_write[i] <= limit) ++bound.write_within;
     }
     // A wait uniform over the cycle brings a way of length w beyond it with probability (w - granted) /
     // cycle.
@@ -43,21 +44,22 @@ std::optional<RemoteBound> remote_bound(const PathSamples& paths, std::span<cons
     double beyond = 0;
     for (std::size_t i = 0; i < pairs; ++i)
         beyond += std::clamp((udp_one_way[i] + wake[i] - granted) / cycle, 0.0, 1.0);
-    bound.floors_within = 1 - beyond / static_cast<double>(pairs);
+    bound.use.references_within = 1 - beyond / static_cast<double>(pairs);
     return bound;
 }
 
 std::string to_text(const RemoteBound& bound) {
+    const measure::Bound& use = bound.use;
     const auto percent = [&](std::size_t count) {
-        return 100 * static_cast<double>(count) / static_cast<double>(bound.n);
+        return 100 * static_cast<double>(count) / static_cast<double>(use.n);
     };
     return fmt::format(
-        "update.remote_to_use: {} of {} ({:.2f} %) within {:.1f} us = one cycle + {:g} x (floor.udp_one_way "
+        "{}: {} of {} ({:.2f} %) within {:.1f} us = one cycle + {:g} x (floor.udp_one_way "
         "+ "
         "floor.eventfd_wake), {:.2f} % until it was written;\nthe floors' own samples would keep that in "
         "{:.2f} %; in {} of the {} others the machine stood still.\n",
-        bound.use_within, bound.n, percent(bound.use_within), bound.limit * 1e-3, RemoteBound::grace,
-        percent(bound.write_within), 100 * bound.floors_within, bound.stalled, bound.n - bound.use_within);
+        use.name, use.within, use.n, percent(use.within), use.limit, RemoteBound::grace,
+        percent(bound.write_within), 100 * use.references_within, use.stalled, use.n - use.within);
 }
 
 }  // namespace knurl::cli

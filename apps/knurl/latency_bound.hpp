@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "latency_paths.hpp"
+#include "measure.hpp"
 
 namespace knurl::cli {
 
@@ -16,14 +17,10 @@ namespace knurl::cli {
 struct RemoteBound {
     static constexpr double grace = 1.2;
 
-    double limit = 0;              // ns: period + grace x (median UDP one way + median wake-up)
-    std::size_t n = 0;             // updates
-    std::size_t use_within = 0;    // of these, how many were in use within it (the cycle began),
-    std::size_t write_within = 0;  // and how many also written to the motors
-    /// The share of the floors' own samples that would have kept it, each before a wait of 0 to 1 cycle:
-    /// their tail is the machine's.
-    double floors_within = 0;
-    std::size_t stalled = 0;  // not in use within it, but the machine stood still meanwhile
+    /// Updates in use (their cycle began) within period + grace x (median UDP one way + median wake-up). The
+    /// floors' own samples are taken each before a wait of 0 to 1 cycle: their tail is the machine's.
+    measure::Bound use{.name = "update.remote_to_use", .unit = "us"};
+    std::size_t write_within = 0;  // of these updates: also written to the motors
 };
 
 /// None where a floor has too few samples for a median, or nothing was updated. `gaps`: of a witness, while

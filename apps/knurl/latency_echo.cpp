@@ -21,7 +21,7 @@ void say_missing(const std::string& what) {
 
 }  // namespace
 
-NetworkFloors::NetworkFloors(const std::string& bridge, const std::string& echo, WireSizes sizes,
+NetworkFloors::NetworkFloors(const std::string& bridge, const std::string& echo, bridge::WireSizes sizes,
                              const Placement& placement)
     : sizes_(sizes) {
     if (bridge.empty()) return;

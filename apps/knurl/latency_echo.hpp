@@ -6,28 +6,12 @@
 #include <string>
 #include <vector>
 
-#include <knurl/protocol/command.hpp>
-#include <knurl/protocol/report.hpp>
+#include <knurl/bridge/wire_sizes.hpp>
 
 #include "latency_tcp.hpp"
 #include "latency_udp.hpp"
 
 namespace knurl::cli {
-
-/// Bytes that a bridge sends, from the first of its own on: what an echo has to be compared with. By the
-/// structs of runtime/bridge/src/wire.hpp, seal.hpp and frame_stream.hpp.
-struct WireSizes {
-    std::size_t datagram = 0;  // a report to a claim with one representation
-    std::size_t command = 0;   // an `arm`; its answer is as long
-};
-constexpr WireSizes wire_sizes(bool encrypted) {
-    constexpr std::size_t datagram_header = 24, report_piece = 40, seal = 16, frame_header = 8, cell = 64;
-    constexpr std::size_t tls_record = 5 + 1 + 16;  // header, type, tag: RFC 8446, 5.2
-    static_assert(sizeof(protocol::CommandHeader) <= cell && sizeof(protocol::Reply) == cell);
-    return {.datagram = datagram_header + report_piece + sizeof(Report) + sizeof(protocol::FeedbackHeader) +
-                        sizeof(protocol::FeedbackEntry) + (encrypted ? seal : 0),
-            .command = frame_header + cell + (encrypted ? tls_record : 0)};
-}
 
 /// The floors of a network; nothing of them where nobody echoes, and on one box nothing at all.
 class NetworkFloors {
@@ -35,7 +19,7 @@ class NetworkFloors {
     /// `bridge`: "host:port"; empty: there is none. `echo`: of its host, "host:port"; empty: our own, if the
     /// bridge is on this host. Says in one line on standard error what is missing and how it is had. Throws
     /// std::runtime_error for an address that is none.
-    NetworkFloors(const std::string& bridge, const std::string& echo, WireSizes sizes,
+    NetworkFloors(const std::string& bridge, const std::string& echo, bridge::WireSizes sizes,
                   const Placement& placement);
 
     void udp_block(Nanoseconds length);
@@ -48,7 +32,7 @@ class NetworkFloors {
   private:
     void look_for(const bridge::Endpoint& echo);
 
-    WireSizes sizes_;
+    bridge::WireSizes sizes_;
     std::optional<UdpEcho> own_udp_;
     std::optional<TcpEcho> own_tcp_;
     std::optional<bridge::Endpoint> udp_, tcp_;

@@ -7,15 +7,12 @@
 #include <span>
 #include <vector>
 
-#include <frame_stream.hpp>
 #include <gtest/gtest.h>
 #include <latency_echo.hpp>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
-#include <seal.hpp>
 #include <sys/socket.h>
-#include <wire.hpp>
 
 #include "program.hpp"
 
@@ -228,16 +225,6 @@ TEST(ServedEcho, AnswersByUdpAndByTcpAtOnePort) {
         bridge::resolve(served.said().substr(from, served.said().find(' ', from) - from));
     EXPECT_TRUE(cli::udp_echoes(at));
     EXPECT_TRUE(TcpCaller(at, 72, now_ns() + patience_ns).round_trip(now_ns() + patience_ns));
-}
-
-TEST(WireSizes, AreThoseOfTheBridgesOwnStructs) {
-    const std::size_t report = sizeof(bridge::DatagramHeader) + sizeof(bridge::ReportPiece) + sizeof(Report) +
-                               sizeof(protocol::FeedbackHeader) + sizeof(protocol::FeedbackEntry);
-    const std::size_t command = sizeof(bridge::FrameHeader) + shm::cell_bytes;
-    EXPECT_EQ(cli::wire_sizes(false).datagram, report);
-    EXPECT_EQ(cli::wire_sizes(false).command, command);
-    EXPECT_EQ(cli::wire_sizes(true).datagram, report + bridge::tag_bytes);
-    EXPECT_EQ(cli::wire_sizes(true).command, command + 22);  // of a TLS 1.3 record
 }
 
 }  // namespace

@@ -59,6 +59,12 @@ TEST_F(Latency, MeasuresBothWaysAndTheFloors) {
     EXPECT_GE(named(all, "command.round_trip")["n"], 150 / 4);
 }
 
+TEST_F(Latency, OnOneBoxThereIsNoNetworkAndEachUpdateIsAccountedFor) {
+    EXPECT_TRUE(all.at("network").is_null());
+    EXPECT_TRUE(all.at("updates").at("merged").is_number_unsigned());
+    EXPECT_TRUE(all.at("updates").at("lost").is_number_unsigned());
+}
+
 TEST_F(Latency, NoCycleThatBeginsAfterACommitOverlooksIt) {
     const json& overlooked = named(all, "update.cycles_overlooked");
     EXPECT_GE(overlooked["n"], 150);
@@ -136,6 +142,16 @@ TEST(LatencyOf, ARunningServoIsMeasuredThroughItsBridgeBesidePlainEchoes) {
     EXPECT_EQ(named(all, "report.blocking_after_write")["reference"], "floor.wake_and_udp");
     expect_commands_beside_tcp(all, 20);
     expect_remote_bound(all, 80);
+    const json& network = all["network"];
+    EXPECT_EQ(network["encrypted"], false);
+    EXPECT_EQ(network["command_bytes"], 72);
+    // Both ends have the same clock here: the estimate is right if that lies within what it says it may be
+    // off.
+    EXPECT_LE(std::abs(network["clock_offset"].get<double>()), network["clock_uncertainty"]);
+    EXPECT_LE(std::abs(network["drift"].get<double>()), network["drift_uncertainty"]);
+    EXPECT_GT(network["round_trip"], 0);
+    for (const char* count : {"lost", "late", "duplicated", "resent"})
+        EXPECT_TRUE(network[count].is_number_unsigned()) << count;
 }
 
 TEST(LatencyOf, AFarServoIsMeasuredToTheEnd) {
@@ -160,11 +176,11 @@ TEST(LatencyOf, WithAKeyTheEchoesAreAsLongAsWhatIsSealed) {
     ASSERT_EQ(key.code, 0) << key.err;
     const client_test::BridgeProcess bridge({"--keys", keys});
     ::setenv("KNURL_KEY", keys.c_str(), 1);
-    const Outcome outcome = knurl({"latency", "--connect", bridge.address(), "--updates", "4"});
+    const json all = measured({"--connect", bridge.address(), "--updates", "4"});
     ::unsetenv("KNURL_KEY");
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("of 94 bytes by TLS 1.3"), std::string::npos) << outcome.out;
-    EXPECT_NE(outcome.out.find("floor.tcp_round_trip"), std::string::npos) << outcome.out;
+    EXPECT_EQ(all["network"]["encrypted"], true);
+    EXPECT_EQ(all["network"]["command_bytes"], 94) << "8 + 64, and 22 of a TLS 1.3 record";
+    EXPECT_GT(named(all, "floor.tcp_round_trip")["n"], 0);
 }
 
 /// The one line that was said, and that commands were measured all the same.

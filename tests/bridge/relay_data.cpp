@@ -14,6 +14,7 @@
 #include "pending_batch.hpp"
 #include "post.hpp"
 #include "report_tally.hpp"
+#include "seed.hpp"
 #include "unanswered.hpp"
 
 namespace knurl::bridge {
@@ -75,8 +76,8 @@ std::vector<Datagram> pieces_of(const PendingBatch& batch, std::size_t most) {
 }
 
 TEST(Data, after_any_losses_the_newest_of_everything_is_there) {
-    const std::uint32_t seed = std::random_device{}();
-    SCOPED_TRACE(seed);
+    const std::uint32_t seed = test::seed();
+    SCOPED_TRACE(test::text_of_seed(seed));
     std::mt19937 random(seed);
     for (int trial = 0; trial < 200; ++trial) {
         PendingBatch batch({.representations = slots, .batch_bytes = slots * 128});
@@ -231,8 +232,8 @@ TEST(Data, pieces_that_were_never_sent_do_no_harm) {
 }
 
 TEST(Data, a_counter_is_accepted_once_and_never_when_it_is_old) {
-    const std::uint32_t seed = std::random_device{}();
-    SCOPED_TRACE(seed);
+    const std::uint32_t seed = test::seed();
+    SCOPED_TRACE(test::text_of_seed(seed));
     std::mt19937 random(seed);
     CounterWindow window;
     std::vector<bool> accepted(200'000);
@@ -253,8 +254,8 @@ TEST(Data, a_counter_is_accepted_once_and_never_when_it_is_old) {
 }
 
 TEST(Data, each_report_is_the_newest_or_late_or_lost_and_each_copy_is_a_copy) {
-    const std::uint32_t seed = std::random_device{}();
-    SCOPED_TRACE(seed);
+    const std::uint32_t seed = test::seed();
+    SCOPED_TRACE(test::text_of_seed(seed));
     std::mt19937 random(seed);
     for (const std::uint64_t others : {0u, 1u, 20u}) {  // datagrams of other streams after each of this one
         constexpr std::uint64_t reports = 20'000, begin = 7;

@@ -6,6 +6,7 @@
 
 #include "relay.hpp"
 #include "relay_stranger.hpp"
+#include "seed.hpp"
 
 namespace knurl::bridge::test {
 namespace {
@@ -13,9 +14,9 @@ namespace {
 struct Hostile : testing::Test {
     const ServoUp servo;
     BridgeProcess bridge;
-    const std::uint32_t seed = std::random_device{}();
-    const testing::ScopedTrace trace{__FILE__, __LINE__, "seed " + std::to_string(seed)};
-    std::mt19937 random{seed};
+    const std::uint32_t drawn = seed();
+    const testing::ScopedTrace trace{__FILE__, __LINE__, text_of_seed(drawn)};
+    std::mt19937 random{drawn};
 };
 
 TEST_F(Hostile, bytes_on_the_connection_end_that_connection_alone) {

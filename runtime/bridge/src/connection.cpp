@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
+#include <initializer_list>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -21,8 +24,28 @@ namespace {
 constexpr std::int64_t tick_ns = 10'000'000;
 constexpr std::int64_t quick_ping_ns = 10'000'000, ping_ns = 100'000'000;
 constexpr std::int64_t quick_for_ns = 200'000'000;
-constexpr std::int64_t probe_ns =
-    1'000'000'000;  // between two long ones, while the path is not known to carry them
+// Between two long ones, while the path is not known to carry them.
+constexpr std::int64_t probe_ns = 1'000'000'000;
+constexpr std::string_view no_sense =
+    "it says what no knurl-bridge of this version does; build the application and the bridge from the same "
+    "version";
+
+/// What no claim could be computed with.
+bool sane(const protocol::Claimed& terms) noexcept {
+    const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
+    const auto finite = [](const Vec3& v) {
+        return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    };
+    const protocol::Frame& frame = terms.frame;
+    const Limits& limits = terms.limits;
+    return positive(frame.scale) && positive(frame.force_scale) && finite(frame.device_centre) &&
+           finite(frame.world_centre) && positive(limits.period) &&
+           std::ranges::all_of(
+               std::initializer_list<double>{limits.max_stiffness, limits.max_force, limits.max_torque,
+                                             limits.max_torsion, limits.damping, limits.mass, limits.lag,
+                                             limits.resolution},
+               [](double x) { return x >= 0; });
+}
 
 }  // namespace
 
@@ -137,14 +160,16 @@ void Connection::take_frame(const Frame& frame) noexcept {
     switch (static_cast<FrameType>(frame.type)) {
         case FrameType::attached: {
             Attached attached;
-            if (take(payload, attached)) answer_ = Answer{.attached = attached, .refused = {}};
+            if (!take(payload, attached) || !asked_ || answer_) return die(no_sense);
+            answer_ = Answer{.attached = attached, .refused = {}};
             answered_.notify_all();
             return;
         }
         case FrameType::refused: {
             Refused refused;
-            if (!take(payload, refused)) return;
-            if (!asked_) return die(text_of(refused.text));  // it is not an answer, but a farewell
+            if (!take(payload, refused)) return die(no_sense);
+            // It is not an answer, but a farewell.
+            if (!asked_ || answer_) return die(text_of(refused.text));
             answer_ = Answer{.attached = {}, .refused = refused};
             answered_.notify_all();
             return;
@@ -158,7 +183,7 @@ void Connection::take_frame(const Frame& frame) noexcept {
         case FrameType::gone:
             return die({reinterpret_cast<const char*>(payload.data()), payload.size()});
         default:
-            return;  // of no use here
+            return die(no_sense);
     }
 }
 
@@ -177,6 +202,10 @@ std::string Connection::why_it_ended() {
     const Lock held = lock();
     // Whoever watches the socket may be here before our own thread has read the bridge's last words.
     if (!dead_) serve_frames();
+    return last_words();
+}
+
+std::string Connection::last_words() const {
     if (why_[0] != '\0') return fmt::format("bridge {}: {}", bridge_.text, protocol::printable(why_));
     const std::string& reason = frames_.reason();
     return fmt::format("bridge {}: {}; start it again there", bridge_.text,
@@ -205,7 +234,7 @@ Connection::Joined Connection::attach(std::uint32_t device, const protocol::Clai
         const bool gone = dead_;
         die();  // a late answer must never be taken for the next request's
         throw Error(gone ? Error::Kind::disconnected : Error::Kind::no_servo,
-                    gone ? fmt::format("bridge {} has gone while it was asked", bridge_.text)
+                    gone ? last_words()
                          : fmt::format("bridge {} does not answer (waited {} ms)", bridge_.text,
                                        answer_time_.count()));
     }
@@ -213,8 +242,8 @@ Connection::Joined Connection::attach(std::uint32_t device, const protocol::Clai
     const Attached attached = *answer_->attached;
     const protocol::ClaimCapacity& asked = request.capacity;
     if (attached.stream < 1 || attached.stream > max_streams || stream_of(attached.stream) != nullptr ||
-        attached.terms.capacity.representations > asked.representations ||
-        attached.terms.capacity.batch_bytes > asked.batch_bytes) {
+        attached.device != device || attached.terms.capacity.representations != asked.representations ||
+        attached.terms.capacity.batch_bytes != asked.batch_bytes || !sane(attached.terms)) {
         die();
         nonsense();
     }

@@ -59,6 +59,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     // By the streams. One lock for everything here and in them; nobody sleeps under it.
     Lock lock() const { return Lock(mutex_); }
     // With the lock held:
+    bool dead() const noexcept { return dead_; }
     bool send(FrameType type, std::uint32_t stream,
               std::span<const std::span<const std::byte>> parts) noexcept;
     /// `room` holds a header (kind, stream, piece) and a body of together `bytes`. False: the path is too
@@ -99,6 +100,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     /// `length` of the whole datagram at least: filled up with zeros.
     void ping(std::int64_t now, std::size_t length = 0) noexcept;
     void die(std::string_view why = {}) noexcept;
+    std::string last_words() const;
     void give_back(std::uint32_t stream) noexcept;
     Stream* stream_of(std::uint32_t id) noexcept;
 

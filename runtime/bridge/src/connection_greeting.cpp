@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include <poll.h>
 
 #include <knurl/link/clock.hpp>
+#include <knurl/protocol/name.hpp>
 #include <knurl/shm/deadline.hpp>
 #include <knurl/shm/waiter.hpp>
 
@@ -34,6 +36,15 @@ shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
         throw Error(Error::Kind::refused,
                     fmt::format("bridge {}: no socket ({})", bridge.text, std::strerror(errno)));
     return fd;
+}
+
+/// As a servo's own rows are: who computes with them need not ask.
+bool sane(const DeviceRow& row) {
+    const Vec3& centre = row.workspace_centre;
+    return row.rate > 0 && std::isfinite(row.rate) && std::isfinite(centre.x) && std::isfinite(centre.y) &&
+           std::isfinite(centre.z) && std::isfinite(row.workspace_radius) && row.workspace_radius >= 0 &&
+           row.peak_force >= 0 && row.peak_torque >= 0 && row.max_stiffness >= 0 &&
+           protocol::is_name(text_of(row.name));
 }
 
 std::shared_ptr<const TlsContext> key_of(const std::string& file) {
@@ -92,7 +103,10 @@ void Connection::nonsense() const {
 
 Error Connection::refusal(const Refused& refused) const {
     const auto most = static_cast<std::uint32_t>(Error::Kind::stale_handle);
-    return {static_cast<Error::Kind>(std::min(refused.kind, most)), text_of(refused.text),
+    return {static_cast<Error::Kind>(std::min(refused.kind, most)),
+            refused.text[0] != '\0'
+                ? protocol::printable(refused.text)
+                : fmt::format("bridge {} refuses, and does not say why; see what it prints", bridge_.text),
             static_cast<pid_t>(refused.holder_pid)};
 }
 
@@ -140,7 +154,10 @@ void Connection::welcome(std::span<const std::byte> payload) {
     if (!take(payload, welcome) || welcome.devices > protocol::max_devices ||
         payload.size() != welcome.devices * sizeof(DeviceRow))
         nonsense();
-    for (DeviceRow row; take(payload, row);) devices_.push_back(detail::describe(row));
+    for (DeviceRow row; take(payload, row);) {
+        if (!sane(row)) nonsense();
+        devices_.push_back(detail::describe(row));
+    }
     servo_pid_ = static_cast<pid_t>(welcome.servo_pid);
     const std::optional<DirectionKeys> keys = frames_.export_keys(exporter_label);
     outbox_ = Outbox(welcome.session, keys ? &keys->send : nullptr);

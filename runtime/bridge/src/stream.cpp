@@ -219,6 +219,8 @@ Network Stream::network() noexcept {
 
 bool Stream::push(const void* commands, std::uint32_t cells) noexcept {
     const auto lock = connection_->lock();
+    // Lost on its way, like what was sent just before: whoever waits for the answer learns why there is none.
+    if (connection_->dead()) return true;
     if (!unanswered_.fits(cells)) return false;
     const std::span part(static_cast<const std::byte*>(commands), std::size_t{cells} * shm::cell_bytes);
     if (!connection_->send(FrameType::commands, id_, {&part, 1})) return false;

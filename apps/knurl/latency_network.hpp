@@ -1,0 +1,18 @@
+#pragma once
+// What `knurl latency` says of the network between: the same in text and for programs.
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include <knurl/bridge/wire_sizes.hpp>
+#include <knurl/link/network.hpp>
+
+namespace knurl::cli {
+
+/// In some lines.
+std::string network_text(const Network& network, const bridge::WireSizes& sizes);
+/// Times in us, drift in ppm.
+nlohmann::ordered_json network_json(const Network& network, const bridge::WireSizes& sizes);
+
+}  // namespace knurl::cli
