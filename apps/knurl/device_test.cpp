@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,11 +20,20 @@ namespace {
 
 using nlohmann::json;
 
-double percentile(std::vector<double> samples, double p) {
-    if (samples.empty()) return 0;
-    std::sort(samples.begin(), samples.end());
-    return samples[std::min(samples.size() - 1,
-                            static_cast<std::size_t>(p * static_cast<double>(samples.size())))];
+/// "p50 12, p99 -, max 40 us" of samples in s.
+std::string spread(const std::vector<double>& samples, int digits) {
+    const measure::Result all = measure::summarise("", "s", samples);
+    const auto us = [&](const std::optional<double>& s) {
+        return s ? fmt::format("{:.{}f}", *s * 1e6, digits) : "-";
+    };
+    return fmt::format("p50 {}, p99 {}, max {} us", us(all.p50), us(all.p99), us(all.max));
+}
+
+json spread_for_programs(const std::vector<double>& samples) {
+    if (samples.empty()) return nullptr;
+    const measure::Result all = measure::summarise("", "s", samples);
+    const auto or_null = [](const std::optional<double>& s) { return s ? json(*s) : json(); };
+    return {{"p50", or_null(all.p50)}, {"p99", or_null(all.p99)}, {"max", all.max}};
 }
 
 void print_text(const Trial& trial) {
@@ -36,20 +46,14 @@ void print_text(const Trial& trial) {
     fmt::print("  rate             {:.1f} new samples a second of {:g} asked for; {} stale, {} bad\n",
                rest.sample_rate, trial.rate, rest.stale, rest.bad);
     if (!rest.lateness.empty()) {  // on a virtual clock none of these times says anything of the device
-        fmt::print("  lateness         p50 {:.0f}, p99 {:.0f}, max {:.0f} us{}\n",
-                   percentile(rest.lateness, 0.5) * 1e6, percentile(rest.lateness, 0.99) * 1e6,
-                   percentile(rest.lateness, 1) * 1e6,
+        fmt::print("  lateness         {}{}\n", spread(rest.lateness, 0),
                    trial.real_time ? "" : " (no right to real time: as an ordinary process)");
-        fmt::print("  read and write   p50 {:.1f}, p99 {:.1f}, max {:.1f} us\n",
-                   percentile(rest.transfer, 0.5) * 1e6, percentile(rest.transfer, 0.99) * 1e6,
-                   percentile(rest.transfer, 1) * 1e6);
+        fmt::print("  read and write   {}\n", spread(rest.transfer, 1));
         if (rest.round_trip.empty())
             fmt::print("  round trip       none: no sample followed an order within 20 ms\n");
         else
-            fmt::print(
-                "  round trip       p50 {:.0f}, p99 {:.0f}, max {:.0f} us from an order to the next sample\n",
-                percentile(rest.round_trip, 0.5) * 1e6, percentile(rest.round_trip, 0.99) * 1e6,
-                percentile(rest.round_trip, 1) * 1e6);
+            fmt::print("  round trip       {} from an order to the next sample\n",
+                       spread(rest.round_trip, 0));
     }
     std::string counts;
     for (const double c : rest.counts_apart) counts += fmt::format("{}{:.0f}", counts.empty() ? "" : ", ", c);
@@ -80,10 +84,6 @@ json to_json(const Trial& trial, const std::string& address, const std::vector<s
                           {"delay", push.delay},
                           {"size", push.size > 0 ? json(push.size) : json()}});
     }
-    const auto spread = [](const std::vector<double>& s) -> json {
-        if (s.empty()) return nullptr;
-        return {{"p50", percentile(s, 0.5)}, {"p99", percentile(s, 0.99)}, {"max", percentile(s, 1)}};
-    };
     const measure::Machine machine = measure::this_machine();
     return {
         {"device", trial.link.name},
@@ -101,9 +101,9 @@ json to_json(const Trial& trial, const std::string& address, const std::vector<s
           {"tip_rms", rest.tip_noise},
           {"tip_max", rest.tip_apart},
           {"joint_counts", rest.counts_apart},
-          {"lateness", spread(rest.lateness)},
-          {"read_and_write", spread(rest.transfer)},
-          {"round_trip", spread(rest.round_trip)}}},
+          {"lateness", spread_for_programs(rest.lateness)},
+          {"read_and_write", spread_for_programs(rest.transfer)},
+          {"round_trip", spread_for_programs(rest.round_trip)}}},
         {"pushes", pushes},
         {"wall",
          {{"stiffness", trial.wall.stiffness},
@@ -189,6 +189,7 @@ void add_device_test(CLI::App& device, Run& run) {
     verb->footer(
         "The device must hang or rest freely, nobody's hand on it; no servo may hold it.\n"
         "A simulated one is let go of (grip=0), unless its address says what the hand does.\n"
+        "A percentile with fewer than ten samples above it is left out (null).\n"
         "Exit code 1: something is not as its description says.");
     verb->callback([&run, options] { run = [options] { return test(*options); }; });
 }
