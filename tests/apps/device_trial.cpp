@@ -105,7 +105,7 @@ TEST(DeviceTest, TheRoundTripIsFromAnOrderToItsAnswer) {
     Broken device;
     device.answers_after = 850'000;
     const Trial trial = tried(device);
-    ASSERT_EQ(trial.rest.round_trip.size(), 200u);
+    ASSERT_EQ(trial.rest.round_trip.size(), 1000u);
     for (const double took : trial.rest.round_trip) {
         EXPECT_GE(took, answer - 1e-12);
         EXPECT_LE(took, answer + look);
@@ -123,8 +123,6 @@ TEST(DeviceTest, TheProgramSaysItAsTextAndAsJson) {
     EXPECT_EQ(json.at("device"), "premium15");
     EXPECT_EQ(json.at("pushes").size(), 3u);
     EXPECT_GT(json.at("rest").at("round_trip").at("p50"), 0);
-    EXPECT_TRUE(json.at("rest").at("round_trip").at("p99").is_null())
-        << "200 say nothing of the last hundredth";
     EXPECT_TRUE(json.at("findings").empty());
 }
 
