@@ -1,9 +1,9 @@
 #pragma once
-// How often callers of one host are heard. A handshake with a key costs some 0.3 ms of the one thread that
-// all peers share; to hang up costs a tenth of that, and less. Each host may call `burst` times at once, and
-// `per_second` for good: more than the applications of a host ask when all of them have lost a servo (each 50
-// times a second), so that they wait for each other a little, and little enough that a host which only calls
-// costs the others next to nothing.
+// How often callers of one host are heard. A handshake with a key is work for the one thread that all peers
+// share; to hang up is next to none. Each host may call `burst` times at once, and `per_second` for good:
+// enough that the applications of a host, which ask up to 50 times a second each when they have lost a servo,
+// wait for each other a little only, and little enough that a host which does nothing but call does not keep
+// the others waiting.
 
 #include <algorithm>
 #include <array>

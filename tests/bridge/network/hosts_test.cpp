@@ -64,7 +64,7 @@ void expect_batches_and_what_is_felt(Client& client) {
                 });
             });
         }
-        EXPECT_EQ(hand.network().lost, 0u) << "a report that nobody's wire was too busy for, of " << count;
+        EXPECT_EQ(hand.network().lost, 0u) << "reports, over a wire that loses none, of " << count;
     }
 }
 
