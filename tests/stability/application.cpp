@@ -7,15 +7,22 @@ namespace stability {
 using Eigen::Vector3d;
 
 Application::Application(const Conditions& conditions, double stiffness, double phase, unsigned seed)
+    : Application(
+          conditions, stiffness, phase,
+          [&ridge = conditions.ridge](const knurl::Vec3& near) {
+              const Ridge::Foot foot = ridge.foot(knurl::to_eigen(near));
+              return knurl::SurfacePoint{.foot = knurl::to_plain(foot.point),
+                                         .normal = knurl::to_plain(foot.normal),
+                                         .curvature = foot.curvature,
+                                         .axis = {foot.normal.z(), 0, -foot.normal.x()}};
+          },
+          seed) {}
+
+Application::Application(const Conditions& conditions, double stiffness, double phase,
+                         knurl::SurfaceModel model, unsigned seed)
     : conditions_(conditions),
       stiffness_(stiffness),
-      model_([&ridge = conditions.ridge](const knurl::Vec3& near) {
-          const Ridge::Foot foot = ridge.foot(knurl::to_eigen(near));
-          return knurl::SurfacePoint{.foot = knurl::to_plain(foot.point),
-                                     .normal = knurl::to_plain(foot.normal),
-                                     .curvature = foot.curvature,
-                                     .axis = {foot.normal.z(), 0, -foot.normal.x()}};
-      }),
+      model_(std::move(model)),
       next_read_(conditions.rate_is_servos ? 0 : phase * conditions.interval()),
       seed_(seed) {}
 

@@ -20,6 +20,9 @@ class Application {
   public:
     /// `phase` in 0..1: when in its interval it reads first.
     Application(const Conditions& conditions, double stiffness, double phase, unsigned seed = 1);
+    /// Of another surface than the conditions' ridge, by planes or caps.
+    Application(const Conditions& conditions, double stiffness, double phase, knurl::SurfaceModel model,
+                unsigned seed = 1);
 
     /// What is there from the start: the answer at a hand that rests in `p`.
     Answer first(const Eigen::Vector3d& p);

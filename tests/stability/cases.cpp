@@ -59,19 +59,18 @@ Conditions with(Conditions c, const Method& method) {
     return c;
 }
 
-Value largest(const Conditions& c, unsigned seeds, unsigned criteria) {
+Value largest(const Conditions& c, Seeds seeds, unsigned criteria) {
     return as_value(Search(on_bench(c), seeds, criteria).largest(criteria));
 }
 
-Value largest_on(const std::string& profile, const Conditions& c, unsigned seeds) {
+Value largest_on(const std::string& profile, const Conditions& c, Seeds seeds) {
     const Run run = [&](double stiffness, unsigned seed, unsigned criteria) {
         return servo_stroke(profile, c, stiffness, seed, criteria);
     };
     return as_value(Search(run, seeds, strict).largest(strict));
 }
 
-std::vector<Value> largest_of_each(const Conditions& c, unsigned seeds,
-                                   const std::vector<unsigned>& criteria) {
+std::vector<Value> largest_of_each(const Conditions& c, Seeds seeds, const std::vector<unsigned>& criteria) {
     Search search(on_bench(c), seeds, every);
     std::vector<Value> values;
     for (const unsigned which : criteria) values.push_back(as_value(search.largest(which)));

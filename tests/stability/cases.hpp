@@ -34,11 +34,10 @@ Conditions at_rest(Conditions c = {});
 Conditions with(Conditions c, const Method& method);
 
 /// The largest stiffness on the bench, and through the real servo on a simulated device.
-Value largest(const Conditions& c, unsigned seeds, unsigned criteria = strict);
-Value largest_on(const std::string& profile, const Conditions& c, unsigned seeds);
+Value largest(const Conditions& c, Seeds seeds, unsigned criteria = strict);
+Value largest_on(const std::string& profile, const Conditions& c, Seeds seeds);
 /// The same for several sets of criteria, from the same runs.
-std::vector<Value> largest_of_each(const Conditions& c, unsigned seeds,
-                                   const std::vector<unsigned>& criteria);
+std::vector<Value> largest_of_each(const Conditions& c, Seeds seeds, const std::vector<unsigned>& criteria);
 
 /// A case with its place on an axis.
 struct Variant {

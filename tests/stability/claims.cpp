@@ -122,7 +122,7 @@ std::vector<Claim> network_claims(const std::vector<Table>& tables) {
 }
 
 std::vector<Claim> quick_claims() {
-    constexpr unsigned seeds = 2;
+    constexpr Seeds seeds{.first = 1, .count = 2};
     std::vector<Table> tables = {
         only(wall_table(seeds), {"force at 20 Hz, 25 ms late", "plane at 20 Hz, 25 ms late"}),
         only(method_table("gentle", "gentle", gentle_ridge, seeds), {planes, usual}),

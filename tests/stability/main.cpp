@@ -3,13 +3,16 @@
 
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <fstream>
+#include <optional>
 #include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "claims.hpp"
+#include "relief_stroke.hpp"
 #include "sweep.hpp"
 
 using namespace stability;
@@ -27,7 +30,7 @@ constexpr const char* definition =
 Each run: 1 s to come to rest, 5 s of stroke, 1.5 s to settle, 0.5 s in which a limit cycle is looked for.
 )";
 
-std::vector<Table> standard(unsigned seeds) {
+std::vector<Table> standard(Seeds seeds) {
     std::vector<Table> tables = {
         device_table(seeds),  // the longest first
         paper_wall_table(seeds),
@@ -50,15 +53,22 @@ std::vector<Table> standard(unsigned seeds) {
 int main(int argc, char** argv) {
     CLI::App app("Largest stable stiffness of every method, by simulation on the virtual clock.");
     bool quick = false, full = false, network = false;
-    unsigned seeds = 10;
+    Seeds seeds;
     int jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    std::string file, only;
+    std::string file, only, relief;
+    unsigned phases = 40;
     app.add_flag("--quick", quick,
                  "the directions of the main claims alone, in a few seconds; fails if one does not hold");
     app.add_flag("--full", full, "the full grid instead: many hours");
     app.add_flag("--network", network,
                  "the tables of a remote application instead, by the network's delay, swing and loss");
-    app.add_option("--seeds", seeds, "runs of each case, the worst counts")->check(CLI::Range(1u, 1000u));
+    app.add_option("--relief", relief,
+                   "the demo's stroke over this elevation model instead, at many phases of the application");
+    app.add_option("--phases", phases, "of its interval, for --relief")->check(CLI::Range(1u, 1000u));
+    app.add_option("--seeds", seeds.count, "runs of each case, the worst counts")
+        ->check(CLI::Range(1u, 1000u));
+    app.add_option("--first-seed", seeds.first, "their seeds count up from this one")
+        ->check(CLI::Range(1u, 1000000u));
     app.add_option("--jobs", jobs, "threads")->check(CLI::Range(1, 256));
     app.add_option("--json", file, "write all tables to this file");
     app.add_option("--only", only, "the table of this key alone");
@@ -67,11 +77,19 @@ int main(int argc, char** argv) {
     const auto begun = std::chrono::steady_clock::now();
     std::vector<Table> tables;
     std::vector<Claim> claims;
-    fmt::print("{}", definition);
+    std::optional<ReliefStroke> stroke;
+    try {
+        if (!relief.empty()) stroke = ReliefStroke::of(relief);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "knurl_stability: {}\n", error.what());
+        return 1;
+    }
+    if (!stroke) fmt::print("{}", definition);
     if (quick) {
         claims = quick_claims();
     } else {
-        tables = full      ? std::vector<Table>{full_grid(seeds)}
+        tables = stroke    ? std::vector<Table>{relief_table(*stroke, phases)}
+                 : full    ? std::vector<Table>{full_grid(seeds)}
                  : network ? network_tables(seeds)
                            : standard(seeds);
         if (!only.empty()) std::erase_if(tables, [&](const Table& t) { return t.key != only; });
@@ -80,15 +98,17 @@ int main(int argc, char** argv) {
         for (const Table& table : tables) fmt::print("{}", markdown(table));
         if (network)
             claims = network_claims(tables);
-        else if (!full && only.empty())
+        else if (!stroke && !full && only.empty())
             claims = claims_of(tables);
     }
     if (!claims.empty()) fmt::print("{}", markdown(claims));
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    fmt::print("\n{} seeds, {} threads, {:.0f} s\n", quick ? 2 : seeds, quick ? 2 : jobs, took);
+    if (!stroke)
+        fmt::print("\n{} seeds, {} threads, {:.0f} s\n", quick ? 2 : seeds.count, quick ? 2 : jobs, took);
     if (!file.empty()) {
         std::ofstream out(file);
-        out << json(tables, fmt::format(R"({{"seeds": {}, "seconds": {:.0f}}})", seeds, took));
+        out << json(tables, fmt::format(R"({{"{}": {}, "seconds": {:.0f}}})", stroke ? "phases" : "seeds",
+                                        stroke ? phases : seeds.count, took));
         out.close();
         if (!out) {
             fmt::print(stderr, "knurl_stability: {} cannot be written; check the folder and the space left\n",

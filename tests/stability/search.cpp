@@ -5,7 +5,7 @@
 
 namespace stability {
 
-Search::Search(Run run, unsigned seeds, unsigned criteria)
+Search::Search(Run run, Seeds seeds, unsigned criteria)
     : run_(std::move(run)), seeds_(seeds), criteria_(criteria) {}
 
 bool Search::stable(int rung, unsigned criteria) {
@@ -13,7 +13,7 @@ bool Search::stable(int rung, unsigned criteria) {
     if (known != broken_.end()) return (known->second & criteria) == 0;
     const bool alone = (criteria_ & ~criteria) == 0;  // nothing else will be asked: the first break decides
     unsigned broken = 0;
-    for (unsigned seed = 1; seed <= seeds_; ++seed) {
+    for (unsigned seed = seeds_.first; seed < seeds_.end(); ++seed) {
         broken |= run_(lowest * std::pow(ratio, rung), seed, alone ? criteria : 0).broken();
         if ((broken & criteria_) == criteria_ || (alone && (broken & criteria))) break;
     }

@@ -11,6 +11,12 @@ namespace stability {
 /// Figures of one run: stiffness (N/m), seed, criteria that end it early (0: none does).
 using Run = std::function<Figures(double stiffness, unsigned seed, unsigned criteria)>;
 
+/// The runs of each case, of which the worst counts.
+struct Seeds {
+    unsigned first = 1, count = 10;
+    unsigned end() const { return first + count; }
+};
+
 /// What is stable at low stiffness but not in between does not count: the first unstable rung ends the
 /// search.
 class Search {
@@ -18,8 +24,8 @@ class Search {
     static constexpr double lowest = 50, ratio = 1.02;  // N/m; rungs are 2 % apart
     static constexpr int stride = 12, top = 300;        // rungs: 27 % at a time first; 19 000 N/m
 
-    /// Seeds 1..seeds. `criteria`: all that will be asked for; a run ends once all of them are broken.
-    Search(Run run, unsigned seeds, unsigned criteria);
+    /// `criteria`: all that will be asked for; a run ends once all of them are broken.
+    Search(Run run, Seeds seeds, unsigned criteria);
 
     struct Found {
         double stiffness = 0;  // N/m; 0: not even the lowest rung is stable
@@ -32,7 +38,8 @@ class Search {
     bool stable(int rung, unsigned criteria);
 
     Run run_;
-    unsigned seeds_, criteria_;
+    Seeds seeds_;
+    unsigned criteria_;
     std::map<int, unsigned> broken_;  // by rung
 };
 

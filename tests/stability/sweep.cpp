@@ -11,7 +11,7 @@
 
 namespace stability {
 
-Table wall_table(unsigned seeds) {
+Table wall_table(Seeds seeds) {
     Table table{.key = "wall",
                 .title = "A flat wall, the hand at rest: largest stable stiffness, N/m",
                 .unit = "N/m",
@@ -48,7 +48,7 @@ Table wall_table(unsigned seeds) {
     return table;
 }
 
-Table method_table(const char* key, const char* title, const Ridge& ridge, unsigned seeds) {
+Table method_table(const char* key, const char* title, const Ridge& ridge, Seeds seeds) {
     Table table{.key = key,
                 .title = title,
                 .unit = "N/m",
@@ -68,7 +68,7 @@ Table method_table(const char* key, const char* title, const Ridge& ridge, unsig
     return table;
 }
 
-Table speed_table(unsigned seeds) {
+Table speed_table(Seeds seeds) {
     Table table{.key = "speeds",
                 .title = "Jump <= 1 N and kick <= 0.3 m/s, by ridge and speed, N/m",
                 .unit = "N/m",
@@ -94,7 +94,7 @@ Table speed_table(unsigned seeds) {
     return table;
 }
 
-Table error_table(unsigned seeds) {
+Table error_table(Seeds seeds) {
     Table table{.key = "error",
                 .title =
                     "Force error (RMS) against the true surface, 0.10 m/s, k = 1000 N/m, answered after half "
@@ -117,9 +117,9 @@ Table error_table(unsigned seeds) {
                                           c.update_rate = rate;
                                           c.answer = 0.5 / rate;
                                           double sum = 0;
-                                          for (unsigned seed = 1; seed <= seeds; ++seed)
+                                          for (unsigned seed = seeds.first; seed < seeds.end(); ++seed)
                                               sum += stroke(c, 1000, seed, 0, true).error;
-                                          values.push_back({sum / seeds});
+                                          values.push_back({sum / seeds.count});
                                       }
                                   }
                                   return values;
@@ -129,7 +129,7 @@ Table error_table(unsigned seeds) {
     return table;
 }
 
-Table device_table(unsigned seeds) {
+Table device_table(Seeds seeds) {
     Table table{.key = "devices",
                 .title = "The real servo on simulated devices, 1 kHz, to and fro over 120 mm, N/m",
                 .unit = "N/m",
@@ -163,7 +163,7 @@ Table device_table(unsigned seeds) {
     return table;
 }
 
-Table paper_wall_table(unsigned seeds) {
+Table paper_wall_table(Seeds seeds) {
     Table table{.key = "premium15",
                 .title = "premium15 at 2100 N/m, the paper's figure: worst of all seeds",
                 .unit = "",
@@ -176,7 +176,7 @@ Table paper_wall_table(unsigned seeds) {
              0,
              [c, seeds] {
                  Figures worst;
-                 for (unsigned seed = 1; seed <= seeds; ++seed)
+                 for (unsigned seed = seeds.first; seed < seeds.end(); ++seed)
                      worst.worst_of(servo_stroke("premium15", c, 2100, seed, 0));
                  return std::vector<Value>{
                      {worst.jump},  {worst.rise},

@@ -2,33 +2,33 @@
 // What the sweep asks. One factor at a time about the centre that Conditions' defaults state, or the full
 // grid.
 
-#include "conditions.hpp"
+#include "search.hpp"
 #include "table.hpp"
 
 namespace stability {
 
 /// Servo-evaluated planes against forces from the application, on a flat wall.
-Table wall_table(unsigned seeds);
+Table wall_table(Seeds seeds);
 /// Each method by each criterion, on one ridge at 0.15 m/s.
-Table method_table(const char* key, const char* title, const Ridge& ridge, unsigned seeds);
+Table method_table(const char* key, const char* title, const Ridge& ridge, Seeds seeds);
 /// The goals' measure (jump and kick) of each method by ridge and speed.
-Table speed_table(unsigned seeds);
+Table speed_table(Seeds seeds);
 /// The static limit of a wall against b / (T/2 + tau) and the exact eigenvalue.
-Table bound_table(unsigned seeds);
+Table bound_table(Seeds seeds);
 /// Virtual damping counted and not, and hand present and released.
-Table damping_table(unsigned seeds);
-Table released_table(unsigned seeds);
+Table damping_table(Seeds seeds);
+Table released_table(Seeds seeds);
 /// One factor at a time; a table each.
-std::vector<Table> factor_tables(unsigned seeds);
+std::vector<Table> factor_tables(Seeds seeds);
 /// The real servo and simulated devices.
-Table device_table(unsigned seeds);
+Table device_table(Seeds seeds);
 /// 2100 N/m, the paper's own figure, on premium15: what a stroke is like.
-Table paper_wall_table(unsigned seeds);
+Table paper_wall_table(Seeds seeds);
 /// Force error against the true surface, by application rate.
-Table error_table(unsigned seeds);
+Table error_table(Seeds seeds);
 /// A remote application: stiffness by the network's delay, its swing, its loss; a table each.
-std::vector<Table> network_tables(unsigned seeds);
+std::vector<Table> network_tables(Seeds seeds);
 /// Everything by everything.
-Table full_grid(unsigned seeds);
+Table full_grid(Seeds seeds);
 
 }  // namespace stability

@@ -9,7 +9,7 @@
 
 namespace stability {
 
-Table bound_table(unsigned seeds) {
+Table bound_table(Seeds seeds) {
     Table table{.key = "bound",
                 .title = "Static limit against b / (T/2 + tau), N/m",
                 .unit = "N/m",
@@ -54,7 +54,7 @@ Table bound_table(unsigned seeds) {
     return table;
 }
 
-Table damping_table(unsigned seeds) {
+Table damping_table(Seeds seeds) {
     Table table{.key = "damping",
                 .title = "Virtual damping of the wall, not counted and counted, no dry friction, N/m",
                 .unit = "N/m",
@@ -86,7 +86,7 @@ Table damping_table(unsigned seeds) {
     return table;
 }
 
-Table released_table(unsigned seeds) {
+Table released_table(Seeds seeds) {
     Table table{
         .key = "released",
         .title = "Hand present and released (the device lies on the wall with 1 N of its own weight), N/m",

@@ -10,7 +10,7 @@
 
 namespace stability {
 
-std::vector<Table> factor_tables(unsigned seeds) {
+std::vector<Table> factor_tables(Seeds seeds) {
     std::vector<Table> tables;
     const std::vector<const char*> compared = {way::force, way::planes, way::paper,
                                                way::faded, way::usual,  way::cap};
@@ -68,7 +68,7 @@ std::vector<Table> factor_tables(unsigned seeds) {
     return tables;
 }
 
-Table full_grid(unsigned seeds) {
+Table full_grid(Seeds seeds) {
     Table table{.key = "grid",
                 .title = "The full grid: stable stiffness, N/m",
                 .unit = "N/m",

@@ -19,7 +19,7 @@ Conditions remote(Conditions c = {}) {
 
 /// A row for each variant, a column for each method.
 Table table_of(const char* key, std::string title, const std::vector<Variant>& variants,
-               const std::vector<const char*>& ways, unsigned seeds) {
+               const std::vector<const char*>& ways, Seeds seeds) {
     Table table{.key = key, .title = std::move(title), .unit = "N/m", .columns = {}, .rows = {}};
     for (const char* name : ways) table.columns.emplace_back(name);
     for (const Variant& v : variants)
@@ -37,7 +37,7 @@ Table table_of(const char* key, std::string title, const std::vector<Variant>& v
 
 }  // namespace
 
-std::vector<Table> network_tables(unsigned seeds) {
+std::vector<Table> network_tables(Seeds seeds) {
     const std::vector<const char*> on_a_wall = {way::force, way::planes, way::usual};
     const std::vector<const char*> compared = {way::force, way::planes, way::faded, way::usual, way::cap};
     const Values delays = {0, 1e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3};
