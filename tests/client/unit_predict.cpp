@@ -131,6 +131,52 @@ TEST(Prediction, is_no_worse_than_none_when_the_hand_reverses_at_3_Hz) {
     }
 }
 
+TEST(Prediction, sends_the_plane_that_is_nearest_all_along_the_way_on_which_it_is_felt) {
+    const double amplitude = 0.003, wave = 0.06, speed = 0.1;
+    const SurfaceModel model = relief(amplitude, wave);
+    const auto height = [=](double x) { return amplitude * std::sin(2 * std::numbers::pi / wave * x); };
+    const auto mean_square = [&](double begin, double end, auto line) {
+        constexpr int n = 200;
+        double sum = 0;
+        for (int i = 0; i < n; ++i) {
+            const double x = begin + (i + 0.5) / n * (end - begin);
+            sum += (line(x) - height(x)) * (line(x) - height(x)) / n;
+        }
+        return sum;
+    };
+    double sent = 0, best = 0, tangent = 0;
+    for (double x = 0; x < wave; x += wave / 97) {
+        FollowMemory memory;
+        const Vec3 p{x, 0, height(x)};
+        const Followed followed = follow_surface(model, {.position = p, .velocity = {speed, 0, 0}}, lateness,
+                                                 {.stiffness = 1000}, memory);
+        ASSERT_EQ(followed.look_ahead, 1);
+        ASSERT_EQ(followed.faces.count, 1u);
+        const auto line_of = [](const SurfacePoint& face) {
+            return [face](double at) {
+                return face.foot.z - face.normal.x / face.normal.z * (at - face.foot.x);
+            };
+        };
+        const double middle = x + speed * (lateness.latency + lateness.interval / 2);
+        const double begin = middle - 0.6 * speed * lateness.interval, end = 2 * middle - begin;
+        // Least squares, by sums.
+        constexpr int n = 200;
+        double x1 = 0, x2 = 0, z1 = 0, xz = 0;
+        for (int i = 0; i < n; ++i) {
+            const double at = begin + (i + 0.5) / n * (end - begin), z = height(at);
+            x1 += at / n, x2 += at * at / n, z1 += z / n, xz += at * z / n;
+        }
+        const double slope = (xz - x1 * z1) / (x2 - x1 * x1);
+        sent += mean_square(begin, end, line_of(followed.faces.face[0]));
+        best += mean_square(begin, end, [&](double at) { return z1 + slope * (at - x1); });
+        tangent += mean_square(begin, end, line_of(model(look_ahead(p, {speed, 0, 0}, lateness))));
+    }
+    std::printf("rms: sent %.1f um, nearest %.1f um, tangent %.1f um\n", 1e6 * std::sqrt(sent / 97),
+                1e6 * std::sqrt(best / 97), 1e6 * std::sqrt(tangent / 97));
+    EXPECT_LT(std::sqrt(sent), 1.1 * std::sqrt(best));
+    EXPECT_GT(std::sqrt(tangent), 1.5 * std::sqrt(best)) << "this test would not see a tangent plane";
+}
+
 TEST(Prediction, keeps_what_it_gains_on_a_smooth_stroke) {
     const SurfaceModel model = relief(0.004, 0.08);
     const Path path = [](double t) { return Vector3d(-0.1 + 0.15 * t, 0, -0.010); };

@@ -16,13 +16,36 @@ using Eigen::Vector3d;
 constexpr double largest_tolerance = 0.5e-3;  // m
 constexpr double force_tolerance = 1.0;       // N: the kick that a wrong face may add
 constexpr double forgetting = 0.8;            // per update: about the last five count
-constexpr double longest_memory = 1.0;        // s: what is older says nothing about the next movement
+constexpr double fade = 0.2;                  // of the interval: automatic_fade
+constexpr double edge = 0.8;  // rad: where the surface turns by more on the way it is no smooth one
+constexpr double shortest_fit = 0.1e-3;  // m: within it there is nothing to fit
+constexpr double longest_memory = 1.0;   // s: what is older says nothing about the next movement
 
 /// t*, shortened so that the hand does not get further than max_look_ahead.
 double look_ahead_time(const Vector3d& velocity, const Lateness& lateness) {
     const double time = lateness.latency + lateness.interval / 2;
     const double speed = velocity.norm();
     return speed * time > max_look_ahead ? max_look_ahead / speed : time;
+}
+
+/// A cap of a model that does not know how its surface curves is a plane.
+bool is_plane(const Follower& follower, const Face& face) {
+    return follower.rim == 0 || (face.point().curvature == 0 && face.point().curvature2 == 0);
+}
+
+/// The plane that is nearest, in the mean square, to the surface all along a way: the tangent plane at its
+/// middle, moved and tilted by what the surface does at its ends. Exact where that is a cubic.
+Face fitted(const Face& middle, const Face& before, const Face& after) {
+    const Vector3d n = middle.normal(), way = after.foot() - before.foot(), along = way - way.dot(n) * n;
+    const double length = along.norm();
+    const double turn =
+        std::acos(std::clamp(std::min(n.dot(before.normal()), n.dot(after.normal())), -1.0, 1.0));
+    if (length < shortest_fit || turn > edge) return middle;
+    const double first = n.dot(before.foot() - middle.foot()), last = n.dot(after.foot() - middle.foot());
+    SurfacePoint plane = middle.point();
+    plane.foot = to_plain(middle.foot() + (first + last) / 6 * n);
+    plane.normal = to_plain(n - 0.6 * (last - first) / (length * length) * along);
+    return Face(plane, 0);
 }
 
 /// Looking to opposite sides; at a right angle they do not.
@@ -122,12 +145,13 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     const double landing_time = std::min(result.trust * lateness.latency, time);
     const Vector3d landing = p + v * landing_time;
     std::vector<Face> faces{here};
+    double depth = 0;  // m, not above 0: of the landing under the model itself
     if (time > 0 && !v.isZero()) {
         const Face there = questions.ask(landing);
         const double landing_height = there.height(landing);
         // Past the middle of something thin the model is no measure; the face on this side is.
         const bool other_face = landing_height < 0 && opposed(there, here);
-        const double depth = std::min(other_face ? here.height(landing) : landing_height, 0.0);
+        depth = std::min(other_face ? here.height(landing) : landing_height, 0.0);
         for (const double share : std::array{1.0, 0.5, 0.25}) {
             const Face ahead = questions.ask(p + restrained(v * (time * share), here, height));
             if (opposed(ahead, here) || ahead.height(landing) < depth - tolerance) continue;
@@ -143,6 +167,17 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     std::vector<Face> candidates = questions.answers();
     candidates.insert(candidates.end(), last.begin(), last.end());
     detail::add_corner(faces, candidates, landing, tolerance, questions);
+
+    if (faces.size() == 1 && result.look_ahead > 0 && is_plane(follower, faces[0])) {
+        // As long as it is felt: until the next one has faded in.
+        const double middle = result.look_ahead * time;
+        const double felt = result.look_ahead * result.trust * (1 + fade) * lateness.interval;
+        const double half = std::min(middle, felt / 2);
+        const Face before = questions.ask_aside(p + restrained(v * (middle - half), here, height));
+        const Face after = questions.ask_aside(p + restrained(v * (middle + half), here, height));
+        const Face plane = fitted(faces[0], before, after);
+        if (plane.height(landing) >= depth - tolerance) faces[0] = plane;
+    }
 
     keep_order(faces, last);
     for (const Face& face : faces) result.faces.face[result.faces.count++] = face.point();
