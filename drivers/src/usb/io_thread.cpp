@@ -42,7 +42,10 @@ void IoThread::Poke::take() const noexcept {
 }
 
 IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priority)
-    : wanted_(std::move(wanted)), protocol_(std::move(protocol)), context_(priority > 0) {
+    : wanted_(std::move(wanted)),
+      protocol_(std::move(protocol)),
+      priority_(priority),
+      context_(priority > 0) {
     std::array<std::uint8_t, packet_bytes> zero{};
     zero_line_.emplace(std::span(zero.data(), protocol_->takes_efforts() ? protocol_->pack({}, zero) : 0));
     for (auto& [list, n] : {std::pair{&in_, transfers_in}, std::pair{&out_, transfers_out}})
@@ -78,8 +81,6 @@ IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priori
     pthread_attr_destroy(&attributes);
     if (error != 0) throw std::runtime_error(std::string("usb: no thread: ") + std::strerror(error));
     pthread_setname_np(thread_, "knurl-usb");
-    const sched_param real_time{.sched_priority = priority};
-    if (priority > 0) pthread_setschedparam(thread_, SCHED_FIFO, &real_time);
 }
 
 IoThread::~IoThread() {
@@ -187,7 +188,13 @@ void IoThread::close() noexcept {
     session_.reset();
 }
 
+void IoThread::run_at(int priority) const noexcept {
+    const sched_param real_time{.sched_priority = std::min(priority, priority_)};
+    if (priority_ > 0) pthread_setschedparam(pthread_self(), SCHED_FIFO, &real_time);
+}
+
 void IoThread::live() noexcept {
+    run_at(priority_);
     while (!awake_.load(std::memory_order_acquire) && !stop_.load(std::memory_order_relaxed)) wait(-1);
     while (!stop_.load(std::memory_order_relaxed)) {
         if (session_) {
@@ -195,8 +202,10 @@ void IoThread::live() noexcept {
             close();
             continue;
         }
+        run_at(search_priority);
         try {
             open();
+            run_at(priority_);
         } catch (const std::exception&) {
             // Not there, not ready, or its rights not set yet: the cycle sees "unplugged", and we look again.
             session_.reset();

@@ -51,6 +51,10 @@ class IoThread {
     static constexpr int transfers_out = 2;  // in flight at most
     static constexpr int most_errors = 64;   // in a row of one transfer: it is closed and opened again
     static constexpr int search_ms = 50;     // between looks for a device that is gone
+    // SCHED_FIFO while it looks for it and opens it, which takes milliseconds at a time: below the servo and
+    // the threads of other hands, above ordinary ones, since the guardian hears of a dead servo when the last
+    // of its threads has ended.
+    static constexpr int search_priority = 1;
     static constexpr std::size_t stack_bytes = 512 << 10;
 
     /// Finds, opens and starts the device; throws std::runtime_error with the way out. `priority`: SCHED_FIFO
@@ -99,6 +103,7 @@ class IoThread {
     void open();
     void close() noexcept;
     void live() noexcept;
+    void run_at(int priority) const noexcept;
     void converse() noexcept;
     void attend() noexcept;
     void transmit(bool fresh) noexcept;
@@ -116,6 +121,7 @@ class IoThread {
 
     Wanted wanted_;
     std::unique_ptr<Protocol> protocol_;
+    const int priority_;
     UsbDevice info_;
     Reading first_;
     class Poke {  // an eventfd

@@ -126,7 +126,7 @@ class Guardian : public testing::TestWithParam<MotorDevice> {
         const std::size_t before = bus_.locked([&] { return device_->requests().size(); });
         since = bus_.frame();
         bus_.freeze(false);
-        ASSERT_TRUE(bus_.wait(1000, [&] { return device_->requests().size() > before + on_their_way_; }));
+        ASSERT_TRUE(bus_.wait(1000, [&] { return device_->requests().size() >= before + on_their_way_; }));
         bus_.locked([&] {
             EXPECT_EQ(device_->requests()[before + on_their_way_ - 1].motors, pushed)
                 << "what was on its way arrives first";
