@@ -1,4 +1,7 @@
-// A real knurld that owns two devices on the emulated bus: what happens to one is nothing to the other.
+// A real knurld that owns two devices on the emulated bus: what happens to one is nothing to the other. Run
+// by scripts/usb (KNURL_USB_TWO_HANDS=1), not by ctest: two devices at 1 kHz ask 8 exchanges a millisecond of
+// umockdev's one worker, and a virtual machine on which one takes 0.3 ms carries 3. Both hands then stand
+// still for tens of milliseconds, unplugged or not.
 
 #include <csignal>
 #include <cstdlib>
@@ -24,6 +27,9 @@ class TwoHandsOfOneApplication : public testing::TestWithParam<std::size_t> {
 
     void SetUp() override {
         if (not_here != nullptr) GTEST_SKIP() << not_here;
+        if (std::getenv("KNURL_USB_TWO_HANDS") == nullptr)
+            GTEST_SKIP()
+                << "more than the emulated bus carries on some machines: KNURL_USB_TWO_HANDS=1 runs it";
         std::vector<std::string> arguments;
         for (Hand& hand : hands_) {
             plug_in(bus_, hand.device, hand.model, hand.port);
