@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -35,6 +36,7 @@ class ServoProcess {
         std::string name = (std::filesystem::temp_directory_path() / "knurl-client-XXXXXX").string();
         if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test: " + name);
         folder_ = name;
+        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // who waits for a dead servo's guardian must be its parent
         std::filesystem::permissions(folder_, std::filesystem::perms::owner_all |
                                                   std::filesystem::perms::others_exec |
                                                   std::filesystem::perms::group_exec);
@@ -48,6 +50,8 @@ class ServoProcess {
     ~ServoProcess() {
         bridge_.reset();
         if (pid_ > 0) end(SIGKILL);
+        // They save what the servo flew: into a folder that is gone already they would make it anew.
+        for (const pid_t guardian : guardians_) ::waitpid(guardian, nullptr, 0);
         std::error_code ignored;
         std::filesystem::remove_all(folder_, ignored);
     }
@@ -76,6 +80,9 @@ class ServoProcess {
     }
     /// Ends it with this signal; on return it is gone.
     void end(int signal) {
+        std::ifstream children("/proc/" + std::to_string(pid_) + "/task/" + std::to_string(pid_) +
+                               "/children");
+        for (pid_t child = 0; children >> child;) guardians_.push_back(child);
         ::kill(pid_, signal);
         ::kill(pid_, SIGCONT);
         ::waitpid(pid_, nullptr, 0);
@@ -106,6 +113,7 @@ class ServoProcess {
     std::vector<std::string> arguments_;
     std::filesystem::path folder_;
     pid_t pid_ = -1;
+    std::vector<pid_t> guardians_;  // of the servos that have ended
     std::optional<BridgeProcess> bridge_;
 };
 

@@ -33,13 +33,11 @@ constexpr std::string_view no_sense =
 /// What no claim could be computed with.
 bool sane(const protocol::Claimed& terms) noexcept {
     const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
-    const auto finite = [](const Vec3& v) {
-        return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-    };
     const protocol::Frame& frame = terms.frame;
     const Limits& limits = terms.limits;
-    return positive(frame.scale) && positive(frame.force_scale) && finite(frame.device_centre) &&
-           finite(frame.world_centre) && positive(limits.period) &&
+    return positive(frame.scale) && positive(frame.force_scale) &&
+           to_eigen(frame.device_centre).allFinite() && to_eigen(frame.world_centre).allFinite() &&
+           positive(limits.period) &&
            std::ranges::all_of(
                std::initializer_list<double>{limits.max_stiffness, limits.max_force, limits.max_torque,
                                              limits.max_torsion, limits.damping, limits.mass, limits.lag,

@@ -40,11 +40,9 @@ shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
 
 /// As a servo's own rows are: who computes with them need not ask.
 bool sane(const DeviceRow& row) {
-    const Vec3& centre = row.workspace_centre;
-    return row.rate > 0 && std::isfinite(row.rate) && std::isfinite(centre.x) && std::isfinite(centre.y) &&
-           std::isfinite(centre.z) && std::isfinite(row.workspace_radius) && row.workspace_radius >= 0 &&
-           row.peak_force >= 0 && row.peak_torque >= 0 && row.max_stiffness >= 0 &&
-           protocol::is_name(text_of(row.name));
+    return row.rate > 0 && std::isfinite(row.rate) && to_eigen(row.workspace_centre).allFinite() &&
+           std::isfinite(row.workspace_radius) && row.workspace_radius >= 0 && row.peak_force >= 0 &&
+           row.peak_torque >= 0 && row.max_stiffness >= 0 && protocol::is_name(text_of(row.name));
 }
 
 std::shared_ptr<const TlsContext> key_of(const std::string& file) {

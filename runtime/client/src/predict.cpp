@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <knurl/reps/limits.hpp>
+
 #include "corner.hpp"
 
 namespace knurl {
@@ -16,7 +18,6 @@ using Eigen::Vector3d;
 constexpr double largest_tolerance = 0.5e-3;  // m
 constexpr double force_tolerance = 1.0;       // N: the kick that a wrong face may add
 constexpr double forgetting = 0.8;            // per update: about the last five count
-constexpr double fade = 0.2;                  // of the interval: automatic_fade
 constexpr double edge = 0.8;  // rad: where the surface turns by more on the way it is no smooth one
 constexpr double shortest_fit = 0.1e-3;  // m: within it there is nothing to fit
 constexpr double longest_memory = 1.0;   // s: what is older says nothing about the next movement
@@ -171,7 +172,8 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     if (faces.size() == 1 && result.look_ahead > 0 && is_plane(follower, faces[0])) {
         // As long as it is felt: until the next one has faded in.
         const double middle = result.look_ahead * time;
-        const double felt = result.look_ahead * result.trust * (1 + fade) * lateness.interval;
+        const double felt =
+            result.look_ahead * result.trust * (lateness.interval + automatic_fade(lateness.interval));
         const double half = std::min(middle, felt / 2);
         const Face before = questions.ask_aside(p + restrained(v * (middle - half), here, height));
         const Face after = questions.ask_aside(p + restrained(v * (middle + half), here, height));

@@ -213,8 +213,12 @@ void run(const Arguments& arguments) {
     Shared& shared = *make_file(being_made, arguments);
     Loop loop(device, shared);
 
+    // If we may: then it looks on time, and no page that it writes first, nor one that was taken from it,
+    // makes it wait. (A hypervisor may take tens of milliseconds to find one, for which this thread sleeps
+    // and no other.)
     const sched_param priority{.sched_priority = 60};
-    sched_setscheduler(0, SCHED_FIFO, &priority);  // if we may: then it looks on time
+    sched_setscheduler(0, SCHED_FIFO, &priority);
+    mlockall(MCL_CURRENT);
     std::int64_t next = monotonic();
     loop.once(next);
     if (std::rename(being_made.c_str(), arguments.path.c_str()) != 0) {

@@ -3,7 +3,11 @@
 // driver's half: every fault shows as what it is, and no effort outlives it.
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <random>
+
+#include <sched.h>
 
 #include "motor_bench.hpp"
 
@@ -201,6 +205,31 @@ TEST_P(Faults, UnpluggedIsSeenAndPluggedInAgainItIsFoundWithMotorsAtZero) {
             EXPECT_TRUE(model_->requests()[i].is_zero()) << "nothing of what was ordered before";
     });
     EXPECT_EQ(pushes(*device), GetParam().homed_after_replug) << "and otherwise never";
+}
+
+/// Looking for a device takes milliseconds at a time, which are the other hand's.
+TEST_P(Faults, WhoLooksForALostDeviceStandsBelowTheServo) {
+    constexpr int priority = 56;
+    const auto device =
+        open_device(GetParam().address, {.hand_file = "", .seed = 1, .io_priority = priority});
+    const auto now_at = [] {
+        for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+            std::string name;
+            std::ifstream(task.path() / "comm") >> name;
+            sched_param of{};
+            if (name == "knurl-usb" && sched_getparam(std::stoi(task.path().filename()), &of) == 0)
+                return of.sched_priority;
+        }
+        return -1;
+    };
+    ASSERT_TRUE(pushes(*device));
+    if (now_at() != priority) GTEST_SKIP() << "no right to SCHED_FIFO " << priority;
+    bus_.unplug("1-1");
+    ASSERT_TRUE(until(*device, ReadStatus::unplugged));
+    EXPECT_TRUE(bus_.wait(5000, [&] { return now_at() == 1; }));
+    plug_in();
+    ASSERT_TRUE(until(*device, ReadStatus::ok, 5000));
+    EXPECT_TRUE(bus_.wait(5000, [&] { return now_at() == priority; }));
 }
 
 TEST_P(Faults, GoneAndBackBetweenTwoReadsIsStillSaid) {
