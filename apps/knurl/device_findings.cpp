@@ -11,6 +11,9 @@ namespace knurl::cli {
 
 namespace {
 
+// A handle that is three times as hard to turn about one axis as about another goes 30 degrees astray.
+constexpr double least_turn_cosine = 0.85;
+
 double largest_delay(const Trial& trial) {
     double delay = 0;
     for (const PushTrial& push : trial.pushes) delay = std::max(delay, push.delay);
@@ -56,6 +59,20 @@ std::vector<std::string> findings(const Trial& trial) {
             lines.push_back(
                 fmt::format("a push along {} is {:.2f} times as strong as it should be: calibrate the force",
                             axis_name(push), push.size));
+    }
+    for (const PushTrial& turn : trial.turns) {
+        if (turn.cosine == 0)
+            lines.push_back(
+                fmt::format("a torque about {} turns nothing: motors off, or friction above it (--push)",
+                            axis_name(turn)));
+        else if (turn.cosine < 0)
+            lines.push_back(
+                fmt::format("a torque about {} turns it the other way: a motor's or encoder's sign is wrong",
+                            axis_name(turn)));
+        else if (turn.cosine < least_turn_cosine)
+            lines.push_back(fmt::format(
+                "a torque about {} turns it {:.0f} degrees astray: one motor weaker, or a lopsided handle",
+                axis_name(turn), std::acos(turn.cosine) * 180 / M_PI));
     }
     if (largest_delay(trial) > 2 * trial.link.lag + 1 / trial.rate)
         lines.push_back(

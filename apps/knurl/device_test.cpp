@@ -69,6 +69,11 @@ void print_text(const Trial& trial) {
         if (push.size > 0) fmt::print(", {:.2f} x the model's force", push.size);
         fmt::print(", friction {:.2f} N, begins after {:.2f} ms\n", push.friction, push.delay * 1e3);
     }
+    for (const PushTrial& turn : trial.turns) {
+        fmt::print("  turn about {}     {:.0f} degrees off, {:.2g} kg m2 turned, friction {:.3f} N m\n",
+                   axis_name(turn), std::acos(std::clamp(turn.cosine, -1.0, 1.0)) * 180 / M_PI, turn.mass,
+                   turn.friction);
+    }
     fmt::print("  stiffest wall    {:.0f} N/m{}, b / (T/2 + tau) promises {:.0f}\n", trial.wall.stiffness,
                trial.wall.bounded ? " or more" : "", trial.wall.predicted);
 }
@@ -83,6 +88,13 @@ json to_json(const Trial& trial, const std::string& address, const std::vector<s
                           {"friction", push.friction},
                           {"delay", push.delay},
                           {"size", push.size > 0 ? json(push.size) : json()}});
+    }
+    json turns = json::array();
+    for (const PushTrial& turn : trial.turns) {
+        turns.push_back({{"axis", axis_name(turn)},
+                         {"cosine", turn.cosine},
+                         {"inertia", turn.mass},
+                         {"friction", turn.friction}});
     }
     const measure::Machine machine = measure::this_machine();
     return {
@@ -100,11 +112,13 @@ json to_json(const Trial& trial, const std::string& address, const std::vector<s
           {"bad", rest.bad},
           {"tip_rms", rest.tip_noise},
           {"tip_max", rest.tip_apart},
+          {"turned_max", rest.turned_apart},
           {"joint_counts", rest.counts_apart},
           {"lateness", spread_for_programs(rest.lateness)},
           {"read_and_write", spread_for_programs(rest.transfer)},
           {"round_trip", spread_for_programs(rest.round_trip)}}},
         {"pushes", pushes},
+        {"turns", turns},
         {"wall",
          {{"stiffness", trial.wall.stiffness},
           {"predicted", trial.wall.predicted},
@@ -177,11 +191,12 @@ int test(const TestOptions& options) {
 
 void add_device_test(CLI::App& device, Run& run) {
     auto* verb =
-        device.add_subcommand("test", "Tries a device: noise, rate, force, stiffest wall. It moves!");
+        device.add_subcommand("test", "Tries a device: noise, rate, force, torque, stiffest wall. It moves!");
     auto options = std::make_shared<TestOptions>();
     verb->add_option("ADDRESS", options->address, "as for knurld --device: sim:premium15")->required();
     verb->add_option("--rate", options->trial.rate, "Hz (1000)")->check(CLI::Range(500.0, 20000.0));
-    verb->add_option("--push", options->trial.push, "N, the larger push (1)")->check(CLI::Range(0.1, 5.0));
+    verb->add_option("--push", options->trial.push, "N, the larger push (1); torques are as large at 50 mm")
+        ->check(CLI::Range(0.1, 5.0));
     verb->add_option("--homing-time", options->trial.homing_time, "s to wait for homing (60)")
         ->check(CLI::Range(1.0, 600.0));
     verb->add_flag("--virtual", options->trial.virtual_time, "a simulated device as fast as it computes");

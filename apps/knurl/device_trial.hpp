@@ -12,6 +12,8 @@
 
 namespace knurl::cli {
 
+inline constexpr double twist_lever = 0.05;  // m: a torque is as large as the push at its end
+
 struct TrialOptions {
     double rate = 1000;         // Hz
     bool virtual_time = false;  // a simulated device, as fast as it computes
@@ -35,9 +37,11 @@ struct RestTrial {
     std::vector<double> counts_apart;  // per joint: between its lowest and highest reading
     double tip_noise = 0;              // m rms about the mean
     double tip_apart = 0;              // m, largest distance from the mean
+    double turned_apart = 0;           // rad, largest turn from where it began
 };
 
-/// From pushes both ways along one axis, so that gravity, drift and a slanted friction fall out.
+/// From pushes both ways along one axis, so that gravity, drift and a slanted friction fall out. Of a turn
+/// about it: kg m^2, N m; neither its size nor its delay is known.
 struct PushTrial {
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();
     double cosine = 0;    // 1, between the push and the way that the tip went
@@ -60,6 +64,7 @@ struct Trial {
     HomingTrial homing;
     RestTrial rest;
     std::vector<PushTrial> pushes;
+    std::vector<PushTrial> turns;  // of devices that render torque
     WallTrial wall;
 };
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <knurl/drivers/registry.hpp>
+#include <knurl/drivers/sim_profile.hpp>
 
 #include "program.hpp"
 
@@ -24,12 +25,13 @@ using testing::Not;
 class Broken final : public drivers::Device {
   public:
     double effort = 1;                       // what the motors make of an effort
+    double last_effort = 1;                  // ... of the last motor's
     double moves_back = 1;                   // -1: joint 0's encoder counts the wrong way
     std::uint64_t stale = 0;                 // one of so many samples does not come; 0: all do
     drivers::Nanoseconds answers_after = 0;  // ns, each order and nothing else; 0: whenever it is asked
 
-    explicit Broken(const std::string& options = "")
-        : inner_(drivers::open_device("sim:cartesian3,grip=0,coulomb=0" + options)) {}
+    explicit Broken(const std::string& options = "", const std::string& arm = "cartesian3")
+        : inner_(drivers::open_device("sim:" + arm + ",grip=0,coulomb=0" + options)) {}
     const drivers::LinkConfig& link() const noexcept override { return inner_->link(); }
     const drivers::Mechanism& mechanism() const noexcept override { return inner_->mechanism(); }
     drivers::ReadStatus read(drivers::Nanoseconds now, drivers::JointSample& sample) noexcept override {
@@ -42,6 +44,7 @@ class Broken final : public drivers::Device {
         ordered_ = now;
         drivers::JointEfforts made = efforts;
         for (double& e : made) e *= effort;
+        made[static_cast<std::size_t>(link().actuated_joints - 1)] *= last_effort;
         return inner_->write(now, made);
     }
     void make_safe() noexcept override {}
@@ -92,6 +95,41 @@ TEST(DeviceTest, MotorsThatPushTwiceAsHardAreFound) {
     EXPECT_THAT(cli::findings(tried(device)), Contains(HasSubstr("times as strong as it should be")));
 }
 
+TEST(DeviceTest, FindsWhichWayATorqueTurnsItAndHowHardThatIs) {
+    const drivers::SimProfile profile = drivers::sim_profile("generic6");
+    drivers::TipPose pose;
+    drivers::Jacobian wide = drivers::Jacobian::Zero();
+    ASSERT_TRUE(profile.mechanism->forward(std::span(profile.centre).first<6>(), pose, wide));
+    const Eigen::Matrix<double, 6, 6> j = wide.leftCols<6>();
+    const Eigen::Matrix<double, 6, 6> inertia =
+        profile.mass * j.topRows<3>().transpose() * j.topRows<3>() +
+        profile.rotational_inertia * j.bottomRows<3>().transpose() * j.bottomRows<3>() +
+        profile.joint_inertia * Eigen::Matrix<double, 6, 6>::Identity();
+    const Eigen::Matrix3d turned = (j * inertia.inverse() * j.transpose()).bottomRightCorner<3, 3>();
+
+    Broken device("", "generic6");
+    const Trial trial = tried(device);
+    EXPECT_THAT(cli::findings(trial), IsEmpty());
+    ASSERT_EQ(trial.turns.size(), 3u);
+    for (const cli::PushTrial& turn : trial.turns) {
+        const Eigen::Vector3d way = turned * turn.axis;  // rad/s^2 of 1 N m
+        EXPECT_NEAR(turn.cosine, way.normalized().dot(turn.axis), 0.01);
+        EXPECT_NEAR(turn.mass, 1 / way.dot(turn.axis), 0.1 * turn.mass);
+        EXPECT_LT(turn.friction, 0.002);
+    }
+    EXPECT_EQ(trial.pushes.size(), 3u);
+}
+
+TEST(DeviceTest, AMotorOfTheWristThatPushesTheWrongWayIsFound) {
+    Broken device("", "generic6");
+    device.last_effort = -1;
+    try {
+        EXPECT_THAT(cli::findings(tried(device)), Contains(HasSubstr("a torque about")));
+    } catch (const std::runtime_error& error) {  // turned away from where it is held, it runs off
+        EXPECT_THAT(error.what(), HasSubstr("faster than"));
+    }
+}
+
 TEST(DeviceTest, MissingSamplesAreCounted) {
     Broken device;
     device.stale = 4;
@@ -122,6 +160,7 @@ TEST(DeviceTest, TheProgramSaysItAsTextAndAsJson) {
         nlohmann::json::parse(knurl({"device", "test", "sim:premium15,grip=0", "--virtual", "--json"}).out);
     EXPECT_EQ(json.at("device"), "premium15");
     EXPECT_EQ(json.at("pushes").size(), 3u);
+    EXPECT_TRUE(json.at("turns").empty()) << "it renders no torque";
     EXPECT_GT(json.at("rest").at("round_trip").at("p50"), 0);
     EXPECT_TRUE(json.at("findings").empty());
 }
