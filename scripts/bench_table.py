@@ -2,7 +2,8 @@
 """All results of scripts/bench as one Markdown table: bench_table.py FOLDER.
 
 Google Benchmark's files (*.google.json) become the form that the other programs write, beside them: the
-repetitions' median is p50, and each function is related to the reference that ran shuffled with it."""
+repetitions' median is p50, and each function is related to the reference that ran shuffled with it. All of them
+together are all.json, for bench_compare.py."""
 
 import datetime
 import json
@@ -43,7 +44,7 @@ def from_google(path, machine):
         p50 = statistics.median(times)
         ratio = p50 / statistics.median(samples[reference]) if reference else None
         results.append({"name": name, "unit": "ns", "n": len(times), "p50": p50, "p99": None, "p999": None,
-                        "max": max(times), "reference": reference, "ratio": ratio})
+                        "max": max(times), "reference": reference, "ratio": ratio, "samples": times})
     context = data["context"]
     run = {"machine": dict(machine, load=str(context.get("load_avg", "")), date=context["date"]),
            "results": results}
@@ -52,6 +53,8 @@ def from_google(path, machine):
 
 def this_machine(folder):
     for path in folder.glob("*.json"):
+        if path.name == "all.json":  # of an earlier run
+            continue
         data = json.loads(path.read_text())
         if "machine" in data:
             return data["machine"]
@@ -73,10 +76,12 @@ def main():
     print("\n" + ", ".join(f"{key}: {value}" for key, value in machine.items()))
     print("\n| program | what | unit | n | p50 | p99 | p99.9 | max | beside | ratio |")
     print("|---|---|---|---|---|---|---|---|---|---|")
+    programs = {}
     for path in sorted(folder.glob("*.json")):
-        if path.name.endswith(".google.json"):
+        if path.name.endswith(".google.json") or path.name == "all.json":
             continue
         run = json.loads(path.read_text())
+        programs[path.stem] = run
         for r in run["results"]:
             if path.stem.startswith("latency_bridge") and not OF_THE_BRIDGE.match(r["name"]):
                 continue
@@ -85,6 +90,8 @@ def main():
         for b in run.get("bounds", []):
             print(f"| {path.stem} | {b['name']}: share within {number(b['limit'])} {b['unit']} | | {b['n']} | | | | "
                   f"| its floors' own {number(b['references_within'])} | {number(b['within'] / b['n'])} |")
+    (folder / "all.json").write_text(json.dumps(
+        {"format": {"program": "scripts/bench", "version": 1}, "machine": machine, "programs": programs}) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,24 +1,30 @@
 // knurl latency: how late a touch is, both ways, beside the floors of this machine, in one interleaved run.
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "latency_bound.hpp"
+#include "doctor_machine.hpp"
+#include "latency_compare.hpp"
 #include "latency_echo.hpp"
 #include "latency_floors.hpp"
+#include "latency_load.hpp"
 #include "latency_network.hpp"
+#include "latency_output.hpp"
 #include "latency_paths.hpp"
+#include "latency_record.hpp"
 #include "measure.hpp"
 #include "private_servo.hpp"
 #include "verbs.hpp"
@@ -39,22 +45,21 @@ struct Arguments {
     std::string serve_echo;  // be that echo, and nothing else
     std::string device;      // empty: the only one
     std::uint64_t updates = 10'000;
+    double seconds = 0;  // to measure for; 0: until there are so many updates
     double rate = 1000;  // Hz, of the private servo
     int servo_cpu = -1;  // -1: the last one that we may use
     int priority = 0;    // SCHED_FIFO of the client's thread; 0: ordinary
     std::uint64_t seed = 1;
     double wait = 2;  // s
+    std::string load = "none";
+    double percentile = 0;  // one more than the table has; 0: none
+    std::string compare;    // with this earlier run; empty: with none
+    std::string measured;   // which is compared, instead of measuring
     bool json = false;
     std::string json_file;  // empty: standard output
 };
 
 constexpr const char* network_scheme = "knurl://";
-struct FloorSamples {
-    std::vector<double> ping_pong, eventfd, bare_loop;  // ns
-};
-
-/// Where a report comes from: a floor that is measured here says nothing about another host.
-enum class Way { shared_memory, loopback, network };
 
 /// "host:port"; empty: it is on this box.
 std::string bridge_of(const Arguments& arguments) {
@@ -98,121 +103,74 @@ Client connect(const Arguments& arguments, PrivateServo* servo) {
     }
 }
 
-FloorSamples run_blocks(LatencyPaths& paths, const Placement& placement, NetworkFloors& network,
-                        std::uint64_t updates, bool remote) {
-    FloorSamples floors;
-    const bool terminal = ::isatty(2) != 0;
-    const PathSamples& seen = paths.samples();
-    while (seen.commit_to_write.size() < updates || seen.command.size() < updates / commands_every ||
-           (remote && seen.to_use.size() < updates)) {
-        const std::size_t before = seen.commit_to_write.size();
-        paths.updates_and_spinning_block(long_block);
-        paths.blocking_block(short_block);
-        ping_pong_block(placement, ping_pong_length, floors.ping_pong);
-        paths.descriptor_block(short_block);
-        eventfd_block(placement, short_block, floors.eventfd);
-        network.udp_block(std::max(short_block, udp_calls * paths.round_trip()));
-        if (remote) paths.updates_and_blocking_block(long_block);
-        paths.commands_block(long_block, [&](bool counts) { network.tcp_ping_pong(counts); });
-        bare_loop_block(placement, paths.period(), paths.deadline(), short_block, floors.bare_loop);
-        const std::size_t done = seen.commit_to_write.size();
-        if (terminal)
-            fmt::print(stderr, "\r{} of {} updates ", std::min<std::size_t>(done, updates), updates);
-        if (done == before && seen.lost > 100) {
-            throw std::runtime_error(
-                "the forces of the updates do not arrive; does another claim share the device?");
+std::atomic<bool> interrupted = false;  // by Ctrl-C: what was measured so far is still worth having
+
+/// What was to be measured, or as much of it as there was.
+struct Measurement {
+    LatencyRecord record;
+    std::string ended;  // why there is no more of it; empty: it is complete
+};
+
+bool enough(const Arguments& arguments, const LatencyRecord& record, Nanoseconds end, bool remote) {
+    if (arguments.seconds > 0) return now_ns() >= end;
+    return record.updates() >= arguments.updates && record.commands() >= arguments.updates / commands_every &&
+           (!remote || record.remote_updates() >= arguments.updates);
+}
+
+void run_round(LatencyPaths& paths, const Placement& placement, NetworkFloors& network, bool remote,
+               FloorSamples& floors) {
+    paths.updates_and_spinning_block(long_block);
+    paths.blocking_block(short_block);
+    ping_pong_block(placement, ping_pong_length, floors.ping_pong);
+    paths.descriptor_block(short_block);
+    eventfd_block(placement, short_block, floors.eventfd);
+    network.udp_block(std::max(short_block, udp_calls * paths.round_trip()));
+    if (remote) paths.updates_and_blocking_block(long_block);
+    paths.commands_block(long_block, [&](bool counts) { network.tcp_ping_pong(counts); });
+    bare_loop_block(placement, paths.period(), paths.deadline(), short_block, floors.bare_loop);
+}
+
+Measurement run_blocks(LatencyPaths& paths, const Placement& placement, NetworkFloors& network,
+                       const Arguments& arguments, Way way) {
+    Measurement all{.record = LatencyRecord(paths.period(), way), .ended = {}};
+    const bool terminal = ::isatty(2) != 0, remote = way != Way::shared_memory;
+    const Nanoseconds begin = now_ns(), end = begin + static_cast<Nanoseconds>(arguments.seconds * 1e9);
+    while (all.ended.empty() && !enough(arguments, all.record, end, remote)) {
+        FloorSamples floors;
+        try {
+            run_round(paths, placement, network, remote, floors);
+        } catch (const std::exception& error) {
+            all.ended = error.what();
         }
+        floors.udp_one_way = network.udp_one_way();
+        floors.tcp_round_trip = network.tcp_round_trip();
+        const bool nothing = paths.samples().commit_to_write.empty();
+        all.record.add(paths.samples(), floors);
+        paths.forget();
+        network.forget();
+        if (interrupted && all.ended.empty()) all.ended = "interrupted";
+        if (terminal)
+            fmt::print(stderr, "\r{} updates in {:.0f} s ", all.record.updates(),
+                       static_cast<double>(now_ns() - begin) * 1e-9);
+        if (nothing && all.ended.empty() && paths.samples().lost > 100)
+            all.ended = "the forces of the updates do not arrive; does another claim share the device?";
     }
     if (terminal) fmt::print(stderr, "\r{:40}\r", "");
-    return floors;
+    if (all.record.updates() == 0 && !all.ended.empty()) throw std::runtime_error(all.ended);
+    return all;
 }
 
-std::vector<double> in_microseconds(std::vector<double> samples) {
-    for (double& sample : samples) sample *= 1e-3;
-    return samples;
-}
-
-/// Two things that happen one after the other and know nothing of each other.
-std::vector<double> one_after_another(const std::vector<double>& a, const std::vector<double>& b) {
-    std::vector<double> sums(std::min(a.size(), b.size()));
-    std::transform(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(sums.size()), b.begin(), sums.begin(),
-                   std::plus<>());
-    return sums;
-}
-
-measure::Run summary(const PathSamples& paths, const FloorSamples& floors, const NetworkFloors& network,
-                     Nanoseconds period, Way way, const std::optional<RemoteBound>& bound) {
-    const auto result = [](const char* name, const std::vector<double>& samples) {
-        return measure::summarise(name, "us", in_microseconds(samples));
-    };
-    const auto related = [&](const char* name, const std::vector<double>& samples,
-                             const measure::Result& floor, bool fits) {
-        auto r = result(name, samples);
-        if (fits) measure::relate(r, floor);
-        return r;
-    };
-    const bool local = way == Way::shared_memory;
-    const auto ping_pong = result("floor.cache_line", floors.ping_pong);
-    const auto eventfd = result("floor.eventfd_wake", floors.eventfd);
-    const auto bare_loop = result("floor.bare_loop_lateness", floors.bare_loop);
-    std::vector<double> cycles = paths.wait_for_use;
-    for (double& wait : cycles) wait /= static_cast<double>(period);
-    measure::Run run{
-        .machine = measure::this_machine(),
-        .results = {result("update.commit_to_write", paths.commit_to_write),
-                    result("update.age_at_use", paths.wait_for_use),
-                    measure::summarise("update.age_at_use_cycles", "cyc", std::move(cycles)),
-                    measure::summarise("update.cycles_overlooked", "cyc", paths.overlooked),
-                    result("update.report_age_at_use", paths.report_age),
-                    related("report.spinning", paths.spinning, ping_pong, local),
-                    related("report.blocking", paths.blocking, eventfd, local),
-                    related("report.descriptor", paths.descriptor, eventfd, local),
-                    result("report.spinning_from_deadline", paths.spinning_deadline),
-                    result("report.blocking_from_deadline", paths.blocking_deadline),
-                    result("report.descriptor_from_deadline", paths.descriptor_deadline),
-                    related("servo.lateness", paths.servo_lateness, bare_loop, way != Way::network),
-                    ping_pong, eventfd, bare_loop}};
-    if (local) {
-        run.results.push_back(result("command.round_trip", paths.command));
-        run.results.push_back(related("command.less_cycle_wait", paths.command_less_wait, eventfd, true));
-        return run;
-    }
-    // Over a network a report wakes the bridge, goes one way, and wakes the reader; an answer likewise.
-    const auto& udp = network.udp_one_way();
-    const auto& tcp = network.tcp_round_trip();
-    const auto wake_and_udp = result("floor.wake_and_udp", one_after_another(floors.eventfd, udp));
-    const auto round_trip = result("floor.tcp_round_trip", tcp);
-    const auto wake_and_tcp = result("floor.wake_and_tcp", one_after_another(floors.eventfd, tcp));
-    for (measure::Result& more : std::vector<measure::Result>{
-             result("update.remote_to_use", paths.to_use), result("update.remote_to_write", paths.to_write),
-             related("report.blocking_after_write", paths.after_write, wake_and_udp, true),
-             result("floor.udp_one_way", udp), wake_and_udp,
-             related("command.round_trip", paths.command, round_trip, true),
-             related("command.less_cycle_wait", paths.command_less_wait, wake_and_tcp, true), round_trip,
-             wake_and_tcp})
-        run.results.push_back(std::move(more));
-    if (bound) run.bounds.push_back(bound->use);
-    return run;
-}
-
-/// The table, and what is true of all of it.
-std::string to_json(const measure::Run& run, const PathSamples& samples,
-                    const nlohmann::ordered_json& network) {
-    auto all = nlohmann::ordered_json::parse(measure::to_json(run));
-    all["updates"] = {{"merged", samples.merged}, {"lost", samples.lost}};
-    all["network"] = network;
-    return all.dump(2) + "\n";
-}
-
-void show(const Arguments& arguments, const measure::Run& run, const std::string& setting,
-          const std::string& json) {
+void show(const Arguments& arguments, const measure::Run& run, const Aside& aside) {
     if (!arguments.json) {
+        std::string text = aside.text;
+        if (arguments.percentile > 0) text += percentile_text(run, arguments.percentile);
         measure::print(std::cout, run);
-        std::cout << setting << "\n";
+        std::cout << text << std::flush;
         return;
     }
+    const std::string json = to_json(run, aside, arguments.percentile);
     if (arguments.json_file.empty()) {
-        std::cout << json;
+        std::cout << json << std::flush;
         return;
     }
     std::ofstream file(arguments.json_file, std::ios::trunc);
@@ -221,7 +179,7 @@ void show(const Arguments& arguments, const measure::Run& run, const std::string
     if (!file) throw std::runtime_error(arguments.json_file + ": cannot be written");
 }
 
-int run_latency(const Arguments& arguments) {
+void check(const Arguments& arguments) {
     if (arguments.updates < 1)
         throw UsageError("--updates is 0; give 1 or more (10000 for a 99.9th percentile)");
     if (!(arguments.rate >= 500 && arguments.rate <= 20'000)) {
@@ -230,11 +188,67 @@ int run_latency(const Arguments& arguments) {
     if (!(arguments.wait >= 0 && arguments.wait <= 3600)) {
         throw UsageError(fmt::format("--wait is {:g} s; give 0 to 3600 s", arguments.wait));
     }
+    if (!(arguments.seconds >= 0 && arguments.seconds <= 1e6))
+        throw UsageError(fmt::format("--for is {:g} s; give up to 1000000 s", arguments.seconds));
+    if (!(arguments.percentile >= 0 && arguments.percentile < 100))
+        throw UsageError(
+            fmt::format("--percentile is {:g}; give one between 0 and 100", arguments.percentile));
+    const std::size_t needed = arguments.percentile > 0 ? measure::needed_for(arguments.percentile / 100) : 0;
+    if (arguments.seconds == 0 && arguments.measured.empty() && needed > arguments.updates)
+        throw UsageError(
+            fmt::format("--percentile {:g} of {} updates would have fewer than ten of them above it; "
+                        "give --updates {}",
+                        arguments.percentile, arguments.updates, needed));
+    if (!arguments.measured.empty() && arguments.compare.empty())
+        throw UsageError("--measured is compared with an earlier run; name that by --compare OLD.json");
+}
+
+/// Two runs that lie in files.
+int compare_files(const Arguments& arguments, const LatencyFile& before) {
+    const LatencyComparison comparison = compare_runs(before, read_latency_file(arguments.measured));
+    if (arguments.json && !arguments.json_file.empty()) {
+        std::ofstream file(arguments.json_file, std::ios::trunc);
+        file << to_json(comparison).dump(2) << "\n";
+        file.close();
+        if (!file) throw std::runtime_error(arguments.json_file + ": cannot be written");
+    } else {
+        std::cout << (arguments.json ? to_json(comparison).dump(2) + "\n" : to_text(comparison).substr(1));
+    }
+    return 0;
+}
+
+/// Whether a helper's thread gets the priority that it should have; says what is lost, of the private servo
+/// too.
+bool look_at_rights_here(const PrivateServo* servo) {
+    bool real_time = false;
+    std::thread([&real_time] { real_time = measure::run_real_time(waker_priority); }).join();
+    if (!real_time)
+        fmt::print(
+            stderr,
+            "knurl latency: no right to real-time priority (ulimit -r {}): floor.* are those of ordinary "
+            "threads, and standstills of the machine are not told apart; the rest is measured\n",
+            witness_priority);
+    if (servo == nullptr) return real_time;
+    for (const Finding& finding : look_at_rights(servo->said()))
+        if (finding.grade != Grade::good)
+            fmt::print(stderr, "knurl latency: the servo's {}: {}{}\n", finding.what, finding.says,
+                       finding.mend.empty() ? "" : "; mend: " + finding.mend);
+    return real_time;
+}
+
+int run_latency(const Arguments& arguments) {
+    check(arguments);
     if (!arguments.serve_echo.empty()) serve_echo(arguments.serve_echo);
+    // What cannot be read is found out before anything is measured.
+    std::optional<LatencyFile> before;
+    if (!arguments.compare.empty()) before = read_latency_file(arguments.compare);
+    if (!arguments.measured.empty()) return compare_files(arguments, *before);
     const Placement placement = placement_for(arguments);
     const auto own = arguments.connect.empty() ? start_private(arguments, placement) : nullptr;
     Client client = connect(arguments, own.get());
     Claim hand = client.claim(arguments.device);
+    const bool real_time = look_at_rights_here(own.get());
+    const Load load(arguments.load);
     // The client's threads were made before: only this one, which measures, is bound to a CPU.
     if (!measure::pin_this_thread(placement.client_cpu)) {
         fmt::print(stderr, "knurl latency: cannot run on CPU {} alone; figures will be worse\n",
@@ -253,33 +267,60 @@ int run_latency(const Arguments& arguments) {
     const bool remote = way != Way::shared_memory;
     std::optional<measure::Witness> witness;
     if (remote) witness.emplace(measure::allowed_cpus(), witness_priority);
-    const FloorSamples floors = run_blocks(paths, placement, network, arguments.updates, remote);
-    const double rate = hand.device().rate;
-    std::string about_network;
-    nlohmann::ordered_json network_for_programs;  // null: there is none
-    std::optional<RemoteBound> bound;
-    if (remote) {
-        bound = remote_bound(paths.samples(), network.udp_one_way(), floors.eventfd, paths.period(),
-                             witness->gaps());
-        const Network seen = hand.network();
-        about_network = network_text(seen, sizes) + (bound ? to_text(*bound) : "");
-        network_for_programs = network_json(seen, sizes);
-    }
-    hand.release();
+    const double rate = hand.device().rate;  // as long as somebody is there to ask
+    std::signal(SIGINT, [](int) { interrupted = true; });
+    const Measurement seen = run_blocks(paths, placement, network, arguments, way);
+    std::signal(SIGINT, SIG_DFL);
 
-    const PathSamples& samples = paths.samples();
-    const measure::Run run = summary(samples, floors, network, paths.period(), way, bound);
-    show(arguments, run,
-         fmt::format(
-             "\n{} at {:g} Hz on CPU {}, client on CPU {} ({}), seed {}; {} updates merged, {} "
-             "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "
-             "the device's read;\nfloor.cache_line is one way, floor.bare_loop shares the servo's CPU.\n{}",
-             own ? "private servo on sim:cartesian3" : arguments.connect, rate, placement.servo_cpu,
-             placement.client_cpu,
-             arguments.priority > 0 ? fmt::format("SCHED_FIFO {}", arguments.priority) : "ordinary priority",
-             arguments.seed, samples.merged, samples.lost, about_network),
-         to_json(run, samples, network_for_programs));
-    return 0;
+    LatencyFile now{.run = {.machine = measure::this_machine(), .results = seen.record.results()},
+                    .setting = {}};
+    now.setting = {{"servo", own ? "private" : arguments.connect},
+                   {"rate", rate},
+                   {"servo_cpu", placement.servo_cpu},
+                   {"client_cpu", placement.client_cpu},
+                   {"priority", arguments.priority},
+                   {"real_time", real_time},
+                   {"load", arguments.load},
+                   {"load_threads", load.threads()},
+                   {"seed", arguments.seed}};
+    Aside aside{.setting = now.setting,
+                .network = {},
+                .comparison = {},
+                .merged = paths.samples().merged,
+                .lost = paths.samples().lost,
+                .ended = seen.ended,
+                .text = {}};
+    std::string about_network;
+    if (remote) {
+        const auto bound = seen.record.bound(witness->gaps());
+        if (bound) now.run.bounds.push_back(bound->use);
+        about_network = network_text(hand.network(), sizes) + (bound ? to_text(*bound) : "");
+        aside.network = network_json(hand.network(), sizes);
+    }
+    aside.text = fmt::format(
+        "\n{} at {:g} Hz on CPU {}, client on CPU {} ({}), seed {}, load: {}; {} updates merged, {} "
+        "lost.\nupdate.commit_to_write begins at the intended time, at random phase; report.* begin at "
+        "the device's read;\nfloor.cache_line is one way, floor.bare_loop shares the servo's CPU.\n{}",
+        own ? "private servo on sim:cartesian3" : arguments.connect, rate, placement.servo_cpu,
+        placement.client_cpu,
+        arguments.priority > 0 ? fmt::format("SCHED_FIFO {}", arguments.priority) : "ordinary priority",
+        arguments.seed,
+        load.threads() > 0
+            ? fmt::format("{}, {} threads of ordinary priority", arguments.load, load.threads())
+            : "none of ours",
+        aside.merged, aside.lost, about_network);
+    if (before) {
+        const LatencyComparison comparison = compare_runs(*before, now);
+        aside.comparison = to_json(comparison);
+        aside.text += to_text(comparison);
+    }
+    show(arguments, now.run, aside);
+    if (seen.ended.empty()) {
+        hand.release();
+        return 0;
+    }
+    throw std::runtime_error(
+        fmt::format("{}; {} updates were measured until then", seen.ended, seen.record.updates()));
 }
 
 }  // namespace
@@ -305,6 +346,25 @@ void add_latency(CLI::App& program, Run& run) {
                      "at random phase, and at least a quarter as many commands")
         ->capture_default_str()
         ->type_name("N");
+    verb->add_option(
+            "--for", arguments->seconds,
+            "measure for that long, whatever the number of updates; hours take no more memory than minutes")
+        ->type_name("SECONDS")
+        ->excludes("--updates");
+    verb->add_option(
+            "--percentile", arguments->percentile,
+            "one more than the table has; refused where it would have fewer than ten samples above it")
+        ->type_name("P");
+    verb->add_option("--load", arguments->load,
+                     "a thread of ordinary priority on each CPU meanwhile: spin counts, memory moves 32 MiB "
+                     "to and fro")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"none", "spin", "memory"}));
+    verb->add_option("--compare", arguments->compare,
+                     "an earlier run's --json: what became better or worse since, and what may be noise")
+        ->type_name("OLD.json");
+    verb->add_option("--measured", arguments->measured, "compare this run of --json's, and measure nothing")
+        ->type_name("NEW.json");
     verb->add_option("--rate", arguments->rate, "of the private servo")
         ->capture_default_str()
         ->type_name("HZ");
@@ -329,7 +389,13 @@ void add_latency(CLI::App& program, Run& run) {
     verb->footer(
         "A bridge that asks for keys: KNURL_KEY names the file with yours, as for every application "
         "(KNURL_KEY=~/anna.key knurl latency --connect knurl://lab:4096).\n"
-        "A percentile with fewer than ten samples above it is left out (null).");
+        "A percentile with fewer than ten samples above it is left out (null).\n"
+        "Coordinated omission: whoever waits for a late answer before asking again asks too seldom just when "
+        "it is "
+        "late. So updates count from the times at which they were meant to be sent, and where samples are "
+        "due at a "
+        "pace, one that took longer stands also for those that it kept from being taken.\n"
+        "Ctrl-C ends a measurement: what it has seen is printed.");
     verb->callback([&run, arguments, json] {
         arguments->json = json->count() > 0;
         run = [arguments] { return run_latency(*arguments); };

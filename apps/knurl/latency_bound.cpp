@@ -8,11 +8,6 @@ namespace knurl::cli {
 
 namespace {
 
-/// As the table's own.
-std::optional<double> median(std::span<const double> samples) {
-    return measure::summarise("", "ns", {samples.begin(), samples.end()}).p50;
-}
-
 bool meet(const Span& span, const measure::Gap& gap) {
     return gap.begin < span.end && span.begin < gap.end;
 }
@@ -20,12 +15,11 @@ bool meet(const Span& span, const measure::Gap& gap) {
 }  // namespace
 
 std::optional<RemoteBound> remote_bound(const PathSamples& paths, std::span<const double> udp_one_way,
-                                        std::span<const double> wake, Nanoseconds period,
-                                        std::span<const measure::Gap> gaps) {
-    const std::optional<double> way = median(udp_one_way), woken = median(wake);
-    if (!way || !woken || paths.to_use.empty()) return std::nullopt;
+                                        std::span<const double> wake, const FloorMedians& medians,
+                                        Nanoseconds period, std::span<const measure::Gap> gaps) {
+    if (paths.to_use.empty() || udp_one_way.empty() || wake.empty()) return std::nullopt;
     const double cycle = static_cast<double>(period);
-    const double granted = RemoteBound::grace * (*way + *woken);
+    const double granted = RemoteBound::grace * (medians.udp_one_way + medians.wake);
     const double limit = cycle + granted;
     RemoteBound bound;
     bound.use.limit = limit * 1e-3;

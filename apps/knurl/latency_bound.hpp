@@ -23,11 +23,15 @@ struct RemoteBound {
     std::size_t write_within = 0;  // of these updates: also written to the motors
 };
 
-/// None where a floor has too few samples for a median, or nothing was updated. `gaps`: of a witness, while
-/// it was measured.
+struct FloorMedians {
+    double udp_one_way = 0, wake = 0;  // ns
+};
+
+/// None where nothing was updated, or a floor has no sample. `medians` are those of the table, which may have
+/// seen more than the samples here. `gaps`: of a witness, while it was measured.
 std::optional<RemoteBound> remote_bound(const PathSamples& paths, std::span<const double> udp_one_way,
-                                        std::span<const double> wake, Nanoseconds period,
-                                        std::span<const measure::Gap> gaps);
+                                        std::span<const double> wake, const FloorMedians& medians,
+                                        Nanoseconds period, std::span<const measure::Gap> gaps);
 
 /// In a line or two.
 std::string to_text(const RemoteBound& bound);

@@ -26,6 +26,11 @@ class NetworkFloors {
     /// One TCP ping-pong, on a connection that is kept. `counts`: else its connection is still cold.
     void tcp_ping_pong(bool counts);
 
+    /// The samples are somebody else's now.
+    void forget() {
+        udp_samples_.clear();
+        tcp_samples_.clear();
+    }
     const std::vector<double>& udp_one_way() const { return udp_samples_; }     // ns
     const std::vector<double>& tcp_round_trip() const { return tcp_samples_; }  // ns
 

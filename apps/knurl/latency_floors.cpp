@@ -17,12 +17,17 @@ namespace {
 
 constexpr std::size_t cold_samples = 2;
 
-/// Takes samples, less the cold ones.
+/// Takes samples, less the cold ones. Where one is due every `interval`, one that took longer kept others
+/// from being taken; they would have waited from their own time on.
 struct Collector {
     std::vector<double>& samples;
+    Nanoseconds interval = 0;  // 0: each begins when the one before is done
     std::size_t seen = 0;
     void take(Nanoseconds value) {
-        if (seen++ >= cold_samples) samples.push_back(static_cast<double>(value));
+        if (seen++ < cold_samples) return;
+        samples.push_back(static_cast<double>(value));
+        if (interval == 0) return;
+        for (value -= interval; value > 0; value -= interval) samples.push_back(static_cast<double>(value));
     }
 };
 
@@ -95,7 +100,7 @@ void eventfd_block(const Placement& placement, Nanoseconds length, std::vector<d
         }
         done.store(true, std::memory_order_release);
     });
-    Collector collector{samples};
+    Collector collector{samples, pace};
     constexpr int look_again_ms = 20;
     while (!done.load(std::memory_order_acquire)) {
         asleep.store(true, std::memory_order_release);
@@ -113,7 +118,7 @@ void bare_loop_block(const Placement& placement, Nanoseconds period, Nanoseconds
                      std::vector<double>& samples) {
     const Nanoseconds begin = now_ns();
     const Nanoseconds first = phase + ((begin - phase) / period + 2) * period + period / 2;
-    Collector collector{samples};
+    Collector collector{samples, period};
     for (const Nanoseconds late : measure::bare_loop({.cpu = placement.servo_cpu,
                                   .priority = placement.priority,
                                   .first = first,

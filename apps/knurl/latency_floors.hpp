@@ -22,7 +22,8 @@ struct Placement {
 bool ready(int fd, short events, Nanoseconds until);
 
 // Each runs for about `length` and appends samples in ns. The first two of a block are left out: caches are
-// cold.
+// cold. Where samples are due at a pace, one that took longer than that stands for those that it kept from
+// being taken as well, each from its own time on (coordinated omission).
 
 /// A cache line goes from one CPU to the other; half of a round trip. Nothing if both are the same CPU.
 void ping_pong_block(const Placement& placement, Nanoseconds length, std::vector<double>& samples);

@@ -69,13 +69,27 @@ void LatencyPaths::commit_update(Nanoseconds intended) {
                         .basis_read = newest_ ? newest_->read_ns : 0});
 }
 
+void LatencyPaths::forget() {
+    PathSamples fresh;
+    fresh.merged = samples_.merged;
+    fresh.lost = samples_.lost;
+    samples_ = std::move(fresh);
+}
+
 void LatencyPaths::see(const HandReport& report) {
+    const Nanoseconds last_deadline =
+        newest_ && newest_->cycle + 1 == report.cycle ? newest_->deadline_ns : report.deadline_ns;
     newest_ = report;
     clock_offset_ = hand_.network().clock_offset.count();  // moves while it is learned
     reads_.push_back(report.read_ns);
     if (reads_.size() > remembered_cycles) reads_.pop_front();
     if (cold_ > 0) return;
     samples_.servo_lateness.push_back(static_cast<double>(report.read_ns - report.deadline_ns));
+    // After a standstill a servo begins a new row of deadlines: the cycles that it left out were late, too.
+    constexpr Nanoseconds at_most = 1'000'000'000;
+    for (Nanoseconds due = std::max(last_deadline, report.deadline_ns - at_most) + period_;
+         due <= report.deadline_ns - period_; due += period_)
+        samples_.servo_lateness.push_back(static_cast<double>(report.read_ns - due));
 }
 
 void LatencyPaths::note(const HandReport& report, Nanoseconds had, std::vector<double>& from_read,
@@ -124,7 +138,7 @@ void LatencyPaths::updates_block(Nanoseconds length, bool spinning) {
         return period_ + static_cast<Nanoseconds>(static_cast<double>(period_) * random());
     };
     Nanoseconds due = now_ns() + step();
-    for (Nanoseconds now = now_ns(); now < end || !pending_.empty(); now = now_ns()) {
+    for (Nanoseconds now = now_ns(); now < end || due < end || !pending_.empty(); now = now_ns()) {
         if (now > end + last_use_within) break;
         if (now >= due && due < end) {
             commit_update(due);

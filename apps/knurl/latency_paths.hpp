@@ -29,7 +29,7 @@ struct PathSamples {
     std::vector<double> spinning, blocking, descriptor;  // read of the device -> the client has the report
     std::vector<double> spinning_deadline, blocking_deadline,
         descriptor_deadline;             // from the cycle's deadline
-    std::vector<double> servo_lateness;  // deadline -> the device has been read
+    std::vector<double> servo_lateness;  // deadline -> the device has been read; of cycles left out as well
     std::vector<double>
         overlooked;  // per update, the cycles that began after its commit and did not use it: 0
     std::vector<double>
@@ -63,6 +63,8 @@ class LatencyPaths {
     void commands_block(Nanoseconds length, const std::function<void(bool counts)>& beside);
 
     const PathSamples& samples() const { return samples_; }
+    /// The samples are somebody else's now; the counts go on.
+    void forget();
     Nanoseconds period() const { return period_; }
     /// To the bridge and back, as the clocks are told; 0 on one box.
     Nanoseconds round_trip() const { return hand_.network().round_trip.count(); }

@@ -121,8 +121,10 @@ void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds
     for (Nanoseconds at = begin + pace; at < end; at = std::max(at + pace, now_ns())) {
         sleep_until(at);
         const Nanoseconds sent = now_ns();
-        if (caller.call(datagram, end) && answered++ >= cold_samples)
-            samples.push_back(static_cast<double>(now_ns() - sent) / 2);
+        if (!caller.call(datagram, end) || answered++ < cold_samples) continue;
+        // Those that were due meanwhile would have waited from their own time on.
+        for (Nanoseconds took = now_ns() - sent; took > 0; took -= pace)
+            samples.push_back(static_cast<double>(took) / 2);
     }
 }
 

@@ -58,6 +58,7 @@ PrivateServo::PrivateServo(const std::vector<std::string>& arguments)
     if (pid_ == 0) {
         ::prctl(PR_SET_PDEATHSIG, SIGTERM);
         if (::getppid() != parent) ::_exit(1);
+        ::setpgid(0, 0);  // Ctrl-C is for who measures: it ends the servo when it is done
         const int file = ::open(log.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0600);
         ::dup2(file, 1);
         ::dup2(file, 2);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <stdexcept>
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
@@ -17,8 +18,6 @@
 namespace knurl::measure {
 
 namespace {
-
-constexpr std::size_t least_above = 10;  // samples above a percentile that is worth stating
 
 std::string first_line(const char* path) {
     std::ifstream file(path);
@@ -90,6 +89,29 @@ nlohmann::ordered_json or_null(const std::optional<T>& value) {
     return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
+nlohmann::ordered_json to_json(const Histogram& histogram) {
+    auto buckets = nlohmann::ordered_json::array();
+    for (const auto& [lower, count] : histogram.buckets()) buckets.push_back({lower, count});
+    return buckets;
+}
+
+/// A line in a text that is indented else: `all` has the string `token` where `value` belongs.
+void put_line(std::string& all, const std::string& token, const nlohmann::ordered_json& value) {
+    const std::string quoted = "\"" + token + "\"";
+    all.replace(all.find(quoted), quoted.size(), value.dump());
+}
+
+Histogram histogram_from(const nlohmann::json& buckets) {
+    Histogram made;
+    for (const auto& bucket : buckets) {
+        const double lower = bucket.at(0);
+        if (Histogram::lower_edge(lower) != lower || !bucket.at(1).is_number_unsigned())
+            throw std::runtime_error("a bucket " + bucket.dump() + " is none of ours");
+        made.record(lower, bucket.at(1));
+    }
+    return made;
+}
+
 std::string column(const std::optional<double>& value) {
     if (!value) return "-";
     char text[32];
@@ -122,6 +144,20 @@ Result summarise(std::string name, std::string unit, std::vector<double> samples
     result.p99 = percentile(samples, 0.99);
     result.p999 = percentile(samples, 0.999);
     result.max = samples.back();
+    return result;
+}
+
+Result summarise_blocks(std::string name, std::string unit, const Blocks& samples) {
+    const Histogram all = merged(samples.all());
+    Result result;
+    result.name = std::move(name);
+    result.unit = std::move(unit);
+    result.n = all.count();
+    result.p50 = all.percentile(0.5);
+    result.p99 = all.percentile(0.99);
+    result.p999 = all.percentile(0.999);
+    result.max = all.max();
+    result.blocks = samples.all();
     return result;
 }
 
@@ -158,7 +194,12 @@ std::string to_json(const Run& run) {
     using Json = nlohmann::ordered_json;
     const Machine& m = run.machine;
     Json results = Json::array();
-    for (const Result& r : run.results)
+    std::vector<std::pair<std::string, Json>> lines;
+    const auto line = [&lines](Json value) {
+        lines.emplace_back("line " + std::to_string(lines.size()), std::move(value));
+        return lines.back().first;
+    };
+    for (const Result& r : run.results) {
         results.push_back({{"name", r.name},
                            {"unit", r.unit},
                            {"n", r.n},
@@ -168,6 +209,12 @@ std::string to_json(const Run& run) {
                            {"max", r.max},
                            {"reference", or_null(r.reference)},
                            {"ratio", or_null(r.ratio)}});
+        if (r.blocks.empty()) continue;
+        Json blocks = Json::array();
+        for (const Histogram& block : r.blocks) blocks.push_back(to_json(block));
+        results.back()["histogram"] = line(to_json(merged(r.blocks)));
+        results.back()["blocks"] = line(std::move(blocks));
+    }
     Json bounds = Json::array();
     for (const Bound& b : run.bounds)
         bounds.push_back({{"name", b.name},
@@ -187,7 +234,45 @@ std::string to_json(const Run& run) {
                         {"date", m.date}}},
                       {"results", results},
                       {"bounds", bounds}};
-    return all.dump(2);
+    std::string text = all.dump(2);
+    for (const auto& [token, value] : lines) put_line(text, token, value);
+    return text;
+}
+
+Run from_json(const std::string& text) {
+    try {
+        const auto all = nlohmann::json::parse(text);
+        const auto& m = all.at("machine");
+        Run run{.machine = {.processor = m.at("processor"),
+                            .cpus = m.at("cpus"),
+                            .kernel = m.at("kernel"),
+                            .load = m.at("load"),
+                            .idle = m.at("idle"),
+                            .build = m.at("build"),
+                            .date = m.at("date")},
+                .results = {}};
+        const auto number = [](const nlohmann::json& value) {
+            return value.is_null() ? std::nullopt : std::optional<double>(value.get<double>());
+        };
+        for (const auto& r : all.at("results")) {
+            Result result;
+            result.name = r.at("name");
+            result.unit = r.at("unit");
+            result.n = r.at("n");
+            result.p50 = number(r.at("p50"));
+            result.p99 = number(r.at("p99"));
+            result.p999 = number(r.at("p999"));
+            result.max = r.at("max");
+            if (!r.at("reference").is_null()) result.reference = r.at("reference");
+            result.ratio = number(r.at("ratio"));
+            if (r.contains("blocks"))
+                for (const auto& block : r.at("blocks")) result.blocks.push_back(histogram_from(block));
+            run.results.push_back(std::move(result));
+        }
+        return run;
+    } catch (const nlohmann::json::exception& error) {
+        throw std::runtime_error(error.what());
+    }
 }
 
 bool pin_this_thread(unsigned cpu) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "histogram.hpp"
+
 #if defined(__x86_64__)
 #include <x86intrin.h>
 #else
@@ -36,10 +38,14 @@ struct Result {
     double max = 0;
     std::optional<std::string> reference;  // the name of what it was interleaved with in the same run
     std::optional<double> ratio;           // of the medians, to the reference
+    std::vector<Histogram> blocks{};       // of the run, for who compares it with another; may be empty
 };
 
 /// `samples` in any order; may be empty (then everything but the name is missing).
 Result summarise(std::string name, std::string unit, std::vector<double> samples);
+
+/// To the histograms' resolution; keeps the blocks.
+Result summarise_blocks(std::string name, std::string unit, const Blocks& samples);
 
 /// States `result` as a multiple of `reference`.
 void relate(Result& result, const Result& reference);
@@ -65,8 +71,11 @@ void print(std::ostream& out, const Run& run);
 
 /// {"machine": {...}, "results": [{"name", "unit", "n", "p50", "p99", "p999", "max", "reference", "ratio"}],
 ///  "bounds": [{"name", "unit", "limit", "n", "within", "references_within", "stalled"}]}
-/// What is missing is null.
+/// What is missing is null. A result that has blocks has "histogram": [[lower edge, count], ...], and the
+/// same of each block in "blocks", each on one line.
 std::string to_json(const Run& run);
+/// What to_json() wrote, but for the bounds. Throws std::runtime_error: the text is something else.
+Run from_json(const std::string& text);
 
 /// False if this CPU is not ours to choose.
 bool pin_this_thread(unsigned cpu);

@@ -10,11 +10,21 @@ namespace knurl::test {
 namespace {
 
 using cli::PathSamples;
-using cli::remote_bound;
 using testing::HasSubstr;
 
 constexpr cli::Nanoseconds period = 1'000'000;
 const std::vector<double> udp(50, 20'000), wake(50, 50'000);  // ns: with a grace of 1.2 they are 84'000
+
+/// With the medians of these very samples.
+std::optional<cli::RemoteBound> remote_bound(const PathSamples& paths, std::vector<double> ways,
+                                             std::vector<double> wakes, cli::Nanoseconds cycle,
+                                             std::span<const measure::Gap> gaps) {
+    const auto median = [](std::vector<double> samples) {
+        return measure::summarise("", "ns", std::move(samples)).p50.value_or(0);
+    };
+    return cli::remote_bound(paths, ways, wakes, {.udp_one_way = median(ways), .wake = median(wakes)}, cycle,
+                             gaps);
+}
 
 /// Updates one after another, each in use after that many ns and written 10 us later.
 PathSamples updates(const std::vector<double>& to_use) {

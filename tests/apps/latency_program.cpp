@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -9,6 +11,7 @@
 #include <latency_udp.hpp>
 #include <nlohmann/json.hpp>
 #include <proxy.hpp>
+#include <unistd.h>
 
 #include "../client/bridge_process.hpp"
 #include "program.hpp"
@@ -91,6 +94,94 @@ TEST_F(Latency, StatesEachWayAsAMultipleOfItsFloor) {
         const double expected = result["p50"].get<double>() / named(all, floor)["p50"].get<double>();
         EXPECT_NEAR(result["ratio"], expected, 1e-9 * std::abs(expected));
     }
+}
+
+TEST_F(Latency, EachSampleIsInABlockAndInTheHistogram) {
+    const auto count = [](const json& histogram) {
+        std::uint64_t n = 0;
+        for (const json& bucket : histogram) n += bucket.at(1).get<std::uint64_t>();
+        return n;
+    };
+    for (const json& result : all["results"]) {
+        std::uint64_t in_blocks = 0;
+        for (const json& block : result["blocks"]) in_blocks += count(block);
+        EXPECT_EQ(in_blocks, result["n"]) << result["name"];
+        EXPECT_EQ(count(result["histogram"]), result["n"]) << result["name"];
+        // Blocks of one round each: block i of a path and of its floor are of the same moments.
+        EXPECT_EQ(result["blocks"].size(), all["results"][0]["blocks"].size()) << result["name"];
+    }
+}
+
+TEST_F(Latency, SaysWhatItIsAndWhatElseTheMachineDid) {
+    EXPECT_EQ(all.at("format").at("program"), "knurl latency");
+    EXPECT_EQ(all.at("setting").at("load"), "none");
+    EXPECT_EQ(all.at("setting").at("servo"), "private");
+    EXPECT_TRUE(all.at("ended").is_null());
+}
+
+TEST(LatencyOf, ATimeUnderAStatedLoadComparedWithAnEarlierRun) {
+    const Folder folder;
+    const std::string path = folder.path("old.json");
+    const json old = measured({"--for", "0.3", "--load", "memory"});
+    std::ofstream(path) << old;
+    EXPECT_EQ(old.at("setting").at("load"), "memory");
+    EXPECT_GT(old.at("setting").at("load_threads"), 0);
+    const json all = measured({"--for", "0.3", "--compare", path, "--percentile", "75"});
+    std::set<std::string> names;
+    for (const json& compared : all.at("comparison").at("paths")) {
+        names.insert(compared.at("name"));
+        EXPECT_EQ(compared.at("verdict"), "undecided") << "of so few blocks";
+    }
+    EXPECT_TRUE(names.contains("update.commit_to_write"));
+    EXPECT_THAT(all.at("comparison").at("warnings"), testing::Contains("`load` was \"memory\", is \"none\""));
+    EXPECT_EQ(all.at("percentile").at("of"), 75);
+    EXPECT_TRUE(all.at("percentile").at("values").contains("servo.lateness"));
+}
+
+TEST(LatencyOf, WithoutRightsItSaysWhatIsLostAndMeasuresTheRest) {
+#if defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "knurld asks for no real-time priority in a build with ThreadSanitizer";
+#endif
+    if (geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
+    const Folder folder;
+    std::filesystem::permissions(folder.path(""), std::filesystem::perms(0755));
+    // The folder that they were built in may be closed to nobody.
+    for (const auto& [from, name] :
+         {std::pair{knurl_program(), "knurl"}, std::pair{knurld_program(), "knurld"}})
+        std::filesystem::copy_file(from, folder.path(name));
+    const Outcome outcome =
+        run({"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "--bounding-set=-all", "/usr/bin/prlimit",
+             "--rtprio=0", "--memlock=65536", folder.path("knurl"), "latency", "--updates", "20", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, testing::HasSubstr("no right to real-time priority"));
+    EXPECT_THAT(outcome.err, testing::HasSubstr("the servo's real-time priority: "));
+    const json all = json::parse(outcome.out);
+    EXPECT_EQ(all.at("setting").at("real_time"), false);
+    EXPECT_GE(named(all, "update.commit_to_write")["n"], 20);
+}
+
+TEST(LatencyOf, AServoThatEndsLeavesWhatWasMeasuredUntilThen) {
+    const Home home;
+    Servo servo({"--name", "mine", "--device", "sim:cartesian3"});
+    Background latency({knurl_program(), "latency", "--connect", "knurl:mine", "--for", "600", "--json",
+                        home.path("L.json")});
+    // Each update is a batch: once the force is there these are of some blocks.
+    std::uint64_t before = 0;
+    ASSERT_TRUE(eventually([&] {
+        const json servos = json::parse(knurl({"ls", "--json"}).out);
+        const json& clients = servos.at("servos").at(0).at("devices").at(0).at("clients");
+        if (clients.empty() || clients.at(0).at("gain") < 1) return false;
+        const std::uint64_t updates = clients.at(0).at("updates");
+        if (before == 0) before = updates;
+        return updates > before + 200;
+    }));
+    servo.end(SIGKILL);
+    EXPECT_TRUE(latency.says("updates were measured until then")) << latency.said();
+    EXPECT_EQ(std::count(latency.said().begin(), latency.said().end(), '\n'), 1) << latency.said();
+    EXPECT_EQ(latency.end(0), 1);
+    const json all = json::parse(text_of_file(home.path("L.json")));
+    EXPECT_GT(named(all, "update.commit_to_write")["n"], 0);
+    EXPECT_TRUE(all.at("ended").is_string());
 }
 
 TEST(LatencyOf, ARunningServoIsMeasuredByName) {
@@ -229,7 +320,13 @@ TEST(LatencyRefuses, WhatItCannotMeasureInOneLine) {
          {Case{{"--updates", "0"}, "--updates is 0"}, Case{{"--rate", "100"}, "500 to 20000 Hz"},
           Case{{"--connect", "knurl:nobody", "--wait", "0"}, "nobody"}, Case{{"--wait", "-1"}, "0 to 3600 s"},
           Case{{"--connect", "knurl://127.0.0.1:1", "--wait", "0"}, "127.0.0.1:1"},
-          Case{{"--serve-echo", "127.0.0.1:none"}, "127.0.0.1:none"}}) {
+          Case{{"--serve-echo", "127.0.0.1:none"}, "127.0.0.1:none"},
+          Case{{"--percentile", "99.99"},
+               "--percentile 99.99 of 10000 updates would have fewer than ten of them above it; give "
+               "--updates 100000"},
+          Case{{"--percentile", "100"}, "--percentile is 100; give one between 0 and 100"},
+          Case{{"--for", "-1"}, "--for is -1 s"}, Case{{"--for", "1", "--updates", "5"}, "excludes"},
+          Case{{"--load", "heavy"}, "--load"}, Case{{"--measured", "x.json"}, "name that by --compare"}}) {
         auto words = c.words;
         words.insert(words.begin(), "latency");
         const Outcome outcome = knurl(words);

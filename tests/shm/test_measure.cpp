@@ -51,6 +51,29 @@ TEST(Ratio, IsThatOfTheMediansAndMissingWhereOneIs) {
     EXPECT_FALSE(few.ratio);
 }
 
+TEST(Json, IsReadAsItWasWritten) {
+    Blocks blocks;
+    for (int i = 0; i < 50; ++i) blocks.add({0, 0.25 + i, 1e3 + i}, 1.1);
+    measure::Run run{.machine = this_machine(), .results = {summarise_blocks("a", "us", blocks)}};
+    run.results.push_back(summarise("beside \"line 0\"", "us", one_to(30)));
+    relate(run.results[0], run.results[1]);
+    const measure::Run copy = from_json(to_json(run));
+    ASSERT_EQ(copy.results.size(), 2u);
+    EXPECT_EQ(copy.machine.kernel, run.machine.kernel);
+    EXPECT_EQ(copy.results[0].p50, run.results[0].p50);
+    EXPECT_EQ(copy.results[0].p99, std::nullopt);
+    EXPECT_EQ(copy.results[0].reference, run.results[1].name);
+    EXPECT_EQ(copy.results[0].ratio, run.results[0].ratio);
+    ASSERT_EQ(copy.results[0].blocks.size(), 50u);
+    for (std::size_t i = 0; i < 50; ++i)
+        EXPECT_EQ(copy.results[0].blocks[i].buckets(), run.results[0].blocks[i].buckets());
+    EXPECT_TRUE(copy.results[1].blocks.empty());
+    const std::string text = to_json(run);
+    EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 60) << "blocks are a line each";
+    for (const char* foreign : {"", "{}", "[]", R"({"machine": 3})"})
+        EXPECT_THROW(from_json(foreign), std::runtime_error);
+}
+
 TEST(Json, HasTheMachineAndNullsForWhatIsMissing) {
     const measure::Run run{.machine = this_machine(), .results = {summarise("a \"name\"", "us", one_to(30))}};
     const auto json = nlohmann::json::parse(to_json(run));

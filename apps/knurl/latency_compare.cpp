@@ -1,0 +1,172 @@
+#include "latency_compare.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace knurl::cli {
+
+namespace {
+
+constexpr double share_of_false_alarms = 0.05;  // of all verdicts of a comparison together
+
+using measure::Result;
+
+const Result* find(const measure::Run& run, const std::string& name) {
+    const auto found = std::ranges::find(run.results, name, &Result::name);
+    return found == run.results.end() ? nullptr : &*found;
+}
+
+/// With the reference of the same moments, if `with` is one.
+measure::Measured measured(const measure::Run& run, const Result& result, bool with) {
+    measure::Measured made{.blocks = result.blocks, .reference = {}};
+    const Result* beside = with ? find(run, *result.reference) : nullptr;
+    if (beside != nullptr) made.reference = beside->blocks;
+    return made;
+}
+
+std::vector<std::string> warnings(const LatencyFile& before, const LatencyFile& now) {
+    std::vector<std::string> all;
+    const measure::Machine &old_machine = before.run.machine, &machine = now.run.machine;
+    const auto differ = [&](const char* what, const std::string& was, const std::string& is) {
+        if (was != is) all.push_back(fmt::format("{} was {}, is {}", what, was, is));
+    };
+    differ("the machine's processor", old_machine.processor, machine.processor);
+    differ("the number of CPUs", std::to_string(old_machine.cpus), std::to_string(machine.cpus));
+    differ("the kernel", old_machine.kernel, machine.kernel);
+    differ("what idle CPUs do", old_machine.idle, machine.idle);
+    differ("the compiler", old_machine.build, machine.build);
+    for (const char* key : {"servo", "rate", "priority", "real_time", "load"}) {
+        const auto value = [key](const LatencyFile& file) {
+            return file.setting.contains(key) ? file.setting.at(key).dump() : std::string("not known");
+        };
+        differ(fmt::format("`{}`", key).c_str(), value(before), value(now));
+    }
+    return all;
+}
+
+std::string number(const std::optional<double>& value) {
+    return value ? fmt::format("{:.3g}", *value) : "-";
+}
+
+}  // namespace
+
+LatencyFile read_latency_file(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file)
+        throw std::runtime_error(
+            fmt::format("{}: cannot be read: {}; give a file that knurl latency --json wrote", path,
+                        std::strerror(errno)));
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const auto foreign = [&path](const std::string& why) {
+        return std::runtime_error(fmt::format(
+            "{}: is not what knurl latency --json writes ({}); measure with --json FILE, and give that file",
+            path, why));
+    };
+    nlohmann::json all;
+    try {
+        all = nlohmann::json::parse(text);
+    } catch (const nlohmann::json::exception& error) {
+        throw foreign(error.what());
+    }
+    const auto format = all.is_object() && all.contains("format") ? all["format"] : nlohmann::json();
+    if (!format.is_object() || format.value("program", nlohmann::json()) != LatencyFile::program)
+        throw foreign("it does not say so in \"format\"");
+    const auto version = format.value("version", nlohmann::json());
+    if (version != LatencyFile::version)
+        throw std::runtime_error(fmt::format(
+            "{}: has version {} of the format, this program reads {}; measure again with this one", path,
+            version.dump(), LatencyFile::version));
+    try {
+        LatencyFile read{.run = measure::from_json(text), .setting = {}};
+        if (!all.contains("setting") || !all["setting"].is_object())
+            throw std::runtime_error("it has no \"setting\"");
+        read.setting = all["setting"];
+        return read;
+    } catch (const std::exception& error) {
+        throw foreign(error.what());
+    }
+}
+
+LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now) {
+    LatencyComparison all{.date = before.run.machine.date, .warnings = warnings(before, now), .paths = {}};
+    for (const Result& result : now.run.results) {
+        // That one is 0, or something is broken.
+        if (find(before.run, result.name) == nullptr || result.name == "update.cycles_overlooked") continue;
+        for (const double q : {0.5, 0.99}) {
+            PathComparison& path = all.paths.emplace_back();
+            path.name = result.name;
+            path.q = q;
+        }
+    }
+    all.confidence =
+        1 - share_of_false_alarms / static_cast<double>(std::max<std::size_t>(1, all.paths.size()));
+    for (PathComparison& path : all.paths) {
+        const Result &was = *find(before.run, path.name), &is = *find(now.run, path.name);
+        path.before = path.q == 0.5 ? was.p50 : was.p99;
+        path.now = path.q == 0.5 ? is.p50 : is.p99;
+        const bool beside = was.ratio && is.ratio && was.reference == is.reference;
+        if (beside) path.reference = is.reference;
+        path.result = measure::compare(measured(before.run, was, beside), measured(now.run, is, beside),
+                                       path.q, {.confidence = all.confidence});
+    }
+    return all;
+}
+
+std::string to_text(const LatencyComparison& comparison) {
+    std::string text = fmt::format(
+        "\ncompared with the run of {}; each verdict at {:.2f} %, so that of twenty pairs of equal runs at "
+        "most one "
+        "has any:\n",
+        comparison.date, comparison.confidence * 100);
+    for (const std::string& warning : comparison.warnings)
+        text += fmt::format("not alike: {}; the difference may be that\n", warning);
+    text += fmt::format("{:<34} {:>4} {:>8} {:>8}  {:<24} {}\n", "what", "", "was", "is", "new to old",
+                        "verdict");
+    for (const PathComparison& path : comparison.paths) {
+        const measure::Comparison& r = path.result;
+        text += fmt::format("{:<34} {:>4} {:>8} {:>8}  ", path.name, fmt::format("p{:g}", path.q * 100),
+                            number(path.before), number(path.now));
+        if (!r.problem.empty())
+            text += fmt::format("{:<24} undecided: {}\n", "-", r.problem);
+        else
+            text += fmt::format(
+                "{:<24} {}{}\n",
+                fmt::format("{:.2f} ({:.2f} to {:.2f})", r.ratio, r.interval.low, r.interval.high),
+                measure::name_of(r.verdict), path.reference ? ", beside " + *path.reference : "");
+    }
+    return text +
+           "What has a floor is compared as a multiple of that floor's median; floor.* is the machine.\n";
+}
+
+nlohmann::ordered_json to_json(const LatencyComparison& comparison) {
+    auto paths = nlohmann::ordered_json::array();
+    const auto or_null = [](const auto& value) {
+        return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+    };
+    for (const PathComparison& path : comparison.paths) {
+        const measure::Comparison& r = path.result;
+        const bool known = r.problem.empty();
+        paths.push_back({{"name", path.name},
+                         {"percentile", path.q * 100},
+                         {"before", or_null(path.before)},
+                         {"now", or_null(path.now)},
+                         {"reference", or_null(path.reference)},
+                         {"ratio", known ? nlohmann::ordered_json(r.ratio) : nlohmann::ordered_json()},
+                         {"low", known ? nlohmann::ordered_json(r.interval.low) : nlohmann::ordered_json()},
+                         {"high", known ? nlohmann::ordered_json(r.interval.high) : nlohmann::ordered_json()},
+                         {"verdict", measure::name_of(r.verdict)},
+                         {"problem", known ? nlohmann::ordered_json() : nlohmann::ordered_json(r.problem)}});
+    }
+    return {{"date", comparison.date},
+            {"confidence", comparison.confidence},
+            {"warnings", comparison.warnings},
+            {"paths", paths}};
+}
+
+}  // namespace knurl::cli

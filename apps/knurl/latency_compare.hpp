@@ -1,0 +1,51 @@
+#pragma once
+// Two runs of `knurl latency`: what became better or worse, and what may be noise.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "compare.hpp"
+#include "measure.hpp"
+
+namespace knurl::cli {
+
+/// What `knurl latency --json` leaves behind.
+struct LatencyFile {
+    static constexpr const char* program = "knurl latency";
+    static constexpr int version = 1;
+
+    measure::Run run;
+    nlohmann::ordered_json setting;  // of the measurement: servo, rate, load, ...
+};
+
+/// Throws std::runtime_error, with what to do: it cannot be read, is none of ours, or of another version.
+LatencyFile read_latency_file(const std::string& path);
+
+/// Of one result in both runs, the percentile q. Where it has a floor it is compared as a multiple of it.
+struct PathComparison {
+    std::string name;
+    double q = 0;
+    std::optional<double> before, now;  // us
+    std::optional<std::string> reference;
+    measure::Comparison result;
+};
+
+struct LatencyComparison {
+    std::string date;       // of the old run
+    double confidence = 0;  // of each verdict
+    std::vector<std::string>
+        warnings;  // another machine, another load, ...: what the difference may be as well
+    std::vector<PathComparison> paths;
+};
+
+/// Medians and 99th percentiles of what both have. All verdicts together are wrong for one in twenty pairs of
+/// equal runs at most.
+LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now);
+
+std::string to_text(const LatencyComparison& comparison);
+nlohmann::ordered_json to_json(const LatencyComparison& comparison);
+
+}  // namespace knurl::cli

@@ -1,0 +1,194 @@
+#!/usr/bin/python3
+"""What got slower between two runs of scripts/bench: bench_compare.py OLD.json NEW.json (out/bench/all.json of each).
+
+Each thing is compared as a multiple of the reference that ran interleaved with it, so that a machine that was slower as
+a whole is no difference. How sure that is comes from a bootstrap over the run's blocks (repetitions of a function,
+stretches of a long measurement), at least 30 in each. All verdicts together are wrong for one in twenty pairs of equal
+runs at most. Exit status 1: something got slower by more than 5 %, whatever the noise; 2: these are not two such runs.
+Two runs of one build differ by a few per cent in where code and data lie, which no block of either run shows; hence
+the 5 %."""
+
+import json
+import sys
+
+import numpy as np
+
+FORMAT = {"program": "scripts/bench", "version": 1}
+LEAST_BLOCKS, LEAST_ABOVE, RESAMPLES = 30, 10, 4000
+FALSE_ALARMS, MARGIN = 0.05, 1.05
+SMALLEST = 2.0**-10
+
+
+class Foreign(Exception):
+    """A file that cannot be compared: why, and what to do."""
+
+
+def read(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            data = json.load(file)
+    except OSError as error:
+        raise Foreign(f"{path}: cannot be read ({error.strerror}); give the all.json of a run of scripts/bench") from error
+    except ValueError as error:
+        raise Foreign(f"{path} is no JSON ({error}); give the all.json of a run of scripts/bench") from error
+    form = data.get("format") if isinstance(data, dict) else None
+    if not isinstance(form, dict) or form.get("program") != FORMAT["program"]:
+        raise Foreign(f"{path} is not what scripts/bench writes; give the all.json of a run of it")
+    if form.get("version") != FORMAT["version"]:
+        raise Foreign(f"{path} has version {form.get('version')} of the format, this script reads {FORMAT['version']}; "
+                      "run scripts/bench again")
+    try:
+        for run in data["programs"].values():
+            for result in run["results"]:
+                result["name"], result["reference"], result["p50"]
+        data["machine"]["processor"], data["machine"]["date"]
+    except (KeyError, TypeError, AttributeError) as error:
+        raise Foreign(f"{path} lacks {error}; run scripts/bench again") from error
+    return data
+
+
+class Median:
+    """The median of some blocks of a result, drawn many times at once: weights[i, b] is how often draw i has block b."""
+
+    def __init__(self, result):
+        self.samples = np.array(result["samples"], float) if "samples" in result else None
+        if self.samples is not None:
+            self.blocks = len(self.samples)
+            return
+        edges = sorted({lower for block in result["blocks"] for lower, _ in block})
+        self.lower = np.array(edges)
+        place = {lower: i for i, lower in enumerate(edges)}
+        self.blocks = len(result["blocks"])
+        self.counts = np.zeros((self.blocks, len(edges)))
+        for i, block in enumerate(result["blocks"]):
+            for lower, count in block:
+                self.counts[i, place[lower]] += count
+        octave = 2.0 ** np.floor(np.log2(np.maximum(self.lower, SMALLEST)))
+        self.width = np.where(self.lower < SMALLEST, 0, octave / 128)
+
+    def of(self, weights):
+        if self.samples is not None:
+            order = np.argsort(self.samples)
+            reached = np.cumsum(weights[:, order], axis=1)
+            middle = np.argmax(reached >= reached[:, -1:] / 2, axis=1)
+            return self.samples[order][middle]
+        sums = weights @ self.counts
+        reached = np.cumsum(sums, axis=1)
+        rank = np.ceil(reached[:, -1] / 2)
+        place = np.argmax(reached >= rank[:, None], axis=1)
+        rows = np.arange(len(place))
+        inside = (rank - (reached[rows, place] - sums[rows, place]) - 0.5) / np.maximum(sums[rows, place], 1)
+        return self.lower[place] + inside * self.width[place]
+
+
+def shortage(name, result, reference):
+    """Why nothing can be said of this run; empty: something can."""
+    for what, part in (("", result), (" of its reference", reference)):
+        if part is None:
+            continue
+        blocks = part.get("samples", part.get("blocks"))
+        if blocks is None:
+            return f"{name} has no blocks{what}"
+        if len(blocks) < LEAST_BLOCKS:
+            return f"{name} has {len(blocks)} blocks{what}, {LEAST_BLOCKS} are needed"
+        if "samples" not in part and part["n"] < 2 * LEAST_ABOVE:
+            return f"{name} has {part['n']} samples{what}, {2 * LEAST_ABOVE} are needed"
+    return ""
+
+
+def drawn(random, result, reference):
+    """log(median) of the whole run, and of as many drawings; beside the reference's of the same blocks."""
+    median = Median(result)
+    weights = np.vstack([np.ones(median.blocks),
+                         random.multinomial(median.blocks, np.full(median.blocks, 1 / median.blocks), RESAMPLES)])
+    level = np.log(np.maximum(median.of(weights), SMALLEST / 2))
+    if reference is not None:
+        level -= np.log(np.maximum(Median(reference).of(weights), SMALLEST / 2))
+    return level[0], level[1:], median.blocks
+
+
+def student(confidence, freedom):
+    """Two-sided, by Cornish and Fisher's expansion of the normal one: within 0.1 % from 29 degrees on."""
+    from statistics import NormalDist
+
+    z = NormalDist().inv_cdf((1 + confidence) / 2)
+    return (z + (z**3 + z) / (4 * freedom) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
+            + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * freedom**3))
+
+
+def compare(old, new, confidence, seed=1):
+    """((result, reference) of each run) -> (verdict, ratio, low, high) or (why not, None, None, None)."""
+    for name, (result, reference) in (("the old run", old), ("the new run", new)):
+        if problem := shortage(name, result, reference):
+            return problem, None, None, None
+    random = np.random.default_rng(seed)
+    was, was_drawn, was_blocks = drawn(random, *old)
+    now, now_drawn, now_blocks = drawn(random, *new)
+    blocks = min(was_blocks, now_blocks)
+    spread = np.std(now_drawn - was_drawn) * np.sqrt(blocks / (blocks - 1))
+    reach = student(confidence, blocks - 1) * spread
+    low, high = now - was - reach, now - was + reach
+    verdict = "slower" if low > 0 else "faster" if high < 0 else "undecided"
+    return verdict, float(np.exp(now - was)), float(np.exp(low)), float(np.exp(high))
+
+
+def pairs_of(old, new):
+    """(program, name, (result, reference) of the old run, of the new run), of what both have and state beside the same."""
+    for program, run in new["programs"].items():
+        before = {r["name"]: r for r in old["programs"].get(program, {"results": []})["results"]}
+        now = {r["name"]: r for r in run["results"]}
+        for name, result in now.items():
+            reference = result["reference"]
+            if name not in before or reference is None or before[name]["reference"] != reference:
+                continue
+            if reference in before and reference in now:
+                yield program, name, (before[name], before[reference]), (result, now[reference])
+
+
+def main(arguments):
+    if len(arguments) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    try:
+        if arguments[0] == "--check":  # whether it can be compared with at all
+            read(arguments[1])
+            return 0
+        old, new = (read(path) for path in arguments)
+    except Foreign as error:
+        print(f"bench_compare: {error}", file=sys.stderr)
+        return 2
+    pairs = list(pairs_of(old, new))
+    if not pairs:
+        print("bench_compare: the two runs have nothing in common that has a reference; were both made by scripts/bench?",
+              file=sys.stderr)
+        return 2
+    for key in ("processor", "cpus", "kernel", "build"):
+        was, now = old["machine"].get(key), new["machine"].get(key)
+        if was != now:
+            print(f"bench_compare: not alike: {key} was {was}, is {now}; the difference may be that", file=sys.stderr)
+    possible = [p for p in pairs if not shortage("", *p[2]) and not shortage("", *p[3])]
+    confidence = 1 - FALSE_ALARMS / max(1, len(possible))
+    print(f"\nAgainst the run of {old['machine']['date']}, multiples of references, {len(possible)} comparisons, each at "
+          f"{100 * confidence:.2f} %:\n\n| program | what | beside | new to old | |\n|---|---|---|---|---|")
+    slower, counts = [], {"slower": 0, "faster": 0, "undecided": 0}
+    unsaid = {}
+    for program, name, before, now in pairs:
+        verdict, ratio, low, high = compare(before, now, confidence)
+        if ratio is None:
+            unsaid.setdefault((program, verdict), []).append(name)
+            continue
+        counts[verdict] += 1
+        if low > MARGIN:
+            slower.append(f"{program} {name}: {ratio:.2f} times ({low:.2f} to {high:.2f})")
+        if verdict != "undecided":
+            print(f"| {program} | {name} | {now[0]['reference']} | {ratio:.3f} ({low:.3f} to {high:.3f}) | {verdict} |")
+    print(f"\n{counts['slower']} slower, {counts['faster']} faster, {counts['undecided']} within noise.")
+    for (program, why), names in unsaid.items():
+        print(f"No verdict on {len(names)} of {program}: {why}.")
+    for line in slower:
+        print(f"bench_compare: slower by more than {100 * (MARGIN - 1):.0f} %: {line}", file=sys.stderr)
+    return 1 if slower else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
