@@ -38,6 +38,8 @@ int main(int argc, char** argv) {
     knurl::cli::add_latency(program, run);
     knurl::cli::add_top(program, run);
     knurl::cli::add_doctor(program, run);
+    knurl::cli::add_record(program, run);
+    knurl::cli::add_replay(program, run);
     knurl::cli::add_devices(program, run);
     knurl::cli::add_device(program, run);
 

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <span>
 #include <stdexcept>
 #include <system_error>
 
 #include <poll.h>
 #include <sys/socket.h>
 
-#include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/text.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/counters.hpp>
@@ -22,43 +20,6 @@ namespace {
 
 std::string name_of(const std::string& socket) {
     return std::filesystem::path(socket).stem().string();
-}
-
-/// The broker's answer to our Hello; throws what it refuses us for.
-protocol::Welcome greet(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
-                        std::vector<shm::UniqueFd>& segments) {
-    protocol::Hello hello;
-    hello.layout = protocol::wire_hash();
-    protocol::put_text(hello.client, "knurl");
-    if (!shm::send_message(connection, std::as_bytes(std::span(&hello, 1)))) {
-        throw std::runtime_error("the servo hung up");
-    }
-    pollfd wait{.fd = connection.get(), .events = POLLIN, .revents = 0};
-    if (::poll(&wait, 1, static_cast<int>(answer_time.count())) <= 0)
-        throw std::runtime_error("the servo does not answer; is it stopped?");
-
-    alignas(8) std::byte buffer[std::max(sizeof(protocol::Welcome), sizeof(protocol::Refused))];
-    auto received = shm::receive_message(connection, buffer);
-    protocol::MessageHeader header;
-    if (received.closed || received.bytes < sizeof header) throw std::runtime_error("the servo hung up");
-    std::memcpy(&header, buffer, sizeof header);
-    if (header.magic == protocol::attach_magic && header.type == protocol::MessageType::refused &&
-        received.bytes == sizeof(protocol::Refused)) {
-        protocol::Refused refused;
-        std::memcpy(&refused, buffer, sizeof refused);
-        throw std::runtime_error(protocol::text_of(refused.text));
-    }
-    protocol::Welcome welcome;
-    if (header.magic != protocol::attach_magic || header.type != protocol::MessageType::welcome ||
-        received.bytes != sizeof welcome) {
-        throw std::runtime_error("what listens there is no servo of this version of Knurl");
-    }
-    std::memcpy(&welcome, buffer, sizeof welcome);
-    if (welcome.devices != received.fds.size() || welcome.devices > protocol::max_devices) {
-        throw std::runtime_error("the servo sent no memory for its devices");
-    }
-    segments = std::move(received.fds);
-    return welcome;
 }
 
 /// One row, or none if it is free. The broker writes the identity between two odd-even steps of `sequence`;
@@ -125,6 +86,46 @@ DeviceView look_at_device(const std::byte* memory) {
 }
 
 }  // namespace
+
+void receive_answer(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
+                    protocol::MessageType expected, std::span<std::byte> message,
+                    std::vector<shm::UniqueFd>& fds) {
+    pollfd wait{.fd = connection.get(), .events = POLLIN, .revents = 0};
+    if (::poll(&wait, 1, static_cast<int>(answer_time.count())) <= 0)
+        throw std::runtime_error("the servo does not answer; is it stopped?");
+
+    alignas(8) std::byte buffer[std::max(sizeof(protocol::Welcome), sizeof(protocol::Refused))];
+    auto received = shm::receive_message(connection, buffer);
+    protocol::MessageHeader header;
+    if (received.closed || received.bytes < sizeof header) throw std::runtime_error("the servo hung up");
+    std::memcpy(&header, buffer, sizeof header);
+    if (header.magic == protocol::attach_magic && header.type == protocol::MessageType::refused &&
+        received.bytes == sizeof(protocol::Refused)) {
+        protocol::Refused refused;
+        std::memcpy(&refused, buffer, sizeof refused);
+        throw std::runtime_error(protocol::text_of(refused.text));
+    }
+    if (header.magic != protocol::attach_magic || header.type != expected || received.bytes != message.size())
+        throw std::runtime_error("what listens there is no servo of this version of Knurl");
+    std::memcpy(message.data(), buffer, message.size());
+    fds = std::move(received.fds);
+}
+
+protocol::Welcome greet(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
+                        std::vector<shm::UniqueFd>& segments) {
+    protocol::Hello hello;
+    hello.layout = protocol::wire_hash();
+    protocol::put_text(hello.client, "knurl");
+    if (!shm::send_message(connection, std::as_bytes(std::span(&hello, 1)))) {
+        throw std::runtime_error("the servo hung up");
+    }
+    const auto welcome =
+        answer<protocol::Welcome>(connection, protocol::MessageType::welcome, answer_time, segments);
+    if (welcome.devices != segments.size() || welcome.devices > protocol::max_devices) {
+        throw std::runtime_error("the servo sent no memory for its devices");
+    }
+    return welcome;
+}
 
 ServoWatch::ServoWatch(const std::string& socket, std::chrono::milliseconds answer_time) : socket_(socket) {
     const auto connection = shm::connect_to(socket);

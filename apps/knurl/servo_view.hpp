@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <sys/types.h>
 
+#include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/segment.hpp>
@@ -67,6 +69,21 @@ class ServoWatch {
     std::vector<shm::Segment> segments_;
     std::vector<shm::BroadcastReader> reports_;
 };
+
+/// The broker's next message; throws what it refuses us for, and whatever is not `expected`.
+void receive_answer(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
+                    protocol::MessageType expected, std::span<std::byte> message,
+                    std::vector<shm::UniqueFd>& fds);
+template <class Message>
+Message answer(const shm::UniqueFd& connection, protocol::MessageType expected,
+               std::chrono::milliseconds answer_time, std::vector<shm::UniqueFd>& fds) {
+    Message message;
+    receive_answer(connection, answer_time, expected, std::as_writable_bytes(std::span(&message, 1)), fds);
+    return message;
+}
+/// Says Hello. `segments`: the report memory of each device.
+protocol::Welcome greet(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
+                        std::vector<shm::UniqueFd>& segments);
 
 /// All servos whose sockets lie in protocol::servo_directories(), by name; dead ones, strangers, and folders
 /// that may not be read say so.

@@ -19,6 +19,8 @@ void add_top(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
 void add_devices(CLI::App& program, Run& run);
 void add_device(CLI::App& program, Run& run);
+void add_record(CLI::App& program, Run& run);
+void add_replay(CLI::App& program, Run& run);
 void add_device_check(CLI::App& device, Run& run);
 void add_device_test(CLI::App& device, Run& run);
 

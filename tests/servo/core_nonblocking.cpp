@@ -1,7 +1,7 @@
 // Inside Servo::step there is no allocation, no lock, no page fault and no system call (a puppet device makes
 // none of its own, the clock is read in user space). Three traps, each over a run in which everything
 // happens: claims come and go, groups of commands, good and bad batches, silence, a stall, a fault, an
-// unplugged device.
+// unplugged device, and for most of it somebody records.
 //
 // This program replaces malloc and the mutexes, so it stands alone. A sanitizer replaces them too: then only
 // the run itself is left.
@@ -22,6 +22,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <knurl/servo/tape.hpp>
 #include <knurl/shm/counters.hpp>
 
 #include "core_support.hpp"
@@ -187,7 +188,8 @@ struct Everything {
     static constexpr int cycles = 12'000;
     PuppetDevice device{6};
     MonotonicClock clock;
-    OfflineMemory segment{protocol::device_layout().total};
+    OfflineMemory segment{protocol::device_layout().total}, tape_memory{tape_bytes};
+    Tape tape{tape_memory.data(), {}};
     Servo servo{device, clock, segment.data(), live_options()};
     RawClient first{limits_for(device.link(), 1000, {})};
     RawClient second{limits_for(device.link(), 1000, {})};
@@ -219,6 +221,8 @@ struct Everything {
         } else if (i % 50 == 45) {
             first.remove(Handle{2, generation++});
         }
+        if (i == 1) servo.record(&tape);
+        if (i == 11'500) servo.record(nullptr);
         if (i % 3000 == 1000) servo.adopt(&second.claim);
         if (i % 3000 == 1010) second.state(protocol::CommandType::arm);
         if (i % 3000 == 1500) servo.drop(&second.claim);
@@ -249,6 +253,7 @@ struct Everything {
         EXPECT_EQ(count(Count::stalls), 1u);
         EXPECT_GE(count(Count::bad_samples), 1u);
         EXPECT_GE(count(Count::kinematics_failures), 1u);
+        EXPECT_GT(Tape::written(tape_memory.data()), 12'000u);
     }
 };
 

@@ -31,6 +31,7 @@ std::uint64_t wire_hash() noexcept {
     for (std::uint64_t value :
          {std::uint64_t{protocol_version}, std::uint64_t{sizeof(Hello)}, std::uint64_t{sizeof(Welcome)},
           std::uint64_t{sizeof(Refused)}, std::uint64_t{sizeof(ClaimRequest)}, std::uint64_t{sizeof(Claimed)},
+          std::uint64_t{sizeof(RecordRequest)}, std::uint64_t{sizeof(Recording)},
           std::uint64_t{sizeof(CommandHeader)}, std::uint64_t{sizeof(AddBody)},
           std::uint64_t{sizeof(PlaceProbeBody)}, std::uint64_t{sizeof(Reply)},
           std::uint64_t{sizeof(BatchHeader)}, std::uint64_t{sizeof(EntryHeader)},

@@ -19,6 +19,8 @@
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/socket.hpp>
 
+#include "tape_desk.hpp"
+
 namespace knurl::servo {
 
 namespace {
@@ -44,11 +46,12 @@ struct Connection {
     bool greeted = false;
     Peer peer;
     std::vector<Holding> holdings;
+    std::optional<std::size_t> recording;  // device
 };
 
 /// Large enough for every message that a client may send, and one byte more: a longer one shows.
 using Buffer = std::array<std::byte, std::max({sizeof(protocol::Hello), sizeof(protocol::ClaimRequest),
-                                               sizeof(protocol::Release)}) +
+                                               sizeof(protocol::Release), sizeof(protocol::RecordRequest)}) +
                                          1>;
 
 template <class Message>
@@ -82,6 +85,7 @@ struct Broker::Impl {
     BrokerOptions options;
     shm::UniqueFd epoll{epoll_create1(EPOLL_CLOEXEC)};
     std::vector<std::unique_ptr<ClaimTable>> tables;
+    std::array<TapeDesk, protocol::max_devices> tapes;
     std::unordered_map<std::uint64_t, Connection> connections;
     std::uint64_t next_id = first_connection;
     std::size_t half_open = 0;
@@ -123,7 +127,8 @@ struct Broker::Impl {
                               .since = SteadyClock::now(),
                               .greeted = false,
                               .peer = {},
-                              .holdings = {}};
+                              .holdings = {},
+                              .recording = {}};
         if (connections.size() >= broker_bounds::connections) {
             refuse(connection,
                    Refusal(fmt::format("servo \"{}\" has {} connections, which is all it takes; end one",
@@ -157,6 +162,7 @@ struct Broker::Impl {
         if (found == connections.end()) return;
         for (const Connection::Holding& holding : found->second.holdings)
             tables[holding.device]->let_go(holding.row);
+        if (const auto device = found->second.recording) tapes[*device].end(tables[*device]->device());
         if (!found->second.greeted) --half_open;
         connections.erase(found);  // closing the socket takes it out of the epoll set
     }
@@ -203,6 +209,8 @@ struct Broker::Impl {
             case static_cast<std::uint32_t>(MessageType::release):
                 release(connection, read_message<protocol::Release>(buffer, bytes, "release"));
                 return true;
+            case static_cast<std::uint32_t>(MessageType::record):
+                return record(connection, read_message<protocol::RecordRequest>(buffer, bytes, "record"));
             default:
                 throw Refusal(
                     fmt::format("attach: message type {} is not one that a client sends here", *type));
@@ -274,6 +282,22 @@ struct Broker::Impl {
             throw Refusal("release: this connection does not hold that claim");
         tables[held->device]->let_go(held->row);
         connection.holdings.erase(held);
+    }
+
+    bool record(Connection& connection, const protocol::RecordRequest& request) {
+        try {
+            if (request.device >= tables.size())
+                throw Refusal(fmt::format("record: device {} of {}", request.device, tables.size()));
+            if (connection.recording)
+                throw Refusal("record: one connection records one device; connect once more");
+            TapeDesk& tape = tapes[request.device];
+            const protocol::Recording recording = tape.begin(tables[request.device]->device());
+            connection.recording = request.device;
+            const std::array fds{tape.fd()};
+            return shm::send_message(connection.socket, bytes_of(recording), fds);
+        } catch (const Refusal& refusal) {
+            return refuse(connection, refusal);
+        }
     }
 
     void begin_to_end(End why) {

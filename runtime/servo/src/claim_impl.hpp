@@ -96,6 +96,7 @@ struct Claim::Impl {
     protocol::ClientRow* row;  // may be null: nobody looks
     Scene scene;
 
+    std::uint64_t number = 0;  // in the order of adoption: its name on a tape
     bool armed = false;
     bool joined = false;          // armed by leave of whoever has the device on: does not keep it on
     bool dropping = false;        // fades, then goes back to the broker

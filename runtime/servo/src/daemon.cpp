@@ -313,7 +313,10 @@ int run_daemon(const DaemonConfig& config) {
                           .link = station.device->link(),
                           .servo = *station.servo,
                           .segment = station.segment,
-                          .rate = station.config.rate});
+                          .rate = station.config.rate,
+                          .tape = {.layout = tape_layout(),
+                                   .device_figures = figures_of(*station.device),
+                                   .options = servo_options(station.config)}});
     }
     lock_memory(missing);
     Broker broker({.servo_name = config.name,

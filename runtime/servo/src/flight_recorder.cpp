@@ -17,16 +17,33 @@
 
 namespace knurl::servo {
 
-namespace {
-
-constexpr std::string_view columns =
+const std::string_view report_columns =
     "cycle,deadline_ns,read_ns,write_ns,q0,q1,q2,q3,q4,q5,q6,q7,x,y,z,qw,qx,qy,qz,vx,vy,vz,slow_vx,slow_vy,"
     "slow_vz,"
     "wx,wy,wz,scene_fx,scene_fy,scene_fz,scene_tx,scene_ty,scene_tz,sent_fx,sent_fy,sent_fz,sent_tx,sent_ty,"
     "sent_tz,"
-    "contact_x,contact_y,contact_z,state,faults,buttons,flags,late_count\n";
+    "contact_x,contact_y,contact_z,state,faults,buttons,flags,late_count";
 
-void append(fmt::memory_buffer& line, const Report& r) {
+namespace {
+
+std::string utc_now() {
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    std::tm utc{};
+    gmtime_r(&now.tv_sec, &utc);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y%m%dT%H%M%S", &utc);
+    return fmt::format("{}.{:03}Z", text, now.tv_nsec / 1'000'000);  // two deaths in one second are two files
+}
+
+struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+}  // namespace
+
+std::string report_row(const Report& r) {
+    fmt::memory_buffer line;
     const auto out = std::back_inserter(line);
     fmt::format_to(out, "{},{},{},{}", r.cycle, r.deadline_ns, r.read_ns, r.write_ns);
     const auto number = [&](double value) { fmt::format_to(out, ",{:.17g}", value); };
@@ -47,23 +64,8 @@ void append(fmt::memory_buffer& line, const Report& r) {
     }
     fmt::format_to(out, ",{},{},{},{},{}\n", static_cast<std::uint32_t>(r.state), r.faults, r.buttons,
                    r.flags, r.late_count);
+    return fmt::to_string(line);
 }
-
-std::string utc_now() {
-    timespec now{};
-    clock_gettime(CLOCK_REALTIME, &now);
-    std::tm utc{};
-    gmtime_r(&now.tv_sec, &utc);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y%m%dT%H%M%S", &utc);
-    return fmt::format("{}.{:03}Z", text, now.tv_nsec / 1'000'000);  // two deaths in one second are two files
-}
-
-struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
-}  // namespace
 
 std::string write_flight_record(const std::string& directory, const std::byte* device_segment,
                                 const std::string& cause) {
@@ -93,14 +95,14 @@ std::string write_flight_record(const std::string& directory, const std::byte* d
     fmt::format_to(out, "# servo: {} pid {}\n", info.servo, info.servo_pid);
     fmt::format_to(out, "# device: {} {} {} Hz\n", info.name, info.address, info.rate);
     fmt::format_to(out, "# units: s, m, rad, N, N m; *_ns CLOCK_MONOTONIC; device frame\n");
-    text.append(columns);
+    fmt::format_to(out, "{}\n", report_columns);
 
     const std::uint64_t end = reports.published();
     const std::uint64_t readable = protocol::report_slots - 1;
     bool written = true;
     for (std::uint64_t n = end > readable ? end - readable : 0; n < end; ++n) {
         Report report;
-        if (reports.at(n, &report)) append(text, report);
+        if (reports.at(n, &report)) text.append(report_row(report));
         if (text.size() > 64 * 1024 || n + 1 == end) {
             written = written && std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
             text.clear();

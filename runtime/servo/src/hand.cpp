@@ -30,23 +30,23 @@ Hand::Hand(drivers::Device& device, bool trusting)
 }
 
 Trouble Hand::read(Nanoseconds now, StageClock& stages) noexcept {
-    JointSample next = sample;
-    const ReadStatus status = device_.read(now, next);
+    received = sample;
+    status = device_.read(now, received);
     stages.end(Stage::read);
-    const Trouble trouble = believe(status, next, now);
+    const Trouble trouble = believe(status, received, now);
     stages.end(Stage::kinematics);
     return trouble;
 }
 
-Trouble Hand::believe(ReadStatus status, const JointSample& next, Nanoseconds now) noexcept {
+Trouble Hand::believe(ReadStatus got, const JointSample& next, Nanoseconds now) noexcept {
     stale = false;
     has_pose = false;
     // A device is there once it has said where it is: until its first good sample nothing is known of it, and
     // what was known before it was unplugged (its homing as well) no longer holds.
-    if (status == ReadStatus::unplugged || (!connected && status != ReadStatus::ok)) {
+    if (got == ReadStatus::unplugged || (!connected && got != ReadStatus::ok)) {
         connected = false;
         sample.calibrated = false;
-        if (status == ReadStatus::bad) ++bad_samples;
+        if (got == ReadStatus::bad) ++bad_samples;
         restart();
         return {.unplugged = true};
     }
@@ -56,14 +56,14 @@ Trouble Hand::believe(ReadStatus status, const JointSample& next, Nanoseconds no
     // How far a hand can have come since the sample before, believed or not: else a jump would become
     // possible by being rejected for long enough. A repeated sample is none.
     const double since_sample = first ? 0 : static_cast<double>(now - last_sample_) * 1e-9;
-    if (status != ReadStatus::stale) last_sample_ = now;
+    if (got != ReadStatus::stale) last_sample_ = now;
 
     bool finite = true;
     for (std::size_t i = 0; i < joints_; ++i)
         finite = finite && std::isfinite(next.position[i]) &&
                  (!next.has_velocity || std::isfinite(next.velocity[i]));
-    if (status == ReadStatus::bad || !finite) return bad(fault::bad_samples);
-    if (status == ReadStatus::stale) {
+    if (got == ReadStatus::bad || !finite) return bad(fault::bad_samples);
+    if (got == ReadStatus::stale) {
         ++stale_samples;
         stale = true;
         has_pose = known_;

@@ -50,6 +50,9 @@ class Hand {
         Eigen::Vector3d::Zero();  // m/s, adaptive window of 16 ms: friction, reports
     Eigen::Vector3d slow_velocity = Eigen::Vector3d::Zero();     // m/s, first order 20 Hz: prediction
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
+    // What the device gave in this cycle, believed or not: for a tape.
+    drivers::JointSample received;
+    drivers::ReadStatus status{};
     bool connected = false;
     bool has_pose = false;        // this cycle: the mechanism had a pose for the sample
     bool stale = false;           // this cycle: no new sample
@@ -57,8 +60,18 @@ class Hand {
     bool at_joint_limit = false;  // within `limit_share` of its range of a stop, or past it
     std::uint64_t bad_samples = 0, stale_samples = 0, kinematics_failures = 0;
 
+    /// What is remembered between cycles, but for the counts: for a tape's keyframe (state_words.hpp).
+    template <class Visit>
+    void state(Visit& visit) noexcept {
+        visit(sample.position, sample.velocity, sample.has_velocity, sample.calibrated, sample.buttons,
+              pose.position, pose.orientation, jacobian, velocity, smooth_velocity, slow_velocity,
+              angular_velocity, connected, has_pose, stale, near_singular, at_joint_limit, bad_in_row_,
+              poseless_in_row_, since_posture_, last_good_, last_sample_, known_, damping_, slow_, turning_,
+              smooth_);
+    }
+
   private:
-    Trouble believe(drivers::ReadStatus status, const drivers::JointSample& next, Nanoseconds now) noexcept;
+    Trouble believe(drivers::ReadStatus got, const drivers::JointSample& next, Nanoseconds now) noexcept;
     Trouble bad(std::uint32_t fault) noexcept;
     bool impossible(const drivers::JointSample& next, double gap) const noexcept;
     void restart() noexcept;

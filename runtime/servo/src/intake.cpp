@@ -93,18 +93,23 @@ void Intake::take_commands(Claim::Impl& claim, const Authority& authority, Nanos
     shm::SpscConsumer& commands = claim.channels->commands;
     available_ = commands.available();
     copied_ = 0;
-    if (commands.corrupt()) claim.fault();
+    if (commands.corrupt()) {
+        claim.fault();
+        if (tape != nullptr) tape->put(TapeType::commands_broken, {as_bytes(claim.number)});
+    }
     if (available_ == 0) return;
 
     const std::uint32_t budget =
         claim.from_the_start ? protocol::max_command_cells : protocol::command_cells_per_cycle;
     std::uint32_t done = 0;
+    bool nonsense = false;
     while (done < available_ && done < budget) {
         // Full means that the application does not read its replies: its commands wait, nothing is dropped.
         const std::uint32_t room = claim.channels->replies.free_cells();
         if (room == 0) break;
         const Parsed group = parse_group(claim, done);
         if (group.malformed) {
+            nonsense = true;
             malformed(claim, claim.commands_done + group.commands + 1);
             break;
         }
@@ -118,6 +123,10 @@ void Intake::take_commands(Claim::Impl& claim, const Authority& authority, Nanos
         claim.channels->replies.try_push(replies_.data(), group.commands);
         done += group.cells;
     }
+    // On the tape what this cycle took; of nonsense all that was looked at.
+    if (const std::uint32_t cells = nonsense ? copied_ : done; tape != nullptr && cells > 0)
+        tape->put(TapeType::commands,
+                  {as_bytes(claim.number), std::span(cells_).first(std::size_t{cells} * shm::cell_bytes)});
     // Commands that wait behind unread replies are no sign of life: their sender may hang.
     if (done > 0) claim.silence.sign_of_life(now);
     commands.pop(done);

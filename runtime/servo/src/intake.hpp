@@ -5,8 +5,11 @@
 
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <utility>
 #include <vector>
+
+#include <knurl/servo/tape.hpp>
 
 #include "claim_impl.hpp"
 
@@ -18,6 +21,11 @@ T read_as(const std::byte* from) noexcept {
     T value;
     std::memcpy(&value, from, sizeof value);
     return value;
+}
+
+template <class T>
+std::span<const std::byte> as_bytes(const T& value) noexcept {
+    return std::as_bytes(std::span(&value, 1));
 }
 
 /// What a command about the device's state is answered from.
@@ -45,6 +53,8 @@ class Intake {
     void take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept;
 
     const IntakeCounts& counts() const noexcept { return counts_; }
+
+    Tape* tape = nullptr;  // null: nobody records
 
   private:
     /// A command of the group at hand; pointers into the private copy.

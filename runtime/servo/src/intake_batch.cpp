@@ -9,7 +9,10 @@ using Code = Verdict::Code;
 void Intake::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept {
     shm::TripleReader& batches = claim.channels->batches;
     if (!batches.take(claim.commands_done)) {
-        if (batches.corrupt()) claim.fault();
+        if (batches.corrupt()) {
+            claim.fault();
+            if (tape != nullptr) tape->put(TapeType::batch_broken, {as_bytes(claim.number)});
+        }
         return;
     }
     protocol::BatchHeader header;
@@ -17,6 +20,10 @@ void Intake::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now
     const bool fits = header.bytes % 8 == 0 && header.bytes <= claim.terms.capacity.batch_bytes &&
                       header.bytes <= entries_.size();
     if (fits) batches.copy(entries_.data(), sizeof header, header.bytes);
+
+    if (tape != nullptr)
+        tape->put(TapeType::batch, {as_bytes(claim.number), as_bytes(header),
+                                    std::span(entries_).first(fits ? header.bytes : 0)});
 
     ++counts_.batches_taken;
     ++claim.batches_taken;

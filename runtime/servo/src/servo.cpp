@@ -35,6 +35,7 @@ Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segm
 
 void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     Impl& cycle = *impl_;
+    if (cycle.tape != nullptr) cycle.put_keyframe();     // if one is due
     const double dt = cycle.begin_cycle(deadline, now);  // stalls and jumps of the clock
     cycle.read_device(now);                              // joints -> pose and velocities
     cycle.take_mail(now);                                // claims that come and go
@@ -47,6 +48,7 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     cycle.notify_device();
     cycle.write_device(now, out);
     cycle.stages.end(Stage::write);
+    if (cycle.tape != nullptr) cycle.put_cycle(deadline, now);
     cycle.publish(deadline, sum, out);  // report, feedback
     cycle.let_go();                     // claims whose force has faded
     cycle.publish_counters(now);
@@ -106,11 +108,20 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
     Message message;
     for (std::size_t i = 0; i < mailbox_slots && inbox.take(message); ++i) {
         if (message.what == Message::What::adopt) adopt(message.claim, now);
+        if (message.what == Message::What::tape) {
+            intake.tape = tape = message.tape;
+            next_keyframe = 0;
+        }
         // By address: a claim that was let go already may be freed by now.
         for (std::size_t c = 0; c < claims_size && message.what == Message::What::drop; ++c)
-            if (claims[c] == message.claim) claims[c]->impl->dropping = true;
+            if (claims[c] == message.claim) {
+                claims[c]->impl->dropping = true;
+                if (tape != nullptr && claims[c]->impl->channels)
+                    put_claim(TapeType::drop, claims[c]->impl->number);
+            }
         if (message.what != Message::What::drop_all) continue;
         ending = true;
+        if (tape != nullptr) tape->put(TapeType::drop_all, {});
         supervisor.disarm();
         for (std::size_t c = 0; c < claims_size; ++c) claims[c]->impl->dropping = true;
     }
@@ -125,6 +136,11 @@ void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
     claims[claims_size] = claim;
     sleepers[claims_size] = c.sleeper;
     ++claims_size;
+    if (c.channels) {
+        c.number = ++claims_seen;
+        ++held;
+        if (tape != nullptr) tape->put(TapeType::adopt, {as_bytes(c.number), as_bytes(c.terms)});
+    }
     c.silence.begin(now);
     if (!options.clamp_stiffness) {
         c.terms.limits.max_stiffness = std::numeric_limits<double>::infinity();
@@ -259,7 +275,8 @@ void Servo::Impl::notify_device() noexcept {
 }
 
 void Servo::Impl::write_device(Nanoseconds now, const Supervised& out) noexcept {
-    if (!unplugged && !device.write(now, out.efforts)) {
+    written = !unplugged && device.write(now, out.efforts);
+    if (!unplugged && !written) {
         supervisor.raise(fault::unplugged);
         disarm_claims();
     }
@@ -269,7 +286,9 @@ void Servo::Impl::write_device(Nanoseconds now, const Supervised& out) noexcept 
 void Servo::Impl::let_go() noexcept {
     for (std::size_t i = 0; i < claims_size;) {
         const Claim::Impl& c = *claims[i]->impl;
+        const bool holds = c.channels.has_value();  // once posted it may be freed
         if (c.dropping && !(c.gain > 0) && outbox.post(claims[i])) {
+            held -= holds;
             --claims_size;
             // Keeps the order: who came first is asked first.
             std::copy(claims.begin() + static_cast<std::ptrdiff_t>(i) + 1,
@@ -291,13 +310,16 @@ Servo::Servo(drivers::Device& device, Clock& clock, std::byte* segment, const Se
 Servo::~Servo() = default;
 
 bool Servo::adopt(Claim* claim) noexcept {
-    return impl_->inbox.post({Message::What::adopt, claim});
+    return impl_->inbox.post({.what = Message::What::adopt, .claim = claim});
 }
 bool Servo::drop(Claim* claim) noexcept {
-    return impl_->inbox.post({Message::What::drop, claim});
+    return impl_->inbox.post({.what = Message::What::drop, .claim = claim});
 }
 bool Servo::drop_all() noexcept {
-    return impl_->inbox.post({Message::What::drop_all, nullptr});
+    return impl_->inbox.post({.what = Message::What::drop_all});
+}
+bool Servo::record(Tape* tape) noexcept {
+    return impl_->inbox.post({.what = Message::What::tape, .tape = tape});
 }
 
 Claim* Servo::released() noexcept {
@@ -322,6 +344,7 @@ void Servo::guardian_acted() noexcept {
 }
 
 void Servo::clock_jumped() noexcept {
+    impl_->jumped = true;
     impl_->supervisor.raise(fault::clock_jump);
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include <knurl/servo/servo.hpp>
+#include <knurl/servo/tape.hpp>
 #include <knurl/shm/counters.hpp>
 #include <knurl/shm/waiter.hpp>
 
@@ -18,8 +19,9 @@ namespace knurl::servo {
 
 /// From the broker.
 struct Message {
-    enum class What : std::uint32_t { adopt, drop, drop_all } what = What::adopt;
+    enum class What : std::uint32_t { adopt, drop, drop_all, tape } what = What::adopt;
     Claim* claim = nullptr;
+    Tape* tape = nullptr;
 };
 
 /// The parts of the cycle, in the order in which `step` calls them, and what they remember.
@@ -39,6 +41,16 @@ struct Servo::Impl {
     void publish_parts() noexcept;
     void let_go() noexcept;
     void disarm_claims() noexcept;
+
+    // servo_tape.cpp
+    void put_keyframe() noexcept;
+    void put_cycle(Nanoseconds deadline, Nanoseconds now) noexcept;
+    void put_claim(TapeType type, std::uint64_t number) noexcept;
+    template <class Visit>
+    void state(Visit& visit) noexcept {
+        visit(first, last_now, stiffness_scale, enabled, guardian, unplugged, ending, late, report.cycle,
+              claims_seen, hand, supervisor);
+    }
 
     void adopt(Claim* claim, Nanoseconds now) noexcept;
     FadePolicy fade_for(const Claim::Impl& claim) const noexcept;
@@ -71,11 +83,18 @@ struct Servo::Impl {
     bool enabled = false;        // as the device was last told
     bool guardian = false;       // it zeroed the device before this cycle
     bool unplugged = false;      // this cycle's read, or the last write, found no device
+    bool jumped = false;         // the clock, before this cycle: for the tape
+    bool written = false;        // in this cycle: the device was there to take it
     const Claim::Impl* in_contact = nullptr;
     Report report;
     std::array<Nanoseconds, protocol::report_slots> read_times =
         {};  // of the last reports, for the age of a batch
     std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, evaluated = 0, present = 0;
+
+    Tape* tape = nullptr;             // null: nobody records
+    std::uint64_t next_keyframe = 0;  // the cycle from which on there is to be one
+    std::uint64_t claims_seen = 0;    // adopted so far, observers left out
+    std::size_t held = 0;             // of them, those that are still here
 };
 
 }  // namespace knurl::servo

@@ -33,7 +33,7 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
                    (hand.near_singular ? report_flags::near_singular : 0) |
                    (hand.at_joint_limit ? report_flags::at_joint_limit : 0);
     report.late_count = late;
-    guardian = false;
+    guardian = jumped = false;
     reports.publish(&report);
     read_times[report.cycle % read_times.size()] = read_ns;
 

@@ -20,7 +20,7 @@ class StageClock {
 
     /// Before all of them; `now`: when the cycle began.
     void begin(std::uint64_t cycle, Nanoseconds now) noexcept {
-        on_ = cycle % every == 0;
+        on_ = looks_ && cycle % every == 0;
         if (!on_) return;
         last_ = now;
         ++stamped_;
@@ -35,13 +35,16 @@ class StageClock {
         last_ = now;
     }
 
+    /// A replay's clock is asked for what matters alone.
+    void never() noexcept { looks_ = false; }
+
     bool stamping() const noexcept { return on_; }  // this cycle
     std::uint64_t stamped() const noexcept { return stamped_; }
     std::uint64_t sum(Stage stage) const noexcept { return sums_[static_cast<std::size_t>(stage)]; }  // ns
 
   private:
     Clock& clock_;
-    bool on_ = false;
+    bool looks_ = true, on_ = false;
     Nanoseconds last_ = 0;
     std::uint64_t stamped_ = 0;
     std::array<std::uint64_t, static_cast<std::size_t>(Stage::size_)> sums_{};

@@ -9,6 +9,8 @@
 //   ClaimRequest       ->
 //                      <-      Claimed + {claim segment, event descriptor}, or Refused
 //   Release            ->      (or hang-up)
+//   RecordRequest      ->
+//                      <-      Recording + {tape}, or Refused; until the hang-up
 
 #include <cstdint>
 #include <string>
@@ -24,7 +26,16 @@ namespace knurl::protocol {
 inline constexpr std::uint32_t attach_magic = 0x4b6e7572;
 inline constexpr std::uint32_t protocol_version = 1;
 
-enum class MessageType : std::uint32_t { hello = 1, welcome, refused, claim, claimed, release };
+enum class MessageType : std::uint32_t {
+    hello = 1,
+    welcome,
+    refused,
+    claim,
+    claimed,
+    release,
+    record,
+    recording
+};
 
 struct MessageHeader {
     std::uint32_t magic = attach_magic;
@@ -87,6 +98,19 @@ struct Release {
     MessageHeader header{.type = MessageType::release};
     std::uint32_t slot = 0;
     std::uint32_t device = 0;
+};
+
+/// Every input of this device's servo, from now on.
+struct RecordRequest {
+    MessageHeader header{.type = MessageType::record};
+    std::uint32_t device = 0;  // index in Welcome
+    std::uint32_t reserved = 0;
+};
+
+/// With it comes the tape's memory (knurl/servo/tape.hpp), which cannot be written.
+struct Recording {
+    MessageHeader header{.type = MessageType::recording};
+    std::uint64_t from = 0;  // the slot to begin with
 };
 
 /// Hash over every wire type's size and offsets and the representations' tables.

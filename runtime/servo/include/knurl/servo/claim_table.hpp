@@ -14,6 +14,7 @@
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/servo/claim.hpp>
 #include <knurl/servo/servo.hpp>
+#include <knurl/servo/tape.hpp>
 #include <knurl/shm/fd.hpp>
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/waiter.hpp>
@@ -27,6 +28,7 @@ struct HostedDevice {
     Servo& servo;
     shm::Segment& segment;  // protocol::device_layout, sealed
     double rate = 1000;     // Hz
+    TapeHeader tape;        // of a recording
 };
 
 struct Peer {

@@ -3,8 +3,17 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
+
+#include <knurl/protocol/report.hpp>
 
 namespace knurl::servo {
+
+/// The names of a report's columns, with commas between: its members in the order in which they lie in
+/// memory.
+extern const std::string_view report_columns;
+/// One line of them, doubles with 17 digits: they come back to the bit.
+std::string report_row(const Report& report);
 
 /// Writes what is readable in a device's report memory (protocol::device_layout) to
 /// `directory`/flight-SERVO-DEVICE-<UTC>.csv: comment lines (build, cause, device), one line of column names,

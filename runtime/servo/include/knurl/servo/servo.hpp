@@ -32,6 +32,9 @@ protocol::Frame frame_for(const drivers::LinkConfig& link, const protocol::Claim
 /// The device's limits in that frame's world units.
 Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::Frame& frame) noexcept;
 
+class Tape;
+class Replay;
+
 class Servo {
   public:
     /// `segment`: memory of protocol::device_layout().total bytes. DeviceInfo is filled in by the caller;
@@ -44,6 +47,9 @@ class Servo {
     bool drop(Claim* claim) noexcept;   // its force fades (50 ms), then it comes back through `released`
     bool drop_all() noexcept;           // ramp down the device: the servo is about to end
     Claim* released() noexcept;         // null: none; the broker frees it
+    /// From the next cycle on every input goes on this tape, which outlives the servo; null: no more. The
+    /// same tape once more: a keyframe as soon as nobody holds the device.
+    bool record(Tape* tape) noexcept;
 
     /// The cycle. `deadline` is when it should have begun, `now` when it did (CLOCK_MONOTONIC or virtual,
     /// ns).
@@ -63,6 +69,7 @@ class Servo {
     const Supervisor& supervisor() const noexcept;
 
   private:
+    friend class Replay;
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -19,6 +19,14 @@ class PowerMeter {
     double mean() const noexcept { return mean_; }  // W, over the last whole parts
     void reset() noexcept;
 
+    // This and the others' `state`: what is remembered between cycles, for a tape's keyframe
+    // (state_words.hpp).
+    template <class Visit>
+    void state(Visit& visit) noexcept {
+        visit(work_, next_, filling_work_, filling_time_, mean_);
+        next_ %= parts;  // a file may say anything
+    }
+
   private:
     static constexpr std::size_t parts = 25;
     double part_time_;
@@ -37,6 +45,10 @@ class PassivityObserver {
     double generated() const noexcept {
         return work_ > 0 ? work_ : 0;
     }  // J; 0 while the hand has paid for it
+    template <class Visit>
+    void state(Visit& visit) noexcept {
+        visit(work_);
+    }
 
   private:
     double work_ = 0;
@@ -51,6 +63,10 @@ class SlewGate {
     bool clip(Wrench& wanted, double dt) noexcept;                // true: it did
     double clipped_for() const noexcept { return clipped_for_; }  // s, in a row
     void restart_from_zero() noexcept;
+    template <class Visit>
+    void state(Visit& visit) noexcept {
+        visit(last_.force, last_.torque, clipped_for_);
+    }
 
   private:
     double force_slew_, torque_slew_;
@@ -70,6 +86,10 @@ class ThermalLimit {
     void add(double force, double dt) noexcept;
     double heat() const noexcept { return heat_; }
     double time_constant() const noexcept { return tau_; }
+    template <class Visit>
+    void state(Visit& visit) noexcept {
+        visit(heat_);
+    }
 
   private:
     double peak_, continuous_, tau_;

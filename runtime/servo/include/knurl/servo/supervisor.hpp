@@ -104,6 +104,13 @@ class Supervisor {
     };
     const Counts& counts() const noexcept { return counts_; }
 
+    /// What is remembered between cycles, but for the counts: for a tape's keyframe (state_words.hpp).
+    template <class Visit>
+    void state(Visit& visit) noexcept {
+        visit(state_, faults_, gain_, arm_again_, power_, energy_, slew_, thermal_, sent_force_,
+              last_position_, moved_);
+    }
+
   private:
     void advance_state(double speed, int armed_claims, double dt) noexcept;
     void account(const Eigen::Vector3d& position, double dt) noexcept;

@@ -18,6 +18,10 @@ class FirstOrderVelocity {
     void add(const Eigen::Vector3d& raw /* m/s */, double dt) noexcept;
     const Eigen::Vector3d& value() const noexcept { return value_; }
     void reset() noexcept { value_.setZero(); }
+    template <class Visit>
+    void state(Visit& visit) noexcept {  // as of the stages: state_words.hpp
+        visit(value_);
+    }
 
   private:
     double rate_;  // 1/s
@@ -41,6 +45,12 @@ class AdaptiveVelocity {
     void add(const Eigen::Vector3d& position, const Eigen::Vector3d& band, double dt) noexcept;
     const Eigen::Vector3d& value() const noexcept { return value_; }
     void reset() noexcept;
+    template <class Visit>
+    void state(Visit& visit) noexcept {
+        visit(positions_, times_, newest_, kept_, time_, value_);
+        newest_ %= window;  // a file may say anything
+        kept_ = kept_ < window ? kept_ : window;
+    }
 
   private:
     std::array<Eigen::Vector3d, window> positions_;  // a ring, newest at newest_

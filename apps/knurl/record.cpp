@@ -1,0 +1,279 @@
+// knurl record: every report of a device and every input of its servo, into a file.
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <time.h>
+
+#include <knurl/protocol/attach.hpp>
+#include <knurl/protocol/text.hpp>
+#include <knurl/shm/socket.hpp>
+
+#include "record_salvage.hpp"
+#include "recording.hpp"
+#include "servo_view.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+struct Arguments {
+    std::string servo = "default", device, file, salvage;
+    double seconds = 0;  // 0: until interrupted
+};
+
+constexpr auto answer_time = std::chrono::seconds(2);
+constexpr int look_every = 10;                         // ms; the rings hold seconds
+constexpr auto flush_every = std::chrono::seconds(1);  // what a crash of this program costs at most
+constexpr std::uint64_t cycles_to_a_keyframe = 10;     // when nobody holds the device
+
+std::int64_t clock_ns(clockid_t clock) {
+    timespec t{};
+    clock_gettime(clock, &t);
+    return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
+}
+
+/// The memory of one device of a running servo: its reports and its tape.
+class Source {
+  public:
+    Source(const std::string& servo, const std::string& wanted)
+        : connection_(shm::connect_to(protocol::servo_socket(servo))) {
+        std::vector<shm::UniqueFd> segments;
+        const protocol::Welcome welcome = greet(connection_, answer_time, segments);
+        const std::size_t device = choose(welcome, servo, wanted);
+        reports_ = shm::Segment::open(segments[device].get(), protocol::device_layout().total,
+                                      shm::Segment::Access::read_only);
+        std::memcpy(&device_, reports_.data() + protocol::device_layout().info, sizeof device_);
+
+        protocol::RecordRequest request;
+        request.device = static_cast<std::uint32_t>(device);
+        if (!shm::send_message(connection_, std::as_bytes(std::span(&request, 1))))
+            throw std::runtime_error("the servo hung up");
+        std::vector<shm::UniqueFd> tape;
+        const auto granted =
+            answer<protocol::Recording>(connection_, protocol::MessageType::recording, answer_time, tape);
+        if (tape.size() != 1) throw std::runtime_error("the servo sent no memory to record from");
+        tape_ = shm::Segment::open(tape.front().get(), servo::tape_bytes, shm::Segment::Access::read_only);
+        inputs_.emplace(tape_.data(), granted.from);
+        reader_.emplace(reports_.data() + protocol::device_layout().reports, protocol::report_slots,
+                        sizeof(Report));
+        const servo::TapeHeader header = inputs_->header();
+        if (header.magic != servo::TapeHeader::magic_word || header.layout != servo::tape_layout())
+            throw std::runtime_error("build mismatch: the servo's tape is of another build; restart it");
+    }
+
+    RecordingInfo info() const {
+        RecordingInfo info;
+        info.version = KNURL_VERSION;
+        info.wire = protocol::wire_hash();
+        info.tape = servo::tape_layout();
+        info.figures = inputs_->header().device_figures;
+        info.servo = protocol::text_of(device_.servo);
+        info.device = protocol::text_of(device_.name);
+        info.address = protocol::text_of(device_.address);
+        info.profile = protocol::text_of(device_.profile);
+        info.options = inputs_->header().options;
+        info.realtime_offset_ns = clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC);
+        return info;
+    }
+    servo::TapeReader& inputs() { return *inputs_; }
+    shm::BroadcastReader& reports() { return *reader_; }
+    int socket() const { return connection_.get(); }
+    double rate() const { return device_.rate; }
+
+  private:
+    static std::size_t choose(const protocol::Welcome& welcome, const std::string& servo,
+                              const std::string& wanted) {
+        std::string names;
+        for (std::size_t i = 0; i < welcome.devices; ++i) {
+            const std::string name = protocol::printable(welcome.names[i]);
+            if (wanted.empty() ? welcome.devices == 1 : name == wanted) return i;
+            names += (names.empty() ? "" : ", ") + name;
+        }
+        throw UsageError(
+            wanted.empty()
+                ? fmt::format("servo '{}' has several devices; say which: --device {}", servo, names)
+                : fmt::format("servo '{}' has no device '{}'; it has: {}", servo, wanted, names));
+    }
+
+    shm::UniqueFd connection_;
+    shm::Segment reports_, tape_;
+    protocol::DeviceInfo device_;
+    std::optional<shm::BroadcastReader> reader_;
+    std::optional<servo::TapeReader> inputs_;
+};
+
+/// SIGINT and SIGTERM end the recording, not the program.
+shm::UniqueFd take_signals() {
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGTERM);
+    sigprocmask(SIG_BLOCK, &set, nullptr);
+    std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is a full disk
+    shm::UniqueFd fd(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
+    if (!fd) throw std::runtime_error(std::string("signalfd: ") + std::strerror(errno));
+    return fd;
+}
+
+/// Moves what is new into the file, and knows how much of it replays.
+class Recorder {
+  public:
+    Recorder(Source& source, RecordingWriter& file) : source_(source), file_(file) {}
+
+    void drain() {
+        // Reports first: the inputs of those that are there are there already.
+        Report report;
+        for (std::uint32_t n = 0; n < protocol::report_slots && source_.reports().next(&report); ++n) {
+            file_.report(report);
+            ++reports_;
+            first_ns_ = reports_ == 1 ? report.read_ns : first_ns_;
+            last_ns_ = report.read_ns;
+            if (file_.full()) flush();
+        }
+        for (auto next = source_.inputs().next(record_); next != servo::TapeReader::Next::nothing;
+             next = source_.inputs().next(record_)) {
+            next == servo::TapeReader::Next::gap ? gap() : take();
+            if (file_.full()) flush();
+        }
+    }
+    void flush() {
+        const std::uint64_t exact = std::exchange(unwritten_, 0);
+        if (file_.flush()) {
+            exact_cycles_ += exact;
+            return;
+        }
+        exact_ = false;
+        if (std::exchange(lost_, true)) return;
+        fmt::print(stderr, "knurl record: {}; dropping what does not fit\n", file_.problem());
+    }
+    /// The device is in somebody's hands: said once.
+    void say_when_exact() {
+        if (said_ || exact_ || inputs_ < cycles_to_a_keyframe || first_exact_ > 0) return;
+        said_ = true;
+        fmt::print(
+            stderr,
+            "knurl record: an application holds the device: reports are recorded, exact replay begins when "
+            "nobody holds it (start the recording before the application)\n");
+    }
+    bool lost() const { return lost_; }
+
+    std::string summary() const {
+        const std::uint64_t missed = source_.reports().missed();
+        std::string text = fmt::format("{} cycles in {:.1f} s, {:.1f} MB, {} reports missed", reports_,
+                                       static_cast<double>(last_ns_ - first_ns_) * 1e-9,
+                                       static_cast<double>(file_.bytes()) * 1e-6, missed);
+        if (file_.dropped() > 0) text += fmt::format(", {} messages dropped (disk full)", file_.dropped());
+        if (exact_cycles_ == 0)
+            text += "; does not replay: somebody held the device from the first cycle on";
+        else
+            text += fmt::format("; {} cycles replay exactly, from cycle {} on", exact_cycles_, first_exact_);
+        if (gaps_ > 0) text += fmt::format(", with {} gap{}", gaps_, gaps_ == 1 ? "" : "s");
+        return text;
+    }
+
+  private:
+    void gap() {
+        file_.gap();
+        ++gaps_;
+        exact_ = false;
+    }
+    void take() {
+        if (record_.type == servo::TapeType::keyframe) exact_ = true;
+        if (record_.type == servo::TapeType::cycle) {
+            ++inputs_;
+            unwritten_ += exact_;
+            if (exact_ && first_exact_ == 0)
+                std::memcpy(&first_exact_, record_.bytes.data(), sizeof first_exact_);
+        }
+        file_.input(record_);
+    }
+
+    Source& source_;
+    RecordingWriter& file_;
+    servo::TapeRecord record_;
+    std::uint64_t reports_ = 0, inputs_ = 0, gaps_ = 0, exact_cycles_ = 0, first_exact_ = 0;
+    std::uint64_t unwritten_ = 0;  // exact cycles since the last flush
+    std::int64_t first_ns_ = 0, last_ns_ = 0;
+    bool exact_ = false, said_ = false, lost_ = false;
+};
+
+int record(const Arguments& arguments) {
+    if (!arguments.salvage.empty()) {
+        fmt::print("{}\n", salvage(arguments.salvage, arguments.file));
+        return 0;
+    }
+    using Clock = std::chrono::steady_clock;
+    const shm::UniqueFd signals = take_signals();
+    Source source(arguments.servo, arguments.device);
+    RecordingWriter file(arguments.file, source.info());
+    Recorder recorder(source, file);
+    fmt::print(stderr, "knurl record: recording device '{}' of servo '{}' into {}\n", source.info().device,
+               arguments.servo, arguments.file);
+
+    const auto begin = Clock::now();
+    auto flushed = begin;
+    std::string ended;
+    for (bool on = true; on;) {
+        std::array<pollfd, 2> wait{{{.fd = source.socket(), .events = POLLIN, .revents = 0},
+                                    {.fd = signals.get(), .events = POLLIN, .revents = 0}}};
+        ::poll(wait.data(), wait.size(), look_every);
+        const auto now = Clock::now();
+        if (wait[0].revents != 0) ended = "; the servo has ended";
+        on = wait[0].revents == 0 && wait[1].revents == 0 &&
+             (arguments.seconds == 0 ||
+              std::chrono::duration<double>(now - begin).count() < arguments.seconds);
+        recorder.drain();
+        recorder.say_when_exact();
+        if (now - flushed < flush_every) continue;
+        recorder.flush();
+        flushed = now;
+    }
+    recorder.flush();
+    const bool whole = file.finish();
+    fmt::print("{}: {}{}\n", arguments.file, recorder.summary(), ended);
+    if (!whole)
+        fmt::print(stderr, "knurl record: {}; the file has no index, what is in it can be read\n",
+                   file.problem());
+    return whole && !recorder.lost() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_record(CLI::App& program, Run& run) {
+    auto* verb =
+        program.add_subcommand("record", "Every report and every input of a device's servo, into a file");
+    auto arguments = std::make_shared<Arguments>();
+    verb->add_option("file", arguments->file, "the recording, for knurl replay, Foxglove, PlotJuggler")
+        ->required()
+        ->type_name("FILE.mcap");
+    verb->add_option("--servo", arguments->servo, "its name")->capture_default_str()->type_name("NAME");
+    verb->add_option("--device", arguments->device, "of that servo; only if it has several")
+        ->type_name("NAME");
+    verb->add_option("--for", arguments->seconds, "end after this time; default: when interrupted")
+        ->type_name("SECONDS")
+        ->check(CLI::PositiveNumber);
+    verb->add_option(
+            "--salvage", arguments->salvage,
+            "no servo: what the guardian saved when one died (its file, or the directory: the newest)")
+        ->type_name("PATH");
+    verb->footer(
+        "Ends well with Ctrl-C, and when the servo ends. What is recorded from a moment on in which nobody "
+        "holds the\n"
+        "device replays to the last bit, so start the recording before the application. The servo waits for "
+        "nothing:\n"
+        "what a slow or full disk does not take is dropped and counted. Less than 1 GB an hour at 1 kHz.");
+    verb->callback([&run, arguments] { run = [arguments] { return record(*arguments); }; });
+}
+
+}  // namespace knurl::cli

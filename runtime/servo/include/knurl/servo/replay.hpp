@@ -1,0 +1,53 @@
+#pragma once
+// Feeds a tape through the very same Servo::step again: same build, same device, same bits.
+
+#include <array>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <knurl/servo/offline.hpp>
+#include <knurl/servo/tape.hpp>
+
+namespace knurl::servo {
+
+/// A record that no servo of this build wrote: one line, which and why.
+class TapeError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+class Replay {
+  public:
+    /// `like`: a device of the recorded one's figures; it is neither read nor written.
+    Replay(const drivers::Device& like, const ServoOptions& options);
+    ~Replay();
+
+    /// One record, in the tape's order. Returns the report if that completed a cycle; null: it did not, or
+    /// the state of the servo is not known (before a keyframe). Throws TapeError.
+    const Report* feed(const TapeRecord& record);
+    /// Records are missing here: nothing can be replayed up to the next keyframe.
+    void gap() noexcept;
+    /// There was a keyframe, and no gap since.
+    bool exact() const noexcept { return exact_; }
+
+  private:
+    struct Played;  // device and clock
+    struct Held;    // a claim and its application's end
+
+    const Report* step(const TapeCycle& cycle);
+    void load(const TapeRecord& record);
+    Held* held(const TapeRecord& record);
+    void free_released();
+
+    std::unique_ptr<Played> played_;
+    ServoOptions options_;
+    OfflineMemory segment_;
+    std::unique_ptr<Servo> servo_;
+    std::map<std::uint64_t, std::unique_ptr<Held>> claims_;  // by number
+    bool exact_ = false;
+};
+
+}  // namespace knurl::servo

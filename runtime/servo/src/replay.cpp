@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include <knurl/servo/replay.hpp>
+
+#include "servo_impl.hpp"
+#include "state_words.hpp"
+
+namespace knurl::servo {
+
+using drivers::JointSample;
+
+/// Gives again what the recorded device and clock gave. The servo's stage clock is off, so a cycle asks for
+/// the time twice: after the read and after the write.
+struct Replay::Played final : drivers::Device, Clock {
+    explicit Played(const drivers::Device& like) : like_(like) {}
+
+    const drivers::LinkConfig& link() const noexcept override { return like_.link(); }
+    const drivers::Mechanism& mechanism() const noexcept override { return like_.mechanism(); }
+    drivers::ReadStatus read(Nanoseconds, JointSample& sample) noexcept override {
+        sample = given;
+        return static_cast<drivers::ReadStatus>(cycle.status);
+    }
+    bool write(Nanoseconds, const drivers::JointEfforts&) noexcept override {
+        return (cycle.flags & TapeCycle::written) != 0;
+    }
+    void make_safe() noexcept override {}
+    Nanoseconds now() noexcept override {
+        return std::exchange(asked, true) ? cycle.write_ns : cycle.read_ns;
+    }
+
+    TapeCycle cycle;
+    JointSample given;
+    bool asked = false;
+
+  private:
+    const drivers::Device& like_;
+};
+
+struct Replay::Held {
+    explicit Held(const ClaimTerms& stated)
+        : layout(protocol::claim_layout(stated.capacity)),
+          memory(layout.total),
+          claim(stated, memory.data(), nullptr),
+          commands(memory.data() + layout.commands, layout.command_cells),
+          batches(memory.data() + layout.batches, layout.batch_slot_bytes),
+          replies(memory.data() + layout.replies, protocol::reply_cells) {}
+
+    protocol::ClaimLayout layout;
+    OfflineMemory memory;
+    Claim claim;
+    shm::SpscProducer commands;
+    shm::TripleWriter batches;
+    shm::SpscConsumer replies;
+};
+
+namespace {
+
+[[noreturn]] void nonsense(const TapeRecord& record, const char* what) {
+    throw TapeError(fmt::format(
+        "a record of type {} with {} bytes {}; the recording was edited, or made by another build",
+        static_cast<unsigned>(record.type), record.bytes.size(), what));
+}
+
+template <class T>
+T part_of(const TapeRecord& record, std::size_t at) {
+    if (record.bytes.size() < at + sizeof(T)) nonsense(record, "is too short");
+    return read_as<T>(record.bytes.data() + at);
+}
+
+constexpr std::size_t after_number = sizeof(std::uint64_t);
+
+/// What no broker grants is no claim's: its memory is made from these figures.
+void require_sane(const TapeRecord& record, const ClaimTerms& terms) {
+    const auto& c = terms.capacity;
+    if (record.bytes.size() != after_number + sizeof terms || c.representations < 1 ||
+        c.representations > protocol::max_representations || c.batch_bytes < 8 ||
+        c.batch_bytes > protocol::max_batch_bytes || c.batch_bytes % 8 != 0)
+        nonsense(record, "adopts what is no claim");
+}
+
+}  // namespace
+
+Replay::Replay(const drivers::Device& like, const ServoOptions& options)
+    : played_(std::make_unique<Played>(like)), options_(options), segment_(protocol::device_layout().total) {}
+Replay::~Replay() = default;
+
+void Replay::gap() noexcept {
+    exact_ = false;
+}
+
+void Replay::load(const TapeRecord& record) {
+    if (record.bytes.size() % 8 != 0 || record.bytes.size() > max_keyframe_words * 8)
+        nonsense(record, "is no keyframe");
+    // Nobody held the device: a new servo with that memory is the one that was recorded. A keyframe after
+    // cycles that were replayed has nothing new to say.
+    if (exact_) return;
+    claims_.clear();
+    std::memset(segment_.data(), 0, segment_.size());
+    servo_ = std::make_unique<Servo>(*played_, *played_, segment_.data(), options_);
+    std::vector<std::uint64_t> words(record.bytes.size() / 8);
+    std::memcpy(words.data(), record.bytes.data(), record.bytes.size());
+    StateWords reader(words, StateWords::To::state);
+    servo_->impl_->state(reader);
+    if (reader.visited() != words.size()) nonsense(record, "is a keyframe of another length");
+    servo_->impl_->stages.never();
+    exact_ = true;
+}
+
+Replay::Held* Replay::held(const TapeRecord& record) {
+    const auto found = claims_.find(part_of<std::uint64_t>(record, 0));
+    if (found == claims_.end()) nonsense(record, "is about a claim that is not there");
+    return found->second.get();
+}
+
+const Report* Replay::feed(const TapeRecord& record) {
+    if (record.type == TapeType::keyframe) {
+        load(record);
+        return nullptr;
+    }
+    if (!exact_) return nullptr;
+    switch (record.type) {
+        case TapeType::adopt: {
+            auto terms = part_of<ClaimTerms>(record, after_number);
+            require_sane(record, terms);
+            terms.event_fd = -1;  // of the recorded process
+            auto& place = claims_[part_of<std::uint64_t>(record, 0)];
+            if (place) nonsense(record, "adopts a claim twice");
+            place = std::make_unique<Held>(terms);
+            if (!servo_->adopt(&place->claim)) nonsense(record, "is one claim too many");
+            return nullptr;
+        }
+        case TapeType::drop:
+            if (!servo_->drop(&held(record)->claim)) nonsense(record, "is one message too many");
+            return nullptr;
+        case TapeType::drop_all:
+            if (!servo_->drop_all()) nonsense(record, "is one message too many");
+            return nullptr;
+        case TapeType::commands: {
+            const std::size_t bytes = record.bytes.size() - after_number;
+            if (!held(record)->commands.try_push(record.bytes.data() + after_number,
+                                                 bytes / shm::cell_bytes) ||
+                bytes % shm::cell_bytes != 0)
+                nonsense(record, "has more commands than the claim could send");
+            return nullptr;
+        }
+        case TapeType::batch: {
+            part_of<protocol::BatchHeader>(record, after_number);
+            const std::size_t bytes = record.bytes.size() - after_number;
+            Held& claim = *held(record);
+            if (bytes % 8 != 0 || bytes > claim.layout.batch_slot_bytes)
+                nonsense(record, "is a larger batch than the claim could send");
+            claim.batches.publish(record.bytes.data() + after_number, bytes);
+            return nullptr;
+        }
+        case TapeType::commands_broken:  // as its application broke it: an index that cannot be
+            shm::HardwareMemory::store(
+                *shm::spsc_places(held(record)->memory.data() + held(record)->layout.commands,
+                                  held(record)->layout.command_cells)
+                     .tail,
+                ~std::uint64_t{0}, std::memory_order::relaxed);
+            return nullptr;
+        case TapeType::batch_broken:
+            shm::HardwareMemory::store(
+                *shm::triple_places(held(record)->memory.data() + held(record)->layout.batches,
+                                    held(record)->layout.batch_slot_bytes)
+                     .mid,
+                shm::TripleMid::make(shm::TripleMid::index_mask, true, 0), std::memory_order::relaxed);
+            return nullptr;
+        case TapeType::cycle: {
+            TapeCycle cycle;
+            if (record.bytes.size() > sizeof cycle || record.bytes.size() < offsetof(TapeCycle, velocity))
+                nonsense(record, "is no cycle");
+            std::memcpy(&cycle, record.bytes.data(), record.bytes.size());
+            if (record.bytes.size() != cycle.bytes()) nonsense(record, "is no cycle");
+            return step(cycle);
+        }
+        case TapeType::keyframe:
+            break;
+    }
+    nonsense(record, "is none of ours");
+}
+
+const Report* Replay::step(const TapeCycle& cycle) {
+    if (cycle.cycle != servo_->impl_->report.cycle + 1)
+        throw TapeError(fmt::format("cycle {} follows cycle {}: records are missing between them",
+                                    cycle.cycle, servo_->impl_->report.cycle));
+    played_->cycle = cycle;
+    played_->asked = false;
+    JointSample& given = played_->given;
+    given.position = cycle.position;
+    given.velocity = cycle.velocity;
+    given.has_velocity = (cycle.flags & TapeCycle::has_velocity) != 0;
+    given.calibrated = (cycle.flags & TapeCycle::calibrated) != 0;
+    given.buttons = cycle.buttons;
+    if ((cycle.flags & TapeCycle::guardian) != 0) servo_->guardian_acted();
+    if ((cycle.flags & TapeCycle::jumped) != 0) servo_->clock_jumped();
+    servo_->step(cycle.deadline, cycle.now);
+    for (auto& [number, claim] : claims_) claim->replies.pop(claim->replies.available());
+    free_released();
+    return &servo_->last();
+}
+
+void Replay::free_released() {
+    while (const Claim* back = servo_->released())
+        std::erase_if(claims_, [back](const auto& entry) { return &entry.second->claim == back; });
+}
+
+}  // namespace knurl::servo

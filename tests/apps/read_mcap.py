@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""Reads a recording as the format's specification says, and none of our code: checks every checksum, every index, every
+message; prints what it found as JSON. Needs the program zstd."""
+
+import json
+import struct
+import subprocess
+import sys
+import zlib
+
+MAGIC = b"\x89MCAP0\r\n"
+HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
+STATISTICS, METADATA, METADATA_INDEX, DATA_END = 0x0B, 0x0C, 0x0D, 0x0F
+
+
+class Parts:
+    def __init__(self, data):
+        self.data, self.at = data, 0
+
+    def take(self, form):
+        values = struct.unpack_from("<" + form, self.data, self.at)
+        self.at += struct.calcsize("<" + form)
+        return values if len(values) > 1 else values[0]
+
+    def raw(self, n):
+        assert self.at + n <= len(self.data)
+        self.at += n
+        return self.data[self.at - n:self.at]
+
+    def text(self):
+        return self.raw(self.take("I")).decode()
+
+    def map(self, key, value):
+        inner, found = Parts(self.raw(self.take("I"))), {}
+        while inner.at < len(inner.data):
+            k = key(inner)
+            assert k not in found
+            found[k] = value(inner)
+        return found
+
+    def rest(self):
+        return self.raw(len(self.data) - self.at)
+
+
+def records(data, at, end):
+    while at < end:
+        op, length = struct.unpack_from("<BQ", data, at)
+        assert at + 9 + length <= end, "a record beyond the end"
+        yield op, at, data[at + 9:at + 9 + length]
+        at += 9 + length
+
+
+def main(path):
+    data = open(path, "rb").read()
+    assert data.startswith(MAGIC) and data.endswith(MAGIC)
+    footer_at = len(data) - 8 - 29
+    op, length, summary_start, offsets_start, summary_crc = struct.unpack_from("<BQQQI", data, footer_at)
+    assert (op, length, offsets_start) == (FOOTER, 20, 0)
+    assert summary_crc == zlib.crc32(data[summary_start:footer_at + 25])
+
+    channels, counts, metadata, chunks, reports = {}, {}, {}, {}, []
+    schemas, where = {}, {}
+
+    def define(op, content):
+        p = Parts(content)
+        if op == SCHEMA:
+            number, name, encoding = p.take("H"), p.text(), p.text()
+            schemas[number] = (name, encoding, p.raw(p.take("I")).decode())
+        elif op == CHANNEL:
+            number, schema, topic, encoding = p.take("H"), p.take("H"), p.text(), p.text()
+            assert p.map(Parts.text, Parts.text) == {}
+            assert schema == 0 or schema in schemas
+            channels[number] = (topic, encoding, schema)
+
+    message_indexes, last_chunk = {}, None
+    data_end = None
+    for op, at, content in records(data, len(MAGIC), summary_start):
+        assert data_end is None
+        p = Parts(content)
+        if op == HEADER:
+            profile, library = p.text(), p.text()
+            assert profile == ""
+        elif op in (SCHEMA, CHANNEL):
+            define(op, content)
+        elif op == METADATA:
+            where[at] = len(content) + 9
+            name = p.text()
+            metadata[name] = p.map(Parts.text, Parts.text)
+        elif op == CHUNK:
+            first, last, plain, crc = p.take("QQQI")
+            compression, packed = p.text(), p.raw(p.take("Q"))
+            assert compression == "zstd" and p.rest() == b""
+            chunk = subprocess.run(["zstd", "-dcq"], input=packed, capture_output=True, check=True).stdout
+            assert len(chunk) == plain and zlib.crc32(chunk) == crc
+            times, places = [], {}
+            for inner_op, inner_at, inner in records(chunk, 0, len(chunk)):
+                assert inner_op == MESSAGE
+                m = Parts(inner)
+                channel, sequence, log_time, publish_time = m.take("HIQQ")
+                assert channel in channels and log_time == publish_time
+                assert sequence == counts.get(channel, 0)
+                counts[channel] = sequence + 1
+                times.append(log_time)
+                places.setdefault(channel, []).append((log_time, inner_at))
+                if channels[channel][0] == "/knurl/report":
+                    body = m.rest()
+                    assert body[:4] == b"\0\1\0\0" and len(body) == 4 + 368
+                    values = struct.unpack_from("<Q3q8d3d4d24d4IQ", body, 4)
+                    reports.append({"cycle": values[0], "sent_fz": values[36], "state": values[43]})
+            assert (first, last) == (min(times), max(times))
+            chunks[at] = {"first": first, "last": last, "bytes": len(content) + 9, "packed": len(packed),
+                          "plain": plain, "indexes": {}, "index_bytes": 0}
+            last_chunk, message_indexes = chunks[at], places
+        elif op == MESSAGE_INDEX:
+            channel = p.take("H")
+            inner = Parts(p.raw(p.take("I")))
+            found = [inner.take("QQ") for _ in range(len(inner.data) // 16)]
+            assert found == message_indexes.pop(channel)
+            last_chunk["indexes"][channel] = at
+            last_chunk["index_bytes"] += len(content) + 9
+        elif op == DATA_END:
+            data_end = p.take("I")
+            assert data_end == zlib.crc32(data[:at])
+        else:
+            raise AssertionError(f"op {op} in the data section")
+    assert data_end is not None
+
+    defined, seen, statistics = (dict(schemas), dict(channels)), {}, None
+    for op, at, content in records(data, summary_start, footer_at):
+        p = Parts(content)
+        if op in (SCHEMA, CHANNEL):
+            define(op, content)
+        elif op == STATISTICS:
+            statistics = p.take("QHIIIIQQ")
+            number = lambda form: lambda part: part.take(form)
+            assert p.map(number("H"), number("Q")) == counts
+        elif op == CHUNK_INDEX:
+            first, last, at_chunk, length = p.take("QQQQ")
+            indexes = p.map(lambda part: part.take("H"), lambda part: part.take("Q"))
+            index_bytes, compression, packed, plain = p.take("Q"), p.text(), *p.take("QQ")
+            seen[at_chunk] = {"first": first, "last": last, "bytes": length, "packed": packed, "plain": plain,
+                              "indexes": indexes, "index_bytes": index_bytes}
+            assert compression == "zstd"
+        elif op == METADATA_INDEX:
+            at_metadata, length = p.take("QQ")
+            assert where[at_metadata] == length and p.text() in metadata
+        else:
+            raise AssertionError(f"op {op} in the summary")
+    assert defined == (schemas, channels) and seen == chunks
+    assert statistics[0] == sum(counts.values()) and statistics[5] == len(chunks)
+    assert statistics[6] == min(c["first"] for c in chunks.values())
+    print(json.dumps({"library": library, "metadata": metadata, "chunks": len(chunks), "schemas": list(schemas.values()),
+                      "messages": {channels[c][0]: n for c, n in counts.items()}, "reports": reports}))
+
+
+main(sys.argv[1])

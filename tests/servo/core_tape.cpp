@@ -1,0 +1,236 @@
+// What is recorded replays to the last bit, whatever happens to a servo; and what is not on the tape would be
+// missed.
+
+#include <functional>
+#include <map>
+
+#include "tape_run.hpp"
+
+namespace knurl::servo {
+namespace {
+
+using namespace testing;
+
+struct Outcome {
+    std::uint64_t replayed = 0;
+    std::string first_difference;  // empty: none
+};
+
+/// Replays the records and compares each report with the recorded one, every byte.
+Outcome replayed(const TapeRun& run, const std::vector<TapeRecord>& records) {
+    Replay replay(run.device, run.options);
+    Outcome outcome;
+    try {
+        for (const TapeRecord& record : records) {
+            const Report* report = replay.feed(record);
+            if (report == nullptr) continue;
+            ++outcome.replayed;
+            const Report& recorded = run.reports.at(report->cycle - 1);
+            if (std::memcmp(report, &recorded, sizeof recorded) == 0) continue;
+            outcome.first_difference = "cycle " + std::to_string(report->cycle);
+            break;
+        }
+    } catch (const TapeError& error) {
+        outcome.first_difference = error.what();
+    }
+    return outcome;
+}
+
+TEST(Tape, ReplaysEveryByteOfEveryReport) {
+    std::map<DeviceState, int> states;
+    std::map<TapeType, int> types;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        TapeRun run(seed, seed % 3 == 0 ? 3000 : 1000);
+        std::vector<TapeRecord> records;
+        const int before =
+            static_cast<int>(seed % 5) * 400;  // the recording begins in the middle of its life
+        for (int i = 0; i < 9000; ++i) {
+            if (i == before) run.start();
+            run.cycle();
+            for (TapeRecord& record : run.drain()) records.push_back(std::move(record));
+        }
+        EXPECT_EQ(run.reader.missed(), 0u);
+        const Outcome outcome = replayed(run, records);
+        EXPECT_EQ(outcome.first_difference, "");
+        EXPECT_GT(outcome.replayed, 5000u);
+        for (const Report& report : run.reports) ++states[report.state];
+        for (const TapeRecord& record : records) ++types[record.type];
+    }
+    for (const auto state : {DeviceState::disconnected, DeviceState::idle, DeviceState::ramp_up,
+                             DeviceState::active, DeviceState::ramp_down, DeviceState::fault})
+        EXPECT_GT(states[state], 500) << "state " << static_cast<int>(state) << " hardly happened";
+    for (const auto type :
+         {TapeType::keyframe, TapeType::adopt, TapeType::drop, TapeType::commands, TapeType::commands_broken,
+          TapeType::batch, TapeType::batch_broken, TapeType::cycle})
+        EXPECT_GT(types[type], 0) << "type " << static_cast<int>(type) << " never happened";
+}
+
+TEST(Tape, TheEndOfAServoReplays) {
+    TapeRun run(77);
+    run.start();
+    for (int i = 0; i < 1500; ++i) run.cycle();
+    run.servo->drop_all();
+    for (int i = 0; i < 200; ++i) run.cycle();
+    const Outcome outcome = replayed(run, run.drain());
+    EXPECT_EQ(outcome.first_difference, "");
+    EXPECT_GT(outcome.replayed, 1500u);
+}
+
+/// Leave any one input out and the replay is another one: so each of them is recorded for a reason, and the
+/// comparison would notice.
+TEST(Tape, EveryInputMatters) {
+    using Edit = std::function<bool(TapeRecord&)>;  // false: the record is left out
+    const auto without = [](TapeType type) -> Edit {
+        return [type](TapeRecord& record) { return record.type != type; };
+    };
+    const auto cycles = [](auto change) -> Edit {
+        return [change](TapeRecord& record) {
+            if (record.type != TapeType::cycle) return true;
+            TapeCycle cycle;
+            std::memcpy(&cycle, record.bytes.data(), record.bytes.size());
+            change(cycle);
+            record.bytes.resize(cycle.bytes());
+            std::memcpy(record.bytes.data(), &cycle, record.bytes.size());
+            return true;
+        };
+    };
+    const std::vector<std::pair<std::string, Edit>> edits = {
+        {"adopt", without(TapeType::adopt)},
+        {"drop", without(TapeType::drop)},
+        {"drop_all", without(TapeType::drop_all)},
+        {"commands", without(TapeType::commands)},
+        {"commands_broken", without(TapeType::commands_broken)},
+        {"batch", without(TapeType::batch)},
+        {"batch_broken", without(TapeType::batch_broken)},
+        {"cycle", without(TapeType::cycle)},
+        {"deadline", cycles([](TapeCycle& c) { c.deadline = 0; })},
+        {"now", cycles([](TapeCycle& c) { c.now += c.cycle % 100 == 0 ? 1000 : 0; })},
+        {"read_ns", cycles([](TapeCycle& c) { c.read_ns = 0; })},
+        {"write_ns", cycles([](TapeCycle& c) { c.write_ns = 0; })},
+        {"status", cycles([](TapeCycle& c) { c.status = 0; })},
+        {"position", cycles([](TapeCycle& c) { c.position[1] += 1e-15; })},
+        {"velocity", cycles([](TapeCycle& c) { c.velocity[2] = 0; })},
+        {"buttons", cycles([](TapeCycle& c) { c.buttons ^= 1; })},
+        {"has_velocity", cycles([](TapeCycle& c) { c.flags &= ~TapeCycle::has_velocity; })},
+        {"calibrated", cycles([](TapeCycle& c) { c.flags |= TapeCycle::calibrated; })},
+        {"written", cycles([](TapeCycle& c) { c.flags |= TapeCycle::written; })},
+        {"guardian", cycles([](TapeCycle& c) { c.flags &= ~TapeCycle::guardian; })},
+        {"jumped", cycles([](TapeCycle& c) { c.flags &= ~TapeCycle::jumped; })},
+        {"keyframe", [](TapeRecord& record) {
+             // One word of it after the other would be better still; this is the hand's last position.
+             if (record.type == TapeType::keyframe) record.bytes[12 * 8] ^= std::byte{1};
+             return true;
+         }}};
+    std::map<std::string, int> seen;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        TapeRun run(seed);
+        for (int i = 0; i < 300; ++i) run.cycle();
+        run.start();
+        for (int i = 0; i < 6000; ++i) run.cycle();
+        run.servo->drop_all();
+        for (int i = 0; i < 200; ++i) run.cycle();
+        const std::vector<TapeRecord> records = run.drain();
+        ASSERT_EQ(replayed(run, records).first_difference, "") << "seed " << seed;
+        for (const auto& [name, edit] : edits) {
+            std::vector<TapeRecord> edited;
+            for (TapeRecord record : records)
+                if (edit(record)) edited.push_back(std::move(record));
+            const Outcome outcome = replayed(run, edited);
+            seen[name] += !outcome.first_difference.empty() || outcome.replayed == 0;
+        }
+    }
+    for (const auto& [name, edit] : edits) EXPECT_GT(seen[name], 0) << name << " could be left out";
+}
+
+/// A recorder that sleeps while the ring goes round: it is told, nobody waits for it, and behind the gap the
+/// replay goes on from the next keyframe.
+TEST(Tape, ASlowReaderIsToldOfTheGapAndReplaysBehindIt) {
+    TapeRun run(5);
+    run.start();
+    Replay replay(run.device, run.options);
+    std::uint64_t compared = 0, after_gap = 0, gaps = 0;
+    const auto drain = [&] {
+        TapeRecord record;
+        for (;;) {
+            const TapeReader::Next next = run.reader.next(record);
+            if (next == TapeReader::Next::nothing) return;
+            if (next == TapeReader::Next::gap) {
+                ++gaps;
+                replay.gap();
+                EXPECT_FALSE(replay.exact());
+                continue;
+            }
+            const Report* report = replay.feed(record);
+            if (report == nullptr) continue;
+            ++compared;
+            after_gap += gaps > 0;
+            ASSERT_EQ(std::memcmp(report, &run.reports.at(report->cycle - 1), sizeof *report), 0)
+                << "cycle " << report->cycle;
+        }
+    };
+    for (int i = 0; i < 3000; ++i) run.cycle();
+    drain();
+    const std::uint64_t before = compared;
+    while (Tape::written(run.memory.data()) < 3 * tape_slots / 2 + 4000) run.cycle();
+    drain();
+    EXPECT_EQ(gaps, 1u);
+    EXPECT_GT(run.reader.missed(), 0u);
+    EXPECT_GT(before, 2000u);
+    EXPECT_GT(after_gap, 10'000u);
+}
+
+/// A file may say anything: a line, or other forces, and nothing worse.
+TEST(Tape, AnEditedTapeHarmsNothing) {
+    TapeRun run(3);
+    run.start();
+    for (int i = 0; i < 1500; ++i) run.cycle();
+    const std::vector<TapeRecord> records = run.drain();
+    ASSERT_EQ(replayed(run, records).first_difference, "");
+    int refused = 0;
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        std::mt19937_64 random(seed);
+        std::vector<TapeRecord> edited = records;
+        for (int i = 0; i < 20; ++i) {
+            TapeRecord& record = edited[random() % edited.size()];
+            if (random() % 4 == 0) record.type = static_cast<TapeType>(random() % 12);
+            if (random() % 4 == 0) record.bytes.resize(random() % 600);
+            if (!record.bytes.empty()) record.bytes[random() % record.bytes.size()] = std::byte(random());
+        }
+        if (seed % 2 == 0)  // of the first keyframe every byte
+            for (std::byte& byte : edited.front().bytes) byte = std::byte(random());
+        Replay replay(run.device, run.options);
+        try {
+            for (const TapeRecord& record : edited) replay.feed(record);
+        } catch (const TapeError&) {
+            ++refused;
+        }
+    }
+    EXPECT_GT(refused, 30);
+}
+
+TEST(Tape, NothingIsWrittenWhileNobodyRecords) {
+    TapeRun run(9);
+    for (int i = 0; i < 100; ++i) run.cycle();
+    EXPECT_EQ(Tape::written(run.memory.data()), 0u);
+    run.start();
+    for (int i = 0; i < 100; ++i) run.cycle();
+    EXPECT_GT(Tape::written(run.memory.data()), 90u);
+    run.servo->record(nullptr);
+    run.cycle();
+    const std::uint64_t written = Tape::written(run.memory.data());
+    for (int i = 0; i < 100; ++i) run.cycle();
+    EXPECT_EQ(Tape::written(run.memory.data()), written);
+}
+
+TEST(Tape, ADeviceOfOtherFiguresIsAnotherDevice) {
+    PuppetDevice one(6), same(6), stronger(6), shorter(3);
+    stronger.link_.peak_force = 11;
+    EXPECT_EQ(figures_of(one), figures_of(same));
+    EXPECT_NE(figures_of(one), figures_of(stronger));
+    EXPECT_NE(figures_of(one), figures_of(shorter));
+}
+
+}  // namespace
+}  // namespace knurl::servo
