@@ -186,6 +186,10 @@ void print_text(const Examination& found, const Arguments& arguments) {
     for (const RateVerdict& verdict : found.rates) {
         fmt::print("{:>6g} Hz  {}: {}\n", verdict.rate, name_of(verdict.fitness), verdict.reason);
         fmt::print("{}{}", figures_line("servo", verdict.servo), figures_line("bare loop", verdict.bare));
+        if (const measure::Comparison& c = verdict.lateness; c.problem.empty())
+            fmt::print("           the servo's median is {:.2f} ({:.2f} to {:.2f}) of the bare loop's{}\n",
+                       c.ratio, c.interval.low, c.interval.high,
+                       c.verdict == measure::Verdict::undecided ? ": that may be chance" : "");
     }
 }
 
@@ -209,11 +213,16 @@ json to_json(const Examination& found, const Arguments& arguments) {
                             {"mend", finding.mend}});
     }
     for (const RateVerdict& verdict : found.rates) {
-        verdicts.push_back({{"rate", verdict.rate},
-                            {"fitness", name_of(verdict.fitness)},
-                            {"reason", verdict.reason},
-                            {"servo", to_json(verdict.servo)},
-                            {"bare_loop", to_json(verdict.bare)}});
+        const measure::Comparison& c = verdict.lateness;
+        verdicts.push_back(
+            {{"rate", verdict.rate},
+             {"fitness", name_of(verdict.fitness)},
+             {"reason", verdict.reason},
+             {"servo", to_json(verdict.servo)},
+             {"bare_loop", to_json(verdict.bare)},
+             {"servo_to_bare",
+              c.problem.empty() ? json{{"ratio", c.ratio}, {"low", c.interval.low}, {"high", c.interval.high}}
+                                : json()}});
     }
     const auto number = [](const std::optional<double>& us) { return us ? json(*us) : json(); };
     return {{"machine",

@@ -1,7 +1,6 @@
 #include "doctor_verdict.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -14,14 +13,41 @@ namespace {
 constexpr double good_share = 0.999, usable_share = 0.99;
 constexpr Nanoseconds lets_go_after = 20'000'000;  // a servo that was late by more begins again from no force
 
-/// Of two loops on one CPU, one with nothing in it: if that is late too, nothing in Knurl can help. Counts of
-/// rare events scatter by their root; what differs by less than three of that may be chance.
+/// Of two loops on one CPU, one with nothing in it: if that is late too, nothing in Knurl can help. Late
+/// cycles come in bursts: whether one loop has more of them is seen by how the stretches of both scatter, not
+/// by how many there are.
 const char* whose(const LoopFigures& servo, const LoopFigures& bare) {
-    const auto late = [](const LoopFigures& f) { return (1 - f.on_time) * static_cast<double>(f.cycles); };
     if (bare.on_time < good_share) return "it is the machine";
-    const bool more = late(servo) - late(bare) > 3 * std::sqrt(late(servo) + late(bare));
-    return more ? "it is the servo"
-                : "too few to say whether it is the machine or the servo; measure longer (--seconds)";
+    const auto share = [](const LoopFigures& loop, std::span<const std::size_t> drawn) {
+        double late = 0, cycles = 0;
+        for (const std::size_t block : drawn) {
+            late += loop.late_of_block[block];
+            cycles += static_cast<double>(loop.blocks[block].count());
+        }
+        return cycles > 0 ? late / cycles : 0;
+    };
+    const auto more = measure::bootstrap(servo.blocks.size(), bare.blocks.size(),
+                                         [&](std::span<const std::size_t> a, std::span<const std::size_t> b) {
+                                             return std::optional(share(servo, a) - share(bare, b));
+                                         },
+                                         {.confidence = 0.99});
+    return more && more->low > 0
+               ? "it is the servo"
+               : "too few to say whether it is the machine or the servo; measure longer (--seconds)";
+}
+
+/// As many stretches of equal numbers of cycles as a bootstrap wants, and some more.
+void divide(LoopFigures& result, const Beginnings& beginnings, Nanoseconds half) {
+    constexpr std::size_t blocks = 45;  // each of the doctor's three turns has fifteen
+    const std::size_t n = beginnings.late.size();
+    if (n < blocks) return;
+    result.blocks.resize(blocks);
+    result.late_of_block.resize(blocks);
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t block = i * blocks / n;
+        result.blocks[block].record(static_cast<double>(beginnings.late[i]) * 1e-3);
+        result.late_of_block[block] += beginnings.late[i] < half ? 0 : 1;
+    }
 }
 
 }  // namespace
@@ -54,11 +80,18 @@ LoopFigures figures(Beginnings beginnings, const std::vector<Gap>& gaps, double 
     result.p99 = spread.p99;
     result.p999 = spread.p999;
     result.max = spread.max;
+    divide(result, beginnings, half);
     return result;
 }
 
 RateVerdict judge(double rate, const LoopFigures& servo, const LoopFigures& bare, bool real_time) {
-    RateVerdict verdict{.rate = rate, .fitness = Fitness::unfit, .reason = {}, .servo = servo, .bare = bare};
+    RateVerdict verdict{.rate = rate,
+                        .fitness = Fitness::unfit,
+                        .reason = {},
+                        .servo = servo,
+                        .bare = bare,
+                        .lateness = measure::compare({.blocks = bare.blocks, .reference = {}},
+                                                     {.blocks = servo.blocks, .reference = {}}, 0.5)};
     if (servo.cycles == 0) {
         verdict.reason = "the servo reported no cycle";
         return verdict;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "compare.hpp"
 #include "doctor_loop.hpp"
 
 namespace knurl::cli {
@@ -17,7 +18,10 @@ struct LoopFigures {
     std::optional<double> p50, p99, p999;  // us late; each has ten cycles above it, or is left out
     double max = 0;                        // us late
     Stalls stalls;
+    std::vector<measure::Histogram> blocks;  // us late, of stretches one after another
+    std::vector<double> late_of_block;       // cycles of each that were not on time
 };
+/// `beginnings` in the order in which they were seen, in some turns.
 LoopFigures figures(Beginnings beginnings, const std::vector<Gap>& gaps, double rate);
 
 enum class Fitness { good, usable, unfit };
@@ -28,6 +32,7 @@ struct RateVerdict {
     Fitness fitness = Fitness::unfit;
     std::string reason;
     LoopFigures servo, bare;
+    measure::Comparison lateness;  // of the medians, the servo's to the bare loop's
 };
 
 /// good: at least 99.9 % of the servo's cycles on time, in real time. usable: 99 %. A machine that stands

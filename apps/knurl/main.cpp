@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
     knurl::cli::add_eval(program, run);
     knurl::cli::add_latency(program, run);
     knurl::cli::add_top(program, run);
+    knurl::cli::add_trace(program, run);
     knurl::cli::add_doctor(program, run);
     knurl::cli::add_record(program, run);
     knurl::cli::add_replay(program, run);

@@ -161,6 +161,19 @@ std::vector<std::vector<Report>> ServoWatch::new_reports() {
     return all;
 }
 
+std::vector<Report> ServoWatch::history(std::size_t device) const {
+    const shm::BroadcastReader reader(segments_[device].data() + protocol::device_layout().reports,
+                                      protocol::report_slots, sizeof(Report), 0);
+    const std::uint64_t end = reader.published(), held = protocol::report_slots - 1;
+    std::vector<Report> all;
+    Report report;
+    for (std::uint64_t n = end > held ? end - held : 0; n < end; ++n) {
+        // What the servo overwrites meanwhile is the oldest.
+        if (reader.at(n, &report)) all.push_back(report);
+    }
+    return all;
+}
+
 std::vector<ServoView> look_at_all() {
     std::vector<ServoView> views;
     for (const std::string& directory : protocol::servo_directories()) {

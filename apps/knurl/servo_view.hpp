@@ -62,6 +62,8 @@ class ServoWatch {
     /// Of each device, the reports since the last call (the first one begins with the newest). What was
     /// overwritten before it could be looked at is left out.
     std::vector<std::vector<Report>> new_reports();
+    /// All reports of a device that its memory still holds, one after another.
+    std::vector<Report> history(std::size_t device) const;
 
   private:
     std::string socket_;

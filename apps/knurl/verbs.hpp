@@ -15,6 +15,7 @@ using Run = std::function<int()>;
 void add_ls(CLI::App& program, Run& run);
 void add_eval(CLI::App& program, Run& run);
 void add_latency(CLI::App& program, Run& run);
+void add_trace(CLI::App& program, Run& run);
 void add_top(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
 void add_devices(CLI::App& program, Run& run);

@@ -23,6 +23,11 @@ TEST(Doctor, JudgesFiveRatesByTheServoAndTheBareLoop) {
         EXPECT_THAT((std::vector<std::string>{"good", "usable", "unfit"}),
                     testing::Contains(rate.at("fitness").get<std::string>()));
         EXPECT_THAT(rate.at("reason").get<std::string>(), HasSubstr("of cycles on time"));
+        ASSERT_TRUE(rate.contains("servo_to_bare"));
+        if (const json& ratio = rate.at("servo_to_bare"); !ratio.is_null()) {
+            EXPECT_LE(ratio.at("low"), ratio.at("ratio"));
+            EXPECT_LE(ratio.at("ratio"), ratio.at("high"));
+        }
         for (const char* loop : {"servo", "bare_loop"}) {
             EXPECT_GT(rate.at(loop).at("cycles"), 0) << loop;
             EXPECT_GT(rate.at(loop).at("max"), 0) << loop;

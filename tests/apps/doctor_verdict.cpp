@@ -25,6 +25,29 @@ Beginnings loop(double rate, std::size_t cycles, std::size_t late = 0, Nanosecon
     return made;
 }
 
+/// Every so often one begins late.
+Beginnings scattered(std::size_t cycles, std::size_t late) {
+    Beginnings made = loop(1000, cycles);
+    for (std::size_t i = 0; i < late; ++i) made.late[i * cycles / late] = 800 * us;
+    return made;
+}
+
+TEST(DoctorVerdict, SaysHowMuchLaterTheServoIsThanTheBareLoop) {
+    Beginnings servo = loop(1000, 9000), bare = servo;
+    for (std::size_t i = 0; i < 9000; ++i) {
+        bare.late[i] = 30 * us + static_cast<Nanoseconds>(i * 7919 % 1000) * 10;
+        servo.late[i] = bare.late[i] * 12 / 10;
+    }
+    const auto verdict = cli::judge(1000, cli::figures(servo, {}, 1000), cli::figures(bare, {}, 1000), true);
+    ASSERT_TRUE(verdict.lateness.problem.empty()) << verdict.lateness.problem;
+    EXPECT_NEAR(verdict.lateness.ratio, 1.2, 0.01);
+    EXPECT_EQ(verdict.lateness.verdict, measure::Verdict::worse);
+    EXPECT_LT(verdict.lateness.interval.high, 1.25);
+    const auto alike = cli::judge(1000, cli::figures(bare, {}, 1000), cli::figures(bare, {}, 1000), true);
+    EXPECT_EQ(alike.lateness.verdict, measure::Verdict::undecided);
+    EXPECT_FALSE(cli::judge(1000, cli::figures(loop(1000, 40), {}, 1000), {}, true).lateness.problem.empty());
+}
+
 TEST(DoctorVerdict, OnTimeIsWithinHalfOfAPeriod) {
     EXPECT_EQ(cli::figures(loop(1000, 10'000, 100, 499 * us), {}, 1000).on_time, 1);
     EXPECT_NEAR(cli::figures(loop(1000, 10'000, 100, 500 * us), {}, 1000).on_time, 0.99, 1e-12);
@@ -58,7 +81,11 @@ TEST(DoctorVerdict, TheBareLoopTellsTheMachineFromTheServo) {
     const auto fine = cli::figures(loop(1000, 10'000), {}, 1000),
                late = cli::figures(loop(1000, 10'000, 300, 800 * us), {}, 1000);
     EXPECT_THAT(cli::judge(1000, late, late, true).reason, HasSubstr("it is the machine"));
-    EXPECT_THAT(cli::judge(1000, late, fine, true).reason, HasSubstr("it is the servo"));
+    EXPECT_THAT(cli::judge(1000, cli::figures(scattered(10'000, 90), {}, 1000), fine, true).reason,
+                HasSubstr("it is the servo"));
+    EXPECT_THAT(cli::judge(1000, cli::figures(loop(1000, 10'000, 90, 800 * us), {}, 1000), fine, true).reason,
+                HasSubstr("too few"))
+        << "one burst of ninety may be one event, and chance";
     const auto few = cli::figures(loop(1000, 4000, 6, 800 * us), {}, 1000);
     EXPECT_THAT(cli::judge(1000, few, cli::figures(loop(1000, 4000, 1, 800 * us), {}, 1000), true).reason,
                 HasSubstr("too few"));

@@ -1,0 +1,172 @@
+// knurl trace: one cycle and its neighbours on a timeline, for chrome://tracing or ui.perfetto.dev.
+// Read-only: the servo does nothing for it.
+
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <knurl/protocol/attach.hpp>
+
+#include "servo_view.hpp"
+#include "trace_flight.hpp"
+#include "trace_timeline.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+using measure::now_ns, measure::sleep_until;
+
+constexpr Nanoseconds patience =
+    1'000'000'000;  // for a servo that does not move, and for a cycle that is stamped
+
+struct Arguments {
+    std::string out;
+    std::string servo = "default", device;  // device: empty: the only one
+    std::string around = "last";
+    std::string from;  // a flight record; empty: a running servo
+    std::size_t cycles = 8;
+    double seconds = 0.5;
+};
+
+std::size_t find_device(const ServoView& view, const Arguments& arguments) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < view.devices.size(); ++i) {
+        names.push_back(view.devices[i].info.name);
+        if (names.back() == arguments.device) return i;
+    }
+    if (arguments.device.empty() && names.size() == 1) return 0;
+    throw std::runtime_error(arguments.device.empty()
+                                 ? fmt::format("knurl:{} has {} devices; name one by --device: {}",
+                                               arguments.servo, names.size(), fmt::join(names, ", "))
+                                 : fmt::format("knurl:{} has no device '{}'; it has {}", arguments.servo,
+                                               arguments.device, fmt::join(names, ", ")));
+}
+
+/// Looks at a servo's counters so often that the parts of each cycle that it stamps are known by themselves.
+Timeline watch(const Arguments& arguments) {
+    ServoWatch servo(protocol::servo_socket(arguments.servo));
+    ServoView view = servo.look();
+    const std::size_t place = find_device(view, arguments);
+    const protocol::DeviceInfo info = view.devices[place].info;  // the view changes
+    const auto newest = [&view, place] {
+        const auto& report = view.devices[place].report;
+        return report ? report->cycle : 0;
+    };
+    PartsWatch parts;
+    const Nanoseconds begin = now_ns(), end = begin + static_cast<Nanoseconds>(arguments.seconds * 1e9);
+    const auto pace = static_cast<Nanoseconds>(8e9 / info.rate);
+    const std::uint64_t first = newest();
+    for (Nanoseconds now = begin; now < end || (parts.seen().empty() && now < end + patience);
+         now = now_ns()) {
+        // Two looks at once: what the second's counters say is of a moment between two reports near each
+        // other.
+        const std::uint64_t before = (view = servo.look(), newest());
+        view = servo.look();
+        parts.look(view.devices[place], before, newest());
+        sleep_until(now_ns() + pace);
+        if (before == first && now > begin + patience)
+            throw std::runtime_error(
+                fmt::format("knurl:{} (pid {}) stands still or has ended; a servo that died left "
+                            "a flight record, which --from reads",
+                            arguments.servo, view.pid));
+    }
+    Timeline timeline{.servo = arguments.servo,
+                      .device = info.name,
+                      .address = info.address,
+                      .rate = info.rate,
+                      .reports = servo.history(place),
+                      .parts = parts.seen(),
+                      .cause = {}};
+    if (timeline.reports.empty()) throw std::runtime_error("the servo has not reported a cycle yet");
+    return timeline;
+}
+
+Timeline from_file(const Arguments& arguments) {
+    bool cut = false;
+    Timeline timeline = read_flight_record(arguments.from, cut);
+    if (cut)
+        fmt::print(stderr, "knurl trace: {}: its last line is not whole, and is left out\n", arguments.from);
+    return timeline;
+}
+
+std::string sentence(const Timeline& timeline, const Stretch& stretch, Around around) {
+    const Report& middle = timeline.reports[stretch.middle];
+    std::string text = fmt::format("{} cycles of {} around cycle {}, read {:.1f} us after its deadline",
+                                   stretch.end - stretch.begin, timeline.device, middle.cycle,
+                                   static_cast<double>(middle.read_ns - middle.deadline_ns) * 1e-3);
+    if (around == Around::late && !stretch.late)
+        text += fmt::format(" (none of {} was late; no other was read as late)", timeline.reports.size());
+    text += stretch.stamped ? fmt::format("; cycle {} in all its parts", *stretch.stamped)
+                            : "; of none the parts are known";
+    return text;
+}
+
+int run_trace(const Arguments& arguments) {
+    if (arguments.cycles < 1 || arguments.cycles > 2000)
+        throw UsageError(fmt::format("--cycles is {}; give 1 to 2000", arguments.cycles));
+    if (!(arguments.seconds >= 0.1 && arguments.seconds <= 10))
+        throw UsageError(fmt::format("--for is {:g} s; give 0.1 to 10", arguments.seconds));
+    const Timeline timeline = arguments.from.empty() ? watch(arguments) : from_file(arguments);
+    const Around around = arguments.around == "late" ? Around::late : Around::last;
+    const Stretch stretch = choose(timeline, around, arguments.cycles);
+    const std::string text =
+        to_trace(timeline, stretch).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+        "\n";
+    if (arguments.out == "-") {
+        std::cout << text << std::flush;
+        return 0;
+    }
+    std::ofstream file(arguments.out, std::ios::trunc);
+    file << text;
+    file.close();
+    if (!file) throw std::runtime_error(arguments.out + ": cannot be written");
+    fmt::print("{}: {}\nOpen it in chrome://tracing or https://ui.perfetto.dev.\n", arguments.out,
+               sentence(timeline, stretch, around));
+    return 0;
+}
+
+}  // namespace
+
+void add_trace(CLI::App& program, Run& run) {
+    auto* verb =
+        program.add_subcommand("trace", "One cycle and its neighbours on a timeline: where the time went");
+    auto arguments = std::make_shared<Arguments>();
+    verb->add_option("--out", arguments->out,
+                     "trace JSON, as Chrome and Perfetto read it; - is standard output")
+        ->required()
+        ->type_name("T.json");
+    verb->add_option("--servo", arguments->servo, "its name")->capture_default_str()->type_name("NAME");
+    verb->add_option("--device", arguments->device, "which of its devices; default: the only one")
+        ->type_name("NAME");
+    verb->add_option("--around", arguments->around,
+                     "the newest cycle whose parts are known, or the newest that was late")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"last", "late"}));
+    verb->add_option("--cycles", arguments->cycles, "on each side of it")
+        ->capture_default_str()
+        ->type_name("N");
+    verb->add_option("--for", arguments->seconds, "to watch, for the parts of cycles")
+        ->capture_default_str()
+        ->type_name("SECONDS");
+    verb->add_option("--from", arguments->from,
+                     "a flight record that the guardian of a dead servo saved; it has no parts")
+        ->type_name("FILE.csv")
+        ->excludes("--servo", "--device");
+    verb->footer(
+        "A servo keeps its newest 4095 reports, and stamps the parts of one cycle in 64; such a one is drawn "
+        "with "
+        "all of them, the others until the device was read and until it was written.\n"
+        "A cycle begins at its deadline, or when the one before it ended; it is late if it ends after the "
+        "next "
+        "deadline.");
+    verb->callback([&run, arguments] { run = [arguments] { return run_trace(*arguments); }; });
+}
+
+}  // namespace knurl::cli
