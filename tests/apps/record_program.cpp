@@ -77,10 +77,6 @@ const std::string& recording() {
     return made.path;
 }
 
-std::string copy_of_recording(const Folder& folder) {
-    return folder.file("copy.mcap", text_of_file(recording()));
-}
-
 /// The number before `what` in a text.
 int number_before(const std::string& text, const std::string& what) {
     const std::size_t end = text.find(what);
