@@ -79,6 +79,18 @@ TEST(StallWatch, ActsOnceWhenTheBeatStandsStill) {
     EXPECT_NEAR(acted_after, 20, 1);
 }
 
+TEST(StallWatch, DoesNotWaitForAServoThatIsStopped) {
+    StallWatch watch(20 * ms);
+    Nanoseconds now = 1000 * ms;
+    EXPECT_FALSE(watch.tick(now += ms, 7, true));
+    EXPECT_FALSE(watch.tick(now += ms, 7, true, true)) << "it may have been about to write";
+    EXPECT_TRUE(watch.tick(now += ms, 7, true, true));
+    for (int i = 0; i < 1000; ++i) EXPECT_FALSE(watch.tick(now += ms, 7, true, true));
+    for (std::uint64_t beat = 8; beat < 100; ++beat)
+        EXPECT_FALSE(watch.tick(now += ms, beat, true, beat % 2 == 0));
+    EXPECT_FALSE(watch.tick(now += ms, 99, false, true)) << "where no force is on there is nothing to zero";
+}
+
 TEST(StallWatch, DoesNotBlameTheServoForAHostThatStopsBoth) {
     StallWatch watch(20 * ms);
     Nanoseconds now = 1000 * ms;

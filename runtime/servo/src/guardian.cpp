@@ -7,7 +7,9 @@
 #include <exception>
 #include <new>
 #include <stdexcept>
+#include <string_view>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
@@ -64,17 +66,37 @@ struct Watched {
     }
 };
 
+/// Whether the process that made this is stopped, by a signal or by a debugger: proc(5), "stat". Where there
+/// is no /proc it is never known to be, and is waited for like one that is late. 4 us.
+class StopWatch {
+  public:
+    bool stopped() const noexcept {
+        std::array<char, 64> text;
+        const ssize_t n = pread(stat_.get(), text.data(), text.size(), 0);
+        // Behind the name, which is in parentheses and may hold some.
+        const std::string_view begin(text.data(), n > 0 ? static_cast<std::size_t>(n) : 0);
+        const std::size_t name_end = begin.rfind(')');
+        if (name_end == begin.npos || name_end + 2 >= begin.size()) return false;
+        return begin[name_end + 2] == 'T' || begin[name_end + 2] == 't';
+    }
+
+  private:
+    shm::UniqueFd stat_{open("/proc/self/stat", O_RDONLY | O_CLOEXEC)};  // its own, after a fork, too
+};
+
 /// The guardian's life. Returns when it has nothing left to guard.
 void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo_pidfd,
-                const std::string& state_directory) {
+                const StopWatch& servo, const std::string& state_directory) {
     MonotonicClock clock;
+    bool any_enabled = false;
     for (;;) {
-        bool any_enabled = false;
+        const bool stopped = any_enabled && servo.stopped();
+        any_enabled = false;
         for (std::size_t i = 0; i < devices.size(); ++i) {
             Watched& watched = devices[i];
             const bool enabled = watched.enabled();
             any_enabled |= enabled;
-            if (watched.stall.tick(clock.now(), watched.reports.published(), enabled)) {
+            if (watched.stall.tick(clock.now(), watched.reports.published(), enabled, stopped)) {
                 // First the word, then the zero: a servo that comes back in between finds the word, and its
                 // gain is 0 before it writes again. Pairs with the acquire in Loop::run.
                 board.acts[i].fetch_add(1, std::memory_order_release);
@@ -116,7 +138,7 @@ void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo
 
 }  // namespace
 
-bool StallWatch::tick(Nanoseconds now, std::uint64_t beat, bool enabled) noexcept {
+bool StallWatch::tick(Nanoseconds now, std::uint64_t beat, bool enabled, bool stopped) noexcept {
     const Nanoseconds ran = last_ == 0 ? 0 : std::min(now - last_, longest_tick);
     last_ = now;
     if (beat != beat_ || !enabled) {
@@ -126,7 +148,9 @@ bool StallWatch::tick(Nanoseconds now, std::uint64_t beat, bool enabled) noexcep
         return false;
     }
     still_ += ran;
-    if (acted_ || still_ <= stall_) return false;
+    // Two ticks without a beat: a thread may have been in the middle of its cycle when the first of them
+    // was stopped.
+    if (acted_ || still_ <= (stopped ? period : stall_)) return false;
     acted_ = true;
     return true;
 }
@@ -143,6 +167,7 @@ Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions
     // Of ourselves, before the fork: in the child getppid() might already be somebody else.
     const shm::UniqueFd servo_pidfd = open_pidfd(getpid());
     if (!servo_pidfd) throw system_error("pidfd_open");
+    const StopWatch servo;
 
     std::fflush(nullptr);  // else the child might print it again
     pid_ = fork();
@@ -166,7 +191,8 @@ Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions
                                                         protocol::report_slots, sizeof(Report)),
                                    StallWatch(static_cast<Nanoseconds>(options.stall * 1e9))});
             }
-            keep_watch(watched, board, guardians_end.get(), servo_pidfd.get(), options.state_directory);
+            keep_watch(watched, board, guardians_end.get(), servo_pidfd.get(), servo,
+                       options.state_directory);
         } catch (const std::exception& error) {
             std::fprintf(stderr, "knurl-guardian: %s\n", error.what());
             _exit(1);

@@ -100,8 +100,8 @@ void Loop::run() noexcept {
             now = clock.now();
         }
         // guardian: ++acts (rel) ─sb─> zeroes the device        here: acts (acq): more than seen ⇒ gain 0,
-        // ramp up Pairs with keep_watch's release. Should the guardian act just after this load, then the gap
-        // that made it act is one that step() sees too, and sets the gain to 0 for.
+        // ramp up. Pairs with keep_watch's release. Who was stopped between this load and the write still
+        // writes that one force when it goes on; the next cycle finds the word.
         const std::uint64_t acts = guardian_acts_.load(std::memory_order_acquire);
         if (acts != acts_seen) {
             acts_seen = acts;

@@ -2,12 +2,12 @@
 // A process that outlives the servo: forked before real time starts, it holds the devices and the report
 // memory.
 //
-//   servo dies (killed, crashed)   -> every device zeroed at once, flight recorder written, the guardian ends
-//   servo stands still > stall     -> that device zeroed; the servo is told, so that it ramps up from gain 0
-//   servo says goodbye             -> the guardian ends, no file
-//   the guardian dies              -> the servo ramps down and ends (Broker): a motor is not run unguarded,
-//   and a
-//                                     fork from a real-time process would cost its threads page faults
+//   servo dies (killed, crashed)  -> every device zeroed at once, flight recorder written, the guardian ends
+//   servo is stopped (SIGSTOP)    -> every device zeroed within 5 ms; the servo is told: it ramps up from 0
+//   servo stands still > stall    -> that device zeroed; the servo is told likewise
+//   servo says goodbye            -> the guardian ends, no file
+//   the guardian dies             -> the servo ramps down and ends (Broker): a motor is not run unguarded,
+//                                    and a fork from a real-time process would cost its threads page faults
 //
 // A host that stops the whole virtual machine stops the guardian too: only a device's own watchdog helps
 // there.
@@ -42,14 +42,14 @@ struct GuardianOptions {
 };
 
 /// Tells a stall of the servo from one of the whole machine: time counts only as far as the guardian itself
-/// ran.
+/// ran. A servo that is late is waited for; one that the kernel calls stopped comes back by nobody's haste.
 class StallWatch {
   public:
     explicit StallWatch(Nanoseconds stall) : stall_(stall) {}
 
-    /// One tick of the guardian's. `beat`: reports published; `enabled`: force may be on. True, once per
-    /// stall: act.
-    bool tick(Nanoseconds now, std::uint64_t beat, bool enabled) noexcept;
+    /// One tick of the guardian's. `beat`: reports published; `enabled`: force may be on; `stopped`: by a
+    /// signal or a debugger. True, once per stall: act.
+    bool tick(Nanoseconds now, std::uint64_t beat, bool enabled, bool stopped = false) noexcept;
 
     static constexpr Nanoseconds period = 1'000'000;         // between ticks while a device is enabled
     static constexpr Nanoseconds longest_tick = 2 * period;  // a longer one counts as this
