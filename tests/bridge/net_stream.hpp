@@ -83,12 +83,13 @@ struct Stream : testing::Test {
         to.length = sizeof at;
         stream.bind(to);
     }
-    /// The cycle `number` ends, 1 ms after the one before it.
-    bool cycle(PeerStream& stream, std::int64_t number) {
+    /// The cycle `number` ends, so many ms after cycle 0. `unseen`: of those before it that the bridge
+    /// missed.
+    bool cycle(PeerStream& stream, std::int64_t number, std::uint64_t unseen = 0) {
         Report report;
         report.cycle = static_cast<std::uint64_t>(number);
         report.deadline_ns = start_ns + number * cycle_ns;
-        const bool good = stream.cycle(report, report.deadline_ns, way, why);
+        const bool good = stream.cycle(report, unseen, report.deadline_ns, way, why);
         out.flush();
         return good;
     }

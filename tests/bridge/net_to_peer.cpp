@@ -47,6 +47,22 @@ TEST_F(Reports, ThatWereDueWhileTheServoStoodStillAreNotMadeUpFor) {
     EXPECT_EQ(came, (std::vector<std::uint64_t>{0, 10, 1000, 1010, 1020}));
 }
 
+TEST_F(Reports, ThatTheBridgeItselfMissedTakeTheirNumbers) {
+    const auto numbers = [&](double rate, std::int64_t behind, std::uint64_t unseen) {
+        PeerStream stream(stream_id, attachment(), rate);
+        bind(stream);
+        EXPECT_TRUE(cycle(stream, 0) && cycle(stream, behind, unseen));
+        const std::vector<Came> came = datagrams();
+        return came.size() == 2 ? came[1].piece.number - came[0].piece.number : 0;
+    };
+    EXPECT_EQ(numbers(0, 6, 5), 6u);
+    EXPECT_EQ(numbers(0, 6, 0), 1u) << "the servo stood still";
+    EXPECT_EQ(numbers(100, 36, 35), 3u) << "those of 10, 20 and 30 ms";
+    EXPECT_EQ(numbers(100, 12, 11), 1u) << "the one that is due, late";
+    EXPECT_EQ(numbers(100, 1000, 0), 1u) << "the servo stood still";
+    EXPECT_EQ(numbers(100, 1000, 20), 21u) << "at most as many as there were";
+}
+
 TEST_F(Stream, AnAcknowledgementComesAtOnceHoweverSeldomReportsDo) {
     PeerStream stream(stream_id, attachment(), 1);
     bind(stream);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <limits>
 
 #include <knurl/link/clock.hpp>
@@ -53,6 +54,27 @@ TEST(Path, the_newest_report_is_there_at_once_however_seldom_they_are_asked_for)
         Observer observer = client.observe();
         ASSERT_TRUE(observer.next_report(10s)) << "the next one comes in 100 s";
     }
+}
+
+TEST(Path, what_the_bridge_itself_overslept_is_counted_too) {
+    ServoProcess servo({"--device", "sim:cartesian3", "--rate", "16000"});
+    BridgeProcess bridge;
+    Client client = connect_to(bridge), local = Client::connect("knurl:default", {.wait = 10s});
+    Observer reader = client.observe(), watch = local.observe();
+    const auto before = reader.next_report(10s);
+    ASSERT_TRUE(before);
+    ASSERT_EQ(::kill(bridge.pid(), SIGSTOP), 0);
+    const auto stopped = watch.latest();
+    ASSERT_TRUE(stopped);
+    while (watch.latest()->cycle < stopped->cycle + 6000) watch.next_report(1s);  // 4095 are kept for it
+    ASSERT_EQ(::kill(bridge.pid(), SIGCONT), 0);
+    std::uint64_t read = 0;
+    auto after = before;
+    for (; after && after->cycle < stopped->cycle + 6000; ++read) after = reader.next_report(10s);
+    ASSERT_TRUE(after);
+    EXPECT_GT(after->missed - before->missed, 1000u);
+    EXPECT_EQ(after->cycle - before->cycle, read + after->missed - before->missed);
+    EXPECT_GE(reader.network().lost, 1000u);
 }
 
 TEST(Path, a_report_s_age_is_known_within_its_uncertainty) {

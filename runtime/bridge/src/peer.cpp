@@ -240,11 +240,12 @@ std::string Peer::dropped() const {
 
 // ------------------------------------------------------------------------------------------- the data path
 
-bool Peer::cycle(std::uint32_t device, const Report& report, std::int64_t now, Desk& desk) noexcept {
+bool Peer::cycle(std::uint32_t device, const Report& report, std::uint64_t unseen, std::int64_t now,
+                 Desk& desk) noexcept {
     for (const auto& stream : streams_) {
         if (!stream || stream->device() != device) continue;
         const char* why = "";
-        if (!stream->cycle(report, now, way(desk), why)) {
+        if (!stream->cycle(report, unseen, now, way(desk), why)) {
             why_ = why;
             return false;
         }

@@ -47,7 +47,8 @@ class Peer {
 
     // Each false: it is to be closed, for why().
     bool serve(Desk& desk, std::int64_t now);  // its connection has something, or room
-    bool cycle(std::uint32_t device, const Report& report, std::int64_t now, Desk& desk) noexcept;
+    bool cycle(std::uint32_t device, const Report& report, std::uint64_t unseen, std::int64_t now,
+               Desk& desk) noexcept;
     void datagram(std::span<std::byte> datagram, const Correspondent& from, std::int64_t now,
                   Desk& desk) noexcept;
 

@@ -135,7 +135,8 @@ void PeerStream::publish(std::span<const std::byte> whole) noexcept {
 
 // ------------------------------------------------------------------------------------------- to the peer
 
-bool PeerStream::cycle(const Report& report, std::int64_t now, const Way& way, const char*& why) noexcept {
+bool PeerStream::cycle(const Report& report, std::uint64_t unseen, std::int64_t now, const Way& way,
+                       const char*& why) noexcept {
     bool acknowledges = false;
     if (attachment_.channel) {
         if (!waiting_.empty()) push_waiting();
@@ -148,8 +149,9 @@ bool PeerStream::cycle(const Report& report, std::int64_t now, const Way& way, c
         why = "it does not read what it is sent";
         if (!send_felt(now, way)) return false;
     }
-    const bool is_due = due(report);
-    if (is_due) note(report);
+    const std::uint64_t numbers = due(report, unseen);
+    const bool is_due = numbers > 0;
+    if (is_due) note(report, numbers);
     if (to_.length == 0) return true;
     if (is_due) {
         send(&report, way);
@@ -159,8 +161,8 @@ bool PeerStream::cycle(const Report& report, std::int64_t now, const Way& way, c
     return true;
 }
 
-void PeerStream::note(const Report& newest) noexcept {
-    ++number_;
+void PeerStream::note(const Report& newest, std::uint64_t numbers) noexcept {
+    number_ += numbers;
     newest_ = newest;
 }
 
@@ -168,12 +170,15 @@ void PeerStream::repeat(const Way& way) noexcept {
     if (number_ > 0) send(&newest_, way);
 }
 
-bool PeerStream::due(const Report& report) noexcept {
-    if (period_ns_ == 0) return true;
-    if (report.deadline_ns < due_ns_) return false;
+/// How many reports were due up to this one, which takes the last of their numbers: one, and what the bridge
+/// itself missed, so that it is counted at the other end. 0: this one is not due.
+std::uint64_t PeerStream::due(const Report& report, std::uint64_t unseen) noexcept {
+    if (period_ns_ == 0) return 1 + unseen;
+    if (report.deadline_ns < due_ns_) return 0;
+    const auto passed = static_cast<std::uint64_t>((report.deadline_ns - due_ns_) / period_ns_);
     // Kept to the grid, so that a rate which does not divide the servo's is right in the mean.
     due_ns_ = (report.deadline_ns - due_ns_ > period_ns_ ? report.deadline_ns : due_ns_) + period_ns_;
-    return true;
+    return 1 + std::min(passed, unseen);
 }
 
 bool PeerStream::answer(const Way& way, const char*& why) noexcept {

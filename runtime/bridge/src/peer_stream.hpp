@@ -35,12 +35,14 @@ class PeerStream {
     // Each false: the peer is to be closed, for `why`.
     bool commands(std::span<const std::byte> cells, Role role, const char*& why) noexcept;
     bool batch(std::span<const std::byte> whole, const char*& why) noexcept;  // by TCP
-    /// A cycle has ended: its report, answers, feedback.
-    bool cycle(const Report& report, std::int64_t now, const Way& way, const char*& why) noexcept;
+    /// A cycle has ended: its report, answers, feedback. `unseen`: reports before it that the bridge itself
+    /// missed.
+    bool cycle(const Report& report, std::uint64_t unseen, std::int64_t now, const Way& way,
+               const char*& why) noexcept;
 
     void batch_piece(const DatagramHeader& header, std::span<const std::byte> body) noexcept;
-    /// The newest report, and its number. From outside: where it begins, before the first cycle().
-    void note(const Report& newest) noexcept;
+    /// The newest report, so many numbers on. From outside: where it begins, before the first cycle().
+    void note(const Report& newest, std::uint64_t numbers = 1) noexcept;
     /// For a peer that has none: the newest, under its own number.
     void repeat(const Way& way) noexcept;
 
@@ -48,7 +50,7 @@ class PeerStream {
     bool push_waiting() noexcept;
     bool answer(const Way& way, const char*& why) noexcept;
     void publish(std::span<const std::byte> whole) noexcept;
-    bool due(const Report& report) noexcept;
+    std::uint64_t due(const Report& report, std::uint64_t unseen) noexcept;
     void send(const Report* report, const Way& way) noexcept;
     bool send_felt(std::int64_t now, const Way& way) noexcept;
     std::size_t pieces(const Way& way, bool report) const noexcept;

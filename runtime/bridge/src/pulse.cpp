@@ -29,9 +29,12 @@ void Pulse::leave(std::size_t device) noexcept {
     if (device < devices_.size() && devices_[device].streams > 0) --devices_[device].streams;
 }
 
-bool Pulse::next(std::size_t device, Report& report) noexcept {
+bool Pulse::next(std::size_t device, Report& report, std::uint64_t& unseen) noexcept {
     Device& from = devices_[device];
-    if (!from.attachment.reports->next(report)) return false;
+    detail::ReportSource& reports = *from.attachment.reports;
+    const std::uint64_t before = reports.missed();
+    if (!reports.next(report)) return false;
+    unseen = reports.missed() - before;
     from.last = report;
     from.any = true;
     return true;

@@ -2,6 +2,7 @@
 // The bridge's own observer of each device: the one that the servo wakes, whatever the number of peers. Only
 // while somebody's stream is open is it woken at all.
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,8 +29,8 @@ class Pulse {
     /// One more stream, or one less, wants this device's reports.
     void join(std::size_t device) noexcept;
     void leave(std::size_t device) noexcept;
-    /// The next report in order.
-    bool next(std::size_t device, Report& report) noexcept;
+    /// The next report in order. `unseen`: those before it that were overwritten before they could be read.
+    bool next(std::size_t device, Report& report, std::uint64_t& unseen) noexcept;
     void rearm(std::size_t device) noexcept;
     /// What next() gave last, or the newest when the first stream came: those that follow begin behind it.
     /// Null: none yet.

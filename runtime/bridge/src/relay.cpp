@@ -251,11 +251,12 @@ void Relay::servo_gone() {
 void Relay::serve_device(std::size_t device, std::int64_t now) {
     if (device >= pulse_.devices()) return;
     Report report;
-    for (int i = 0; i < most_reports && pulse_.next(device, report); ++i) {
+    std::uint64_t unseen = 0;
+    for (int i = 0; i < most_reports && pulse_.next(device, report, unseen); ++i) {
         for (std::size_t place = 0; place < places; ++place) {
             Peer* const peer = places_[place].peer.get();
             if (peer == nullptr || !peer->greeted()) continue;
-            if (peer->cycle(static_cast<std::uint32_t>(device), report, now, desk_)) {
+            if (peer->cycle(static_cast<std::uint32_t>(device), report, unseen, now, desk_)) {
                 follow(place);  // what did not go out at once
                 continue;
             }

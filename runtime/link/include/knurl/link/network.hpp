@@ -9,7 +9,7 @@ namespace knurl {
 /// first one that came was read, or overwritten unread, or is lost, or late; a network that reorders makes
 /// them late.
 struct Network {
-    std::uint64_t lost = 0;                         // reports that did not come; one on its way still may
+    std::uint64_t lost = 0;                         // reports that never came; one on its way still may
     std::uint64_t late = 0;                         // that came after a newer one, and were dropped
     std::uint64_t duplicated = 0;                   // copies of what had come, which were dropped
     std::uint64_t resent = 0;                       // batches sent again because no answer had come
