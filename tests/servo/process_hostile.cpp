@@ -14,10 +14,6 @@
 namespace knurl::test {
 namespace {
 
-std::size_t descriptors_of(pid_t pid) {
-    return files_in("/proc/" + std::to_string(pid) + "/fd").size();
-}
-
 /// The servo still cycles and lets somebody in.
 void expect_alive(const Home& home) {
     RawClient client(home);

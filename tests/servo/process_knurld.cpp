@@ -55,6 +55,10 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& directo
     return files;
 }
 
+std::size_t descriptors_of(pid_t pid) {
+    return files_in("/proc/" + std::to_string(pid) + "/fd").size();
+}
+
 Program::Program(const Home& home, const std::string& program, const std::vector<std::string>& arguments) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe");
@@ -185,6 +189,9 @@ Answer RawClient::answer() {
             break;
         case protocol::MessageType::claimed:
             take(answer.claimed);
+            break;
+        case protocol::MessageType::recording:
+            take(answer.recording);
             break;
         default:
             throw std::runtime_error("an answer that is none");

@@ -38,6 +38,8 @@ class Home {
 };
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& directory);
+/// How many that process has open.
+std::size_t descriptors_of(pid_t pid);
 
 /// A program with KNURL_RUNTIME_DIR and KNURL_STATE_DIR in `home`; killed and reaped at the end.
 class Program {
@@ -77,11 +79,12 @@ class Knurld : public Program {
     pid_t guardian_ = -1;
 };
 
-/// What the broker answered: exactly one of the three, or nothing when it hung up.
+/// What the broker answered: exactly one of these, or nothing when it hung up.
 struct Answer {
     std::optional<protocol::Welcome> welcome;
     std::optional<protocol::Refused> refused;
     std::optional<protocol::Claimed> claimed;
+    std::optional<protocol::Recording> recording;
     std::vector<shm::UniqueFd> fds;
     bool hung_up = false;
 };
