@@ -1,16 +1,14 @@
 // knurl eval: what a scene does to a hand that moves along a motion, without a servo, in an instant.
 
-#include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "evaluation.hpp"
+#include "output_file.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {
@@ -44,33 +42,6 @@ std::string csv_of(const std::vector<EvaluatedCycle>& cycles) {
         append(text, cycle.contact_point, '\n');
     }
     return fmt::to_string(text);
-}
-
-void write_file(const std::string& path, const std::string& text) {
-    if (path == "-") {
-        if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-            throw std::runtime_error(std::string("standard output: ") + std::strerror(errno));
-        return;
-    }
-    const auto write_to = [&](const std::string& name) {
-        errno = 0;
-        std::ofstream file(name, std::ios::binary | std::ios::trunc);
-        file.write(text.data(), static_cast<std::streamsize>(text.size()));
-        file.close();
-        if (file) return;
-        const std::string why = std::strerror(errno);
-        if (name != path) std::remove(name.c_str());
-        throw std::runtime_error(path + ": cannot be written: " + why);
-    };
-    // A file is written beside and renamed, so that what was there stays unless all of the new one is.
-    std::error_code ignored;
-    const auto there = std::filesystem::status(path, ignored).type();
-    if (there != std::filesystem::file_type::regular && there != std::filesystem::file_type::not_found)
-        return write_to(path);
-    const std::string beside = path + ".part";
-    write_to(beside);
-    if (std::rename(beside.c_str(), path.c_str()) != 0)
-        throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
 }
 
 constexpr double lowest_rate = 500, highest_rate = 20'000;  // Hz, as of a servo

@@ -2,7 +2,6 @@
 // Read-only: the servo does nothing for it.
 
 #include <algorithm>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 
 #include <knurl/protocol/attach.hpp>
 
+#include "output_file.hpp"
 #include "servo_view.hpp"
 #include "trace_flight.hpp"
 #include "trace_timeline.hpp"
@@ -119,14 +119,8 @@ int run_trace(const Arguments& arguments) {
     const std::string text =
         to_trace(timeline, stretch).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
         "\n";
-    if (arguments.out == "-") {
-        std::cout << text << std::flush;
-        return 0;
-    }
-    std::ofstream file(arguments.out, std::ios::trunc);
-    file << text;
-    file.close();
-    if (!file) throw std::runtime_error(arguments.out + ": cannot be written");
+    write_file(arguments.out, text);
+    if (arguments.out == "-") return 0;
     fmt::print("{}: {}\nOpen it in chrome://tracing or https://ui.perfetto.dev.\n", arguments.out,
                sentence(timeline, stretch, around));
     return 0;

@@ -46,14 +46,7 @@ TEST(Doctor, WithoutRightsItSaysWhatIsLostAndMeasuresTheRest) {
 #endif
     if (geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
     const Folder folder;
-    std::filesystem::permissions(folder.path(""), std::filesystem::perms(0755));
-    // The folder that they were built in may be closed to nobody.
-    for (const auto& [from, name] :
-         {std::pair{knurl_program(), "knurl"}, std::pair{knurld_program(), "knurld"}})
-        std::filesystem::copy_file(from, folder.path(name));
-    const Outcome outcome =
-        run({"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "--bounding-set=-all", "/usr/bin/prlimit",
-             "--rtprio=0", "--memlock=65536", folder.path("knurl"), "doctor", "--seconds", "5"});
+    const Outcome outcome = knurl_without_rights(folder, {"doctor", "--seconds", "5"});
     ASSERT_LE(outcome.code, 1) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("BAD  real-time priority"));
     EXPECT_THAT(outcome.out,

@@ -144,14 +144,7 @@ TEST(LatencyOf, WithoutRightsItSaysWhatIsLostAndMeasuresTheRest) {
 #endif
     if (geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
     const Folder folder;
-    std::filesystem::permissions(folder.path(""), std::filesystem::perms(0755));
-    // The folder that they were built in may be closed to nobody.
-    for (const auto& [from, name] :
-         {std::pair{knurl_program(), "knurl"}, std::pair{knurld_program(), "knurld"}})
-        std::filesystem::copy_file(from, folder.path(name));
-    const Outcome outcome =
-        run({"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "--bounding-set=-all", "/usr/bin/prlimit",
-             "--rtprio=0", "--memlock=65536", folder.path("knurl"), "latency", "--updates", "20", "--json"});
+    const Outcome outcome = knurl_without_rights(folder, {"latency", "--updates", "20", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_THAT(outcome.err, testing::HasSubstr("no right to real-time priority"));
     EXPECT_THAT(outcome.err, testing::HasSubstr("the servo's real-time priority: "));
@@ -326,6 +319,7 @@ TEST(LatencyRefuses, WhatItCannotMeasureInOneLine) {
                "--updates 100000"},
           Case{{"--percentile", "100"}, "--percentile is 100; give one between 0 and 100"},
           Case{{"--for", "-1"}, "--for is -1 s"}, Case{{"--for", "1", "--updates", "5"}, "excludes"},
+          Case{{"--json", "/no/L.json", "--for", "600"}, "/no/L.json: cannot be written: No such file"},
           Case{{"--load", "heavy"}, "--load"}, Case{{"--measured", "x.json"}, "name that by --compare"}}) {
         auto words = c.words;
         words.insert(words.begin(), "latency");

@@ -139,4 +139,15 @@ Outcome knurl(std::vector<std::string> words) {
     return run(words);
 }
 
+Outcome knurl_without_rights(const Folder& folder, std::vector<std::string> words) {
+    fs::permissions(folder.path(""), fs::perms(0755));
+    // The folder that they were built in may be closed to nobody.
+    for (const auto& [from, name] :
+         {std::pair{knurl_program(), "knurl"}, std::pair{knurld_program(), "knurld"}})
+        fs::copy_file(from, folder.path(name));
+    words.insert(words.begin(), {"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "--bounding-set=-all",
+                                 "/usr/bin/prlimit", "--rtprio=0", "--memlock=65536", folder.path("knurl")});
+    return run(words);
+}
+
 }  // namespace knurl::test

@@ -72,6 +72,10 @@ class Folder {
     std::string path_;
 };
 
+/// `knurl WORDS...` of a copy in `folder`, and knurld beside it, as nobody: without real-time priority, 64
+/// KiB to lock. Only root can.
+Outcome knurl_without_rights(const Folder& folder, std::vector<std::string> words);
+
 /// A directory for sockets and saved state, to which KNURL_RUNTIME_DIR and KNURL_STATE_DIR point.
 class Home : public Folder {
   public:
