@@ -32,6 +32,9 @@ constexpr double ours = 0.2, theirs = 0.4;  // N
 }
 
 TEST(Together, TheirForcesAddAndOneThatIsKilledTakesAwayItsOwnAlone) {
+#if defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "it forks beside threads, of which the child then lacks those of ThreadSanitizer";
+#endif
     Setting setting({.delay = 0.002});
     const pid_t remote = ::fork();
     if (remote == 0) push(setting);
