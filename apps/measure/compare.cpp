@@ -52,12 +52,11 @@ class Drawable {
 /// A run's percentile, in the logarithm: as a multiple of the reference where it has one.
 class Level {
   public:
-    explicit Level(const Measured& run) : blocks_(run.blocks) {
-        if (!run.reference.empty()) reference_.emplace(run.reference);
-    }
+    explicit Level(const Measured& run)
+        : blocks_(run.blocks), reference_(run.reference), alone_(run.reference.empty()) {}
     std::optional<double> operator()(std::span<const std::size_t> drawn, double q) {
         const auto value = blocks_.percentile(drawn, q);
-        const auto beside = reference_ ? reference_->percentile(drawn, 0.5) : std::optional<double>(1);
+        const auto beside = alone_ ? std::optional<double>(1) : reference_.percentile(drawn, 0.5);
         // Less than a bucket is none.
         constexpr double nothing = 0x1p-11;
         if (!value || !beside) return std::nullopt;
@@ -65,8 +64,8 @@ class Level {
     }
 
   private:
-    Drawable blocks_;
-    std::optional<Drawable> reference_;
+    Drawable blocks_, reference_;
+    bool alone_;
 };
 
 std::vector<std::size_t> numbers(std::size_t n) {
