@@ -213,7 +213,9 @@ void SceneCore::take_placements() noexcept {
         group.moved = false;
         group.placement = group.next_placement;
         group.replaced = true;
-        if (group.now.count == 0 && !group.fading) continue;  // nothing was felt there
+        group.near.margin = -1;  // it may be larger
+        // Nothing was felt there, and there is nothing that a larger probe might reach.
+        if (group.now.count == 0 && !group.fading && group.bounded == 0) continue;
         group.edited = group.fades = group.interrupted = true;
         group.fade_time = policy_.automatic;
         sets_edited_ = true;
@@ -249,7 +251,7 @@ void SceneCore::take_changes() noexcept {
     changed_size_ = others;
     for (std::uint32_t rest = bounded_used_; rest != 0; rest &= rest - 1) {
         const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
-        if (groups_[p].near.margin < 0 || groups_[p].replaced) collect_near(groups_[p], p);
+        if (groups_[p].near.margin < 0) collect_near(groups_[p], p);
     }
     if (!sets_edited_ && reshaped_size_ > 0) sets_edited_ = !reshape_sets();
     if (sets_edited_) rebuild_sets();

@@ -95,3 +95,20 @@ TEST(Probes, OnesThatDoNotExistAreRefused) {
     EXPECT_EQ(scene.add({0, 1}, Plane{.stiffness = 1}, {.probe = 2}).code, Verdict::Code::no_such_probe);
     EXPECT_EQ(scene.size(), 0u);
 }
+
+TEST(Probes, OneThatGrowsWhereNothingWasNearTouchesWhatItReaches) {
+    for (const double gap : {0.003, 0.01, 0.1}) {
+        Scene scene = make_scene();
+        const Sphere ball{.center = {0, 0, -0.05 - gap}, .radius = 0.05, .stiffness = 1000};
+        ASSERT_TRUE(scene.add({0, 1}, ball, {}));
+        EXPECT_EQ(settled(scene, at({0, 0, 0})).force.norm(), 0.0);
+        ASSERT_TRUE(scene.place_probe(0, {.offset = {}, .radius = gap + 1e-3}));
+        double before = 0;
+        for (int i = 0; i < 1000; ++i) {
+            const double force = scene.evaluate(at({0, 0, 0}), dt).force.z();
+            ASSERT_LE(std::abs(force - before), 0.1 + 1e-9) << "a fade of 10 ms, " << gap;
+            before = force;
+        }
+        EXPECT_NEAR(scene.evaluate(at({0, 0, 0}), dt).force.z(), 1.0, 1e-9) << gap;
+    }
+}
