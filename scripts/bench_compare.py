@@ -16,6 +16,7 @@ import numpy as np
 FORMAT = {"program": "scripts/bench", "version": 1}
 LEAST_BLOCKS, LEAST_ABOVE, RESAMPLES = 30, 10, 4000
 FALSE_ALARMS, MARGIN = 0.05, 1.05
+SHORTEST_REPETITION = 2e6  # ns; scripts/bench asks for 10e6 at least
 SMALLEST = 2.0**-10
 
 
@@ -81,8 +82,16 @@ class Median:
         return self.lower[place] + inside * self.width[place]
 
 
+def interrupted(*results):
+    """Google Benchmark counts how many iterations fill a repetition until one took min_time of the CPU, or five times that
+    by the clock: where others had the CPU meanwhile, a repetition is a few iterations, cold and little but their timer."""
+    return any(r is not None and r.get("repetition_ns", SHORTEST_REPETITION) < SHORTEST_REPETITION for r in results)
+
+
 def shortage(name, result, reference):
     """Why nothing can be said of this run; empty: something can."""
+    if interrupted(result, reference):
+        return f"{name} was interrupted while its iterations were counted"
     for what, part in (("", result), (" of its reference", reference)):
         if part is None:
             continue

@@ -33,18 +33,20 @@ def reference_of(name, known):
 
 def from_google(path, machine):
     data = json.loads(path.read_text())
-    samples = {}
+    samples, lengths = {}, {}
     for run in data["benchmarks"]:
         if run["run_type"] == "iteration":
             name = re.sub(r"/(iterations|repeats):\d+", "", run["name"])
             samples.setdefault(name, []).append(run["cpu_time"])
+            lengths.setdefault(name, []).append(run["cpu_time"] * run["iterations"])
     results = []
     for name, times in samples.items():
         reference = reference_of(name, samples)
         p50 = statistics.median(times)
         ratio = p50 / statistics.median(samples[reference]) if reference else None
         results.append({"name": name, "unit": "ns", "n": len(times), "p50": p50, "p99": None, "p999": None,
-                        "max": max(times), "reference": reference, "ratio": ratio, "samples": times})
+                        "max": max(times), "reference": reference, "ratio": ratio, "samples": times,
+                        "repetition_ns": statistics.median(lengths[name])})
     context = data["context"]
     run = {"machine": dict(machine, load=str(context.get("load_avg", "")), date=context["date"]),
            "results": results}
@@ -66,30 +68,38 @@ def number(value):
     return "" if value is None else f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
 
 
+def programs_of(folder, machine):
+    """What each program wrote there, in the one form."""
+    for path in sorted(folder.glob("*.google.json")):
+        from_google(path, machine)
+    return {path.stem: json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))
+            if not path.name.endswith(".google.json") and path.name != "all.json"}
+
+
 def main():
     if len(sys.argv) != 2 or not pathlib.Path(sys.argv[1]).is_dir():
         sys.exit("bench_table.py: name the folder that scripts/bench wrote, e.g. out/bench")
     folder = pathlib.Path(sys.argv[1])
     machine = this_machine(folder)
-    for path in sorted(folder.glob("*.google.json")):
-        from_google(path, machine)
+    programs = programs_of(folder, machine)
     print("\n" + ", ".join(f"{key}: {value}" for key, value in machine.items()))
     print("\n| program | what | unit | n | p50 | p99 | p99.9 | max | beside | ratio |")
     print("|---|---|---|---|---|---|---|---|---|---|")
-    programs = {}
-    for path in sorted(folder.glob("*.json")):
-        if path.name.endswith(".google.json") or path.name == "all.json":
-            continue
-        run = json.loads(path.read_text())
-        programs[path.stem] = run
+    for program, run in programs.items():
         for r in run["results"]:
-            if path.stem.startswith("latency_bridge") and not OF_THE_BRIDGE.match(r["name"]):
+            if program.startswith("latency_bridge") and not OF_THE_BRIDGE.match(r["name"]):
                 continue
-            print(f"| {path.stem} | {r['name']} | {r['unit']} | {r['n']} | {number(r['p50'])} | {number(r['p99'])} "
+            print(f"| {program} | {r['name']} | {r['unit']} | {r['n']} | {number(r['p50'])} | {number(r['p99'])} "
                   f"| {number(r['p999'])} | {number(r['max'])} | {r['reference'] or ''} | {number(r['ratio'])} |")
         for b in run.get("bounds", []):
-            print(f"| {path.stem} | {b['name']}: share within {number(b['limit'])} {b['unit']} | | {b['n']} | | | | "
+            print(f"| {program} | {b['name']}: share within {number(b['limit'])} {b['unit']} | | {b['n']} | | | | "
                   f"| its floors' own {number(b['references_within'])} | {number(b['within'] / b['n'])} |")
+        for v in run.get("verdicts", []):
+            print(f"| {program} | {v['transport']}, p{number(v['percentile'])}: {v['verdict']} | | | | | | | Knurl "
+                  f"| {number(v['to_knurl'])} ({number(v['low'])} to {number(v['high'])}) |")
+        for g in run.get("goals", []):
+            print(f"| {program} | {g['what']}, bound {number(g['bound'])}: {g['verdict']} | | | | | | | "
+                  f"| {number(g['low'])} to {number(g['high'])} |")
     (folder / "all.json").write_text(json.dumps(
         {"format": {"program": "scripts/bench", "version": 1}, "machine": machine, "programs": programs}) + "\n")
 

@@ -31,19 +31,29 @@ struct Message {
 class Series {
   public:
     static constexpr int warm_up = 2;
-    void begin_block() { skip_ = warm_up; }
+    void begin_block() {
+        end_block();
+        skip_ = warm_up;
+    }
     void add(double value) {
         if (skip_ > 0)
             --skip_;
         else
             samples_.push_back(value);
     }
-    Result result(const char* name, const char* unit = "ns") const {
-        return measure::summarise(name, unit, samples_);
+    Result result(const char* name, const char* unit = "ns") {
+        end_block();
+        return measure::summarise_blocks(name, unit, blocks_);
     }
 
   private:
-    std::vector<double> samples_;
+    void end_block() {
+        if (!samples_.empty()) blocks_.add(samples_);
+        samples_.clear();
+    }
+
+    measure::Blocks blocks_;
+    std::vector<double> samples_;  // of this block
     int skip_ = 0;
 };
 

@@ -1,0 +1,146 @@
+// What needs no library: the bare wake-up, a datagram, and Knurl's ring with its two ways of waking.
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <thread>
+
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <knurl/shm/broadcast_ring.hpp>
+#include <knurl/shm/segment.hpp>
+#include <knurl/shm/waiter.hpp>
+
+#include "transport.hpp"
+
+namespace knurl::shm::peers {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+/// The floor: no message at all, only the wake-up; the time of sending lies in memory.
+class Eventfd final : public Transport {
+  public:
+    Eventfd()
+        : Transport("eventfd", "write(), poll(); nothing is carried: the floor"),
+          segment_(Segment::create("knurl-bench", sizeof(Message))),
+          event_(make_event()) {}
+    void receive(Inbox& inbox) override {
+        for (;;) {
+            pollfd wait{.fd = event_.get(), .events = POLLIN, .revents = 0};
+            ::poll(&wait, 1, -1);
+            inbox.had(*reinterpret_cast<const Message*>(segment_.data()));
+            std::uint64_t count = 0;
+            [[maybe_unused]] const auto got = ::read(event_.get(), &count, sizeof count);
+        }
+    }
+    void send(const Message& message) override {
+        // The write is the barrier between the two, as far as a floor needs one.
+        std::memcpy(segment_.data(), &message, 2 * sizeof(std::uint64_t));
+        const std::uint64_t one = 1;
+        [[maybe_unused]] const auto put = ::write(event_.get(), &one, sizeof one);
+    }
+
+  private:
+    Segment segment_;
+    UniqueFd event_;
+};
+
+class Udp final : public Transport {
+  public:
+    Udp() : Transport("UDP", "127.0.0.1, connected, send(), blocking recv()") {
+        out_ = UniqueFd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+        in_ = UniqueFd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_addr.s_addr = ::htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof address;
+        auto* const any = reinterpret_cast<sockaddr*>(&address);
+        if (::bind(in_.get(), any, size) != 0 || ::getsockname(in_.get(), any, &size) != 0 ||
+            ::connect(out_.get(), any, size) != 0)
+            throw std::runtime_error(std::string("UDP on loopback: ") + std::strerror(errno));
+    }
+    void receive(Inbox& inbox) override {
+        for (Message message;;)
+            if (::recv(in_.get(), &message, sizeof message, 0) == sizeof message) inbox.had(message);
+    }
+    void send(const Message& message) override {
+        [[maybe_unused]] const auto sent = ::send(out_.get(), &message, sizeof message, 0);
+    }
+
+  private:
+    UniqueFd in_, out_;
+};
+
+/// A client's segment and the device's, as knurld has them.
+class ReportRing final : public Transport {
+  public:
+    /// knurld wakes one who waits alone by itself, if it is its own user's; others its waker wakes.
+    enum class WokenBy { servo, waker };
+    ReportRing(WokenBy by, const Place& place)
+        : Transport(by == WokenBy::servo ? "Knurl" : "Knurl, waker",
+                    by == WokenBy::servo
+                        ? "report ring; the servo itself writes the one client's eventfd"
+                        : "report ring; the servo pokes its waker's thread, as for several clients"),
+          by_(by),
+          place_(place) {
+        broadcast_init(segment_.data() + sizeof(WaiterFlag));
+        waker_.add(sleeper(event_.get()));
+    }
+    ~ReportRing() override {
+        if (!thread_.joinable()) return;
+        waker_.stop();
+        thread_.join();
+    }
+    void receive(Inbox& inbox) override {
+        BroadcastReader reader(segment_.data() + sizeof(WaiterFlag), slots, sizeof(Message), 0);
+        Waiter waiter(flag(), event_.get(), reader);
+        for (Message message;;)
+            if (waiter.wait(1s))
+                while (reader.next(&message)) inbox.had(message);
+    }
+    void connect(const Inbox&) override {
+        thread_ = std::thread([this] {
+            measure::settle_on(place_.servo_cpu, place_.waker_priority);
+            waker_.run();
+        });
+    }
+    void send(const Message& message) override {
+        writer_.publish(&message);
+        const Sleeper one[] = {sleeper(by_ == WokenBy::servo ? event_.get() : -1)};
+        waker_.wake(one);
+    }
+
+  private:
+    static constexpr std::uint32_t slots = 4096;
+    WaiterFlag* flag() { return reinterpret_cast<WaiterFlag*>(segment_.data()); }
+    Sleeper sleeper(int event) { return {.flag = flag(), .event_fd = event}; }
+
+    WokenBy by_;
+    Place place_;
+    Segment segment_ =
+        Segment::create("knurl-bench", sizeof(WaiterFlag) + broadcast_bytes(slots, sizeof(Message)));
+    UniqueFd event_ = make_event();
+    BroadcastWriter writer_{segment_.data() + sizeof(WaiterFlag), slots, sizeof(Message)};
+    Waker waker_;
+    std::thread thread_;
+};
+
+}  // namespace
+
+void add_floors(Transports& all) {
+    all.push_back(std::make_unique<Eventfd>());
+    all.push_back(std::make_unique<Udp>());
+}
+
+void add_knurl(Transports& all, const Place& place) {
+    all.push_back(std::make_unique<ReportRing>(ReportRing::WokenBy::servo, place));
+    all.push_back(std::make_unique<ReportRing>(ReportRing::WokenBy::waker, place));
+}
+
+}  // namespace knurl::shm::peers
