@@ -77,6 +77,7 @@ def main():
     print("\n| program | what | unit | n | p50 | p99 | p99.9 | max | beside | ratio |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     programs = {}
+    laws, goals = [], []
     for path in sorted(folder.glob("*.json")):
         if path.name.endswith(".google.json") or path.name == "all.json":
             continue
@@ -90,6 +91,15 @@ def main():
         for b in run.get("bounds", []):
             print(f"| {path.stem} | {b['name']}: share within {number(b['limit'])} {b['unit']} | | {b['n']} | | | | "
                   f"| its floors' own {number(b['references_within'])} | {number(b['within'] / b['n'])} |")
+        laws += run.get("scaling", {}).get("series", [])
+        goals += run.get("scaling", {}).get("goals", [])
+    if laws:
+        print("\n| the cycle against | law, ns | by design | |\n|---|---|---|---|")
+    for law in laws:
+        print(f"| {law['name']} | {law['law']['text']} | {law['design']}: {law['why']} | {law['verdict']} |")
+    for goal in goals:
+        span = "" if goal["interval"] is None else f" [{number(goal['interval'][0])}, {number(goal['interval'][1])}]"
+        print(f"| {goal['name']} | {number(goal['value'])}{span} | at most {number(goal['limit'])} | {goal['verdict']} |")
     (folder / "all.json").write_text(json.dumps(
         {"format": {"program": "scripts/bench", "version": 1}, "machine": machine, "programs": programs}) + "\n")
 
