@@ -57,7 +57,8 @@ void SceneCore::advance_weights(double dt) noexcept {
         if (list == &surfaces_) surfaces = changed;
     }
     // Old records are few: those of surfaces in a fading set, those of fading effects.
-    for (const Group& group : groups_) {
+    for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
+        const Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
         for (std::uint32_t i = group.old.begin; i < group.old.begin + group.old.count; ++i) {
             const Owner owner = arenas_[arena_].owner[i];
             if (owner == bridge_owner || !fades_out(owner)) continue;

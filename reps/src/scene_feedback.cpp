@@ -195,7 +195,9 @@ std::uint32_t Scene::evaluated() const noexcept {
 
 double Scene::stiffness_sum() const noexcept {
     double sum = 0;
-    for (const Group& group : impl_->groups_) {
+    // Not all of them: the probes that nobody uses are sixteen lines of memory for each claim in every cycle.
+    for (std::uint32_t rest = impl_->contacts_used_; rest != 0; rest &= rest - 1) {
+        const Group& group = impl_->groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
         double k = 0;
         for (const ContactSet* set : {&group.now, &group.old}) {
             if (set->layers > 0) k = std::max(k, set->layer[set->layers - 1].stiffness);

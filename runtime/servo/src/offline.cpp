@@ -19,14 +19,17 @@ OfflineMemory::OfflineMemory(std::size_t bytes)
 
 // ---------------------------------------------------------------------------------------------- the claim
 
-OfflineClaim::OfflineClaim(const ClaimTerms& terms)
+OfflineClaim::OfflineClaim(const ClaimTerms& terms) : OfflineClaim(terms, nullptr, nullptr) {}
+
+OfflineClaim::OfflineClaim(const ClaimTerms& terms, std::byte* memory, protocol::ClientRow* row)
     : layout_(protocol::claim_layout(terms.capacity)),
-      memory_(layout_.total),
-      servo_side_(terms, memory_.data(), nullptr),
-      commands_(memory_.data() + layout_.commands, layout_.command_cells),
-      batches_(memory_.data() + layout_.batches, layout_.batch_slot_bytes),
-      replies_(memory_.data() + layout_.replies, protocol::reply_cells),
-      feedback_(memory_.data() + layout_.feedback, layout_.feedback_slot_bytes) {}
+      own_(memory == nullptr ? layout_.total : 0),
+      memory_(memory == nullptr ? own_.data() : memory),
+      servo_side_(terms, memory_, row),
+      commands_(memory_ + layout_.commands, layout_.command_cells),
+      batches_(memory_ + layout_.batches, layout_.batch_slot_bytes),
+      replies_(memory_ + layout_.replies, protocol::reply_cells),
+      feedback_(memory_ + layout_.feedback, layout_.feedback_slot_bytes) {}
 
 namespace {
 

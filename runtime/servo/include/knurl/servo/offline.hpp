@@ -44,6 +44,9 @@ class OfflineMemory {
 class OfflineClaim {
   public:
     explicit OfflineClaim(const ClaimTerms& terms);
+    /// In memory of the caller's, a segment or other zero bytes as long as protocol::claim_layout says;
+    /// `row`: of the device's table, may be null.
+    OfflineClaim(const ClaimTerms& terms, std::byte* memory, protocol::ClientRow* row);
 
     // Commands. Each is pushed at once, as a group of its own, unless begin_group was called: then end_group
     // pushes them together. Throws std::runtime_error when the ring is full.
@@ -85,7 +88,7 @@ class OfflineClaim {
     /// The newest feedback.
     const Felt& feedback();
 
-    std::byte* memory() const noexcept { return memory_.data(); }
+    std::byte* memory() const noexcept { return memory_; }
     const protocol::ClaimLayout& layout() const noexcept { return layout_; }
     Claim& servo_side() noexcept { return servo_side_; }
 
@@ -103,9 +106,11 @@ class OfflineClaim {
     void flush();
 
     protocol::ClaimLayout layout_;
-    OfflineMemory memory_;
-    Claim servo_side_;
-    shm::SpscProducer commands_;
+    OfflineMemory own_;  // empty: the caller's
+    std::byte* memory_;
+    // The two sides may be two threads': no line is of both.
+    alignas(128) Claim servo_side_;
+    alignas(128) shm::SpscProducer commands_;
     shm::TripleWriter batches_;
     shm::SpscConsumer replies_;
     shm::TripleReader feedback_;

@@ -1,0 +1,32 @@
+#pragma once
+// What must be reached, judged from the points that were measured.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <compare.hpp>
+
+#include "lab.hpp"
+
+namespace knurl::servo::scaling {
+
+/// A percentile of some points' samples, less the median of some others' in the same blocks.
+struct Goal {
+    std::string name;
+    double limit = 0;  // ns
+    std::string series, beside;
+    double n = 0, beside_n = 0;
+    double q = 0.5;
+};
+
+struct Judged {
+    Goal goal;
+    std::optional<double> value;  // ns; none: too few samples
+    std::optional<measure::Interval> interval;
+    measure::Verdict verdict = measure::Verdict::undecided;  // better than the limit, or worse
+};
+
+std::vector<Judged> judge_goals(const std::vector<Series>& all);
+
+}  // namespace knurl::servo::scaling
