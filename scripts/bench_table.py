@@ -85,17 +85,8 @@ def main():
     print("\n" + ", ".join(f"{key}: {value}" for key, value in machine.items()))
     print("\n| program | what | unit | n | p50 | p99 | p99.9 | max | beside | ratio |")
     print("|---|---|---|---|---|---|---|---|---|---|")
-<<<<<<< HEAD
+    laws, scaling_goals = [], []
     for program, run in programs.items():
-=======
-    programs = {}
-    laws, goals = [], []
-    for path in sorted(folder.glob("*.json")):
-        if path.name.endswith(".google.json") or path.name == "all.json":
-            continue
-        run = json.loads(path.read_text())
-        programs[path.stem] = run
->>>>>>> meas11
         for r in run["results"]:
             if program.startswith("latency_bridge") and not OF_THE_BRIDGE.match(r["name"]):
                 continue
@@ -104,24 +95,21 @@ def main():
         for b in run.get("bounds", []):
             print(f"| {program} | {b['name']}: share within {number(b['limit'])} {b['unit']} | | {b['n']} | | | | "
                   f"| its floors' own {number(b['references_within'])} | {number(b['within'] / b['n'])} |")
-<<<<<<< HEAD
         for v in run.get("verdicts", []):
             print(f"| {program} | {v['transport']}, p{number(v['percentile'])}: {v['verdict']} | | | | | | | Knurl "
                   f"| {number(v['to_knurl'])} ({number(v['low'])} to {number(v['high'])}) |")
         for g in run.get("goals", []):
             print(f"| {program} | {g['what']}, bound {number(g['bound'])}: {g['verdict']} | | | | | | | "
                   f"| {number(g['low'])} to {number(g['high'])} |")
-=======
         laws += run.get("scaling", {}).get("series", [])
-        goals += run.get("scaling", {}).get("goals", [])
+        scaling_goals += run.get("scaling", {}).get("goals", [])
     if laws:
         print("\n| the cycle against | law, ns | by design | |\n|---|---|---|---|")
     for law in laws:
         print(f"| {law['name']} | {law['law']['text']} | {law['design']}: {law['why']} | {law['verdict']} |")
-    for goal in goals:
+    for goal in scaling_goals:
         span = "" if goal["interval"] is None else f" [{number(goal['interval'][0])}, {number(goal['interval'][1])}]"
         print(f"| {goal['name']} | {number(goal['value'])}{span} | at most {number(goal['limit'])} | {goal['verdict']} |")
->>>>>>> meas11
     (folder / "all.json").write_text(json.dumps(
         {"format": {"program": "scripts/bench", "version": 1}, "machine": machine, "programs": programs}) + "\n")
 
