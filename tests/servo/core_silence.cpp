@@ -115,6 +115,22 @@ TEST(Silence, TheForceFadesWithinATenthOfASecondAndCommitsBringItBack) {
     EXPECT_EQ(held.claim->feedback().header.silence, 0);
 }
 
+TEST(Silence, OfAClaimWithNothingInItIsSaidOnce) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    OfflineClaim& claim = servo.claim(ClaimTerms{});
+    claim.commit();
+    run(servo, 5000);
+    const protocol::FeedbackHeader said = claim.feedback().header;
+    EXPECT_GT(said.silence, 0);
+    run(servo, 1000);
+    EXPECT_EQ(claim.feedback().header.cycle, said.cycle) << "a hundred of them cost nothing";
+    claim.commit();
+    run(servo, 2);
+    EXPECT_EQ(claim.feedback().header.silence, 0);
+    EXPECT_GT(claim.feedback().header.cycle, said.cycle);
+}
+
 TEST(Silence, AStaticSceneIsHeldIfItsOwnerAskedForThat) {
     Held held(0, OnSilence::hold);
     held.commit_every(50, 40);

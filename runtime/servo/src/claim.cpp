@@ -205,8 +205,10 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     header.stiffness_scale = stiffness_scale;
     header.entries = static_cast<std::uint32_t>(felt.size());
 
-    // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would).
+    // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would). That it is
+    // silent still is nothing new.
     published.cycle = cycle;
+    if (published.silence > 0 && header.silence > 0) published.silence = header.silence;
     if (felt.size() == 0 && std::memcmp(&published, &header, sizeof header) == 0) return;
     published = header;
 

@@ -126,7 +126,7 @@ struct FeedbackHeader {
     std::uint32_t refused_kind = 0;
     std::uint32_t refused_slot = 0;
     double gain = 0;             // this claim's, 0-1
-    double silence = 0;          // s since the last commit counted as silence; 0: not silent
+    double silence = 0;          // s since the last commit counted as silence, as of `cycle`; 0: not silent
     double stiffness_scale = 1;  // < 1: claims that share the device were scaled to k_max together
     std::uint32_t entries = 0;
     std::uint32_t refused_reason = 0;  // refused_code contradiction: which of the kind's
