@@ -222,9 +222,10 @@ Connection::Joined Connection::attach(std::uint32_t device, const protocol::Clai
     Lock held = lock();
     answer_.reset();
     const std::span<const std::byte> part = bytes_of(message);
-    if (dead_ || !send(FrameType::attach, 0, {&part, 1}))
-        throw Error(Error::Kind::disconnected,
-                    fmt::format("bridge {} has gone while it was asked", bridge_.text));
+    if (dead_ || !send(FrameType::attach, 0, {&part, 1})) {
+        if (!dead_) serve_frames();  // its last words may not have been read yet
+        throw Error(Error::Kind::disconnected, last_words());
+    }
     asked_ = true;
     answered_.wait_for(held, answer_time_, [this] { return dead_ || answer_.has_value(); });
     asked_ = false;

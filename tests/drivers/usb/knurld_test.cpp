@@ -224,12 +224,17 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         std::printf("  zero after %d ms\n", static_cast<int>(*zero - since));
         return static_cast<int>(*zero - since);
     }
-    /// Held to it only where the guardian is real-time.
+    /// Held to it only where the guardian is real-time, and the servo's end takes no longer than a servo's: a
+    /// sanitizer's memory takes the kernel milliseconds to give back.
     void expect_in_time(int late) const {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+        std::printf("  a sanitizer's build: %d ms are not held against it\n", late);
+#else
         if (real_time_)
             EXPECT_LE(late, promised);
         else
             std::printf("  knurld was not allowed SCHED_FIFO: the time is not held against it\n");
+#endif
     }
     void note_policy() {
         real_time_ = (::sched_getscheduler(servo_->pid()) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO;
