@@ -124,6 +124,11 @@ inline knurl::Client connect(bool reattach = true) {
     return knurl::Client::connect(address, {.name = "test", .wait = 20s, .reattach = reattach});
 }
 
+/// To the servo itself, whatever connect() goes through.
+inline knurl::Client connect_beside() {
+    return knurl::Client::connect("knurl:default", {.name = "beside", .wait = 20s});
+}
+
 /// Reads on until a report satisfies `wanted`, committing all the while. Fails the test's way out after a
 /// minute.
 template <class Wanted>
