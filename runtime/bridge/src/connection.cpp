@@ -198,12 +198,12 @@ void Connection::die(std::string_view why) noexcept {
 
 std::string Connection::why_it_ended() {
     const Lock held = lock();
-    // Whoever watches the socket may be here before our own thread has read the bridge's last words.
-    if (!dead_) serve_frames();
     return last_words();
 }
 
-std::string Connection::last_words() const {
+/// Whoever asks may be here before our own thread has read them.
+std::string Connection::last_words() {
+    if (!dead_) serve_frames();
     if (why_[0] != '\0') return fmt::format("bridge {}: {}", bridge_.text, protocol::printable(why_));
     const std::string& reason = frames_.reason();
     return fmt::format("bridge {}: {}; start it again there", bridge_.text,
@@ -222,10 +222,7 @@ Connection::Joined Connection::attach(std::uint32_t device, const protocol::Clai
     Lock held = lock();
     answer_.reset();
     const std::span<const std::byte> part = bytes_of(message);
-    if (dead_ || !send(FrameType::attach, 0, {&part, 1})) {
-        if (!dead_) serve_frames();  // its last words may not have been read yet
-        throw Error(Error::Kind::disconnected, last_words());
-    }
+    if (!send(FrameType::attach, 0, {&part, 1})) throw Error(Error::Kind::disconnected, last_words());
     asked_ = true;
     answered_.wait_for(held, answer_time_, [this] { return dead_ || answer_.has_value(); });
     asked_ = false;

@@ -100,7 +100,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     /// `length` of the whole datagram at least: filled up with zeros.
     void ping(std::int64_t now, std::size_t length = 0) noexcept;
     void die(std::string_view why = {}) noexcept;
-    std::string last_words() const;
+    std::string last_words();
     void give_back(std::uint32_t stream) noexcept;
     Stream* stream_of(std::uint32_t id) noexcept;
 
