@@ -82,7 +82,8 @@ TEST(Law, HasItsConstantsWithinTheirIntervals) {
         EXPECT_LT(fitted.off, 0.1);
     }
     EXPECT_GT(linear, runs / 2);
-    EXPECT_GT(inside, linear * 7 / 10);  // 95 % are promised
+    // 95 % are promised, and found (1059 of 1111): 6 in 10 or fewer in one of 400 000 runs of this test.
+    EXPECT_GT(inside, linear * 6 / 10);
 }
 
 TEST(Law, IsConstantUnlessItSurelyRises) {
