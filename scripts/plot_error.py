@@ -6,13 +6,10 @@
 The input is knurl_bench_error's --json. Down and to the left is better; a ring marks what Knurl uses.
 """
 
-import json
-import sys
-
 import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from pictures import FAINT, INK, KNURL, machine_line, save
+from pictures import FAINT, INK, KNURL, machine_line, main
 
 COLOURS = ["#c77700", "#7a4fa3", "#b3261e", "#3367d6", "#9aa0a6", "#8d6e63", "#5c8a00", "#ad1457", "#00838f", "#455a64"]
 TITLES = {
@@ -29,10 +26,6 @@ up to a few N/m alone; the paper's snags give energy; ...).
 Open points, dotted: in float.
 Lines go through all sizes of one implementation; the last has its size beside it."""
 SIZES = {"planes": "planes", "surfaces": "Hz", "springs": "springs"}
-
-
-def fail(text):
-    sys.exit(f"plot_error: {text}")
 
 
 def panels_of(data):
@@ -100,7 +93,7 @@ def draw_panel(axes, panel, family, points):
                 labelspacing=0.35, handlelength=1.8)
 
 
-def draw(data, path):
+def draw(data):
     panels = list(panels_of(data))
     rows = (len(panels) + 1) // 2
     figure, grid = plt.subplots(rows, 2, figsize=(13, 3.5 * rows), dpi=90, squeeze=False)
@@ -112,26 +105,8 @@ def draw(data, path):
     samples = sorted({p["n"] for panel in data["panels"] for p in panel["points"]})
     figure.text(0.01, 0.006, f"{machine_line(data['machine'])}; medians of {samples[0]} interleaved blocks.", fontsize=6.5, color=FAINT)
     figure.tight_layout(rect=(0, 0.02, 1, 1), w_pad=2, h_pad=2)
-    save(figure, path, 64)
-
-
-def main(arguments):
-    if len(arguments) != 2:
-        sys.exit(__doc__)
-    try:
-        with open(arguments[0]) as file:
-            data = json.load(file)
-        if not data["panels"]:
-            fail(f"{arguments[0]}: has no panels; run knurl_bench_error without naming some")
-    except FileNotFoundError:
-        fail(f"{arguments[0]}: not found; run knurl_bench_error --json {arguments[0]} first")
-    except (ValueError, KeyError) as error:
-        fail(f"{arguments[0]} is not what knurl_bench_error writes ({error}); run it again")
-    try:
-        draw(data, arguments[1])
-    except OSError as error:
-        fail(f"{arguments[1]}: cannot be written ({error.strerror}); check the folder and the space left")
+    return figure
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(__doc__, "knurl_bench_error --json", draw)

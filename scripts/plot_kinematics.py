@@ -6,17 +6,14 @@
 The input is what knurl_bench_kinematics --error writes. Down and to the left is better; the ring is Knurl's.
 """
 
-import json
-import sys
-
 import matplotlib.pyplot as plt
 
-from pictures import FAINT, INK, KNURL, machine_line, save
+from pictures import FAINT, KNURL, machine_line, main
 
 COLOURS = {"three spheres": KNURL, "last pose": "#c77700", "last pose moved on": "#7a4fa3", "centre": "#9aa0a6"}
 
 
-def draw(data, path):
+def draw(data):
     speeds = sorted({p["speed"] for p in data["points"]})
     figure, row = plt.subplots(1, len(speeds), figsize=(11, 3.7), dpi=90, sharey=True, squeeze=False)
     for axes, speed in zip(row.flat, speeds):
@@ -49,27 +46,8 @@ def draw(data, path):
     figure.text(0.01, 0.015, "Small figures: Newton steps; 0 from three spheres is the closed form. Rings: until nothing changes; the thick one is Delta::forward. "
                 f"Falcon at 1 kHz. {machine_line(data['machine'])}.", fontsize=6, color=FAINT)
     figure.tight_layout(rect=(0, 0.04, 1, 1))
-    save(figure, path, 48)
-
-
-def main(arguments):
-    if len(arguments) != 2:
-        sys.exit(__doc__)
-    try:
-        with open(arguments[0]) as file:
-            data = json.load(file)
-        data["machine"]["load"], data["points"][0]["worst"]
-    except FileNotFoundError:
-        sys.exit(f"plot_kinematics: {arguments[0]}: not found; run knurl_bench_kinematics --error {arguments[0]} first")
-    except (ValueError, KeyError, IndexError) as error:
-        sys.exit(f"plot_kinematics: {arguments[0]} is not what knurl_bench_kinematics --error writes ({error!r}); "
-                 "run it again")
-    try:
-        draw(data, arguments[1])
-    except OSError as error:
-        sys.exit(f"plot_kinematics: {arguments[1]}: cannot be written ({error.strerror}); check the folder and the "
-                 "space left")
+    return figure
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(__doc__, "knurl_bench_kinematics --error", draw, colours=48)

@@ -8,12 +8,9 @@ took longer, both axes logarithmic; a curve ends where ten samples are left. Rig
 phase it is even from 0 to 1.
 """
 
-import json
-import sys
-
 import matplotlib.pyplot as plt
 
-from pictures import FAINT, KNURL, machine_line, save
+from pictures import FAINT, KNURL, machine_line, main
 
 LEFT = {  # colour
     "servo.lateness": KNURL, "floor.bare_loop_lateness": "#9aa0a6", "report.blocking": "#3367d6",
@@ -68,7 +65,7 @@ def draw_age(axes, run, dashed):
               color=KNURL, label=None if dashed else f"n = {total}, at most {result['max']:.2f} cycles")
 
 
-def draw(runs, path):
+def draw(*runs):
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), dpi=90, width_ratios=(1.6, 1))
     for index, run in enumerate(runs):
         draw_exceeding(left, run, index > 0)
@@ -97,32 +94,14 @@ def draw(runs, path):
         text += f" Dashed: the run of {runs[1]['machine']['date']}, load {runs[1]['setting']['load']}."
     figure.text(0.01, 0.015, text, fontsize=6, color=FAINT)
     figure.tight_layout(rect=(0, 0.04, 1, 1))
-    save(figure, path, 64)
+    return figure
 
 
-def read(path):
-    try:
-        with open(path, encoding="utf-8") as file:
-            data = json.load(file)
-        if data["format"]["program"] != "knurl latency":
-            raise ValueError("another program's")
-        data["setting"]["load"], data["machine"]["load"], data["results"][0]["histogram"]
-    except OSError as error:
-        sys.exit(f"plot_latency: {path}: cannot be read ({error.strerror}); run knurl latency --json {path} first")
-    except (ValueError, KeyError, IndexError, TypeError) as error:
-        sys.exit(f"plot_latency: {path} is not what knurl latency --json writes ({error!r}); run it again")
-    return data
-
-
-def main(arguments):
-    if len(arguments) not in (2, 3):
-        sys.exit(__doc__)
-    runs = [read(path) for path in arguments[:-1]]
-    try:
-        draw(runs, arguments[-1])
-    except (OSError, ValueError) as error:
-        sys.exit(f"plot_latency: {arguments[-1]}: cannot be written ({error}); give a PNG in a folder that is there")
+def check(run):
+    if run["format"]["program"] != "knurl latency":
+        raise ValueError("another program's")
+    run["results"][0]["histogram"]
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(__doc__, "knurl latency --json", draw, check, most=2)

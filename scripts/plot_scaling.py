@@ -7,14 +7,12 @@ The input is what knurl_bench_scaling --json FILE writes. Points are medians of 
 lie between, lines the laws; dotted what there is without any (n = 0). Both axes logarithmic.
 """
 
-import json
 import math
-import sys
 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from pictures import FAINT, INK, KNURL, machine_line, save
+from pictures import FAINT, INK, KNURL, machine_line, main
 
 COLOURS = [KNURL, "#c77700", "#7a4fa3", "#3367d6", "#ad1457"]
 BAD = "#b3261e"
@@ -96,7 +94,7 @@ def draw_goals(axes, scaling):
                   color=BAD if goal["verdict"] == "worse" else FAINT, transform=axes.transAxes)
 
 
-def draw(run, path):
+def draw(run):
     scaling = run["scaling"]
     panels = {}
     for series in scaling["series"]:
@@ -115,25 +113,8 @@ def draw(run, path):
                 f"{scaling['clock_pair']:.0f} ns in them. Red: worse than by design. {machine_line(run['machine'])}.",
                 fontsize=6.5, color=FAINT)
     figure.tight_layout(rect=(0, 0.02, 1, 1), w_pad=1.5, h_pad=1.5)
-    save(figure, path, 64)
-
-
-def main(arguments):
-    if len(arguments) != 2:
-        sys.exit(__doc__)
-    try:
-        with open(arguments[0], encoding="utf-8") as file:
-            run = json.load(file)
-        run["scaling"]["series"][0]["law"]["text"], run["machine"]["load"]
-    except OSError as error:
-        sys.exit(f"plot_scaling: {arguments[0]}: cannot be read ({error.strerror}); run knurl_bench_scaling --json {arguments[0]} first")
-    except (ValueError, KeyError, IndexError, TypeError) as error:
-        sys.exit(f"plot_scaling: {arguments[0]} is not what knurl_bench_scaling --json writes ({error!r}); run it again")
-    try:
-        draw(run, arguments[1])
-    except (OSError, ValueError) as error:
-        sys.exit(f"plot_scaling: {arguments[1]}: cannot be written ({error}); give a PNG in a folder that is there")
+    return figure
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(__doc__, "knurl_bench_scaling --json", draw)
