@@ -66,6 +66,22 @@ Beginnings bare_loop(const BareLoop& loop) {
     return seen;
 }
 
+Nanoseconds stood_still(std::vector<Gap> gaps, Nanoseconds window) {
+    std::ranges::sort(gaps, {}, &Gap::begin);
+    Nanoseconds worst = 0;
+    // The worst window begins where a standstill does: moved on, it gains no more than it leaves behind.
+    for (auto first = gaps.begin(); first != gaps.end(); ++first) {
+        Nanoseconds still = 0, counted = 0;  // the sum, and up to where: from the window's begin
+        for (auto gap = first; gap != gaps.end() && gap->begin - first->begin < window; ++gap) {
+            const Nanoseconds end = std::min(gap->end - first->begin, window);
+            still += std::max<Nanoseconds>(0, end - std::max(gap->begin - first->begin, counted));
+            counted = std::max(counted, end);
+        }
+        worst = std::max(worst, still);
+    }
+    return worst;
+}
+
 struct Witness::Impl {
     explicit Impl(std::size_t cpus) : settled(static_cast<std::ptrdiff_t>(cpus)) {}
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -39,6 +40,10 @@ Beginnings bare_loop(const BareLoop& loop);
 struct Gap {
     Nanoseconds begin = 0, end = 0;  // when it should have been awake, when it was
 };
+
+/// For how long of the worst `window` the machine stood still, one CPU of it at least: the gaps of several
+/// CPUs overlap, and no time counts twice. In any order; without a window, all of them.
+Nanoseconds stood_still(std::vector<Gap> gaps, Nanoseconds window = std::numeric_limits<Nanoseconds>::max());
 
 /// A thread on each of these CPUs that sleeps for 1 ms at a time, above everybody's priority: when it is late
 /// all the same, the machine itself stood still. (A virtual one is taken off its processors for tens of

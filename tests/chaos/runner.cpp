@@ -154,19 +154,7 @@ std::string broken_by(const Fault& fault, Stage& stage) {
 /// between.
 double worst_standstill(measure::Witness& witness) {
     constexpr measure::Nanoseconds window = 60'000'000;
-    std::vector<measure::Gap> gaps = witness.gaps();
-    std::ranges::sort(gaps, {}, &measure::Gap::begin);
-    measure::Nanoseconds worst = 0;
-    for (auto first = gaps.begin(); first != gaps.end(); ++first) {
-        measure::Nanoseconds still = 0, counted = first->begin;  // the CPUs' gaps overlap: none counts twice
-        for (auto gap = first; gap != gaps.end() && gap->begin < first->begin + window; ++gap) {
-            const measure::Nanoseconds end = std::min(gap->end, first->begin + window);
-            still += std::max<measure::Nanoseconds>(0, end - std::max(gap->begin, counted));
-            counted = std::max(counted, end);
-        }
-        worst = std::max(worst, still);
-    }
-    return static_cast<double>(worst) * 1e-6;
+    return static_cast<double>(measure::stood_still(witness.gaps(), window)) * 1e-6;
 }
 
 int run(unsigned seed, std::size_t count, const std::vector<Fault>& kinds) {

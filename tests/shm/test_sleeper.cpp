@@ -1,4 +1,5 @@
-// apps/measure: a loop with nothing in it keeps a servo's time; a witness sees only what it may.
+// apps/measure: a loop with nothing in it keeps a servo's time; a witness sees only what it may, and what
+// several see at once is counted once.
 
 #include <algorithm>
 #include <thread>
@@ -85,6 +86,28 @@ TEST(Witness, IsNoneOnACpuThatItMayNotHave) {
     constexpr unsigned nowhere = 1023;
     Witness witness({nowhere}, 1);
     EXPECT_EQ(witness.watching(), 0u);
+}
+
+TEST(StoodStill, CountsOnceWhatTheGapsOfSeveralCPUsShare) {
+    EXPECT_EQ(stood_still({}), 0);
+    EXPECT_EQ(stood_still({{10 * ms, 13 * ms}}), 3 * ms);
+    // One within another, one that goes on from it, one by itself; in any order.
+    EXPECT_EQ(stood_still({{30 * ms, 31 * ms}, {12 * ms, 14 * ms}, {15 * ms, 18 * ms}, {10 * ms, 16 * ms}}),
+              9 * ms);
+}
+
+TEST(StoodStill, OfTheWorstWindowAlone) {
+    constexpr Nanoseconds window = 60 * ms;
+    EXPECT_EQ(stood_still({{10 * ms, 110 * ms}}, window), window) << "no more than all of it";
+    // 8 + 8 + 4 ms: the third is cut off where the window ends. Each of the others by itself is less.
+    EXPECT_EQ(stood_still({{0, 15 * ms},
+                           {100 * ms, 108 * ms},
+                           {130 * ms, 138 * ms},
+                           {156 * ms, 162 * ms},
+                           {300 * ms, 315 * ms}},
+                          window),
+              20 * ms);
+    EXPECT_EQ(stood_still({{0, 15 * ms}, {60 * ms, 75 * ms}}, window), 15 * ms) << "the second is outside";
 }
 
 }  // namespace

@@ -12,11 +12,10 @@
 #include <random>
 
 #include <gmock/gmock.h>
-#include <measure.hpp>
 #include <sched.h>
-#include <sleeper.hpp>
 #include <sys/syscall.h>
 
+#include "chances.hpp"
 #include "knurld_bench.hpp"
 
 namespace knurl::drivers {
@@ -240,35 +239,9 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         real_time_ = (::sched_getscheduler(servo_->pid()) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO;
     }
 
-    /// ms, of one CPU at least.
-    static double stood_still(std::vector<measure::Gap> gaps) {
-        std::ranges::sort(gaps, {}, &measure::Gap::begin);
-        measure::Nanoseconds sum = 0, until = 0;
-        for (const measure::Gap& gap : gaps) {
-            sum += std::max<measure::Nanoseconds>(gap.end - std::max(gap.begin, until), 0);
-            until = std::max(until, gap.end);
-        }
-        return 1e-6 * static_cast<double>(sum);
-    }
-    /// Where the machine itself stood still for as long as the zero was late it is done again, as in the
-    /// chaos runner; once also where nobody saw that, since the witness does not see what holds up the bus's
-    /// own thread, which is none of real time.
-    class Chances {
-      public:
-        void begin() { witness_.gaps(); }  // those before are of no interest
-        bool is_the_last(int late) {
-            unexplained_ += late - stood_still(witness_.gaps()) > promised ? 1 : 0;
-            return late <= promised || ++tried_ == most || unexplained_ > 1;
-        }
-
-      private:
-        static constexpr int most = 5, above_all = 95;
-        measure::Witness witness_{measure::allowed_cpus(), above_all};
-        int tried_ = 0, unexplained_ = 0;
-    };
     /// The bus runs from the moment of the kill: what the kernel takes to end the process counts.
     void kill_servo() {
-        for (Chances chances;;) {
+        for (Chances chances(promised);;) {
             note_policy();
             let_it_run_dry();
             ASSERT_FALSE(HasFatalFailure());
@@ -298,7 +271,7 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
     void stop_servo() {
         start_anew();  // its claim lives, and under the mock the guardian shares it only of what it inherited
         note_policy();
-        for (Chances chances;;) {
+        for (Chances chances(promised);;) {
             std::uint64_t since = 0;
             stop_it_while_active(chances, since);
             ASSERT_FALSE(HasFatalFailure());

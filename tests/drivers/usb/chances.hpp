@@ -1,0 +1,29 @@
+#pragma once
+// A promise in milliseconds on a machine that stands still at times: how often it is tried.
+
+#include <measure.hpp>
+#include <sleeper.hpp>
+
+namespace knurl::drivers::usb_emulator {
+
+/// Where the machine itself stood still for as long as the zero was late it is done again, as in the
+/// chaos runner; once also where nobody saw that, since the witness does not see what holds up the bus's
+/// own thread, which is none of real time.
+class Chances {
+  public:
+    explicit Chances(int promised) : promised_(promised) {}  // ms
+
+    void begin() { witness_.gaps(); }  // those before are of no interest
+    bool is_the_last(int late) {
+        const double stood_still = 1e-6 * static_cast<double>(measure::stood_still(witness_.gaps()));
+        unexplained_ += late - stood_still > promised_ ? 1 : 0;
+        return late <= promised_ || ++tried_ == most || unexplained_ > 1;
+    }
+
+  private:
+    static constexpr int most = 5, above_all = 95;
+    measure::Witness witness_{measure::allowed_cpus(), above_all};
+    int promised_, tried_ = 0, unexplained_ = 0;
+};
+
+}  // namespace knurl::drivers::usb_emulator
