@@ -54,7 +54,7 @@ int run_eval(const Arguments& arguments) {
     const auto scene = scenefile::read_scene(arguments.scene);
     const auto motion = drivers::load_motion(arguments.motion);
     const Evaluation evaluation = evaluate(scene, motion, arguments.options);
-    write_file(arguments.out, csv_of(evaluation.cycles));
+    measure::write_file(arguments.out, csv_of(evaluation.cycles));
     for (const auto& remark : evaluation.remarks) fmt::print(stderr, "knurl eval: {}\n", remark);
     return 0;
 }

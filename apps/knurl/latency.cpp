@@ -149,14 +149,14 @@ void show(const LatencyArguments& arguments, const measure::Run& run, const Asid
         std::cout << text << std::flush;
         return;
     }
-    write_file(arguments.json_file, to_json(run, aside, arguments.percentile));
+    measure::write_file(arguments.json_file, to_json(run, aside, arguments.percentile));
 }
 
 /// Two runs that lie in files.
 int compare_files(const LatencyArguments& arguments, const LatencyFile& before) {
     const LatencyComparison comparison = compare_runs(before, read_latency_file(arguments.measured));
     if (arguments.json)
-        write_file(arguments.json_file, to_json(comparison).dump(2) + "\n");
+        measure::write_file(arguments.json_file, to_json(comparison).dump(2) + "\n");
     else
         std::cout << to_text(comparison).substr(1);
     return 0;
@@ -185,7 +185,7 @@ int run_latency(const LatencyArguments& arguments) {
     check(arguments);
     if (!arguments.serve_echo.empty()) serve_echo(arguments.serve_echo);
     // What cannot be read or written is found out before anything is measured.
-    if (arguments.json) require_writable(arguments.json_file);
+    if (arguments.json) measure::require_writable(arguments.json_file);
     std::optional<LatencyFile> before;
     if (!arguments.compare.empty()) before = read_latency_file(arguments.compare);
     if (!arguments.measured.empty()) return compare_files(arguments, *before);

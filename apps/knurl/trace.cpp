@@ -119,7 +119,7 @@ int run_trace(const Arguments& arguments) {
     const std::string text =
         to_trace(timeline, stretch).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
         "\n";
-    write_file(arguments.out, text);
+    measure::write_file(arguments.out, text);
     if (arguments.out == "-") return 0;
     fmt::print("{}: {}\nOpen it in chrome://tracing or https://ui.perfetto.dev.\n", arguments.out,
                sentence(timeline, stretch, around));

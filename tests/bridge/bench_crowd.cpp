@@ -20,6 +20,7 @@
 #include "../client/servo_process.hpp"
 #include "keys.hpp"
 #include "measure.hpp"
+#include "output_file.hpp"
 
 namespace {
 
@@ -219,6 +220,7 @@ int main(int argc, char** argv) try {
                                      " is unknown; known are --clients, --seconds, --rounds, --keys, "
                                      "--bridge-priority, each with a number, and --json FILE");
     }
+    if (!json.empty()) knurl::measure::require_writable(json);
     const ServoProcess servo;
     knurl::Client::connect("knurl:default", {.wait = 20s});  // it is there
     // With one key in it the bridge's file is its owner's too.
@@ -262,10 +264,7 @@ int main(int argc, char** argv) try {
                     summarise("crowd.local.applied_in_time", "%", local.in_time),
                     summarise("crowd.bridge.applied_in_time", "%", remote.in_time),
                     summarise("crowd.flooded.applied_in_time", "%", flooded.in_time)}};
-    std::ofstream file(json, std::ios::trunc);
-    file << knurl::measure::to_json(all) << "\n";
-    file.close();
-    if (!file) throw std::runtime_error(json + ": cannot be written");
+    knurl::measure::write_file(json, knurl::measure::to_json(all) + "\n");
     return status;
 } catch (const std::exception& error) {
     std::fprintf(stderr, "knurl_bench_crowd: %s\n", error.what());

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
 #include "goals.hpp"
 #include "lab.hpp"
+#include "output_file.hpp"
 
 namespace {
 
@@ -193,6 +193,7 @@ void print(const Judged& judged) {
 
 int main(int argc, char** argv) try {
     const Asked wanted = asked(argc, argv);
+    if (!wanted.json.empty()) measure::require_writable(wanted.json);
     const measure::Run run{.machine = measure::this_machine(), .results = {}};
     const measure::Machine& m = run.machine;
     Lab lab(wanted.options);
@@ -229,11 +230,7 @@ int main(int argc, char** argv) try {
                        {"goals", Json::array()}};
     for (const Found& found : all) json["scaling"]["series"].push_back(to_json(found));
     for (const Judged& one : goals) json["scaling"]["goals"].push_back(to_json(one));
-    std::ofstream file(wanted.json, std::ios::trunc);
-    file << json.dump(1) << "\n";
-    file.close();
-    if (!file)
-        throw std::runtime_error(wanted.json + ": cannot be written; check the folder and the space left");
+    measure::write_file(wanted.json, json.dump(1) + "\n");
     return 0;
 } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "knurl_bench_scaling: %s\n", error.what());

@@ -3,7 +3,6 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
 #include <iostream>
 #include <numeric>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <string_view>
 
 #include <measure.hpp>
+#include <output_file.hpp>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -188,10 +188,7 @@ void write_json(const std::string& path, const measure::Run& run, const std::vec
     std::string text = measure::to_json(run);
     text.erase(text.rfind('}'));
     text.erase(text.find_last_not_of(" \n") + 1);
-    std::ofstream file(path, std::ios::trunc);
-    file << text << "," << more.dump(2).substr(1) << "\n";
-    file.close();
-    if (!file) throw std::runtime_error(path + ": cannot be written");
+    measure::write_file(path, text + "," + more.dump(2).substr(1) + "\n");
 }
 
 bool number_in(const char* text, auto& value) {
@@ -201,6 +198,7 @@ bool number_in(const char* text, auto& value) {
 }
 
 int measure_peers(const Arguments& arguments) {
+    if (!arguments.json.empty()) measure::require_writable(arguments.json);
     const std::vector<unsigned> cpus = measure::allowed_cpus();
     if (cpus.size() < 2) throw std::runtime_error("needs two CPUs");
     Place place{.servo_cpu = cpus.back(), .client_cpu = cpus.front()};

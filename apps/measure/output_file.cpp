@@ -7,7 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace knurl::cli {
+namespace knurl::measure {
 
 namespace {
 
@@ -53,4 +53,4 @@ void require_writable(const std::string& path) {
     std::remove(part.c_str());
 }
 
-}  // namespace knurl::cli
+}  // namespace knurl::measure
