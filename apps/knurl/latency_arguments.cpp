@@ -1,5 +1,6 @@
 #include "latency_arguments.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "measure.hpp"

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;  // its header brings 100 KB of code into every source that includes it
+}
 
 namespace knurl::cli {
 

@@ -4,6 +4,7 @@
 #include <exception>
 #include <string>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "verbs.hpp"

@@ -5,7 +5,9 @@
 #include <functional>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;  // its header brings 100 KB of code into every source that includes it
+}
 
 namespace knurl::cli {
 
