@@ -20,13 +20,20 @@ using testing::HasSubstr;
 TEST(TraceProgram, DrawsAServoAtWork) {
     const Home home;
     const Servo servo({"--device", "right=sim:cartesian3", "--rate", "500"});
-    const Outcome outcome = knurl({"trace", "--out", home.path("T.json"), "--for", "0.3", "--cycles", "20"});
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("cycles of right around cycle "));
-    const json trace = json::parse(text_of_file(home.path("T.json")));
+    json trace;
+    // A stamped cycle's parts can be read until the next one is stamped: a busy machine may miss both of 0.3
+    // s.
+    const auto has_a_stamped_cycle = [&] {
+        const Outcome outcome =
+            knurl({"trace", "--out", home.path("T.json"), "--for", "0.3", "--cycles", "20"});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_THAT(outcome.out, HasSubstr("cycles of right around cycle "));
+        trace = json::parse(text_of_file(home.path("T.json")));
+        return trace.at("otherData").at("stamped_cycle").is_number();
+    };
+    ASSERT_TRUE(eventually(has_a_stamped_cycle));
     const auto& about = trace.at("otherData");
     EXPECT_EQ(about.at("device"), "right");
-    ASSERT_TRUE(about.at("stamped_cycle").is_number()) << about;
     EXPECT_EQ(about.at("stamped_cycle").get<std::uint64_t>() % 64, 0u);
     EXPECT_EQ(about.at("about_cycle"), about.at("stamped_cycle"));
     std::size_t cycles = 0, scenes = 0;
