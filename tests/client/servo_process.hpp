@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -134,12 +135,18 @@ inline knurl::Client connect_beside() {
 template <class Wanted>
 knurl::HandReport read_until(knurl::Claim& hand, Wanted wanted) {
     const auto deadline = std::chrono::steady_clock::now() + 60s;
+    knurl::HandReport last;
     while (std::chrono::steady_clock::now() < deadline) {
         const auto report = hand.next_report(100ms);
         hand.commit();
         if (report && wanted(*report)) return *report;
+        if (report) last = *report;
     }
-    throw std::runtime_error("what the test waited for did not happen within a minute");
+    std::ostringstream seen;
+    seen << "what the test waited for did not happen within a minute; the last report: cycle " << last.cycle
+         << ", state " << static_cast<int>(last.state) << ", faults " << last.faults << ", force along x "
+         << last.scene_force.x << " N, sent " << last.sent_force.x << " N";
+    throw std::runtime_error(seen.str());
 }
 
 inline bool is_active(const knurl::HandReport& report) {
