@@ -249,8 +249,13 @@ std::size_t Session::transfer(std::uint8_t endpoint, std::uint8_t* bytes, std::s
     go_on();
     int moved = 0;
     const auto call = interrupt_ ? libusb_interrupt_transfer : libusb_bulk_transfer;
-    const int code = call(handle_, endpoint, bytes, static_cast<int>(count), &moved,
-                          static_cast<unsigned>(std::max<std::int64_t>(timeout.count(), 1)));
+    const auto attempt = [&] {
+        return call(handle_, endpoint, bytes, static_cast<int>(count), &moved,
+                    static_cast<unsigned>(std::max<std::int64_t>(timeout.count(), 1)));
+    };
+    int code = attempt();
+    // Whoever talked to it last may have left the endpoint halted, and so it stays until that is cleared.
+    if (code == LIBUSB_ERROR_PIPE && libusb_clear_halt(handle_, endpoint) == 0) code = attempt();
     if (code != LIBUSB_ERROR_TIMEOUT) check(code, "talk to");
     return static_cast<std::size_t>(moved);
 }

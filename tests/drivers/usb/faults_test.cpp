@@ -131,6 +131,14 @@ TEST_P(Faults, OneThatStallsForEverIsOpenedAnew) {
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
 
+/// As a program leaves it that has died with a stall, or our own session that was closed with one.
+TEST_P(Faults, OneThatWasLeftHaltedIsOpened) {
+    bus_.locked([&] { model_->stalls_in = model_->stalls_out = 1; });
+    const auto device = open();
+    EXPECT_TRUE(until(*device, ReadStatus::ok));
+    EXPECT_TRUE(pushes(*device));
+}
+
 TEST_P(Faults, SilenceIsStale) {
     const auto device = open();
     ASSERT_TRUE(until(*device, ReadStatus::ok));
