@@ -65,7 +65,7 @@ TEST(Law, HasItsConstantsWithinTheirIntervals) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const Law law{.growth = Growth::linear, .base = 400, .factor = 40};
-    constexpr int runs = 20;
+    constexpr int runs = 60;
     int linear = 0, inside = 0;
     for (int i = 0; i < runs; ++i) {
         // Without what is off at each point for good: no block of a run shows that.
@@ -82,8 +82,8 @@ TEST(Law, HasItsConstantsWithinTheirIntervals) {
         EXPECT_LT(fitted.off, 0.1);
     }
     EXPECT_GT(linear, runs / 2);
-    // 95 % are promised, and found (1059 of 1111): 6 in 10 or fewer in one of 400 000 runs of this test.
-    EXPECT_GT(inside, linear * 6 / 10);
+    // 95 % are promised, and found (1059 of 1111): 8 in 10 or fewer in one of 50 000 runs of this test.
+    EXPECT_GT(inside, linear * 8 / 10);
 }
 
 TEST(Law, IsConstantUnlessItSurelyRises) {
