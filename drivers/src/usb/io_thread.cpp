@@ -179,11 +179,7 @@ void IoThread::close() noexcept {
     if (!gone_ && protocol_->takes_efforts()) {
         std::array<std::uint8_t, packet_bytes> packet{};
         const std::size_t length = protocol_->pack({}, packet);
-        int moved = 0;
-        constexpr unsigned timeout_ms = 50;
-        const auto send = session_->interrupt() ? libusb_interrupt_transfer : libusb_bulk_transfer;
-        send(session_->handle(), session_->out(), packet.data(), static_cast<int>(length), &moved,
-             timeout_ms);
+        session_->write_last(std::span(packet).first(length), Session::Milliseconds{50});
     }
     session_.reset();
 }

@@ -244,20 +244,31 @@ void Session::control(std::uint8_t type, std::uint8_t request, std::uint16_t val
     check(libusb_control_transfer(handle_, type, request, value, index, nullptr, 0, timeout_ms), "set up");
 }
 
+/// libusb's code.
+int Session::attempt(std::uint8_t endpoint, std::uint8_t* bytes, std::size_t count, Milliseconds timeout,
+                     int& moved) noexcept {
+    const auto call = interrupt_ ? libusb_interrupt_transfer : libusb_bulk_transfer;
+    const auto once = [&] {
+        return call(handle_, endpoint, bytes, static_cast<int>(count), &moved,
+                    static_cast<unsigned>(std::max<std::int64_t>(timeout.count(), 1)));
+    };
+    const int code = once();
+    // Whoever talked to it last may have left the endpoint halted, and so it stays until that is cleared.
+    return code == LIBUSB_ERROR_PIPE && libusb_clear_halt(handle_, endpoint) == 0 ? once() : code;
+}
+
 std::size_t Session::transfer(std::uint8_t endpoint, std::uint8_t* bytes, std::size_t count,
                               Milliseconds timeout) {
     go_on();
     int moved = 0;
-    const auto call = interrupt_ ? libusb_interrupt_transfer : libusb_bulk_transfer;
-    const auto attempt = [&] {
-        return call(handle_, endpoint, bytes, static_cast<int>(count), &moved,
-                    static_cast<unsigned>(std::max<std::int64_t>(timeout.count(), 1)));
-    };
-    int code = attempt();
-    // Whoever talked to it last may have left the endpoint halted, and so it stays until that is cleared.
-    if (code == LIBUSB_ERROR_PIPE && libusb_clear_halt(handle_, endpoint) == 0) code = attempt();
+    const int code = attempt(endpoint, bytes, count, timeout, moved);
     if (code != LIBUSB_ERROR_TIMEOUT) check(code, "talk to");
     return static_cast<std::size_t>(moved);
+}
+
+void Session::write_last(std::span<const std::uint8_t> bytes, Milliseconds timeout) noexcept {
+    int moved = 0;
+    attempt(out_, const_cast<std::uint8_t*>(bytes.data()), bytes.size(), timeout, moved);  // only read from
 }
 
 std::size_t Session::write(std::span<const std::uint8_t> bytes, Milliseconds timeout) {

@@ -102,12 +102,16 @@ class Session {
     /// Returns the number of bytes taken before time ran out.
     std::size_t write(std::span<const std::uint8_t> bytes, Milliseconds timeout);
     std::size_t read(std::span<std::uint8_t> bytes, Milliseconds timeout);
+    /// Before it is closed, whoever wants to stop: heard or not.
+    void write_last(std::span<const std::uint8_t> bytes, Milliseconds timeout) noexcept;
     /// Throws Unplugged if somebody wants to stop.
     void go_on() const;
 
   private:
     void find_endpoints();
     void check(int code, const char* doing) const;
+    int attempt(std::uint8_t endpoint, std::uint8_t* bytes, std::size_t count, Milliseconds timeout,
+                int& moved) noexcept;
     std::size_t transfer(std::uint8_t endpoint, std::uint8_t* bytes, std::size_t count, Milliseconds timeout);
 
     Found found_;

@@ -122,6 +122,16 @@ TEST_P(Faults, AZeroThatMetAStallIsSentAgain) {
     EXPECT_EQ(bus_.locked([&] { return model_->stalls_out; }), 0);
 }
 
+TEST_P(Faults, AZeroThatMeetsAStallAtTheEndIsSentAgain) {
+    auto device = open();
+    ASSERT_TRUE(pushes(*device));
+    bus_.freeze(true);
+    bus_.locked([&] { model_->stalls_out = 1; });
+    bus_.freeze(false);
+    device.reset();
+    EXPECT_TRUE(bus_.wait(1000, [&] { return model_->motors() == std::array<int, 3>{}; }));
+}
+
 TEST_P(Faults, OneThatStallsForEverIsOpenedAnew) {
     const auto device = open();
     ASSERT_TRUE(pushes(*device));
