@@ -122,6 +122,7 @@ bool ZeroLine::zero() noexcept {
                                        .timeout = patience_ms,
                                        .data = packet_.data()};
         if (ioctl(node_, USBDEVFS_BULK, &transfer) == static_cast<int>(length_)) return true;
+        if (unsigned halted = endpoint_; errno == EPIPE) ioctl(node_, USBDEVFS_CLEAR_HALT, &halted);
     }
     return false;
 }

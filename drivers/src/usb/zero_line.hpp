@@ -7,9 +7,9 @@
 // own and waits for it:
 //   - queued behind what the servo had in flight on that endpoint, so the zero is the last word;
 //   - USBDEVFS_REAPURB would hand over the servo's blocks as well, and write their data to the addresses of
-//   the
-//     servo's buffers, in the guardian's memory.
-// The kernel takes the same call for interrupt endpoints.
+//     the servo's buffers, in the guardian's memory.
+// The kernel takes the same call for interrupt endpoints. An endpoint that the last packets of the servo left
+// halted refuses it: the halt is cleared, and the zero sent once more.
 //
 // A device that was plugged in again has another node, opened after the fork. It is handed over through a
 // socket whose both ends both processes have: the servo empties it before it puts a new one in, the guardian
