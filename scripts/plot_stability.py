@@ -11,7 +11,7 @@ import sys
 
 import matplotlib.pyplot as plt
 
-from pictures import FAINT, INK, save
+from pictures import FAINT, INK, machine_line, save
 
 TRUE = "#9aa0a6"
 LOOKS = {  # colour, marker
@@ -48,7 +48,11 @@ def column(table, name):
     return [row["values"][i] for row in table["rows"]]
 
 
-def draw_bound(tables, path):
+def origin(figure, run):
+    figure.text(0.01, 0.004, f"{run['seeds']} seeds on the virtual clock. {machine_line(run['machine'])}.", fontsize=6, color=FAINT)
+
+
+def draw_bound(tables, run, path):
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.2, 4.2), gridspec_kw={"width_ratios": [1, 1]})
     bound = tables["bound"]
     x = column(bound, "bound")
@@ -85,11 +89,12 @@ def draw_bound(tables, path):
     right.legend(fontsize=7, frameon=False, loc="upper left")
     right.set_title("Virtual damping must not simply be counted in", fontsize=9, loc="left")
     plain(right)
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0.03, 1, 1))
+    origin(figure, run)
     save(figure, path, dpi=100)
 
 
-def draw_methods(tables, path):
+def draw_methods(tables, run, path):
     figure, panels = plt.subplots(1, 2, figsize=(9.2, 4.2), sharey=True)
     for axes, key, title in ((panels[0], "gentle", "gentle ridge, 0.15 m/s"), (panels[1], "harsh", "harsh ridge, 0.15 m/s")):
         table = tables[key]
@@ -111,11 +116,12 @@ def draw_methods(tables, path):
                         fontsize=7.5, color=FAINT)
         plain(axes)
     panels[0].invert_yaxis()
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0.03, 1, 1))
+    origin(figure, run)
     save(figure, path, dpi=100)
 
 
-def draw_factors(tables, path):
+def draw_factors(tables, run, path):
     figure, panels = plt.subplots(3, 3, figsize=(9.2, 8.0))
     panels = panels.flatten()
     for axes, (key, label, scale, logarithmic) in zip(panels, FACTORS):
@@ -150,11 +156,12 @@ def draw_factors(tables, path):
         panels[i].set_ylabel("stable stiffness, N/m", fontsize=8, color=FAINT)
     handles = [plt.Line2D([], [], color=c, marker=m, ms=5, lw=1.2, label=n) for n, (c, m) in LOOKS.items()]
     figure.legend(handles=handles, ncol=3, fontsize=8, frameon=False, loc="upper center")
-    figure.tight_layout(rect=(0, 0, 1, 0.94))
+    figure.tight_layout(rect=(0, 0.015, 1, 0.94))
+    origin(figure, run)
     save(figure, path, dpi=100)
 
 
-def draw_network(tables, path):
+def draw_network(tables, run, path):
     figure, panels = plt.subplots(2, 2, figsize=(8.2, 6.0), sharey=True)
     for axes, (key, label, scale) in zip(panels.flatten(), NETWORK):
         table = tables[key]
@@ -171,7 +178,8 @@ def draw_network(tables, path):
     shown = {name for key, _, _ in NETWORK for name in tables[key]["columns"]}
     handles = [plt.Line2D([], [], color=c, marker=m, ms=5, lw=1.2, label=n) for n, (c, m) in LOOKS.items() if n in shown]
     figure.legend(handles=handles, ncol=3, fontsize=8, frameon=False, loc="upper center")
-    figure.tight_layout(rect=(0, 0, 1, 0.91))
+    figure.tight_layout(rect=(0, 0.02, 1, 0.91))
+    origin(figure, run)
     save(figure, path)
 
 
@@ -180,14 +188,15 @@ def main(arguments):
         sys.exit(__doc__)
     try:
         with open(arguments[0]) as file:
-            tables = {table["key"]: table for table in json.load(file)["tables"]}
+            run = json.load(file)
+        tables = {table["key"]: table for table in run["tables"]}
         os.makedirs(arguments[1], exist_ok=True)
         drawings = (("bound", draw_bound), ("methods", draw_methods), ("factors", draw_factors))
         if "network_delay" in tables:
             drawings = (("network", draw_network),)
         for name, draw in drawings:
             path = os.path.join(arguments[1], name + ".png")
-            draw(tables, path)
+            draw(tables, run, path)
             print(f"{path}: {os.path.getsize(path) // 1024} KB")
     except FileNotFoundError as error:
         sys.exit(f"plot_stability: {error.filename}: not found; run scripts/stability first")

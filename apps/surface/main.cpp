@@ -5,11 +5,11 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <fstream>
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <output_file.hpp>
 
 #include "outcome.hpp"
 #include "relief.hpp"
@@ -85,12 +85,6 @@ void describe(CLI::App& app, Wishes& w) {
         "  scripts/plot_surface.py out.json out.csv relief.asc out.png\n");
 }
 
-/// Before a minute of measuring, not after it.
-void check_writable(const std::string& file) {
-    if (!file.empty() && !std::ofstream(file, std::ios::app))
-        throw std::runtime_error(file + ": cannot be written; check the folder");
-}
-
 int run(const Wishes& wishes) {
     std::vector<surface::Way> ways;
     for (const auto& key : wishes.ways) ways.push_back(surface::way_of(key));
@@ -108,8 +102,9 @@ int run(const Wishes& wishes) {
         return 0;
     }
 
-    check_writable(wishes.csv);
-    check_writable(wishes.json);
+    // Before a minute of measuring, not after it.
+    if (!wishes.csv.empty()) knurl::measure::require_writable(wishes.csv);
+    if (!wishes.json.empty()) knurl::measure::require_writable(wishes.json);
     auto client = knurl::Client::connect(
         wishes.connect,
         {.name = "knurl-surface", .wait = std::chrono::milliseconds(static_cast<int>(wishes.wait * 1e3))});

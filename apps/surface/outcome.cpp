@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
-#include <stdexcept>
+#include <iterator>
 
 #include <fmt/format.h>
+#include <output_file.hpp>
 
 namespace surface {
 
@@ -94,20 +94,9 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
     return out;
 }
 
-namespace {
-
-void check_written(std::ofstream& out, const std::filesystem::path& file) {
-    out.close();
-    if (!out)
-        throw std::runtime_error(file.string() + ": cannot be written; check the folder and the space left");
-}
-
-}  // namespace
-
 void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& outcomes,
                const Terrain& terrain) {
-    std::ofstream out(file);
-    out << "way,t,x,y,z,vx,vy,vz,fx,fy,fz,true_fx,true_fy,true_fz,surface_z,height,faults\n";
+    std::string out = "way,t,x,y,z,vx,vy,vz,fx,fy,fz,true_fx,true_fy,true_fz,surface_z,height,faults\n";
     for (const Outcome& outcome : outcomes) {
         const std::string way = key_of(outcome.recording.way);
         const Ideal ideal{outcome.recording.stiffness, outcome.recording.greatest_force};
@@ -115,29 +104,29 @@ void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& ou
             const Cycle& c = outcome.recording.cycles[i];
             const Terrain::Foot& foot = outcome.feet[i];
             const Eigen::Vector3d wanted = true_force(foot, ideal);
-            out << fmt::format("{},{:.6f}", way, c.t);
+            const auto end = std::back_inserter(out);
+            fmt::format_to(end, "{},{:.6f}", way, c.t);
             for (const auto& v : {c.position, c.velocity, c.force, wanted})
-                out << fmt::format(",{:.7g},{:.7g},{:.7g}", v.x(), v.y(), v.z());
-            out << fmt::format(",{:.7g},{:.7g},{}\n", terrain.height(c.position.x(), c.position.y()),
-                               foot.distance, c.faults);
+                fmt::format_to(end, ",{:.7g},{:.7g},{:.7g}", v.x(), v.y(), v.z());
+            fmt::format_to(end, ",{:.7g},{:.7g},{}\n", terrain.height(c.position.x(), c.position.y()),
+                           foot.distance, c.faults);
         }
     }
-    check_written(out, file);
+    knurl::measure::write_file(file, out);
 }
 
 void write_relief(const std::filesystem::path& file, const Terrain& terrain) {
     const HeightGrid& grid = terrain.grid();
-    std::ofstream out(file);
-    out << fmt::format(
+    std::string out = fmt::format(
         "ncols {}\nnrows {}\nxllcenter {:.6g}\nyllcenter {:.6g}\ncellsize {:.6g}\nNODATA_value -9999\n",
         grid.columns, grid.rows, -terrain.half_width() * 1e3, -terrain.half_length() * 1e3, grid.cell * 1e3);
     for (int r = 0; r < grid.rows; ++r)
         for (int c = 0; c < grid.columns; ++c)
-            out << fmt::format("{:.5g}{}",
-                               1e3 * terrain.height(c * grid.cell - terrain.half_width(),
-                                                    terrain.half_length() - r * grid.cell),
-                               c + 1 == grid.columns ? '\n' : ' ');
-    check_written(out, file);
+            fmt::format_to(std::back_inserter(out), "{:.5g}{}",
+                           1e3 * terrain.height(c * grid.cell - terrain.half_width(),
+                                                terrain.half_length() - r * grid.cell),
+                           c + 1 == grid.columns ? '\n' : ' ');
+    knurl::measure::write_file(file, out);
 }
 
 }  // namespace surface

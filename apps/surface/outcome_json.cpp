@@ -1,9 +1,7 @@
 // The form that all measuring programs share: machine and results; beside it what only this program has.
 
-#include <fstream>
-#include <stdexcept>
-
 #include <nlohmann/json.hpp>
+#include <output_file.hpp>
 
 #include "outcome.hpp"
 
@@ -66,11 +64,7 @@ void write_json(const std::filesystem::path& file, const std::vector<Outcome>& o
                    {"think", text.think},
                    {"machine", machine_sentence(text.machine)}};
     json["strokes"] = std::move(strokes);
-    std::ofstream out(file);
-    out << json.dump(1) << '\n';
-    out.close();
-    if (!out)
-        throw std::runtime_error(file.string() + ": cannot be written; check the folder and the space left");
+    knurl::measure::write_file(file, json.dump(1) + '\n');
 }
 
 }  // namespace surface

@@ -1,10 +1,10 @@
 #include "stroke.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <stdexcept>
+#include <iterator>
 
 #include <fmt/format.h>
+#include <output_file.hpp>
 
 namespace surface {
 namespace {
@@ -74,14 +74,11 @@ Stroke make_stroke(const Terrain& terrain, const StrokeOptions& options) {
 }
 
 void write_stroke(const Stroke& stroke, const std::filesystem::path& file) {
-    std::ofstream out(file);
-    out << "t,x,y,z\n";
+    std::string out = "t,x,y,z\n";
     for (const auto& row : stroke.rows)
-        out << fmt::format("{:.6g},{:.9g},{:.9g},{:.9g}\n", row.t, row.position.x(), row.position.y(),
-                           row.position.z());
-    out.close();
-    if (!out)
-        throw std::runtime_error(file.string() + ": cannot be written; check the folder and the space left");
+        fmt::format_to(std::back_inserter(out), "{:.6g},{:.9g},{:.9g},{:.9g}\n", row.t, row.position.x(),
+                       row.position.y(), row.position.z());
+    knurl::measure::write_file(file, out);
 }
 
 }  // namespace surface

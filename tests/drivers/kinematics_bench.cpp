@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <numbers>
 
 #include <benchmark/benchmark.h>
@@ -19,6 +18,7 @@
 
 #include "delta_error.hpp"
 #include "measure.hpp"
+#include "output_file.hpp"
 
 namespace {
 
@@ -105,12 +105,10 @@ int write_errors(const char* path, const knurl::measure::Machine& machine) {
                                   {"median", point.median},
                                   {"knurl", point.knurl}});
     }
-    std::ofstream out(path);
-    out << json.dump(1) << "\n";
-    if (!out.flush()) {
-        std::fprintf(stderr,
-                     "knurl_bench_kinematics: %s: cannot be written; check the folder and the space left\n",
-                     path);
+    try {
+        knurl::measure::write_file(path, json.dump(1) + '\n');
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "knurl_bench_kinematics: %s\n", error.what());
         return 1;
     }
     return 0;

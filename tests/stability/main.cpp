@@ -4,12 +4,12 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
-#include <fstream>
 #include <optional>
 #include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <output_file.hpp>
 
 #include "claims.hpp"
 #include "relief_stroke.hpp"
@@ -74,11 +74,13 @@ int main(int argc, char** argv) {
     app.add_option("--only", only, "the table of this key alone");
     CLI11_PARSE(app, argc, argv);
 
+    const knurl::measure::Machine machine = knurl::measure::this_machine();
     const auto begun = std::chrono::steady_clock::now();
     std::vector<Table> tables;
     std::vector<Claim> claims;
     std::optional<ReliefStroke> stroke;
     try {
+        if (!file.empty()) knurl::measure::require_writable(file);
         if (!relief.empty()) stroke = ReliefStroke::of(relief);
     } catch (const std::exception& error) {
         fmt::print(stderr, "knurl_stability: {}\n", error.what());
@@ -106,13 +108,13 @@ int main(int argc, char** argv) {
     if (!stroke)
         fmt::print("\n{} seeds, {} threads, {:.0f} s\n", quick ? 2 : seeds.count, quick ? 2 : jobs, took);
     if (!file.empty()) {
-        std::ofstream out(file);
-        out << json(tables, fmt::format(R"({{"{}": {}, "seconds": {:.0f}}})", stroke ? "phases" : "seeds",
-                                        stroke ? phases : seeds.count, took));
-        out.close();
-        if (!out) {
-            fmt::print(stderr, "knurl_stability: {} cannot be written; check the folder and the space left\n",
-                       file);
+        try {
+            knurl::measure::write_file(file, json(tables, {.machine = machine,
+                                                           .of = stroke ? "phases" : "seeds",
+                                                           .count = stroke ? phases : seeds.count,
+                                                           .seconds = took}));
+        } catch (const std::exception& error) {
+            fmt::print(stderr, "knurl_stability: {}\n", error.what());
             return 1;
         }
     }

@@ -61,8 +61,11 @@ std::string markdown(const Table& table) {
     return text + "\n";
 }
 
-std::string json(const std::vector<Table>& tables, const std::string& head) {
-    nlohmann::ordered_json out = nlohmann::ordered_json::parse(head);
+std::string json(const std::vector<Table>& tables, const Origin& origin) {
+    auto out =
+        nlohmann::ordered_json::parse(knurl::measure::to_json({.machine = origin.machine, .results = {}}));
+    out[origin.of] = origin.count;
+    out["seconds"] = std::round(origin.seconds);
     for (const Table& table : tables) {
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         for (const Row& row : table.rows) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <measure.hpp>
+
 namespace stability {
 
 struct Value {
@@ -34,8 +36,15 @@ void fill(std::vector<Table>& tables, int jobs, const std::function<void(int don
 
 /// As Markdown.
 std::string markdown(const Table& table);
-/// As JSON: {"tables": [{key, title, unit, columns, rows: [{name, x, values, kinds}]}]}, `head` its first
-/// members.
-std::string json(const std::vector<Table>& tables, const std::string& head);
+/// What the figures come from.
+struct Origin {
+    knurl::measure::Machine machine;
+    std::string of;      // "seeds" or "phases"
+    unsigned count = 0;  // of them
+    double seconds = 0;
+};
+/// As JSON, in the form of all that measures: {"machine", ..., of: count, "seconds", "tables": [{key, title,
+/// unit, columns, rows: [{name, x, values, kinds}]}]}
+std::string json(const std::vector<Table>& tables, const Origin& origin);
 
 }  // namespace stability

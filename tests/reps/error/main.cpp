@@ -5,10 +5,10 @@
 
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
+#include <output_file.hpp>
 
 #include "panel.hpp"
 
@@ -106,12 +106,10 @@ int main(int argc, char** argv) {
         json["panels"].push_back(to_json(result));
     }
     if (file) {
-        std::ofstream out(file);
-        out << json.dump(1) << "\n";
-        if (!out.flush()) {
-            std::fprintf(stderr,
-                         "knurl_bench_error: %s: cannot be written; check the folder and the space left\n",
-                         file);
+        try {
+            measure::write_file(file, json.dump(1) + '\n');
+        } catch (const std::exception& error) {
+            std::fprintf(stderr, "knurl_bench_error: %s\n", error.what());
             return 1;
         }
     }
