@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <knurl/protocol/attach.hpp>
+#include <knurl/servo/config.hpp>
 
 namespace knurl::cli {
 
@@ -150,6 +151,13 @@ RecordingInfo info_of(const McapMetadata& all, const std::string& path) {
         else
             number(name, value);
     });
+    // Every time of a replay is counted by it.
+    if (const auto& rate = servo::ranges::rate;
+        !(info.options.rate >= rate.low && info.options.rate <= rate.high))
+        throw std::runtime_error(
+            fmt::format("{}: its metadata says rate = {:g}, no servo's ({:g} to {:g} Hz): "
+                        "the file was changed",
+                        path, info.options.rate, rate.low, rate.high));
     return info;
 }
 

@@ -208,6 +208,9 @@ TEST(Replay, RefusesOtherBuildsOtherDevicesAndOtherFiles) {
     replace(other, std::string("device_figures\x10\0\0\0", 18),
             std::string("device_figures\x10\0\0\0ffff", 22));
     refused(other, "recorded on another device: sim:premium15");
+    other = all;
+    replace(other, std::string("rate\x04\0\0\0001000", 12), std::string("rate\x04\0\0\000-100", 12));
+    refused(other, "rate = -100, no servo's (500 to 20000 Hz)");
     refused("t,x,y,z\n", "is no MCAP file");
     refused("", "is no MCAP file");
     refused(
