@@ -136,7 +136,7 @@ TEST(Counts, what_is_forged_counts_as_foreign_whatever_its_counter) {
     EXPECT_EQ(inbox.open(old, windows).verdict, Inbox::Verdict::foreign) << "of long ago";
 }
 
-TEST(Counts, a_path_is_as_wide_as_what_came_through_and_never_again_when_it_has_refused) {
+TEST(Counts, a_path_is_as_wide_as_what_comes_through) {
     PathWidth width;
     EXPECT_EQ(width.bytes(), least_datagram_bytes);
     width.came_through(datagram_bytes - 1);
@@ -147,6 +147,29 @@ TEST(Counts, a_path_is_as_wide_as_what_came_through_and_never_again_when_it_has_
     EXPECT_EQ(width.bytes(), least_datagram_bytes);
     width.came_through(datagram_bytes);  // before that
     EXPECT_EQ(width.bytes(), least_datagram_bytes);
+    width.came_through(least_datagram_bytes);  // no longer of before
+    EXPECT_EQ(width.bytes(), least_datagram_bytes);
+    width.came_through(datagram_bytes);
+    EXPECT_EQ(width.bytes(), datagram_bytes);
+    width.came_through(least_datagram_bytes);  // long ones are dropped without a word since then
+    EXPECT_EQ(width.bytes(), least_datagram_bytes);
+}
+
+TEST(Counts, what_came_through_is_forgotten_when_nothing_of_that_length_comes_for_four_seconds) {
+    constexpr std::int64_t second = 1'000'000'000, begin = 12'345 * second;
+    LongestLately longest;
+    EXPECT_EQ(longest.bytes(begin), 0U);
+    longest.came(1200, begin);
+    for (std::int64_t t = 0; t <= 10 * second; t += second / 10) {
+        longest.came(100, begin + t);
+        const std::uint64_t bytes = longest.bytes(begin + t);
+        EXPECT_TRUE(t > 2 * second || bytes == 1200) << t << " " << bytes;
+        EXPECT_TRUE(t < 4 * second || bytes == 100) << t << " " << bytes;
+    }
+    EXPECT_EQ(longest.bytes(begin + 20 * second), 0U) << "silence";
+    longest.came(1200, begin + 21 * second);
+    longest.came(760, begin + 20 * second);  // a clock that was read before, by another thread
+    EXPECT_EQ(longest.bytes(begin + 21 * second), 1200U);
 }
 
 }  // namespace

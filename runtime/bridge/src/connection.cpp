@@ -24,8 +24,8 @@ namespace {
 constexpr std::int64_t tick_ns = 10'000'000;
 constexpr std::int64_t quick_ping_ns = 10'000'000, ping_ns = 100'000'000;
 constexpr std::int64_t quick_for_ns = 200'000'000;
-// Between two long ones, while the path is not known to carry them.
-constexpr std::int64_t probe_ns = 1'000'000'000;
+// Between two long ones (path_width.hpp).
+constexpr std::int64_t probe_ns = 500'000'000;
 constexpr std::string_view no_sense =
     "it says what no knurl-bridge of this version does; build the application and the bridge from the same "
     "version";
@@ -108,8 +108,7 @@ void Connection::tick(std::int64_t now) noexcept {
         if (stream) stream->tick(now);
     if (now >= next_ping_ns_) {
         ping(now);
-        const bool wide = width_.bytes() == datagram_bytes && longest_ >= datagram_bytes;
-        if (!wide && now >= next_probe_ns_) {
+        if (now >= next_probe_ns_) {
             ping(now, datagram_bytes);
             if (now - started_ns_ >= quick_for_ns) next_probe_ns_ = now + probe_ns;
         }
@@ -124,7 +123,7 @@ void Connection::tick(std::int64_t now) noexcept {
 void Connection::ping(std::int64_t now, std::size_t length) noexcept {
     alignas(8) std::array<std::byte, datagram_bytes> room{};
     const DatagramHeader header{.kind = DatagramKind::ping};
-    const PingBody body{.sent_ns = now, .longest = longest_};
+    const PingBody body{.sent_ns = now, .longest = longest_.bytes(now)};
     const std::size_t tag = outbox_.overhead() - sizeof header;
     post(clock_socket_.get(), room, std::max(write(room, header, body), length - std::min(length, tag)));
     next_ping_ns_ = now + (now - started_ns_ < quick_for_ns ? quick_ping_ns : ping_ns);
@@ -290,7 +289,7 @@ Inbox::Opened Connection::open(std::span<std::byte> datagram) noexcept {
     const Inbox::Opened opened = inbox_.open(datagram, windows_);
     if (opened.verdict != Inbox::Verdict::good) return opened;
     heard_ns_ = detail::monotonic_ns();
-    longest_ = std::max<std::uint64_t>(longest_, datagram.size());
+    longest_.came(datagram.size(), heard_ns_);
     return opened;
 }
 

@@ -121,7 +121,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
         windows_{};  // per stream, for all that use its number one after another
     ClockEstimate clock_;
     PathWidth width_;
-    std::uint64_t longest_ = 0;  // bytes, of what has come from there
+    LongestLately longest_;  // of what has come from there
     std::int64_t started_ns_ = 0, next_ping_ns_ = 0, next_probe_ns_ = 0, heard_ns_ = 0, last_tick_ns_ = 0;
 
     std::vector<DeviceDescription> devices_;

@@ -174,7 +174,7 @@ shm::UniqueFd Connection::datagram_socket() const {
 
 void Connection::try_datagrams(shm::Deadline deadline) {
     constexpr std::int64_t patience_ms = 50;
-    for (std::int64_t next = 0; longest_ < least_datagram_bytes;) {
+    for (std::int64_t next = 0; longest_.bytes(detail::monotonic_ns()) < least_datagram_bytes;) {
         if (std::chrono::steady_clock::now() > deadline) no_datagrams();
         const std::int64_t now = detail::monotonic_ns();
         if (now >= next) {

@@ -262,7 +262,7 @@ void Peer::datagram(std::span<std::byte> datagram, const Correspondent& from, st
         return;
     }
     heard_ns_ = now;
-    longest_ = std::max<std::uint64_t>(longest_, datagram.size());
+    longest_.came(datagram.size(), now);
     std::span<const std::byte> body = opened.body;
     if (opened.header.kind == DatagramKind::ping) {
         PingBody ping;
@@ -273,7 +273,7 @@ void Peer::datagram(std::span<std::byte> datagram, const Correspondent& from, st
         const PongBody pong{.ping_sent_ns = ping.sent_ns,
                             .received_ns = now,
                             .sent_ns = detail::monotonic_ns(),
-                            .longest = longest_};
+                            .longest = longest_.bytes(now)};
         // As long as what it answers, so that a path which is too narrow is found both ways, and nobody is
         // made to send more than he gets. What was in the buffer before is another peer's.
         const std::size_t least = write(room, header, pong);

@@ -82,7 +82,7 @@ class Peer {
     Inbox inbox_;
     std::array<CounterWindow, max_streams + 1> windows_{};
     PathWidth width_;
-    std::uint64_t longest_ = 0;  // bytes, of its datagrams
+    LongestLately longest_;  // of its datagrams
     std::array<std::unique_ptr<PeerStream>, max_streams> streams_;
     std::size_t next_stream_ = 0;
     std::int64_t heard_ns_;

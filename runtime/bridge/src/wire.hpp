@@ -144,7 +144,7 @@ struct HelloBody {
 };
 struct PingBody {
     std::int64_t sent_ns = 0;   // the asker's clock
-    std::uint64_t longest = 0;  // bytes, of the datagrams that have come through to the asker so far
+    std::uint64_t longest = 0;  // bytes, of the datagrams that have come through to the asker lately
 };
 struct PongBody {
     std::int64_t ping_sent_ns = 0;

@@ -55,6 +55,11 @@ TwoHosts::~TwoHosts() {
     }
 }
 
+bool TwoHosts::narrow(Host host, int mtu) {
+    run("ip -n " + name(host) + " link set wire mtu " + std::to_string(mtu));
+    return two_;
+}
+
 std::string TwoHosts::name(Host host) const {
     return base_ + (host == Host::server ? "-server" : "-client");
 }

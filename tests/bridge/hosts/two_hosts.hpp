@@ -24,6 +24,8 @@ class TwoHosts {
 
     bool two() const noexcept { return two_; }
     const std::string& why() const noexcept { return why_; }  // there are not two
+    /// An end carries so many from now on. False: it could not be changed.
+    bool narrow(Host host, int mtu);
     /// IPv4 of a host, as the other one reaches it.
     std::string address(Host host) const;
 
