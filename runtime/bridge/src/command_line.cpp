@@ -5,12 +5,12 @@
 #include <cstring>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
 
 #include <knurl/bridge/bridge.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/protocol/name.hpp>
 
 #include "relay.hpp"
@@ -24,7 +24,7 @@ constexpr const char* description =
     "client of the servo. Without keys it listens for this host alone; with keys (made by `keygen`) all\n"
     "is encrypted, and a key's role says what its owner may do.";
 std::string bounds() {
-    return fmt::format(
+    return detail::format(
         "Bounds: {} sessions, {} claims and observers each; {} at a time that have not said who they are "
         "({} of one host), {:g} s each;\n"
         "a session of which nothing is heard for {:g} s ends; {:g} s more than a local application before it "
@@ -42,7 +42,7 @@ shm::UniqueFd take_signals() {
     ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
     shm::UniqueFd fd(::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
-    if (!fd) throw std::runtime_error(fmt::format("signalfd: {}", std::strerror(errno)));
+    if (!fd) throw std::runtime_error(detail::format("signalfd: {}", std::strerror(errno)));
     return fd;
 }
 
@@ -67,17 +67,17 @@ std::string about(const std::string& servo) {
         detail::connect_local(servo, "knurl-bridge", servo_answer_time);
         return {};
     } catch (const Error& error) {
-        return fmt::format(", but {} (clients are told so until then)", error.what());
+        return detail::format(", but {} (clients are told so until then)", error.what());
     }
 }
 
 int serve(const std::string& servo, const std::string& listen, const std::string& keys_file) {
     if (!protocol::is_name(servo))
-        throw std::runtime_error(
-            fmt::format("--servo {}: no servo has such a name; give that of `knurld --name`, as `knurl ls` "
-                        "shows it: 1 to {} "
-                        "of the characters a-z A-Z 0-9 _ . - without a dot in front",
-                        servo, protocol::name_bytes - 1));
+        throw std::runtime_error(detail::format(
+            "--servo {}: no servo has such a name; give that of `knurld --name`, as `knurl ls` "
+            "shows it: 1 to {} "
+            "of the characters a-z A-Z 0-9 _ . - without a dot in front",
+            servo, protocol::name_bytes - 1));
     RelayOptions options;
     options.servo = servo;
     options.listen = resolve_all(listen);
@@ -106,7 +106,8 @@ int serve(const std::string& servo, const std::string& listen, const std::string
 
 int generate(const std::string& file, const std::string& name, const std::string& role_word) {
     const std::optional<Role> role = parse_role(role_word);
-    if (!role) throw std::runtime_error(fmt::format("--role {}: give observe, render or control", role_word));
+    if (!role)
+        throw std::runtime_error(detail::format("--role {}: give observe, render or control", role_word));
     const Key key = make_key(name, *role);
     add_key(file, key);
     std::printf(

@@ -7,12 +7,12 @@
 #include <initializer_list>
 #include <string_view>
 
-#include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <knurl/link/clock.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/link/thread.hpp>
 
 #include "stream.hpp"
@@ -203,10 +203,10 @@ std::string Connection::why_it_ended() {
 /// Whoever asks may be here before our own thread has read them.
 std::string Connection::last_words() {
     if (!dead_) serve_frames();
-    if (why_[0] != '\0') return fmt::format("bridge {}: {}", bridge_.text, protocol::printable(why_));
+    if (why_[0] != '\0') return detail::format("bridge {}: {}", bridge_.text, protocol::printable(why_));
     const std::string& reason = frames_.reason();
-    return fmt::format("bridge {}: {}; start it again there", bridge_.text,
-                       reason.empty() ? "it hung up" : reason);
+    return detail::format("bridge {}: {}; start it again there", bridge_.text,
+                          reason.empty() ? "it hung up" : reason);
 }
 
 Stream* Connection::stream_of(std::uint32_t id) noexcept {
@@ -230,8 +230,8 @@ Connection::Joined Connection::attach(std::uint32_t device, const protocol::Clai
         die();  // a late answer must never be taken for the next request's
         throw Error(gone ? Error::Kind::disconnected : Error::Kind::no_servo,
                     gone ? last_words()
-                         : fmt::format("bridge {} does not answer (waited {} ms)", bridge_.text,
-                                       answer_time_.count()));
+                         : detail::format("bridge {} does not answer (waited {} ms)", bridge_.text,
+                                          answer_time_.count()));
     }
     if (answer_->refused) throw refusal(*answer_->refused);
     const Attached attached = *answer_->attached;

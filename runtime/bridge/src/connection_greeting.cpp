@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstring>
 
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <poll.h>
 
 #include <knurl/link/clock.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/protocol/name.hpp>
 #include <knurl/shm/deadline.hpp>
 #include <knurl/shm/waiter.hpp>
@@ -30,11 +30,11 @@ shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
     if (fd && ::connect(fd.get(), bridge.get(), bridge.length) != 0 && errno != EINPROGRESS &&
         errno != ECONNREFUSED)
         throw Error(Error::Kind::no_servo,
-                    fmt::format("bridge {}: cannot connect ({}); is the address right?", bridge.text,
-                                std::strerror(errno)));
+                    detail::format("bridge {}: cannot connect ({}); is the address right?", bridge.text,
+                                   std::strerror(errno)));
     if (!fd)
         throw Error(Error::Kind::refused,
-                    fmt::format("bridge {}: no socket ({})", bridge.text, std::strerror(errno)));
+                    detail::format("bridge {}: no socket ({})", bridge.text, std::strerror(errno)));
     return fd;
 }
 
@@ -50,10 +50,10 @@ std::shared_ptr<const TlsContext> key_of(const std::string& file) {
     try {
         const std::vector<Key> keys = read_keys(file, KeysOf::application);
         if (keys.size() != 1)
-            throw std::runtime_error(
-                fmt::format("{}: holds {} keys; an application uses one: give it a file with just the line "
-                            "that is its own",
-                            file, keys.size()));
+            throw std::runtime_error(detail::format(
+                "{}: holds {} keys; an application uses one: give it a file with just the line "
+                "that is its own",
+                file, keys.size()));
         return TlsContext::client(keys.front());
     } catch (const std::runtime_error& reason) {
         throw Error(Error::Kind::permission, reason.what());
@@ -84,16 +84,16 @@ void Connection::broken() const {
     if (how == FrameStream::End::unreachable)
         throw Error(
             Error::Kind::no_servo,
-            fmt::format("no bridge listens at {} ({}); start one there: `knurl-bridge --listen HOST:PORT`",
-                        bridge_.text, reason));
+            detail::format("no bridge listens at {} ({}); start one there: `knurl-bridge --listen HOST:PORT`",
+                           bridge_.text, reason));
     throw Error(how == FrameStream::End::keys ? Error::Kind::permission : Error::Kind::disconnected,
-                fmt::format("bridge {}: {}", bridge_.text, reason.empty() ? "it hung up" : reason));
+                detail::format("bridge {}: {}", bridge_.text, reason.empty() ? "it hung up" : reason));
 }
 
 void Connection::nonsense() const {
     throw Error(
         Error::Kind::incompatible,
-        fmt::format(
+        detail::format(
             "what answers at {} is no knurl-bridge of this version; is that its port ({}, unless it was "
             "given another)? If it is, build the application and the bridge from the same version",
             bridge_.text, default_port));
@@ -104,7 +104,7 @@ Error Connection::refusal(const Refused& refused) const {
     return {static_cast<Error::Kind>(std::min(refused.kind, most)),
             refused.text[0] != '\0'
                 ? protocol::printable(refused.text)
-                : fmt::format("bridge {} refuses, and does not say why; see what it prints", bridge_.text),
+                : detail::format("bridge {} refuses, and does not say why; see what it prints", bridge_.text),
             static_cast<pid_t>(refused.holder_pid)};
 }
 
@@ -114,10 +114,11 @@ void Connection::await_socket(shm::Deadline deadline) {
                   .events = static_cast<short>(POLLIN | (frames_.wants_write() ? POLLOUT : 0)),
                   .revents = 0};
     if (shm::poll_until({&socket, 1}, deadline) == 0)
-        throw Error(Error::Kind::no_servo,
-                    fmt::format("bridge {} does not answer (waited {} ms); is the address right, and does a "
-                                "firewall let TCP and UDP through?",
-                                bridge_.text, answer_time_.count()));
+        throw Error(
+            Error::Kind::no_servo,
+            detail::format("bridge {} does not answer (waited {} ms); is the address right, and does a "
+                           "firewall let TCP and UDP through?",
+                           bridge_.text, answer_time_.count()));
 }
 
 void Connection::connect(shm::Deadline deadline) {
@@ -166,9 +167,9 @@ shm::UniqueFd Connection::datagram_socket() const {
     shm::UniqueFd fd = make_datagram_socket(bridge_.family());
     if (!fd || ::connect(fd.get(), bridge_.get(), bridge_.length) != 0)
         throw Error(Error::Kind::refused,
-                    fmt::format("bridge {}: no socket for datagrams ({}); see the limit of open "
-                                "files (ulimit -n)",
-                                bridge_.text, std::strerror(errno)));
+                    detail::format("bridge {}: no socket for datagrams ({}); see the limit of open "
+                                   "files (ulimit -n)",
+                                   bridge_.text, std::strerror(errno)));
     return fd;
 }
 
@@ -195,7 +196,7 @@ void Connection::no_datagrams() const {
     if (clock_.known())
         throw Error(
             Error::Kind::no_servo,
-            fmt::format(
+            detail::format(
                 "bridge {}: the path to it carries small datagrams only, and none of {} bytes, "
                 "which a report needs; raise the MTU of the narrowest link (a tunnel?) to {} or "
                 "more",
@@ -203,9 +204,9 @@ void Connection::no_datagrams() const {
                 least_datagram_bytes + udp_bytes + (bridge_.family() == AF_INET6 ? ip6_bytes : ip4_bytes)));
     throw Error(
         Error::Kind::no_servo,
-        fmt::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
-                    "through the firewalls between",
-                    bridge_.text, ntohs(reinterpret_cast<const sockaddr_in*>(bridge_.get())->sin_port)));
+        detail::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
+                       "through the firewalls between",
+                       bridge_.text, ntohs(reinterpret_cast<const sockaddr_in*>(bridge_.get())->sin_port)));
 }
 
 }  // namespace knurl::bridge

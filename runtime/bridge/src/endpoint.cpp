@@ -5,11 +5,11 @@
 #include <stdexcept>
 
 #include <arpa/inet.h>
-#include <fmt/format.h>
 #include <netdb.h>
 #include <netinet/in.h>
 
 #include <knurl/bridge/endpoint.hpp>
+#include <knurl/link/text.hpp>
 
 namespace knurl::bridge {
 
@@ -20,7 +20,7 @@ struct Parts {
 };
 
 [[noreturn]] void malformed(const std::string& text, const char* what) {
-    throw std::runtime_error(fmt::format(
+    throw std::runtime_error(detail::format(
         "address '{}': {}; give HOST:PORT, like lab:4096, 192.168.1.7:4096 or [::1]:4096", text, what));
 }
 
@@ -71,7 +71,7 @@ std::vector<Endpoint> resolve_all(const std::string& host_and_port) {
     addrinfo* found = nullptr;
     const int error = ::getaddrinfo(parts.host.c_str(), parts.port.c_str(), &hints, &found);
     if (error != 0)
-        throw std::runtime_error(fmt::format(
+        throw std::runtime_error(detail::format(
             "address '{}': host '{}' is not known here ({}); check its name, or give "
             "its number",
             host_and_port, parts.host, error == EAI_SYSTEM ? std::strerror(errno) : ::gai_strerror(error)));
@@ -97,10 +97,10 @@ std::string numeric(const sockaddr_storage& address) {
     char text[INET6_ADDRSTRLEN] = "?";
     if (address.ss_family == AF_INET) {
         ::inet_ntop(AF_INET, &as4(address).sin_addr, text, sizeof text);
-        return fmt::format("{}:{}", text, ntohs(as4(address).sin_port));
+        return detail::format("{}:{}", text, ntohs(as4(address).sin_port));
     }
     ::inet_ntop(AF_INET6, &as6(address).sin6_addr, text, sizeof text);
-    return fmt::format("[{}]:{}", text, ntohs(as6(address).sin6_port));
+    return detail::format("[{}]:{}", text, ntohs(as6(address).sin6_port));
 }
 
 bool same_host(const sockaddr_storage& a, const sockaddr_storage& b) {

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include <knurl/bridge/endpoint.hpp>
+#include <knurl/link/text.hpp>
 
 namespace knurl::bridge {
 
@@ -12,7 +11,7 @@ bool Journal::say(const std::string& line, Allowance& allowance, std::int64_t no
     if (const std::int64_t second = now_ns / 1'000'000'000; second != allowance.second)
         allowance = {.second = second, .used = 0};
     if (allowance.used >= lines_per_second ||
-        (left_out_ > 0 && !write_(fmt::format("({} lines were left out)", left_out_)))) {
+        (left_out_ > 0 && !write_(detail::format("({} lines were left out)", left_out_)))) {
         ++left_out_;
         return false;
     }
@@ -30,8 +29,8 @@ void Journal::event(const std::string& line, std::int64_t now_ns) {
 void Journal::catch_up(const sockaddr_storage& host, const Refusal* except, std::int64_t now_ns) {
     for (Refusal& each : refused_) {
         if (&each == except || each.unsaid == 0 || !same_host(each.host, host)) continue;
-        if (say(fmt::format("{}: not let in, {} times more until now: {}", numeric(each.host), each.unsaid,
-                            each.why),
+        if (say(detail::format("{}: not let in, {} times more until now: {}", numeric(each.host), each.unsaid,
+                               each.why),
                 refusals_, now_ns))
             each.unsaid = 0;
     }
@@ -53,8 +52,9 @@ void Journal::refused(const sockaddr_storage& host, const std::string& who, cons
                                 [](const Refusal& a, const Refusal& b) { return a.said_ns < b.said_ns; });
     catch_up(host, &place, now_ns);
     const std::uint64_t unsaid = known != refused_.end() ? known->unsaid : 0;
-    if (!say(fmt::format("{}: not let in: {}{}", who, why,
-                         unsaid > 0 ? fmt::format(" ({} times more since that was last said)", unsaid) : ""),
+    if (!say(detail::format(
+                 "{}: not let in: {}{}", who, why,
+                 unsaid > 0 ? detail::format(" ({} times more since that was last said)", unsaid) : ""),
              refusals_, now_ns))
         return;
     if (known == refused_.end()) left_out_ += place.unsaid;  // nobody will ask for it any more

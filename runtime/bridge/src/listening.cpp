@@ -4,9 +4,10 @@
 #include <cstring>
 #include <stdexcept>
 
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+
+#include <knurl/link/text.hpp>
 
 #include "datagram_socket.hpp"
 
@@ -20,17 +21,17 @@ namespace {
                          : errno == EADDRNOTAVAIL ? "; give --listen an address that this host has"
                          : errno == EACCES        ? "; ports below 1024 are root's"
                                                   : "";
-    throw std::runtime_error(fmt::format("{}: {}{}", what, std::strerror(errno), remedy));
+    throw std::runtime_error(detail::format("{}: {}{}", what, std::strerror(errno), remedy));
 }
 
 Listening listen_at(const Endpoint& endpoint, bool keys) {
-    const std::string what = fmt::format("cannot listen at {}", endpoint.text);
+    const std::string what = detail::format("cannot listen at {}", endpoint.text);
     if (!endpoint.loopback() && !keys)
-        throw std::runtime_error(
-            fmt::format("{}: whoever reaches it could move the hand, so an address that is not this host's "
-                        "own (127.0.0.1, [::1]) "
-                        "needs keys: `knurl-bridge keygen --name NAME --role control`, then --keys FILE",
-                        what));
+        throw std::runtime_error(detail::format(
+            "{}: whoever reaches it could move the hand, so an address that is not this host's "
+            "own (127.0.0.1, [::1]) "
+            "needs keys: `knurl-bridge keygen --name NAME --role control`, then --keys FILE",
+            what));
     Listening result{
         .callers = shm::UniqueFd(::socket(endpoint.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
         .datagrams = make_datagram_socket(endpoint.family())};
@@ -65,7 +66,7 @@ Listening listen_at(std::span<const Endpoint> endpoints, bool keys) {
             if (reason.empty()) reason = error.what();
         }
     }
-    throw std::runtime_error(fmt::format("{} (tried {} addresses)", reason, endpoints.size()));
+    throw std::runtime_error(detail::format("{} (tried {} addresses)", reason, endpoints.size()));
 }
 
 }  // namespace knurl::bridge

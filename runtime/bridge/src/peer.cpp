@@ -4,10 +4,9 @@
 #include <cmath>
 #include <cstring>
 
-#include <fmt/format.h>
-
 #include <knurl/link/clock.hpp>
 #include <knurl/link/local.hpp>
+#include <knurl/link/text.hpp>
 
 namespace knurl::bridge {
 
@@ -35,7 +34,7 @@ DeviceRow row_of(const DeviceDescription& device) {
 /// As the servo's clients see it, which is name_bytes long at most: whoever asks who holds the device must
 /// learn where that is, so that it is the name which is cut.
 std::string name_at(std::string_view name, const sockaddr_storage& from) {
-    const std::string at = "@" + numeric(from);
+    const std::string at = detail::format("@{}", numeric(from));
     const std::size_t room = protocol::name_bytes - 1 - at.size();
     if (name.size() <= room) return std::string(name) + at;
     return std::string(name.substr(0, room - 1)) + "~" + at;
@@ -100,7 +99,7 @@ bool Peer::take_frame(const Frame& frame, Desk& desk) {
         case FrameType::batch:
             return stream->batch(frame.payload, why) || fail(why);
         default:
-            return fail(fmt::format("a frame of type {}, which none of ours has", frame.type));
+            return fail(detail::format("a frame of type {}, which none of ours has", frame.type));
     }
 }
 
@@ -132,16 +131,16 @@ bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
         name_ = name_at(key->name, from_);
     }
     if (desk.sessions >= max_sessions) {
-        refuse(
-            Error(Error::Kind::refused,
-                  fmt::format("the bridge has {} sessions, which is all it takes; end one", max_sessions)));
+        refuse(Error(
+            Error::Kind::refused,
+            detail::format("the bridge has {} sessions, which is all it takes; end one", max_sessions)));
         return fail("there are too many");
     }
     try {
         desk.pulse.open();
         link_ = detail::connect_local(desk.servo, name_, servo_answer_time);
     } catch (const Error& error) {
-        refuse(Error(error.kind, fmt::format("the bridge is there, but {}", error.what())));
+        refuse(Error(error.kind, detail::format("the bridge is there, but {}", error.what())));
         return fail(error.what());
     }
     const std::optional<DirectionKeys> keys = frames_.export_keys(exporter_label);
@@ -161,12 +160,12 @@ bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
 std::optional<std::string> Peer::forbidden(const protocol::ClaimRequest& request) const {
     if (request.observe != 0 || role() == Role::control) return std::nullopt;
     if (role() == Role::observe)
-        return fmt::format(
+        return detail::format(
             "the key of {} has role observe: it reads reports; to claim a device use one of role render "
             "or control (knurl-bridge keygen --role control)",
             name_);
     if (request.shared == 0)
-        return fmt::format(
+        return detail::format(
             "the key of {} has role render: it claims devices with ClaimOptions::shared only; to have "
             "one alone use a key of role control (knurl-bridge keygen --role control)",
             name_);
@@ -186,16 +185,17 @@ bool Peer::attach(std::span<const std::byte> payload, Desk& desk) {
     }
     try {
         if (free == streams_.end())
-            throw Error(Error::Kind::refused,
-                        fmt::format("one connection holds up to {} claims and observers; connect once more",
-                                    max_streams));
+            throw Error(
+                Error::Kind::refused,
+                detail::format("one connection holds up to {} claims and observers; connect once more",
+                               max_streams));
         if (message.request.device >= link_->devices().size())
             throw Error(Error::Kind::no_such_device,
-                        fmt::format("device {} of {}", message.request.device, link_->devices().size()));
+                        detail::format("device {} of {}", message.request.device, link_->devices().size()));
         if (!(message.report_rate >= 0 && message.report_rate <= 1e6))
             throw Error(
                 Error::Kind::bad_parameters,
-                fmt::format("report_rate = {:g} Hz; give 0 (every report) to 1e6", message.report_rate));
+                detail::format("report_rate = {:g} Hz; give 0 (every report) to 1e6", message.report_rate));
         if (const auto reason = forbidden(message.request)) throw Error(Error::Kind::permission, *reason);
         message.request.delay_allowance = delay_allowance;
         const auto id = static_cast<std::uint32_t>(free - streams_.begin() + 1);
@@ -233,7 +233,7 @@ void Peer::say_gone(const std::string& text) noexcept {
 
 std::string Peer::dropped() const {
     if (replayed_ + forged_ == 0) return {};
-    return fmt::format(
+    return detail::format(
         "; dropped: {} datagrams that had come before or were too old, {} that were not its own", replayed_,
         forged_);
 }

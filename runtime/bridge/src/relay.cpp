@@ -6,7 +6,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/epoll.h>
@@ -15,6 +14,7 @@
 #include <unistd.h>
 
 #include <knurl/link/clock.hpp>
+#include <knurl/link/text.hpp>
 
 namespace knurl::bridge {
 
@@ -57,7 +57,7 @@ Relay::Relay(RelayOptions options)
       out_(listening_.datagrams.get()),
       journal_(write_line),
       desk_{.servo = options_.servo, .keys = options_.keys, .pulse = pulse_, .out = out_} {
-    if (!epoll_) throw std::runtime_error(fmt::format("epoll: {}", std::strerror(errno)));
+    if (!epoll_) throw std::runtime_error(detail::format("epoll: {}", std::strerror(errno)));
     if (!options_.keys.empty()) tls_ = TlsContext::server(options_.keys);
     watch(listening_.datagrams.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
 }
@@ -67,7 +67,7 @@ Relay::~Relay() = default;
 void Relay::watch(int fd, std::uint32_t events, std::uint64_t from, int operation) {
     epoll_event event{.events = events, .data = {.u64 = from}};
     if (::epoll_ctl(epoll_.get(), operation, fd, &event) != 0)
-        throw std::runtime_error(fmt::format("epoll: {}", std::strerror(errno)));
+        throw std::runtime_error(detail::format("epoll: {}", std::strerror(errno)));
 }
 
 std::size_t Relay::pending() const {
@@ -79,7 +79,7 @@ std::size_t Relay::pending() const {
 std::uint64_t Relay::new_session(std::size_t place) const {
     std::uint64_t random = 0;
     if (::getrandom(&random, sizeof random, 0) != sizeof random)
-        throw std::runtime_error(fmt::format("no random numbers: {}", std::strerror(errno)));
+        throw std::runtime_error(detail::format("no random numbers: {}", std::strerror(errno)));
     return random << 8 | place;
 }
 
@@ -170,8 +170,8 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
     }
     if (!knew && peer.greeted())
         journal_.admitted(peer.from(),
-                          fmt::format("{}: in, role {}{}", peer.name(), role_name(peer.role()),
-                                      options_.keys.empty() ? "" : ", encrypted"),
+                          detail::format("{}: in, role {}{}", peer.name(), role_name(peer.role()),
+                                         options_.keys.empty() ? "" : ", encrypted"),
                           now);
     if (pulse_.is_open() && !watching_servo_) follow_servo();
     if (!good) return end(place, why, now, knew);
@@ -196,7 +196,7 @@ void Relay::follow(std::size_t index) {
 void Relay::end(std::size_t index, const std::string& why, std::int64_t now, bool told, Error::Kind kind) {
     const Peer& peer = *places_[index].peer;
     if (peer.greeted()) {
-        journal_.event(fmt::format("{}: out: {}{}", peer.name(), why, peer.dropped()), now);
+        journal_.event(detail::format("{}: out: {}{}", peer.name(), why, peer.dropped()), now);
     } else {
         journal_.refused(peer.from(), peer.name(), why, now);
     }
@@ -237,7 +237,7 @@ void Relay::follow_servo() {
 }
 
 void Relay::servo_gone() {
-    const std::string text = fmt::format("servo '{}' has gone; start it again", options_.servo);
+    const std::string text = detail::format("servo '{}' has gone; start it again", options_.servo);
     journal_.event(text, detail::monotonic_ns());
     for (std::size_t i = 0; i < places; ++i) {
         if (!places_[i].peer || !places_[i].peer->greeted()) continue;
@@ -295,7 +295,7 @@ void Relay::tick(std::int64_t now) {
     const bool stood_still = last_tick_ns_ != 0 && now - last_tick_ns_ > dead_after_ns / 2;
     last_tick_ns_ = now;
     if (strays_ > few_strays && now >= say_strays_after_ns_) {
-        journal_.event(fmt::format("{} datagrams of no session were dropped", strays_), now);
+        journal_.event(detail::format("{} datagrams of no session were dropped", strays_), now);
         strays_ = 0;
         say_strays_after_ns_ = now + strays_said_every_ns;
     }
@@ -310,8 +310,9 @@ void Relay::tick(std::int64_t now) {
             continue;
         }
         const std::string why =
-            peer->greeted() ? fmt::format("nothing was heard of it for {} s", dead_after_ns / 1'000'000'000)
-                            : fmt::format("it did not say who it is within {:g} s", greeting_seconds);
+            peer->greeted()
+                ? detail::format("nothing was heard of it for {} s", dead_after_ns / 1'000'000'000)
+                : detail::format("it did not say who it is within {:g} s", greeting_seconds);
         end(i, why, now);
     }
 }
@@ -329,7 +330,7 @@ void Relay::run(int signals) {
         const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()),
                                        timed ? static_cast<int>((left + 999'999) / 1'000'000) : -1);
         if (count < 0 && errno != EINTR)
-            throw std::runtime_error(fmt::format("epoll_wait: {}", std::strerror(errno)));
+            throw std::runtime_error(detail::format("epoll_wait: {}", std::strerror(errno)));
         now = detail::monotonic_ns();
         bool gone = false, told = false;
         for (int i = 0; i < count; ++i) {
@@ -358,8 +359,8 @@ void Relay::run(int signals) {
                     if (!there) break;
                     // When it dies its sockets close one after the other: which of the two it is shows later.
                     places_[which].peer->say_gone(
-                        fmt::format("servo '{}' has gone, or has closed this connection; start it again",
-                                    options_.servo));
+                        detail::format("servo '{}' has gone, or has closed this connection; start it again",
+                                       options_.servo));
                     close(which, Error::Kind::disconnected, "");
                     break;
                 case Source::peer:

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <knurl/bridge/remote.hpp>
+#include <knurl/link/text.hpp>
 
 #include "connection.hpp"
 #include "stream.hpp"
@@ -111,8 +111,8 @@ std::unique_ptr<detail::Link> connect_remote(std::span<const Endpoint> bridge, c
         }
     }
     throw Error(kind.value_or(Error::Kind::no_servo),
-                fmt::format("{} (tried {} addresses: {})", fmt::join(reasons, "; and "), tried.size(),
-                            fmt::join(tried, ", ")));
+                detail::format("{} (tried {} addresses: {})", fmt::join(reasons, "; and "), tried.size(),
+                               fmt::join(tried, ", ")));
 }
 
 }  // namespace knurl::bridge

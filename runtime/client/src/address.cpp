@@ -1,8 +1,7 @@
 #include "address.hpp"
 
-#include <fmt/format.h>
-
 #include <knurl/client/error.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/protocol/name.hpp>
 
 namespace knurl::detail {
@@ -27,9 +26,9 @@ std::string servo_name(const std::string& address) {
     const std::string name =
         address.starts_with(local_prefix) ? address.substr(local_prefix.size()) : address;
     if (!protocol::is_name(name))
-        throw Error(
-            Error::Kind::no_servo,
-            fmt::format("address '{}': no servo has such a name; give 'knurl:NAME', NAME of 1 to {} letters, "
+        throw Error(Error::Kind::no_servo,
+                    detail::format(
+                        "address '{}': no servo has such a name; give 'knurl:NAME', NAME of 1 to {} letters, "
                         "digits, '-', '_' and '.', as `knurl ls` shows it",
                         address, protocol::name_bytes - 1));
     return name;

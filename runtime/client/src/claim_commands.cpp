@@ -3,9 +3,8 @@
 #include <cstring>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <knurl/client/error.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/shm/spsc_ring.hpp>
 
 #include "claim_state.hpp"
@@ -181,18 +180,19 @@ void ClaimState::push(std::span<const Command> commands, ClaimChannel& channel) 
     const std::size_t cells = message.size() / shm::cell_bytes;
     // The servo answers a group at once, so it has to have room for all the answers.
     if (cells > channel.command_cells() || commands.size() > protocol::reply_cells)
-        throw Error(Error::Kind::channel_full,
-                    fmt::format("device '{}': a group of {} commands takes {} cells; the command channel has "
-                                "{}, for at most {} "
-                                "commands; nothing was sent; make it smaller",
-                                device_name(), commands.size(), cells, channel.command_cells(),
-                                protocol::reply_cells));
+        throw Error(
+            Error::Kind::channel_full,
+            detail::format("device '{}': a group of {} commands takes {} cells; the command channel has "
+                           "{}, for at most {} "
+                           "commands; nothing was sent; make it smaller",
+                           device_name(), commands.size(), cells, channel.command_cells(),
+                           protocol::reply_cells));
     if (!channel.push(message.data(), static_cast<std::uint32_t>(cells)))
         throw Error(
             Error::Kind::channel_full,
-            fmt::format("device '{}': the command channel is full; nothing was sent; try again after the "
-                        "servo's next cycle (wait for a report)",
-                        device_name()));
+            detail::format("device '{}': the command channel is full; nothing was sent; try again after the "
+                           "servo's next cycle (wait for a report)",
+                           device_name()));
     issued_ = number;
     for (std::size_t i = 0; i < commands.size(); ++i)
         outstanding_.push_back({.number = number - commands.size() + 1 + i,
@@ -270,7 +270,7 @@ void ClaimState::wait_for_answer(std::uint64_t number, CommandType type, Lock& l
             settle(lock, waited);
             throw Error(
                 Error::Kind::refused,
-                fmt::format(
+                detail::format(
                     "device '{}': the servo has not answered for {} ms; is it stopped? `knurl ls` shows "
                     "its process",
                     device_name(), longest_answer.count()));
@@ -319,19 +319,19 @@ std::string ClaimState::about(CommandType type, Kind kind) const {
     const std::string_view what = kind < kinds().size() ? kinds()[kind].name : "representation";
     switch (type) {
         case CommandType::add:
-            return fmt::format("device '{}': adding a {}", device_name(), what);
+            return detail::format("device '{}': adding a {}", device_name(), what);
         case CommandType::remove:
-            return fmt::format("device '{}': removing a {}", device_name(), what);
+            return detail::format("device '{}': removing a {}", device_name(), what);
         case CommandType::place_probe:
-            return fmt::format("device '{}': placing a probe", device_name());
+            return detail::format("device '{}': placing a probe", device_name());
         case CommandType::arm:
-            return fmt::format("cannot arm device '{}'", device_name());
+            return detail::format("cannot arm device '{}'", device_name());
         case CommandType::disarm:
-            return fmt::format("cannot disarm device '{}'", device_name());
+            return detail::format("cannot disarm device '{}'", device_name());
         case CommandType::reset_fault:
-            return fmt::format("cannot reset device '{}'", device_name());
+            return detail::format("cannot reset device '{}'", device_name());
     }
-    return fmt::format("device '{}'", device_name());
+    return detail::format("device '{}'", device_name());
 }
 
 }  // namespace knurl::detail

@@ -4,10 +4,9 @@
 #include <cstring>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <knurl/client/error.hpp>
 #include <knurl/link/clock.hpp>
+#include <knurl/link/text.hpp>
 
 #include "client_state.hpp"
 #include "sentence.hpp"
@@ -37,7 +36,7 @@ Entry& ClaimState::entry(Handle handle) {
     if (Entry* found = table_.find(handle)) return *found;
     throw Error(
         Error::Kind::stale_handle,
-        fmt::format(
+        detail::format(
             "device '{}': slot {} holds no representation of generation {}; it was removed, or refused",
             device_name(), handle.slot, handle.generation));
 }
@@ -211,7 +210,7 @@ void ClaimState::take_feedback(ClaimChannel& channel) {
         ages_.add(static_cast<double>(feedback_.batch_age_ns) * 1e-9);
     }
     if (feedback_.batches_refused > refused)
-        deferred_ = fmt::format("device '{}': {}", device_name(), refused_batch(feedback_));
+        deferred_ = detail::format("device '{}': {}", device_name(), refused_batch(feedback_));
 }
 
 void ClaimState::on_attach(Attachment& attachment, bool again) {

@@ -6,7 +6,6 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -14,6 +13,7 @@
 #include <knurl/bridge/remote.hpp>
 #include <knurl/client/error.hpp>
 #include <knurl/link/local.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/link/thread.hpp>
 
 #include "address.hpp"
@@ -51,7 +51,7 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
             if (!may_be_starting(error)) throw;
             if (Clock::now() + first_try > deadline)
                 throw Error(error.kind,
-                            fmt::format("{} (waited {} ms)", error.what(), options_.wait.count()));
+                            detail::format("{} (waited {} ms)", error.what(), options_.wait.count()));
             std::this_thread::sleep_for(first_try);
         }
     }
@@ -72,8 +72,8 @@ std::unique_ptr<Link> ClientState::open_link() const {
 
 void ClientState::throw_disconnected() const {
     throw Error(Error::Kind::disconnected,
-                fmt::format("{} ({})", lost_,
-                            options_.reattach ? "it is tried again and again" : "then connect again"));
+                detail::format("{} ({})", lost_,
+                               options_.reattach ? "it is tried again and again" : "then connect again"));
 }
 
 std::vector<DeviceDescription> ClientState::devices() {
@@ -104,11 +104,11 @@ std::string ClientState::resolve(const std::string& device) {
     }
     if (device.empty() && names.size() == 1) return names.front();
     throw Error(Error::Kind::no_such_device,
-                names.empty()    ? fmt::format("servo '{}' has no device; start it with --device", servo_)
-                : device.empty() ? fmt::format("servo '{}' has {} devices; say which one: {}", servo_,
-                                               names.size(), fmt::join(names, ", "))
-                                 : fmt::format("servo '{}' has no device '{}'; it has: {}", servo_, device,
-                                               fmt::join(names, ", ")));
+                names.empty()    ? detail::format("servo '{}' has no device; start it with --device", servo_)
+                : device.empty() ? detail::format("servo '{}' has {} devices; say which one: {}", servo_,
+                                                  names.size(), fmt::join(names, ", "))
+                                 : detail::format("servo '{}' has no device '{}'; it has: {}", servo_, device,
+                                                  fmt::join(names, ", ")));
 }
 
 void ClientState::join(Reader& reader) {
@@ -126,7 +126,7 @@ void ClientState::attach_one(Reader& reader) {
     });
     if (device == devices.end())
         throw Error(Error::Kind::no_such_device,
-                    fmt::format("servo '{}' has no device '{}' any more", servo_, reader.device_name()));
+                    detail::format("servo '{}' has no device '{}' any more", servo_, reader.device_name()));
     Attachment attachment =
         link_->attach(static_cast<std::uint32_t>(device - devices.begin()), reader.request());
     try {

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include <knurl/client/error.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/reps/describe.hpp>
 
 namespace knurl::detail {
@@ -27,12 +26,13 @@ void require_face(const SurfacePoint& answer, const Vec3& at) {
     const Cap cap = cap_at(answer, 0);
     const Verdict verdict = kinds()[kind_of<Cap>].validate(&cap);
     if (!verdict)
-        throw Error(Error::Kind::bad_parameters,
-                    fmt::format("follow: at ({}, {}, {}) m the model answers foot ({}, {}, {}), normal ({}, "
-                                "{}, {}), curvatures {} and {}; {}",
-                                at.x, at.y, at.z, answer.foot.x, answer.foot.y, answer.foot.z,
-                                answer.normal.x, answer.normal.y, answer.normal.z, answer.curvature,
-                                answer.curvature2, describe(verdict, kind_of<Cap>, "")));
+        throw Error(
+            Error::Kind::bad_parameters,
+            detail::format("follow: at ({}, {}, {}) m the model answers foot ({}, {}, {}), normal ({}, "
+                           "{}, {}), curvatures {} and {}; {}",
+                           at.x, at.y, at.z, answer.foot.x, answer.foot.y, answer.foot.z, answer.normal.x,
+                           answer.normal.y, answer.normal.z, answer.curvature, answer.curvature2,
+                           describe(verdict, kind_of<Cap>, "")));
 }
 
 double sharper_of(const SurfacePoint& point) {

@@ -4,13 +4,13 @@
 #include <cerrno>
 #include <cstring>
 
-#include <fmt/format.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <knurl/client/error.hpp>
 #include <knurl/link/clock.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/shm/deadline.hpp>
 
 #include "client_state.hpp"
@@ -33,14 +33,15 @@ Reader::Lock Reader::enter() {
     Lock lock(mutex_);
     if (closed_)
         throw Error(Error::Kind::stale_handle,
-                    fmt::format("device '{}' was released; claim it again with Client::claim", device_));
+                    detail::format("device '{}' was released; claim it again with Client::claim", device_));
     if (!given_up_.empty()) throw Error(Error::Kind::disconnected, given_up_);
     return lock;
 }
 
 void Reader::throw_disconnected() const {
-    throw Error(Error::Kind::disconnected,
-                fmt::format("device '{}': {}; once connected() is true again, call arm()", device_, lost_));
+    throw Error(
+        Error::Kind::disconnected,
+        detail::format("device '{}': {}; once connected() is true again, call arm()", device_, lost_));
 }
 
 HandReport Reader::taken(const Report& report) {
@@ -117,8 +118,8 @@ int Reader::fd() {
     epoll_event event{.events = EPOLLIN, .data = {}};
     if (!notice_ || !loop || ::epoll_ctl(loop.get(), EPOLL_CTL_ADD, notice_.get(), &event) != 0)
         throw Error(Error::Kind::refused,
-                    fmt::format("fd of device '{}': {}; see the limit of open files (ulimit -n)", device_,
-                                std::strerror(errno)));
+                    detail::format("fd of device '{}': {}; see the limit of open files (ulimit -n)", device_,
+                                   std::strerror(errno)));
     loop_ = std::move(loop);
     if (attachment_) {
         watch_event(EPOLL_CTL_ADD);

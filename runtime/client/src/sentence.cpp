@@ -2,8 +2,7 @@
 
 #include <array>
 
-#include <fmt/format.h>
-
+#include <knurl/link/text.hpp>
 #include <knurl/protocol/report.hpp>
 #include <knurl/reps/describe.hpp>
 
@@ -33,10 +32,10 @@ std::string reason(const protocol::Reply& reply) {
         case protocol::Refusal::not_calibrated:
             return "the device is not calibrated; bring it to its home position first";
         case protocol::Refusal::in_fault:
-            return fmt::format("the device is in fault ({}); mend the cause, then call reset_fault()",
-                               fault_names(static_cast<std::uint32_t>(reply.value)));
+            return detail::format("the device is in fault ({}); mend the cause, then call reset_fault()",
+                                  fault_names(static_cast<std::uint32_t>(reply.value)));
         case protocol::Refusal::hand_too_fast:
-            return fmt::format("the hand moves at {:.3g} m/s; hold it still and try again", reply.value);
+            return detail::format("the hand moves at {:.3g} m/s; hold it still and try again", reply.value);
         case protocol::Refusal::not_in_fault:
             return "the device is not in fault; call arm() instead";
         case protocol::Refusal::group_refused:
@@ -75,8 +74,8 @@ std::string refused_command(const protocol::Reply& reply, const std::string& wha
 
 std::string refused_batch(const protocol::FeedbackHeader& header) {
     return describe(protocol::verdict_of(header), header.refused_kind,
-                    fmt::format("batch {}, slot {}: the servo refused all of it", header.refused_batch,
-                                header.refused_slot));
+                    detail::format("batch {}, slot {}: the servo refused all of it", header.refused_batch,
+                                   header.refused_slot));
 }
 
 }  // namespace knurl::detail

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include <fmt/format.h>
-
 #include <knurl/client/error.hpp>
+#include <knurl/link/text.hpp>
 
 namespace knurl::detail {
 
@@ -29,9 +28,9 @@ Table::Table(const protocol::ClaimCapacity& capacity) : capacity_(capacity) {
 
 Handle Table::add(Kind kind, std::span<const std::byte> params, const Use& use) {
     if (free_.empty())
-        throw Error(
-            Error::Kind::bad_parameters,
-            fmt::format("{}: the claim holds {} representations, all that it asked for; remove one, or claim "
+        throw Error(Error::Kind::bad_parameters,
+                    detail::format(
+                        "{}: the claim holds {} representations, all that it asked for; remove one, or claim "
                         "with ClaimOptions::representations up to {}",
                         kinds()[kind].name, entries_.size(), protocol::max_representations));
     // So that a batch that changes everything at once always fits.
@@ -39,7 +38,7 @@ Handle Table::add(Kind kind, std::span<const std::byte> params, const Use& use) 
     if (bytes_ + share > capacity_.batch_bytes)
         throw Error(
             Error::Kind::bad_parameters,
-            fmt::format(
+            detail::format(
                 "{}: its {} bytes do not fit the claim's batch of {} any more; remove a representation, "
                 "or claim with a larger ClaimOptions::representations",
                 kinds()[kind].name, share, capacity_.batch_bytes));

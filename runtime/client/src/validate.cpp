@@ -2,9 +2,8 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include <knurl/client/error.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/protocol/bounds.hpp>
 #include <knurl/reps/describe.hpp>
 
@@ -41,14 +40,14 @@ void validate(Kind kind, const Use& use) {
 void validate(std::uint32_t probe, const ProbePlacement& placement) {
     const auto bad = [](const std::string& text) { throw Error(Error::Kind::bad_parameters, text); };
     if (probe >= protocol::max_probes)
-        bad(fmt::format("place_probe: probe {}; give 0 to {}", probe, protocol::max_probes - 1));
+        bad(detail::format("place_probe: probe {}; give 0 to {}", probe, protocol::max_probes - 1));
     constexpr double farthest = 1e9;  // m, as the scene has it
     if (!(to_eigen(placement.offset).cwiseAbs().maxCoeff() <= farthest) ||
         !to_eigen(placement.offset).allFinite())
-        bad(fmt::format("place_probe: offset ({}, {}, {}) m; give finite numbers, at most 1e9 m",
-                        placement.offset.x, placement.offset.y, placement.offset.z));
+        bad(detail::format("place_probe: offset ({}, {}, {}) m; give finite numbers, at most 1e9 m",
+                           placement.offset.x, placement.offset.y, placement.offset.z));
     if (!(placement.radius >= 0 && placement.radius <= farthest))
-        bad(fmt::format("place_probe: radius {} m; give 0 to 1e9 m", placement.radius));
+        bad(detail::format("place_probe: radius {} m; give 0 to 1e9 m", placement.radius));
 }
 
 }  // namespace knurl::detail

@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 
-#include <fmt/format.h>
 #include <grp.h>
 #include <poll.h>
 #include <pwd.h>
@@ -15,6 +14,7 @@
 #include <knurl/link/error.hpp>
 #include <knurl/link/fork_guard.hpp>
 #include <knurl/link/local.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/claim_segment.hpp>
 #include <knurl/protocol/device_segment.hpp>
@@ -33,14 +33,14 @@ std::optional<std::string> forbidden(const std::string& path) {
     if (::access(path.c_str(), R_OK | W_OK) == 0 || errno != EACCES) return std::nullopt;
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0)
-        return fmt::format(
+        return detail::format(
             "not allowed to look into the folder of {}; run as its owner, or set KNURL_RUNTIME_DIR to "
             "the folder of your own servo",
             path);
     const passwd* owner = ::getpwuid(status.st_uid);
     const group* owners = ::getgrgid(status.st_gid);
     const std::string group_name = owners != nullptr ? owners->gr_name : std::to_string(status.st_gid);
-    return fmt::format(
+    return detail::format(
         "not allowed to open {} (owner {}, group {}, mode {:o}); join the group (`sudo usermod -aG {} "
         "$USER`, then log in again) or start a servo of your own",
         path, owner != nullptr ? owner->pw_name : std::to_string(status.st_uid), group_name,
@@ -69,7 +69,9 @@ class LocalLink final : public Link {
     const std::vector<DeviceDescription>& devices() const override { return devices_; }
     pid_t servo_pid() const override { return servo_pid_; }
     int hang_up() const override { return socket_.get(); }
-    std::string why_it_ended() override { return fmt::format("servo '{}' has gone; start it again", servo_); }
+    std::string why_it_ended() override {
+        return detail::format("servo '{}' has gone; start it again", servo_);
+    }
 
     Attachment attach(std::uint32_t device, protocol::ClaimRequest request) override {
         request.device = device;
@@ -117,9 +119,9 @@ class LocalLink final : public Link {
         if (answers <= 0) {
             // A late answer must never be taken for the next request's: this connection is over.
             ::shutdown(socket_.get(), SHUT_RDWR);
-            throw Error(
-                Error::Kind::no_servo,
-                fmt::format("servo '{}' does not answer (waited {} ms): is it stopped? `knurl ls` shows its "
+            throw Error(Error::Kind::no_servo,
+                        detail::format(
+                            "servo '{}' does not answer (waited {} ms): is it stopped? `knurl ls` shows its "
                             "process",
                             servo_, answer_time_.count()));
         }
@@ -158,19 +160,19 @@ class LocalLink final : public Link {
         } catch (const std::exception& reason) {
             throw Error(
                 Error::Kind::incompatible,
-                fmt::format("servo '{}': {}; build the application and the servo from the same version",
-                            servo_, reason.what()));
+                detail::format("servo '{}': {}; build the application and the servo from the same version",
+                               servo_, reason.what()));
         }
     }
 
     [[noreturn]] void gone() const {
         throw Error(Error::Kind::disconnected,
-                    fmt::format("servo '{}' has gone while it was asked; start it again", servo_));
+                    detail::format("servo '{}' has gone while it was asked; start it again", servo_));
     }
     [[noreturn]] void nonsense() const {
         throw Error(
             Error::Kind::incompatible,
-            fmt::format(
+            detail::format(
                 "what answers as servo '{}' is not of this version (protocol {}, layout {:016x}); build "
                 "the application and the servo from the same version",
                 servo_, protocol::protocol_version, protocol::wire_hash()));
@@ -196,9 +198,9 @@ std::unique_ptr<Link> connect_local(const std::string& servo, const std::string&
         socket = shm::connect_to(path);
     } catch (const std::exception&) {
         throw Error(Error::Kind::no_servo,
-                    fmt::format("no servo '{}' listens at {}; start one with `knurld --name {} --device "
-                                "sim:premium15`, or see with `knurl ls` which ones run",
-                                servo, path, servo));
+                    detail::format("no servo '{}' listens at {}; start one with `knurld --name {} --device "
+                                   "sim:premium15`, or see with `knurl ls` which ones run",
+                                   servo, path, servo));
     }
     auto link = std::make_unique<LocalLink>(std::move(socket), servo, answer_time);
     link->greet(client_name);

@@ -1,9 +1,8 @@
 #include <csignal>
 #include <memory>
 
-#include <fmt/format.h>
-
 #include <knurl/link/error.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/link/thread.hpp>
 
 namespace knurl::detail {
@@ -40,7 +39,7 @@ pthread_t start_thread(const char* name, void (*body)(void*), void* argument) {
     ::pthread_attr_destroy(&attributes);
     if (error != 0)
         throw Error(Error::Kind::refused,
-                    fmt::format("no thread \"{}\"; see the limit of processes (ulimit -u)", name));
+                    detail::format("no thread \"{}\"; see the limit of processes (ulimit -u)", name));
     given.release();  // the thread has it
     ::pthread_setname_np(thread, name);
     return thread;
