@@ -127,7 +127,7 @@ struct Channel {
 
 std::vector<Seen> run(const Arguments& arguments, const Place& place) {
     Transports transports;
-    add_floors(transports);
+    add_floors(transports, place);
     add_knurl(transports, place);
     add_zeromq(transports);
     add_cyclone(transports);

@@ -1,14 +1,17 @@
 // What needs no library: the bare wake-up, a datagram, and Knurl's ring with its two ways of waking.
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <thread>
 
 #include <arpa/inet.h>
+#include <linux/futex.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <knurl/shm/broadcast_ring.hpp>
@@ -24,10 +27,11 @@ namespace {
 using namespace std::chrono_literals;
 
 /// The floor: no message at all, only the wake-up; the time of sending lies in memory.
-class Eventfd final : public Transport {
+class Eventfd : public Transport {
   public:
-    Eventfd()
-        : Transport("eventfd", "write(), poll(); nothing is carried: the floor"),
+    Eventfd() : Eventfd("eventfd", "write(), poll(); nothing is carried: the floor") {}
+    Eventfd(std::string name, std::string settings)
+        : Transport(std::move(name), std::move(settings)),
           segment_(Segment::create("knurl-bench", sizeof(Message))),
           event_(make_event()) {}
     void receive(Inbox& inbox) override {
@@ -40,15 +44,62 @@ class Eventfd final : public Transport {
         }
     }
     void send(const Message& message) override {
-        // The write is the barrier between the two, as far as a floor needs one.
-        std::memcpy(segment_.data(), &message, 2 * sizeof(std::uint64_t));
+        put(message);
+        wake();
+    }
+
+  protected:
+    // The call that wakes is the barrier between the two, as far as a floor needs one.
+    void put(const Message& message) { std::memcpy(segment_.data(), &message, 2 * sizeof(std::uint64_t)); }
+    void wake() {
         const std::uint64_t one = 1;
-        [[maybe_unused]] const auto put = ::write(event_.get(), &one, sizeof one);
+        [[maybe_unused]] const auto written = ::write(event_.get(), &one, sizeof one);
     }
 
   private:
     Segment segment_;
     UniqueFd event_;
+};
+
+/// The same by way of a thread on the sender's own CPU, as Knurl's waker does it for several clients: what
+/// one futex call costs, and the second wake-up.
+class ByThread final : public Eventfd {
+  public:
+    explicit ByThread(const Place& place)
+        : Eventfd("eventfd, by a thread",
+                  "a futex call, and a thread on the sender's CPU write()s; nothing is carried: that way's "
+                  "floor"),
+          place_(place) {}
+    ~ByThread() override {
+        if (!thread_.joinable()) return;
+        stop_ = true;
+        poke();
+        thread_.join();
+    }
+    void connect(const Inbox&) override {
+        thread_ = std::thread([this] {
+            measure::settle_on(place_.servo_cpu, place_.waker_priority);
+            for (std::uint32_t seen = 0; !stop_; seen = word_) {
+                ::syscall(SYS_futex, &word_, FUTEX_WAIT_PRIVATE, seen, nullptr, nullptr, 0);
+                wake();
+            }
+        });
+    }
+    void send(const Message& message) override {
+        put(message);
+        poke();
+    }
+
+  private:
+    void poke() {
+        ++word_;
+        ::syscall(SYS_futex, &word_, FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);
+    }
+
+    Place place_;
+    std::atomic<std::uint32_t> word_{0};
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
 };
 
 class Udp final : public Transport {
@@ -133,8 +184,9 @@ class ReportRing final : public Transport {
 
 }  // namespace
 
-void add_floors(Transports& all) {
+void add_floors(Transports& all, const Place& place) {
     all.push_back(std::make_unique<Eventfd>());
+    all.push_back(std::make_unique<ByThread>(place));
     all.push_back(std::make_unique<Udp>());
 }
 

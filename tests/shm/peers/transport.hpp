@@ -83,7 +83,7 @@ struct Place {
     unsigned servo_cpu = 0, client_cpu = 0;
     int servo_priority = 0, waker_priority = 0, client_priority = 0;
 };
-void add_floors(Transports& all);  // eventfd, then UDP
+void add_floors(Transports& all, const Place& place);  // eventfd, the same by a thread, UDP
 void add_knurl(Transports& all, const Place& place);
 void add_zeromq(Transports& all);
 void add_cyclone(Transports& all);
