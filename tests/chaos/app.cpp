@@ -179,6 +179,7 @@ int absurd(unsigned seed, const std::string& socket_path) {
     knurl::shm::SpscProducer commands(claim.memory + layout.commands, layout.command_cells);
     knurl::shm::TripleWriter batches(claim.memory + layout.batches, layout.batch_slot_bytes);
     knurl::shm::TripleReader feedback(claim.memory + layout.feedback, layout.feedback_slot_bytes);
+    knurl::shm::SentCount sent_count(reinterpret_cast<knurl::shm::WaiterFlag*>(claim.memory + layout.waiter));
 
     Plane far{.offset = -1, .stiffness = 100};  // nobody feels it
     for (std::uint32_t slot = 0; slot < 2; ++slot) {
@@ -201,6 +202,7 @@ int absurd(unsigned seed, const std::string& socket_path) {
     const protocol::CommandHeader header{.cells = 1, .type = protocol::CommandType::arm, .number = 3};
     std::memcpy(arm.data(), &header, sizeof header);
     if (!commands.try_push(arm.data(), 1)) return 1;
+    sent_count.add();
     const double numbers[] = {std::numeric_limits<double>::quiet_NaN(),
                               std::numeric_limits<double>::infinity(),
                               -std::numeric_limits<double>::infinity(), -1e308};
@@ -224,6 +226,7 @@ int absurd(unsigned seed, const std::string& socket_path) {
         batch.entry[0].plane.offset = 0.05;
         batch.entry[1].plane.damping = numbers[random() % 4];
         batches.publish(&batch, sizeof batch, 3);
+        sent_count.add();
         if (feedback.take()) {
             protocol::FeedbackHeader told;
             feedback.copy(&told, 0, sizeof told);

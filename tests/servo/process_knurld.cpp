@@ -255,7 +255,9 @@ HeldClaim::HeldClaim(const Answer& answer)
       segment(shm::Segment::open(answer.fds.at(0).get(), protocol::claim_layout(terms.capacity).total,
                                  shm::Segment::Access::read_write)),
       commands(segment.data() + protocol::claim_layout(terms.capacity).commands,
-               protocol::claim_layout(terms.capacity).command_cells) {}
+               protocol::claim_layout(terms.capacity).command_cells),
+      sent(reinterpret_cast<shm::WaiterFlag*>(segment.data() +
+                                              protocol::claim_layout(terms.capacity).waiter)) {}
 
 void HeldClaim::arm() {
     std::array<std::byte, shm::cell_bytes> cell{};
@@ -265,6 +267,7 @@ void HeldClaim::arm() {
     header.number = ++issued;
     std::memcpy(cell.data(), &header, sizeof header);
     if (!commands.try_push(cell.data(), 1)) throw std::runtime_error("the command ring is full");
+    sent.add();
 }
 
 }  // namespace knurl::test

@@ -133,6 +133,7 @@ struct HeldClaim {
     protocol::Claimed terms;
     shm::Segment segment;
     shm::SpscProducer commands;
+    shm::SentCount sent;
     std::uint64_t issued = 0;
 };
 

@@ -77,10 +77,13 @@ class LocalChannel final : public ClaimChannel {
           commands_(claim_->data() + layout_.commands, layout_.command_cells),
           replies_(claim_->data() + layout_.replies, protocol::reply_cells),
           batches_(claim_->data() + layout_.batches, layout_.batch_slot_bytes),
-          feedback_(claim_->data() + layout_.feedback, layout_.feedback_slot_bytes) {}
+          feedback_(claim_->data() + layout_.feedback, layout_.feedback_slot_bytes),
+          sent_(reinterpret_cast<shm::WaiterFlag*>(claim_->data() + layout_.waiter)) {}
 
     bool push(const void* commands, std::uint32_t cells) noexcept override {
-        return commands_.try_push(commands, cells);
+        const bool pushed = commands_.try_push(commands, cells);
+        sent_.add();
+        return pushed;
     }
     std::uint32_t command_cells() const noexcept override { return commands_.capacity(); }
 
@@ -92,7 +95,9 @@ class LocalChannel final : public ClaimChannel {
 
     bool publish(const protocol::BatchHeader& header, std::span<const std::byte> entries) noexcept override {
         const std::array parts{std::as_bytes(std::span(&header, 1)), entries};
-        return batches_.publish(header.commands_before, parts);
+        const bool taken = batches_.publish(header.commands_before, parts);
+        sent_.add();
+        return taken;
     }
 
     bool feedback(protocol::FeedbackHeader& header, std::vector<protocol::FeedbackEntry>& entries) override {
@@ -111,6 +116,7 @@ class LocalChannel final : public ClaimChannel {
     shm::SpscConsumer replies_;
     shm::TripleWriter batches_;
     shm::TripleReader feedback_;
+    shm::SentCount sent_;
 };
 static_assert(sizeof(protocol::Reply) == shm::cell_bytes);
 static_assert(sizeof(protocol::BatchHeader) % 8 == 0 && sizeof(protocol::EntryHeader) % 8 == 0);

@@ -7,6 +7,7 @@
 #include <knurl/servo/claim.hpp>
 
 #include "claim_impl.hpp"
+#include "rest.hpp"
 
 namespace knurl::servo {
 
@@ -66,6 +67,14 @@ void Claim::Impl::evaluate(const Probe& device_hand, double dt) noexcept {
     hand.smooth_velocity = f.scale * device_hand.smooth_velocity;
     wrench = scene.evaluate(hand, dt);
     touching = felt.take(scene);
+}
+
+bool Claim::Impl::nothing_to_do() const noexcept {
+    if (dropping) return false;
+    if (!channels) return true;  // an observer has nothing but its row in the table
+    const bool gain_rests = wants_force() ? gain >= 1 && announced : !(gain > 0);
+    return quiet() && gain_rests && !touching && !batch_is_new && !commands_left && felt.size() == 0 &&
+           scene.evaluated() == 0;
 }
 
 void Claim::Impl::advance_gain(double step) noexcept {
@@ -164,7 +173,6 @@ void FeltEntries::write(shm::TripleWriter& to) noexcept {
 }
 
 void Claim::Impl::publish(std::uint64_t cycle) noexcept {
-    constexpr std::uint64_t missed_every = 64;  // cycles
     if (row != nullptr) {
         put(row->commits, batches_taken);
         put(row->refused, refused.count);
@@ -173,8 +181,8 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
         put(row->interval_ns, static_cast<std::uint64_t>(silence.interval() * 1e9));
         put(row->gain_ppm, static_cast<std::uint64_t>(gain * 1e6));
         put(row->silent, std::uint64_t{silent_for > 0});
-        // By turns: the client's line may have to come from another core, and people can wait for 64 cycles.
-        if ((cycle + terms.row) % missed_every == 0)
+        // By turns: the client's line may have to come from another core, and people can wait for that.
+        if ((cycle + terms.row) % Rest::due_every == 0)
             put(row->missed, shm::HardwareMemory::load(sleeper.flag->missed, std::memory_order::relaxed));
         if (counts_changed)
             for (Kind kind = 0; kind < Representations::size; ++kind)

@@ -86,6 +86,8 @@ struct Claim::Impl {
     /// N/m, device frame, weighted by the gain.
     double device_stiffness() const noexcept;
     bool wants_force() const noexcept { return armed && !faulted && !dropping; }
+    /// After publish(): the next cycle would change nothing of it, unless its application has sent something.
+    bool nothing_to_do() const noexcept;
     void publish(std::uint64_t cycle) noexcept;  // feedback and the row in the device's table
     void fault() noexcept { faulted = true; }
 
@@ -113,6 +115,7 @@ struct Claim::Impl {
 
     // What Intake (intake.cpp) keeps of this claim.
     std::uint64_t commands_done = 0;
+    bool commands_left = false;  // in the ring, for the next cycle
     std::vector<Slot> slots;
     BatchInForce in_force;
     bool batch_is_new = false;  // taken in this cycle

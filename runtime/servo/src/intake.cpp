@@ -97,6 +97,7 @@ void Intake::take_commands(Claim::Impl& claim, const Authority& authority, Nanos
         claim.fault();
         if (tape != nullptr) tape->put(TapeType::commands_broken, {as_bytes(claim.number)});
     }
+    claim.commands_left = available_ > 0;
     if (available_ == 0) return;
 
     const std::uint32_t budget =
@@ -130,6 +131,7 @@ void Intake::take_commands(Claim::Impl& claim, const Authority& authority, Nanos
     // Commands that wait behind unread replies are no sign of life: their sender may hang.
     if (done > 0) claim.silence.sign_of_life(now);
     commands.pop(done);
+    claim.commands_left = done < available_;
 }
 
 /// The first `cells` cells of the ring are in private memory. Each is copied once: its owner may write at any

@@ -29,7 +29,8 @@ OfflineClaim::OfflineClaim(const ClaimTerms& terms, std::byte* memory, protocol:
       commands_(memory_ + layout_.commands, layout_.command_cells),
       batches_(memory_ + layout_.batches, layout_.batch_slot_bytes),
       replies_(memory_ + layout_.replies, protocol::reply_cells),
-      feedback_(memory_ + layout_.feedback, layout_.feedback_slot_bytes) {}
+      feedback_(memory_ + layout_.feedback, layout_.feedback_slot_bytes),
+      sent_(reinterpret_cast<shm::WaiterFlag*>(memory_ + layout_.waiter)) {}
 
 namespace {
 
@@ -63,6 +64,7 @@ void OfflineClaim::flush() {
     const std::uint32_t last = 0;
     std::memcpy(group_.data() + last_message_ + offsetof(CommandHeader, flags), &last, sizeof last);
     const bool fits = commands_.try_push(group_.data(), group_.size() / shm::cell_bytes);
+    sent_.add();
     group_.clear();
     if (!fits) throw std::runtime_error("the command ring is full: let the servo take some first (step)");
 }
@@ -130,6 +132,7 @@ std::uint64_t OfflineClaim::commit(std::uint64_t report_cycle, std::int64_t comm
     // What the last batch held was taken with it; otherwise this one has replaced it and holds it too.
     if (batches_.publish(issued_, parts))
         std::erase_if(pending_, [](const Pending& p) { return !p.since_last_commit; });
+    sent_.add();
     for (Pending& p : pending_) p.since_last_commit = false;
     return sequence_;
 }

@@ -46,7 +46,8 @@ struct Replay::Held {
           claim(stated, memory.data(), nullptr),
           commands(memory.data() + layout.commands, layout.command_cells),
           batches(memory.data() + layout.batches, layout.batch_slot_bytes),
-          replies(memory.data() + layout.replies, protocol::reply_cells) {}
+          replies(memory.data() + layout.replies, protocol::reply_cells),
+          sent(reinterpret_cast<shm::WaiterFlag*>(memory.data() + layout.waiter)) {}
 
     protocol::ClaimLayout layout;
     OfflineMemory memory;
@@ -54,6 +55,7 @@ struct Replay::Held {
     shm::SpscProducer commands;
     shm::TripleWriter batches;
     shm::SpscConsumer replies;
+    shm::SentCount sent;
 };
 
 namespace {
@@ -144,6 +146,7 @@ const Report* Replay::feed(const TapeRecord& record) {
                                                  bytes / shm::cell_bytes) ||
                 bytes % shm::cell_bytes != 0)
                 nonsense(record, "has more commands than the claim could send");
+            held(record)->sent.add();
             return nullptr;
         }
         case TapeType::batch: {
@@ -153,6 +156,7 @@ const Report* Replay::feed(const TapeRecord& record) {
             if (bytes % 8 != 0 || bytes > claim.layout.batch_slot_bytes)
                 nonsense(record, "is a larger batch than the claim could send");
             claim.batches.publish(record.bytes.data() + after_number, bytes);
+            claim.sent.add();
             return nullptr;
         }
         case TapeType::commands_broken:  // as its application broke it: an index that cannot be
@@ -161,6 +165,7 @@ const Report* Replay::feed(const TapeRecord& record) {
                                   held(record)->layout.command_cells)
                      .tail,
                 ~std::uint64_t{0}, std::memory_order::relaxed);
+            held(record)->sent.add();
             return nullptr;
         case TapeType::batch_broken:
             shm::HardwareMemory::store(
@@ -168,6 +173,7 @@ const Report* Replay::feed(const TapeRecord& record) {
                                     held(record)->layout.batch_slot_bytes)
                      .mid,
                 shm::TripleMid::make(shm::TripleMid::index_mask, true, 0), std::memory_order::relaxed);
+            held(record)->sent.add();
             return nullptr;
         case TapeType::cycle: {
             TapeCycle cycle;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "servo_impl.hpp"
 
@@ -39,6 +40,7 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     const double dt = cycle.begin_cycle(deadline, now);  // stalls and jumps of the clock
     cycle.read_device(now);                              // joints -> pose and velocities
     cycle.take_mail(now);                                // claims that come and go
+    cycle.find_awake(now);                               // those that have something to do
     cycle.take_changes(now);                             // commands and batches -> scenes
     cycle.stages.end(Stage::take);
     const Wrench sum = cycle.evaluate_claims(now, dt);  // scenes -> wrench, gains, sharing
@@ -116,6 +118,7 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
         for (std::size_t c = 0; c < claims_size && message.what == Message::What::drop; ++c)
             if (claims[c] == message.claim) {
                 claims[c]->impl->dropping = true;
+                rests[c].state = Rest::State::awake;
                 if (tape != nullptr && claims[c]->impl->channels)
                     put_claim(TapeType::drop, claims[c]->impl->number);
             }
@@ -123,7 +126,10 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
         ending = true;
         if (tape != nullptr) tape->put(TapeType::drop_all, {});
         supervisor.disarm();
-        for (std::size_t c = 0; c < claims_size; ++c) claims[c]->impl->dropping = true;
+        for (std::size_t c = 0; c < claims_size; ++c) {
+            claims[c]->impl->dropping = true;
+            rests[c].state = Rest::State::awake;
+        }
     }
 }
 
@@ -135,6 +141,7 @@ void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
     Claim::Impl& c = *claim->impl;
     claims[claims_size] = claim;
     sleepers[claims_size] = c.sleeper;
+    rests[claims_size] = {.sent = &c.sleeper.flag->sent, .row = c.terms.row};
     ++claims_size;
     if (c.channels) {
         c.number = ++claims_seen;
@@ -152,6 +159,50 @@ void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
     c.gain = 1;
     c.from_the_start = true;
     if (supervisor.state() != DeviceState::fault) supervisor.start_active();
+}
+
+void Servo::Impl::find_awake(Nanoseconds now) noexcept {
+    // Two passes here too: the words of many applications arrive together.
+    for (std::size_t i = 0; i < claims_size; ++i)
+        if (rests[i].state != Rest::State::awake) __builtin_prefetch(rests[i].sent);
+    awake_size = 0;
+    resting_armed = 0;
+    resting_keep_on = false;
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        if (rests[i].look(report.cycle, now)) {
+            awake[awake_size++] = i;
+        } else {
+            resting_armed += rests[i].armed ? 1 : 0;
+            resting_keep_on = resting_keep_on || rests[i].keeps_on;
+        }
+    }
+}
+
+void Servo::Impl::rouse(Nanoseconds now) noexcept {
+    awake_size = 0;
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        awake[awake_size++] = i;
+        Claim::Impl& c = *claims[i]->impl;
+        if (c.channels && options.silence && rests[i].state == Rest::State::resting) c.watch_silence(now);
+        rests[i].state = Rest::State::awake;
+    }
+    resting_armed = 0;
+    resting_keep_on = false;
+}
+
+/// One that was looked at in this cycle.
+void Servo::Impl::put_to_rest(std::size_t index) noexcept {
+    const Claim::Impl& c = *claims[index]->impl;
+    Rest& rest = rests[index];
+    if (!options.rest || !c.nothing_to_do()) {
+        rest.state = Rest::State::awake;
+        return;
+    }
+    rest.armed = c.wants_force();
+    rest.keeps_on = rest.armed && !c.joined;
+    rest.until =
+        c.channels && options.silence && !(c.silent_for > 0) ? c.silence.heard_until() : Rest::for_ever;
+    rest.state = rest.state == Rest::State::awake ? Rest::State::dozing : Rest::State::resting;
 }
 
 FadePolicy Servo::Impl::fade_for(const Claim::Impl& claim) const noexcept {
@@ -172,10 +223,10 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
                               .ending = ending};
     const auto listening = [](const Claim::Impl& c) { return c.channels && !c.dropping && !c.faulted; };
     // Two passes: the lines that other cores wrote arrive together instead of one after the other.
-    for (std::size_t i = 0; i < claims_size; ++i)
-        if (const Claim::Impl& c = *claims[i]->impl; listening(c)) c.channels->batches.prefetch();
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        Claim::Impl& c = *claims[i]->impl;
+    for (std::size_t i = 0; i < awake_size; ++i)
+        if (const Claim::Impl& c = awake_claim(i); listening(c)) c.channels->batches.prefetch();
+    for (std::size_t i = 0; i < awake_size; ++i) {
+        Claim::Impl& c = awake_claim(i);
         c.batch_is_new = false;
         if (!listening(c)) continue;
         intake.take_commands(c, authority, now);
@@ -195,8 +246,8 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
     const double gain_step = dt / options.supervisor.claim_ramp;
     evaluated = present = 0;
     in_contact = nullptr;
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        Claim::Impl& c = *claims[i]->impl;
+    for (std::size_t i = 0; i < awake_size; ++i) {
+        Claim::Impl& c = awake_claim(i);
         if (!c.channels) continue;
         if (options.silence) c.watch_silence(now);
         c.advance_gain(gain_step);
@@ -208,11 +259,12 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
     // Contacts are solved within each claim; what several claims make together must not exceed k_max either.
     // The scale moves as fast as a gain does: a claim's coming is felt by the others as a change of
     // stiffness, not as a step.
-    const double target = sharing_target();
+    const double target = sharing_target(), before = stiffness_scale;
     stiffness_scale += std::clamp(target - stiffness_scale, -gain_step, gain_step);
+    if (stiffness_scale != before) rouse(now);  // each is told
     Wrench sum;
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        Claim::Impl& c = *claims[i]->impl;
+    for (std::size_t i = 0; i < awake_size; ++i) {
+        Claim::Impl& c = awake_claim(i);
         if (!c.channels) continue;
         c.stiffness_scale = stiffness_scale;
         if (c.gain > 0 && !c.quiet()) sum += c.device_wrench();
@@ -221,23 +273,24 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
 }
 
 double Servo::Impl::sharing_target() const noexcept {
-    const auto shares = [](const Claim* claim) {
-        return claim->impl->channels && claim->impl->gain > 0 && !claim->impl->quiet();
+    const auto shares = [this](std::size_t index) {
+        const Claim::Impl& claim = *claims[index]->impl;
+        return claim.channels && claim.gain > 0 && !claim.quiet();
     };
     // One claim alone is clamped by its scene, representation by representation.
-    const auto end = claims.begin() + static_cast<std::ptrdiff_t>(claims_size);
-    if (!options.clamp_stiffness || std::count_if(claims.begin(), end, shares) < 2) return 1;
+    const auto end = awake.begin() + static_cast<std::ptrdiff_t>(awake_size);
+    if (!options.clamp_stiffness || std::count_if(awake.begin(), end, shares) < 2) return 1;
     double stiffness = 0;
-    for (auto claim = claims.begin(); claim != end; ++claim)
-        if (shares(*claim)) stiffness += (*claim)->impl->device_stiffness();
+    for (auto index = awake.begin(); index != end; ++index)
+        if (shares(*index)) stiffness += claims[*index]->impl->device_stiffness();
     return stiffness > device_max_stiffness ? device_max_stiffness / stiffness : 1;
 }
 
 Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
-    int armed = 0;
-    bool kept_on = false;
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        const Claim::Impl& claim = *claims[i]->impl;
+    int armed = resting_armed;
+    bool kept_on = resting_keep_on;
+    for (std::size_t i = 0; i < awake_size; ++i) {
+        const Claim::Impl& claim = awake_claim(i);
         if (!claim.wants_force()) continue;
         ++armed;
         kept_on = kept_on || !claim.joined;
@@ -257,16 +310,22 @@ Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
 }
 
 void Servo::Impl::disarm_claims() noexcept {
-    for (std::size_t i = 0; i < claims_size; ++i) claims[i]->impl->armed = false;
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        Rest& rest = rests[i];
+        if (rest.state == Rest::State::resting && !rest.armed) continue;  // in every cycle of an idle device
+        if (!std::exchange(claims[i]->impl->armed, false)) continue;
+        rest.state = Rest::State::awake;
+    }
 }
 
 void Servo::Impl::notify_device() noexcept {
     if (supervisor.powered() != enabled) {
         enabled = !enabled;
         device.notify(enabled ? drivers::Notice::enabled : drivers::Notice::disabled);
+        rouse(last_now);
     }
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        Claim::Impl& c = *claims[i]->impl;
+    for (std::size_t i = 0; i < awake_size; ++i) {
+        Claim::Impl& c = awake_claim(i);
         if (c.gain < 1 || !enabled) c.announced = false;
         if (c.announced || c.gain < 1 || supervisor.state() != DeviceState::active) continue;
         c.announced = true;
@@ -284,6 +343,8 @@ void Servo::Impl::write_device(Nanoseconds now, const Supervised& out) noexcept 
 }
 
 void Servo::Impl::let_go() noexcept {
+    const auto end = awake.begin() + static_cast<std::ptrdiff_t>(awake_size);
+    if (std::none_of(awake.begin(), end, [this](std::size_t i) { return claims[i]->impl->dropping; })) return;
     for (std::size_t i = 0; i < claims_size;) {
         const Claim::Impl& c = *claims[i]->impl;
         const bool holds = c.channels.has_value();  // once posted it may be freed
@@ -297,6 +358,9 @@ void Servo::Impl::let_go() noexcept {
             std::copy(sleepers.begin() + static_cast<std::ptrdiff_t>(i) + 1,
                       sleepers.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
                       sleepers.begin() + static_cast<std::ptrdiff_t>(i));
+            std::copy(rests.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                      rests.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
+                      rests.begin() + static_cast<std::ptrdiff_t>(i));
         } else {
             ++i;
         }

@@ -13,6 +13,7 @@
 #include "hand.hpp"
 #include "intake.hpp"
 #include "mailbox.hpp"
+#include "rest.hpp"
 #include "stage_clock.hpp"
 
 namespace knurl::servo {
@@ -41,6 +42,13 @@ struct Servo::Impl {
     void publish_parts() noexcept;
     void let_go() noexcept;
     void disarm_claims() noexcept;
+
+    /// Who is looked at in this cycle: `awake`.
+    void find_awake(Nanoseconds now) noexcept;
+    /// All of them are, from here on.
+    void rouse(Nanoseconds now) noexcept;
+    Claim::Impl& awake_claim(std::size_t i) noexcept { return *claims[awake[i]]->impl; }
+    void put_to_rest(std::size_t index) noexcept;
 
     // servo_tape.cpp
     void put_keyframe() noexcept;
@@ -72,7 +80,12 @@ struct Servo::Impl {
 
     std::array<Claim*, protocol::max_clients> claims = {};  // observers too
     std::array<shm::Sleeper, protocol::max_clients> sleepers = {};
+    std::array<Rest, protocol::max_clients> rests;
     std::size_t claims_size = 0;
+    std::array<std::size_t, protocol::max_clients> awake = {};  // indexes of claims, in their order
+    std::size_t awake_size = 0;
+    int resting_armed = 0;  // of those that are not awake
+    bool resting_keep_on = false;
     Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
     Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
     bool ending = false;                    // drop_all

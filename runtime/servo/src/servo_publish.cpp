@@ -37,8 +37,8 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
     reports.publish(&report);
     read_times[report.cycle % read_times.size()] = read_ns;
 
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        Claim::Impl& c = *claims[i]->impl;
+    for (std::size_t i = 0; i < awake_size; ++i) {
+        Claim::Impl& c = awake_claim(i);
         if (c.batch_is_new) {
             c.in_force.write_ns = write_ns;
             const std::uint64_t from = c.in_force.report_cycle;
@@ -46,6 +46,7 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
             c.in_force.age_ns = known ? write_ns - read_times[from % read_times.size()] : 0;
         }
         c.publish(report.cycle);
+        put_to_rest(awake[i]);
     }
 }
 

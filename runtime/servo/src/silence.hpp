@@ -49,6 +49,10 @@ class SilenceWatch {
     double silent_for(Nanoseconds now) const noexcept {
         return std::max(0.0, static_cast<double>(now - last_sign_) * 1e-9 - limit());
     }
+    /// Not before this will silent_for() be more than 0, if nothing comes.
+    Nanoseconds heard_until() const noexcept {
+        return last_sign_ + static_cast<Nanoseconds>(limit() * 1e9) - 1;
+    }
     /// s, between commits: stated, measured, or 0 while unknown.
     double interval() const noexcept { return stated_ > 0 ? stated_ : measured_ >= needed ? mean_ : 0; }
 

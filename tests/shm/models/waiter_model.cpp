@@ -88,5 +88,69 @@ TEST(WaiterModel, WrongTwinNoPublisherFence) {
     expect_found_wrong<Sleep<NoPublisherFence>>();
 }
 
+/// A client at rest sends twice; the servo looks at its ring only when its word has changed.
+template <class Orders>
+struct AtRest : rl::test_suite<AtRest<Orders>, 2> {
+    static constexpr std::uint32_t cells = 2;
+
+    Word tail, head, sent;
+    Memory::Payload ring[cells * cell_words];
+    std::uint64_t seen, taken;
+
+    SpscPlaces<Memory> places() { return {.tail = &tail, .head = &head, .cells = ring}; }
+
+    void before() {
+        for (Word* word : {&tail, &head, &sent}) Memory::store(*word, 0, std::memory_order::relaxed);
+        for (auto& word : ring) Memory::store(word, 0, std::memory_order::relaxed);
+        seen = taken = 0;
+    }
+
+    void thread(unsigned index) { index == 0 ? client() : servo(); }
+
+    void client() {
+        BasicSpscProducer<Memory> producer(places(), cells);
+        BasicSentCount<Memory, Orders> count(&sent);
+        const std::uint64_t cell[cell_words] = {1};
+        for (int i = 0; i < 2; ++i) {
+            require(producer.try_push(cell, 1));
+            count.add();
+        }
+    }
+
+    void servo() {
+        BasicSpscConsumer<Memory> consumer(places(), cells);
+        for (int cycle = 0; cycle < 4; ++cycle) {
+            const std::uint64_t now = sent_so_far<Memory, Orders>(sent);
+            if (now == seen) continue;
+            seen = now;
+            const std::uint32_t n = consumer.available();
+            consumer.pop(n);
+            taken += n;
+        }
+    }
+
+    /// Whoever believes that he has seen all of it has.
+    void after() {
+        if (Memory::load(sent, std::memory_order::relaxed) == seen) require(taken == 2);
+    }
+};
+
+struct RelaxedPublishSent : SentOrders {
+    static constexpr auto publish = std::memory_order::relaxed;
+};
+struct RelaxedSeeSent : SentOrders {
+    static constexpr auto see = std::memory_order::relaxed;
+};
+
+TEST(RestModel, NothingThatAClientCountsIsOverlooked) {
+    expect_holds<AtRest<SentOrders>>();
+}
+TEST(RestModel, WrongTwinRelaxedPublishSent) {
+    expect_found_wrong<AtRest<RelaxedPublishSent>>();
+}
+TEST(RestModel, WrongTwinRelaxedSeeSent) {
+    expect_found_wrong<AtRest<RelaxedSeeSent>>();
+}
+
 }  // namespace
 }  // namespace knurl::shm::model

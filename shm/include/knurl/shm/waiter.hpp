@@ -59,8 +59,43 @@ struct alignas(line_bytes) WaiterFlag {
     /// since whoever publishes has this line at hand anyway. The owner's word alone says so: nothing may
     /// depend on it.
     std::uint64_t missed = 0;
+    /// How often its owner has put something into its other rings (SentCount). The servo leaves alone the
+    /// rings of a client at rest until this changes: one line for each of them, and one that it reads anyway.
+    std::uint64_t sent = 0;
 };
 static_assert(sizeof(WaiterFlag) == line_bytes);
+
+struct SentOrders {
+    static constexpr auto publish = std::memory_order::release;  // pairs with see
+    static constexpr auto see = std::memory_order::acquire;      // pairs with publish
+};
+
+/// The client's side of WaiterFlag::sent: called after each push and publish.
+///
+///   client: push ─sb─> sent = n+1 (rel) ══sw══> sent read (acq) ─sb─> the rings are looked at
+///
+/// Who reads n+1 finds what was pushed before it; who reads n before it looks reads n+1 the next time.
+template <class Memory = HardwareMemory, class Orders = SentOrders>
+class BasicSentCount {
+  public:
+    explicit BasicSentCount(typename Memory::Word* sent) : sent_(sent) {}
+    void add() noexcept { Memory::store(*sent_, ++count_, Orders::publish); }
+
+  private:
+    typename Memory::Word* sent_;
+    std::uint64_t count_ = 0;  // private: only its publication is shared
+};
+
+/// The servo's side, read before it looks.
+template <class Memory = HardwareMemory, class Orders = SentOrders>
+std::uint64_t sent_so_far(const typename Memory::Word& sent) noexcept {
+    return Memory::load(sent, Orders::see);
+}
+
+class SentCount : public BasicSentCount<> {
+  public:
+    explicit SentCount(WaiterFlag* flag) : BasicSentCount(&flag->sent) {}
+};
 
 /// One who may sleep: its flag, and the descriptor that it sleeps on. Neither is owned. A client shares its
 /// descriptor, and could make writing to it block: whoever must never block has -1 there, unless the client

@@ -114,6 +114,7 @@ class OfflineClaim {
     shm::TripleWriter batches_;
     shm::SpscConsumer replies_;
     shm::TripleReader feedback_;
+    shm::SentCount sent_;
     std::uint64_t issued_ = 0, sequence_ = 0, version_ = 0;
     std::uint32_t next_slot_ = 0;
     bool in_group_ = false;

@@ -19,6 +19,7 @@ struct ServoOptions {
     double max_dt = 2e-3;           // s: representations never see a longer gap
     bool silence = true;            // false: offline evaluation
     bool start_active = false;      // active at once with gain 1, claims too: offline evaluation
+    bool rest = true;               // false: each claim is looked at in each cycle; to compare with
     bool clamp_stiffness = true;    // false only warns: stability sweeps
     double rise_speed = 0.1;        // m/s, FadePolicy::rise_speed; infinity offline
     double automatic_recovery = 0;  // s; 0: automatic_fade of the measured update interval

@@ -1,0 +1,183 @@
+// Claims that say nothing are left alone, and nobody can tell.
+
+#include <cstring>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "core_support.hpp"
+
+namespace knurl::servo {
+namespace {
+
+using namespace testing;
+
+/// A servo with a crowd that holds its device, mostly in silence.
+struct Crowd {
+    static constexpr std::size_t applications = 12, observers = 2;
+
+    explicit Crowd(bool rest) {
+        ServoOptions options = live_options();
+        options.rest = rest;
+        servo = std::make_unique<Servo>(device, clock, segment.data(), options);
+        for (std::size_t i = 0; i < applications + observers; ++i) {
+            ClaimTerms terms;
+            terms.observer = i >= applications;
+            terms.capacity = {.representations = terms.observer ? 0u : 16u,
+                              .batch_bytes = terms.observer ? 0u : 4096u};
+            terms.row = static_cast<std::uint32_t>(i);
+            terms.limits = limits_for(device.link(), options.rate, terms.frame);
+            terms.update_interval = i % 3 == 0 ? 0.02 : 0;
+            if (!terms.observer) {
+                claims.push_back(std::make_unique<OfflineClaim>(terms, nullptr, &rows[i]));
+                handles.emplace_back();
+                servo->adopt(&claims.back()->servo_side());
+            } else {
+                watching.push_back(
+                    std::make_unique<OfflineMemory>(protocol::claim_layout(terms.capacity).total));
+                watchers.push_back(std::make_unique<Claim>(terms, watching.back()->data(), &rows[i]));
+                servo->adopt(watchers.back().get());
+            }
+        }
+    }
+
+    void step() {
+        clock.time += 1'000'000;
+        servo->step(clock.time, clock.time);
+    }
+    /// What application `i` does.
+    void act(std::size_t i, unsigned what, double size) {
+        OfflineClaim& claim = *claims[i];
+        std::vector<Handle>& held = handles[i];
+        switch (what) {
+            case 0:
+                return claim.arm();
+            case 1:
+                return claim.disarm();
+            case 2:
+                return claim.reset_fault();
+            case 3: {  // felt, and stiff enough for several to be too much
+                if (held.size() >= 3) return;
+                const Plane plane{.offset = 0.01, .stiffness = 300 * size};
+                held.push_back({next_slot++ % 16, next_slot});
+                return claim.add(held.back(), kind_of<Plane>, &plane, sizeof plane);
+            }
+            case 4:
+                if (held.empty()) return;
+                claim.remove(held.back());
+                return held.pop_back();
+            case 5:
+                if (!held.empty()) claim.update(held.back(), Plane{.offset = 0.01 * size, .stiffness = 200});
+                [[fallthrough]];
+            default:
+                claim.commit();
+        }
+    }
+
+    PuppetDevice device;
+    VirtualClock clock;
+    OfflineMemory segment{protocol::device_layout().total};
+    std::array<protocol::ClientRow, applications + observers> rows{};
+    std::vector<std::unique_ptr<OfflineMemory>> watching;
+    std::vector<std::unique_ptr<Claim>> watchers;
+    std::vector<std::unique_ptr<OfflineClaim>> claims;
+    std::vector<std::vector<Handle>> handles;
+    std::uint32_t next_slot = 0;
+    std::unique_ptr<Servo> servo;
+};
+
+/// All that anybody can see of both: reports, what the device got, the table, counters, replies, feedback.
+void expect_same(Crowd& one, Crowd& other) {
+    ASSERT_EQ(std::memcmp(&one.servo->last(), &other.servo->last(), sizeof(Report)), 0);
+    ASSERT_EQ(std::memcmp(&one.device.last, &other.device.last, sizeof one.device.last), 0);
+    ASSERT_EQ(one.device.notice_count, other.device.notice_count);
+    const std::size_t counters = protocol::device_layout().counters;
+    ASSERT_EQ(std::memcmp(one.segment.data() + counters, other.segment.data() + counters,
+                          protocol::device_layout().clients - counters),
+              0);
+    const auto row_bytes = [](const Crowd& crowd) {
+        return reinterpret_cast<const char*>(crowd.rows.data());
+    };
+    ASSERT_EQ(std::memcmp(row_bytes(one), row_bytes(other), sizeof one.rows), 0);
+    for (std::size_t i = 0; i < Crowd::applications; ++i) {
+        SCOPED_TRACE("application " + std::to_string(i));
+        const auto replies = one.claims[i]->replies(), expected = other.claims[i]->replies();
+        ASSERT_EQ(replies.size(), expected.size());
+        for (std::size_t r = 0; r < replies.size(); ++r)
+            ASSERT_EQ(std::memcmp(&replies[r], &expected[r], sizeof replies[r]), 0);
+        const OfflineClaim::Felt &felt = one.claims[i]->feedback(), &wanted = other.claims[i]->feedback();
+        ASSERT_EQ(std::memcmp(&felt.header, &wanted.header, sizeof felt.header), 0);
+        ASSERT_EQ(felt.entries.size(), wanted.entries.size());
+        for (std::size_t e = 0; e < felt.entries.size(); ++e)
+            ASSERT_EQ(std::memcmp(&felt.entries[e], &wanted.entries[e], sizeof felt.entries[e]), 0);
+    }
+}
+
+TEST(Rest, NobodyCanTell) {
+    int silent = 0, shared = 0, active = 0, idle = 0, faults = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        std::mt19937_64 random(seed);
+        const auto chance = [&](std::uint64_t one_in) { return random() % one_in == 0; };
+        Crowd resting(true), awake(false);
+        std::vector<bool> gone(Crowd::applications);
+        int away = 0;
+        for (int cycle = 0; cycle < 6000; ++cycle) {
+            // From lively to very quiet, so that rest begins and ends in every way.
+            if (chance(std::uint64_t{10} << (cycle / 1000))) {
+                const std::size_t i = random() % Crowd::applications;
+                const auto what = static_cast<unsigned>(random() % 7);
+                const double size = static_cast<double>(random() % 100) / 50;
+                for (Crowd* crowd : {&resting, &awake})
+                    if (!gone[i]) crowd->act(i, what, size);
+                if (!gone[i] && chance(60)) {
+                    gone[i] = true;
+                    for (Crowd* crowd : {&resting, &awake})
+                        crowd->servo->drop(&crowd->claims[i]->servo_side());
+                }
+            }
+            if (away > 0 ? --away == 0 : chance(2500) && (away = 40, true))
+                for (Crowd* crowd : {&resting, &awake})
+                    crowd->device.status =
+                        away > 0 ? drivers::ReadStatus::unplugged : drivers::ReadStatus::ok;
+            const double t = 1e-3 * cycle;
+            for (Crowd* crowd : {&resting, &awake}) {
+                crowd->device.tip = 0.02 * Eigen::Vector3d(std::sin(3 * t), std::cos(2 * t), std::sin(7 * t));
+                crowd->step();
+            }
+            expect_same(resting, awake);
+            ASSERT_FALSE(::testing::Test::HasFatalFailure()) << "cycle " << cycle;
+            const DeviceState state = resting.servo->last().state;
+            active += state == DeviceState::active;
+            idle += state == DeviceState::idle;
+            faults += state == DeviceState::fault;
+            silent += resting.rows[0].silent.load() == 1;
+            shared += resting.claims[0]->feedback().header.stiffness_scale < 1;
+        }
+    }
+    for (const int happened : {silent, shared, active, idle, faults}) EXPECT_GT(happened, 100);
+}
+
+/// What it writes without counting lies there; with the first that counts, all of it is taken.
+TEST(Rest, LooksAtOneWordAlone) {
+    Crowd crowd(true);
+    for (int i = 0; i < 1000; ++i) crowd.step();
+    OfflineClaim& claim = *crowd.claims[1];
+    shm::SpscProducer commands(claim.memory() + claim.layout().commands, claim.layout().command_cells);
+    std::array<std::byte, shm::cell_bytes> cell{};
+    const protocol::CommandHeader arm{.cells = 1, .type = protocol::CommandType::arm, .number = 1};
+    std::memcpy(cell.data(), &arm, sizeof arm);
+    ASSERT_TRUE(commands.try_push(cell.data(), 1));
+    // But for one look in Rest::due_every cycles none of its lines is touched.
+    int cycles = 0;
+    while (claim.replies().empty() && ++cycles < 1000) crowd.step();
+    EXPECT_GT(cycles, 1) << "this row's turn is not in the first of these cycles";
+    EXPECT_LE(cycles, 64) << "and who forgot to count is found by the look for the table";
+    for (int i = 0; i < 1000; ++i) crowd.step();
+    crowd.claims[2]->arm();
+    crowd.step();
+    EXPECT_EQ(crowd.claims[2]->replies().size(), 1u) << "who counts is heard in the same cycle";
+}
+
+}  // namespace
+}  // namespace knurl::servo
