@@ -124,6 +124,7 @@ struct RawClient {
     shm::SpscProducer commands;
     shm::TripleWriter batches;
     shm::SpscConsumer replies;
+    shm::SentCount sent;
     std::uint64_t issued = 0, sequence = 0, version = 0;
 
     explicit RawClient(const Limits& limits)
@@ -133,7 +134,8 @@ struct RawClient {
           claim(terms, memory.data(), nullptr),
           commands(memory.data() + layout.commands, layout.command_cells),
           batches(memory.data() + layout.batches, layout.batch_slot_bytes),
-          replies(memory.data() + layout.replies, protocol::reply_cells) {}
+          replies(memory.data() + layout.replies, protocol::reply_cells),
+          sent(reinterpret_cast<shm::WaiterFlag*>(memory.data() + layout.waiter)) {}
     static ClaimTerms with(const Limits& limits) {
         ClaimTerms t;
         t.limits = limits;
@@ -155,6 +157,7 @@ struct RawClient {
         std::memcpy(cells + sizeof header, &body, body_bytes);
         std::memcpy(cells + sizeof header + body_bytes, &params, param_bytes);
         commands.try_push(cells, header.cells);
+        sent.add();
         while (replies.available() > 0) replies.pop(replies.available());
     }
     template <class R>
@@ -180,6 +183,7 @@ struct RawClient {
                 {.handle = handle, .kind = kind_of<R>, .bytes = sizeof(R), .version = ++version},
                 params};
         batches.publish(&batch, sizeof batch, issued);
+        sent.add();
     }
 };
 

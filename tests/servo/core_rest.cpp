@@ -1,6 +1,7 @@
 // Claims that say nothing are left alone, and nobody can tell.
 
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <random>
 #include <vector>
@@ -11,6 +12,17 @@ namespace knurl::servo {
 namespace {
 
 using namespace testing;
+using protocol::CommandType;
+
+/// Something else may happen while a cycle asks for the time: after its read, and after its write.
+struct InterruptedClock final : Clock {
+    Nanoseconds time = 0;
+    std::function<void()> at_reading;
+    Nanoseconds now() noexcept override {
+        if (at_reading) at_reading();
+        return time;
+    }
+};
 
 /// A servo with a crowd that holds its device, mostly in silence.
 struct Crowd {
@@ -25,7 +37,6 @@ struct Crowd {
             terms.observer = i >= applications;
             terms.capacity = {.representations = terms.observer ? 0u : 16u,
                               .batch_bytes = terms.observer ? 0u : 4096u};
-            terms.row = static_cast<std::uint32_t>(i);
             terms.limits = limits_for(device.link(), options.rate, terms.frame);
             terms.update_interval = i % 3 == 0 ? 0.02 : 0;
             if (!terms.observer) {
@@ -58,7 +69,7 @@ struct Crowd {
                 return claim.reset_fault();
             case 3: {  // felt, and stiff enough for several to be too much
                 if (held.size() >= 3) return;
-                const Plane plane{.offset = 0.01, .stiffness = 300 * size};
+                const Plane plane{.offset = 0.01, .stiffness = 1000 * size};
                 held.push_back({next_slot++ % 16, next_slot});
                 return claim.add(held.back(), kind_of<Plane>, &plane, sizeof plane);
             }
@@ -75,7 +86,7 @@ struct Crowd {
     }
 
     PuppetDevice device;
-    VirtualClock clock;
+    InterruptedClock clock;
     OfflineMemory segment{protocol::device_layout().total};
     std::array<protocol::ClientRow, applications + observers> rows{};
     std::vector<std::unique_ptr<OfflineMemory>> watching;
@@ -140,6 +151,8 @@ TEST(Rest, NobodyCanTell) {
                 for (Crowd* crowd : {&resting, &awake})
                     crowd->device.status =
                         away > 0 ? drivers::ReadStatus::unplugged : drivers::ReadStatus::ok;
+            if (chance(4000))
+                for (Crowd* crowd : {&resting, &awake}) crowd->servo->clock_jumped();
             const double t = 1e-3 * cycle;
             for (Crowd* crowd : {&resting, &awake}) {
                 crowd->device.tip = 0.02 * Eigen::Vector3d(std::sin(3 * t), std::cos(2 * t), std::sin(7 * t));
@@ -155,28 +168,96 @@ TEST(Rest, NobodyCanTell) {
             shared += resting.claims[0]->feedback().header.stiffness_scale < 1;
         }
     }
-    for (const int happened : {silent, shared, active, idle, faults}) EXPECT_GT(happened, 100);
+    EXPECT_GT(silent, 100);
+    EXPECT_GT(shared, 100);
+    EXPECT_GT(active, 100);
+    EXPECT_GT(idle, 100);
+    EXPECT_GT(faults, 100);
 }
 
-/// What it writes without counting lies there; with the first that counts, all of it is taken.
+/// Behind the count's back.
+void send_without_counting(OfflineClaim& claim, CommandType type, std::uint64_t number) {
+    shm::SpscProducer commands(claim.memory() + claim.layout().commands, claim.layout().command_cells);
+    std::array<std::byte, shm::cell_bytes> cell{};
+    const protocol::CommandHeader header{.cells = 1, .type = type, .number = number};
+    std::memcpy(cell.data(), &header, sizeof header);
+    EXPECT_TRUE(commands.try_push(cell.data(), 1));
+}
+shm::SentCount count_of(OfflineClaim& claim) {
+    return shm::SentCount(reinterpret_cast<shm::WaiterFlag*>(claim.memory() + claim.layout().waiter));
+}
+
+/// What it writes without counting lies there, which harms nobody else; with the first that counts, all of it
+/// is taken.
 TEST(Rest, LooksAtOneWordAlone) {
     Crowd crowd(true);
     for (int i = 0; i < 1000; ++i) crowd.step();
     OfflineClaim& claim = *crowd.claims[1];
-    shm::SpscProducer commands(claim.memory() + claim.layout().commands, claim.layout().command_cells);
-    std::array<std::byte, shm::cell_bytes> cell{};
-    const protocol::CommandHeader arm{.cells = 1, .type = protocol::CommandType::arm, .number = 1};
-    std::memcpy(cell.data(), &arm, sizeof arm);
-    ASSERT_TRUE(commands.try_push(cell.data(), 1));
-    // But for one look in Rest::due_every cycles none of its lines is touched.
-    int cycles = 0;
-    while (claim.replies().empty() && ++cycles < 1000) crowd.step();
-    EXPECT_GT(cycles, 1) << "this row's turn is not in the first of these cycles";
-    EXPECT_LE(cycles, 64) << "and who forgot to count is found by the look for the table";
+    send_without_counting(claim, CommandType::arm, 1);
     for (int i = 0; i < 1000; ++i) crowd.step();
+    EXPECT_TRUE(claim.replies().empty()) << "its rings were looked at";
     crowd.claims[2]->arm();
     crowd.step();
     EXPECT_EQ(crowd.claims[2]->replies().size(), 1u) << "who counts is heard in the same cycle";
+    EXPECT_TRUE(claim.replies().empty());
+    send_without_counting(claim, CommandType::arm, 2);
+    count_of(claim).add();
+    crowd.step();
+    EXPECT_EQ(claim.replies().size(), 2u);
+}
+
+/// Whatever the moment of a message in a claim's going to rest, and of its being counted behind it, the first
+/// cycle that begins after that has it.
+TEST(Rest, NoMomentIsMissed) {
+    Crowd crowd(true);
+    for (int i = 0; i < 400; ++i) crowd.step();
+    OfflineClaim& claim = *crowd.claims[0];
+    shm::SentCount count = count_of(claim);
+    std::uint64_t sent = 0;
+    // Three moments of a cycle: before it, before the rings are looked at, and after that.
+    constexpr int of_a_cycle = 3, moments = 6 * of_a_cycle;
+    for (int push_at = 0; push_at < moments; ++push_at)
+        for (int count_at = push_at; count_at < push_at + 2 * of_a_cycle; ++count_at) {
+            SCOPED_TRACE("pushed at " + std::to_string(push_at) + ", counted at " + std::to_string(count_at));
+            count.add();  // looked at again
+            int moment = 0;
+            const auto pass = [&] {
+                if (moment == push_at) send_without_counting(claim, CommandType::disarm, ++sent);
+                if (moment == count_at) count.add();
+                ++moment;
+            };
+            crowd.clock.at_reading = pass;
+            std::size_t answers = 0;
+            while (moment < moments + 2 * of_a_cycle) {
+                const bool counted = count_at <= moment;
+                pass();
+                crowd.step();
+                answers += claim.replies().size();
+                if (counted) {
+                    ASSERT_EQ(answers, 1u) << "at " << moment;
+                }
+            }
+            crowd.clock.at_reading = nullptr;
+        }
+}
+
+/// One that always counts, and sends nothing, is looked at in every cycle as it was before; the others rest.
+TEST(Rest, WhoAlwaysCountsIsLookedAtAlone) {
+    Crowd crowd(true);
+    for (int i = 0; i < 1000; ++i) crowd.step();
+    OfflineClaim& loud = *crowd.claims[1];
+    OfflineClaim& quiet = *crowd.claims[2];
+    shm::SentCount count = count_of(loud);
+    for (int i = 0; i < 100; ++i) {
+        count.add();
+        crowd.step();
+    }
+    send_without_counting(loud, CommandType::arm, 1);
+    send_without_counting(quiet, CommandType::arm, 1);
+    count.add();
+    crowd.step();
+    EXPECT_EQ(loud.replies().size(), 1u);
+    EXPECT_TRUE(quiet.replies().empty());
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ std::uint64_t wire_hash() noexcept {
           std::uint64_t{sizeof(FeedbackHeader)}, std::uint64_t{sizeof(FeedbackEntry)},
           std::uint64_t{sizeof(Report)}, std::uint64_t{sizeof(DeviceInfo)}, std::uint64_t{sizeof(ClientRow)},
           std::uint64_t{offsetof(ClientRow, present)}, std::uint64_t{sizeof(shm::WaiterFlag)},
+          std::uint64_t{offsetof(shm::WaiterFlag, sent)},
           // Rounding may hide in `total` that something has moved.
           static_cast<std::uint64_t>(Count::size_), std::uint64_t{device_layout().clients},
           std::uint64_t{device_layout().reports}, std::uint64_t{device_layout().total},

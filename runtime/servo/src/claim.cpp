@@ -7,7 +7,6 @@
 #include <knurl/servo/claim.hpp>
 
 #include "claim_impl.hpp"
-#include "rest.hpp"
 
 namespace knurl::servo {
 
@@ -172,6 +171,11 @@ void FeltEntries::write(shm::TripleWriter& to) noexcept {
     }
 }
 
+void Claim::Impl::publish_missed() noexcept {
+    if (row == nullptr) return;
+    put(row->missed, shm::HardwareMemory::load(sleeper.flag->missed, std::memory_order::relaxed));
+}
+
 void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     if (row != nullptr) {
         put(row->commits, batches_taken);
@@ -181,9 +185,6 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
         put(row->interval_ns, static_cast<std::uint64_t>(silence.interval() * 1e9));
         put(row->gain_ppm, static_cast<std::uint64_t>(gain * 1e6));
         put(row->silent, std::uint64_t{silent_for > 0});
-        // By turns: the client's line may have to come from another core, and people can wait for that.
-        if ((cycle + terms.row) % Rest::due_every == 0)
-            put(row->missed, shm::HardwareMemory::load(sleeper.flag->missed, std::memory_order::relaxed));
         if (counts_changed)
             for (Kind kind = 0; kind < Representations::size; ++kind)
                 put(row->present[kind], std::uint64_t{scene.count(kind)});

@@ -89,6 +89,7 @@ struct Claim::Impl {
     /// After publish(): the next cycle would change nothing of it, unless its application has sent something.
     bool nothing_to_do() const noexcept;
     void publish(std::uint64_t cycle) noexcept;  // feedback and the row in the device's table
+    void publish_missed() noexcept;              // what its application says that it missed
     void fault() noexcept { faulted = true; }
 
     ClaimTerms terms;

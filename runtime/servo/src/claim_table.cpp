@@ -105,7 +105,6 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     terms.delay_allowance = request.delay_allowance;
     terms.observer = observer;
     terms.shared = request.shared != 0;
-    terms.row = index;
 
     Row fresh;  // into the table only when all of it exists
     try {

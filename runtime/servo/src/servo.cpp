@@ -118,7 +118,7 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
         for (std::size_t c = 0; c < claims_size && message.what == Message::What::drop; ++c)
             if (claims[c] == message.claim) {
                 claims[c]->impl->dropping = true;
-                rests[c].state = Rest::State::awake;
+                rests[c].resting = false;
                 if (tape != nullptr && claims[c]->impl->channels)
                     put_claim(TapeType::drop, claims[c]->impl->number);
             }
@@ -128,7 +128,7 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
         supervisor.disarm();
         for (std::size_t c = 0; c < claims_size; ++c) {
             claims[c]->impl->dropping = true;
-            rests[c].state = Rest::State::awake;
+            rests[c].resting = false;
         }
     }
 }
@@ -141,7 +141,7 @@ void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
     Claim::Impl& c = *claim->impl;
     claims[claims_size] = claim;
     sleepers[claims_size] = c.sleeper;
-    rests[claims_size] = {.sent = &c.sleeper.flag->sent, .row = c.terms.row};
+    rests[claims_size] = {.flag = c.sleeper.flag};
     ++claims_size;
     if (c.channels) {
         c.number = ++claims_seen;
@@ -162,14 +162,14 @@ void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
 }
 
 void Servo::Impl::find_awake(Nanoseconds now) noexcept {
-    // Two passes here too: the words of many applications arrive together.
-    for (std::size_t i = 0; i < claims_size; ++i)
-        if (rests[i].state != Rest::State::awake) __builtin_prefetch(rests[i].sent);
+    // Two passes here too: the words of many applications arrive together. Those of claims that are awake
+    // are read at the end of the cycle (shm::who_waits).
+    for (std::size_t i = 0; i < claims_size; ++i) __builtin_prefetch(rests[i].flag);
     awake_size = 0;
     resting_armed = 0;
     resting_keep_on = false;
     for (std::size_t i = 0; i < claims_size; ++i) {
-        if (rests[i].look(report.cycle, now)) {
+        if (rests[i].look(now)) {
             awake[awake_size++] = i;
         } else {
             resting_armed += rests[i].armed ? 1 : 0;
@@ -183,8 +183,8 @@ void Servo::Impl::rouse(Nanoseconds now) noexcept {
     for (std::size_t i = 0; i < claims_size; ++i) {
         awake[awake_size++] = i;
         Claim::Impl& c = *claims[i]->impl;
-        if (c.channels && options.silence && rests[i].state == Rest::State::resting) c.watch_silence(now);
-        rests[i].state = Rest::State::awake;
+        if (c.channels && options.silence && rests[i].resting) c.watch_silence(now);
+        rests[i].resting = false;
     }
     resting_armed = 0;
     resting_keep_on = false;
@@ -194,15 +194,12 @@ void Servo::Impl::rouse(Nanoseconds now) noexcept {
 void Servo::Impl::put_to_rest(std::size_t index) noexcept {
     const Claim::Impl& c = *claims[index]->impl;
     Rest& rest = rests[index];
-    if (!options.rest || !c.nothing_to_do()) {
-        rest.state = Rest::State::awake;
-        return;
-    }
+    rest.resting = options.rest && c.nothing_to_do();
+    if (!rest.resting) return;
     rest.armed = c.wants_force();
     rest.keeps_on = rest.armed && !c.joined;
     rest.until =
         c.channels && options.silence && !(c.silent_for > 0) ? c.silence.heard_until() : Rest::for_ever;
-    rest.state = rest.state == Rest::State::awake ? Rest::State::dozing : Rest::State::resting;
 }
 
 FadePolicy Servo::Impl::fade_for(const Claim::Impl& claim) const noexcept {
@@ -312,9 +309,9 @@ Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
 void Servo::Impl::disarm_claims() noexcept {
     for (std::size_t i = 0; i < claims_size; ++i) {
         Rest& rest = rests[i];
-        if (rest.state == Rest::State::resting && !rest.armed) continue;  // in every cycle of an idle device
+        if (rest.resting && !rest.armed) continue;  // in every cycle of an idle device
         if (!std::exchange(claims[i]->impl->armed, false)) continue;
-        rest.state = Rest::State::awake;
+        rest.resting = false;
     }
 }
 

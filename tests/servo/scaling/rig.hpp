@@ -27,7 +27,7 @@ class Rig {
                           .batch_bytes = protocol::batch_bytes_for(representations)};
         segments_.push_back(
             shm::Segment::create("knurl-claim", protocol::claim_layout(terms.capacity).total));
-        claims_.push_back(std::make_unique<OfflineClaim>(terms, segments_.back().data(), row(terms.row)));
+        claims_.push_back(std::make_unique<OfflineClaim>(terms, segments_.back().data(), newest_row()));
         servo_.adopt(&claims_.back()->servo_side());
         step();
         return *claims_.back();
@@ -39,7 +39,7 @@ class Rig {
         terms.observer = true;
         segments_.push_back(
             shm::Segment::create("knurl-claim", protocol::claim_layout(terms.capacity).total));
-        observers_.push_back(std::make_unique<Claim>(terms, segments_.back().data(), row(terms.row)));
+        observers_.push_back(std::make_unique<Claim>(terms, segments_.back().data(), newest_row()));
         servo_.adopt(observers_.back().get());
         step();
     }
@@ -76,12 +76,11 @@ class Rig {
         ClaimTerms terms;
         terms.limits = limits_for(arm_.link(), rate_, terms.frame);
         terms.shared = true;
-        terms.row = static_cast<std::uint32_t>(segments_.size());
         return terms;
     }
-    protocol::ClientRow* row(std::uint32_t index) {
+    protocol::ClientRow* newest_row() {
         return reinterpret_cast<protocol::ClientRow*>(memory_.data() + protocol::device_layout().clients) +
-               index;
+               (segments_.size() - 1);
     }
 
     double rate_;

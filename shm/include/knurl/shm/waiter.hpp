@@ -78,12 +78,13 @@ struct SentOrders {
 template <class Memory = HardwareMemory, class Orders = SentOrders>
 class BasicSentCount {
   public:
-    explicit BasicSentCount(typename Memory::Word* sent) : sent_(sent) {}
+    explicit BasicSentCount(typename Memory::Word* sent)
+        : sent_(sent), count_(Memory::load(*sent, std::memory_order::relaxed)) {}
     void add() noexcept { Memory::store(*sent_, ++count_, Orders::publish); }
 
   private:
     typename Memory::Word* sent_;
-    std::uint64_t count_ = 0;  // private: only its publication is shared
+    std::uint64_t count_;  // private; *sent_ is only its publication
 };
 
 /// The servo's side, read before it looks.

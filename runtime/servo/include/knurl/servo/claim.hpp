@@ -21,8 +21,7 @@ struct ClaimTerms {
     double delay_allowance = 0;  // s, on top of the silence that is allowed
     bool observer = false;
     bool shared = false;
-    std::uint32_t row = 0;  // in the device's table of clients
-    int event_fd = -1;      // what the client sleeps on; outlives the claim. -1: the waker wakes it
+    int event_fd = -1;  // what the client sleeps on; outlives the claim. -1: the waker wakes it
 };
 
 /// Made by the broker (allocates, prefaults), used by the servo's thread alone from then on, given back
