@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include <knurl/reps/scene.hpp>
 
@@ -38,17 +39,17 @@ void SceneCore::place_probes(const Probe& hand) noexcept {
 // Weights only ever move by their rates, so nothing jumps whatever set_silence is told.
 void SceneCore::advance_weights(double dt) noexcept {
     constexpr double fade_out = 0.1, fade_in = 0.05;  // s
-    bool changed = false, full = true;
+    bool changed = false, arrived = true;
     const auto advance = [&](Record& r) {
         if (r.use.on_silence == OnSilence::hold) return;
         const double delay = r.use.on_silence == OnSilence::move ? r.use.silence_time : 0;
+        const bool fades = silence_ > delay, will_fade = silence_ > 0 && !fades;
         const double before = r.weight;
-        r.weight = silence_ > delay ? std::max(0.0, r.weight - dt / fade_out)
-                                    : std::min(1.0, r.weight + dt / fade_in);
+        r.weight = fades ? std::max(0.0, r.weight - dt / fade_out) : std::min(1.0, r.weight + dt / fade_in);
         if (r.weight < 1e-12) r.weight = 0;
         if (r.weight > 1 - 1e-12) r.weight = 1;
         changed = changed || r.weight != before;
-        full = full && r.weight == 1;
+        arrived = arrived && !will_fade && r.weight == (fades ? 0 : 1);
     };
     bool surfaces = false;
     for (const auto& [list, size] :
@@ -71,8 +72,8 @@ void SceneCore::advance_weights(double dt) noexcept {
     }
     if (surfaces) rebuild_sets();
     told_.edited = true;
-    effects_edited_ = true;  // springs whose weight moves do not collapse
-    weights_move_ = silence_ > 0 || !full;
+    effects_edited_ = true;    // springs whose weight moves do not collapse
+    weights_move_ = !arrived;  // who holds, or has faded, costs nothing more however long it is silent
 }
 
 }  // namespace detail
@@ -121,8 +122,10 @@ Verdict Scene::place_probe(std::uint32_t probe, const ProbePlacement& placement)
 }
 
 void Scene::set_silence(double seconds) noexcept {
-    impl_->silence_ = seconds > 0 ? seconds : 0;
-    if (seconds > 0 && !impl_->weights_move_) impl_->weights_move_ = impl_->effects_edited_ = true;
+    const double before = std::exchange(impl_->silence_, seconds > 0 ? seconds : 0);
+    // It only ever grows until it ends.
+    if (!impl_->weights_move_ && (before > 0 ? impl_->silence_ < before : impl_->silence_ > 0))
+        impl_->weights_move_ = impl_->effects_edited_ = true;
 }
 
 Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
@@ -140,6 +143,9 @@ Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     core.place_probes(hand);
     if ((core.bounded_used_ != 0 && core.near_left()) || core.changed_size_ > 0 || core.sets_edited_ ||
         core.effects_edited_) {
+        // What comes during a silence begins in full.
+        core.weights_move_ =
+            core.weights_move_ || (core.silence_ > 0 && (core.changed_size_ > 0 || core.sets_edited_));
         core.take_changes();
     }
     core.settle_ = false;

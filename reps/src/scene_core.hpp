@@ -185,7 +185,7 @@ class SceneCore {
     Limits limits_;
     FadePolicy policy_;
     double silence_ = 0;         // s
-    bool weights_move_ = false;  // silent, or not yet back at full weight
+    bool weights_move_ = false;  // not all are where the silence, or its end, takes them
     bool settle_ = false;
     std::uint64_t cycle_ = 0;
     std::uint64_t last_timed_ = 0;  // the last cycle in which time passed

@@ -20,11 +20,12 @@ void SceneCore::start_effect_fade(std::uint32_t i, Slot::From from, double time)
     if (!listed) fading_[fading_size_++] = i;
 }
 
-// A spring that nobody asks about, that has no state of its own at the moment and that no fade scales.
+// A spring that nobody asks about, that has no state of its own at the moment and that no fade scales, nor a
+// silence.
 bool SceneCore::may_collapse(std::uint32_t i) const noexcept {
     const Record& r = felt(i);
     if (r.kind != kind_of<Spring> || r.use.feedback != 0 || slots_[i].from != Slot::From::none ||
-        weights_move_)
+        r.weight != 1 || (weights_move_ && r.use.on_silence != OnSilence::hold))
         return false;
     return CollapsedSprings::takes(*std::launder(reinterpret_cast<const Spring*>(r.params)),
                                    *std::launder(reinterpret_cast<const Spring::State*>(r.state)));

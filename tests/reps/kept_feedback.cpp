@@ -154,6 +154,11 @@ TEST(KeptFeedback, WritesWhatIsTouchedAndWhatComesToRestOnceAndNothingElse) {
     EXPECT_EQ(written_at(0.02), 0u);
     scene.set_silence(1e-3);
     EXPECT_EQ(written_at(0.02), most) << "they are silent";
+    for (int cycle = 0; cycle < 150; ++cycle) written_at(0.02);
+    scene.set_silence(1);
+    EXPECT_EQ(written_at(0.02), 0u) << "they have faded, and the silence goes on";
+    scene.set_silence(0);
+    EXPECT_EQ(written_at(0.02), most);
 }
 
 }  // namespace

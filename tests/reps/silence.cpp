@@ -45,6 +45,53 @@ TEST(Silence, HoldChangesNothingToTheBit) {
     }
 }
 
+TEST(Silence, HeldSpringsStayOneSpringToTheBit) {
+    Scene silent = make_scene(), twin = make_scene();
+    for (std::uint32_t i = 0; i < 10; ++i)
+        for (Scene* scene : {&silent, &twin})
+            ASSERT_TRUE(scene->add(
+                {i, 1}, Spring{.attach = {0.001 * i, 0.1 / (i + 3), 0}, .stiffness = 7.0 / (i + 1)},
+                {.on_silence = OnSilence::hold, .feedback = 0}));
+    settled(silent, probe);
+    settled(twin, probe);
+    for (int i = 1; i <= 500; ++i) {
+        silent.set_silence(i < 400 ? i * dt : 0);
+        const Probe hand = at({0.001 * i, 0, -0.0003 * i});
+        ASSERT_TRUE(same_bits(silent.evaluate(hand, dt), twin.evaluate(hand, dt))) << i;
+    }
+}
+
+/// What a silence has done is done; what comes during it begins in full and fades as well.
+TEST(Silence, WhatComesDuringItFadesToo) {
+    Scene scene = make_scene();
+    for (int i = 1; i <= 300; ++i) {
+        scene.set_silence(i * dt);
+        scene.evaluate(probe, dt);
+    }
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000, .recovery = 0}));
+    double last = 0;
+    for (int i = 301; i <= 401; ++i) {
+        scene.set_silence(i * dt);
+        last = scene.evaluate(probe, dt).force.z();
+        if (i == 302) {
+            EXPECT_GT(last, 0.9);
+        }
+    }
+    EXPECT_EQ(last, 0);
+    // A shorter one than it was: who would have waited is back.
+    Scene moves = scene_with(OnSilence::move, OnSilence::move, 0.2);
+    for (int i = 1; i <= 400; ++i) {
+        moves.set_silence(i * dt);
+        last = moves.evaluate(probe, dt).force.z();
+    }
+    EXPECT_EQ(last, 0);
+    for (int i = 1; i <= 60; ++i) {
+        moves.set_silence(i * dt);
+        last = moves.evaluate(probe, dt).force.z();
+    }
+    EXPECT_NEAR(last, 1, 1e-11);
+}
+
 TEST(Silence, MoveGoesOnForItsTimeAndThenFades) {
     Scene scene = scene_with(OnSilence::move, OnSilence::move, 0.2);
     for (int i = 1; i <= 320; ++i) {
