@@ -6,6 +6,12 @@ namespace stability {
 
 using Eigen::Vector3d;
 
+namespace {
+
+constexpr knurl::SurfacePoint nowhere{.foot = {0, 0, -1e3}, .normal = {0, 0, 1}};  // all are above it
+
+}  // namespace
+
 Application::Application(const Conditions& conditions, double stiffness, double phase, unsigned seed)
     : Application(
           conditions, stiffness, phase,
@@ -84,27 +90,38 @@ Answer Application::solve(double t, const Vector3d& p, const Vector3d& velocity)
     if (method.kind == Method::Kind::force) {
         const Ridge::Foot foot = conditions_.ridge.foot(p);
         const double size = std::min(stiffness_ * std::max(0.0, -foot.height), conditions_.peak_force);
-        return knurl::ConstantForce{.force = knurl::to_plain(size * foot.normal),
-                                    .recovery = method.recovery};
+        return {
+            knurl::ConstantForce{.force = knurl::to_plain(size * foot.normal), .recovery = method.recovery}};
     }
-    knurl::Cap cap{
+    const knurl::Cap cap{
         .stiffness = stiffness_, .damping = conditions_.virtual_damping, .recovery = method.recovery};
-    knurl::Plane plane{.stiffness = stiffness_,
-                       .damping = conditions_.virtual_damping,
-                       .recovery = method.recovery,
-                       .update = method.update};
+    const knurl::Plane plane{.stiffness = stiffness_,
+                             .damping = conditions_.virtual_damping,
+                             .recovery = method.recovery,
+                             .update = method.update};
     const bool curved = method.kind == Method::Kind::cap;
-    knurl::SurfacePoint face = model_(knurl::to_plain(p));
+    knurl::Faces faces{.face = {}, .count = 1};
     if (method.predicted) {
         const knurl::HandNow hand{
             .time = t, .position = knurl::to_plain(p), .velocity = knurl::to_plain(velocity)};
-        face = knurl::follow_surface(model_, hand, {.latency = latency(), .interval = conditions_.interval()},
-                                     {.stiffness = stiffness_, .rim = curved ? cap.rim : 0}, memory_)
-                   .faces.face[0];
+        faces =
+            knurl::follow_surface(model_, hand, {.latency = latency(), .interval = conditions_.interval()},
+                                  {.stiffness = stiffness_, .rim = curved ? cap.rim : 0}, memory_)
+                .faces;
+    } else {
+        faces.face[0] = model_(knurl::to_plain(p));
     }
-    knurl::place(cap, face);
-    knurl::place(plane, face);
-    return curved ? Answer(cap) : Answer(plane);
+    most_faces_ = std::max<std::size_t>(most_faces_, faces.count);
+    Answer answer;
+    for (std::size_t i = 0; i < most_faces_; ++i) {
+        const knurl::SurfacePoint face = i < faces.count ? faces.face[i] : nowhere;
+        const auto placed = [&face](auto params) -> Representation {
+            knurl::place(params, face);
+            return params;
+        };
+        answer.push_back(curved ? placed(cap) : placed(plane));
+    }
+    return answer;
 }
 
 }  // namespace stability

@@ -2,19 +2,36 @@
 // The slow half of the loop: an application that reads the hand at its own rate, thinks, and answers late.
 
 #include <array>
+#include <cstddef>
 #include <variant>
+#include <vector>
 
 #include <knurl/client/predict.hpp>
 #include <knurl/reps/cap.hpp>
 #include <knurl/reps/constant_force.hpp>
 #include <knurl/reps/plane.hpp>
+#include <knurl/reps/scene.hpp>
 
 #include "conditions.hpp"
 #include "network.hpp"
 
 namespace stability {
 
-using Answer = std::variant<knurl::Plane, knurl::Cap, knurl::ConstantForce>;
+using Representation = std::variant<knurl::Plane, knurl::Cap, knurl::ConstantForce>;
+/// The faces of a corner, else one. As the client library does it, a face that was sent once and is no longer
+/// needed stays, where nobody is.
+using Answer = std::vector<Representation>;
+
+/// Puts an answer in place of the last: `add` returns the handle of what is new, `update` takes one.
+template <class Add, class Update>
+void put(const Answer& answer, std::vector<knurl::Handle>& there, Add&& add, Update&& update) {
+    for (std::size_t i = 0; i < answer.size(); ++i) {
+        if (i < there.size())
+            std::visit([&](const auto& params) { update(there[i], params); }, answer[i]);
+        else
+            there.push_back(std::visit(add, answer[i]));
+    }
+}
 
 class Application {
   public:
@@ -50,6 +67,7 @@ class Application {
     double stiffness_;
     knurl::SurfaceModel model_;
     knurl::FollowMemory memory_;
+    std::size_t most_faces_ = 1;  // that were sent at once
     Answer answer_;
     double next_read_;  // s
     double due_ = 0;    // s, of the answer under way

@@ -59,8 +59,10 @@ surface::Judgement relief_stroke(const ReliefStroke& stroke, const Conditions& c
     const knurl::SurfaceModel model = model_of(stroke.terrain);
     Application application(c, stiffness, phase,
                             c.method.kind == Method::Kind::cap ? knurl::curved(model) : model);
-    const knurl::Handle handle = std::visit([&](const auto& params) { return claim.add(params); },
-                                            application.first(stroke.path.rows.front().position));
+    std::vector<knurl::Handle> there;
+    const auto add = [&](const auto& params) { return claim.add(params); };
+    const auto update = [&](knurl::Handle handle, const auto& params) { claim.update(handle, params); };
+    put(application.first(stroke.path.rows.front().position), there, add, update);
     claim.arm();
     const surface::Span span{.rest_at = stroke.path.rest_at, .end = stroke.path.end, .period = c.period()};
     std::vector<surface::Cycle> cycles;
@@ -69,7 +71,7 @@ surface::Judgement relief_stroke(const ReliefStroke& stroke, const Conditions& c
     for (long i = 0; cycles.empty() || cycles.back().t <= span.end; ++i) {
         const double t = static_cast<double>(i) / c.rate;
         if (application.due(t)) {
-            std::visit([&](const auto& params) { claim.update(handle, params); }, application.answer());
+            put(application.answer(), there, add, update);
             claim.commit();
         }
         const knurl::Report& report = servo.step();

@@ -69,15 +69,17 @@ Figures servo_stroke(const std::string& name, const Conditions& conditions, doub
     knurl::servo::OfflineClaim& claim = servo.claim(std::move(terms));
 
     Application application(c, stiffness, chance.phase, seed);
-    const knurl::Handle handle =
-        std::visit([&](const auto& params) { return claim.add(params); }, application.first(start));
+    std::vector<knurl::Handle> there;
+    const auto add = [&](const auto& params) { return claim.add(params); };
+    const auto update = [&](knurl::Handle handle, const auto& params) { claim.update(handle, params); };
+    put(application.first(start), there, add, update);
     claim.arm();
     Judge judge(c, stiffness, measure);
     const auto cycles = static_cast<long>(std::lround(run_end * c.rate));
     for (long i = 0; i < cycles; ++i) {
         const double t = static_cast<double>(i) / c.rate;
         if (application.due(t)) {
-            std::visit([&](const auto& params) { claim.update(handle, params); }, application.answer());
+            put(application.answer(), there, add, update);
             claim.commit();
         }
         const knurl::Report& report = servo.step();

@@ -102,8 +102,14 @@ Figures stroke(const Conditions& conditions, double stiffness, unsigned seed, un
     knurl::Scene scene({.representations = 4, .probes = 1},
                        {.max_force = c.peak_force, .period = c.period()});
     scene.set_fade({.automatic = automatic, .rise_speed = 0.1});
-    const knurl::Handle handle{0, 1};
-    std::visit([&](const auto& params) { scene.add(handle, params); }, application.first(start));
+    std::vector<knurl::Handle> there;
+    const auto add = [&](const auto& params) {
+        const knurl::Handle handle{static_cast<std::uint32_t>(there.size()), 1};
+        scene.add(handle, params);
+        return handle;
+    };
+    const auto update = [&](knurl::Handle handle, const auto& params) { scene.update(handle, params); };
+    put(application.first(start), there, add, update);
     scene.settle();
 
     knurl::servo::FirstOrderVelocity damping(100), slow(20);
@@ -122,8 +128,7 @@ Figures stroke(const Conditions& conditions, double stiffness, unsigned seed, un
         slow.add(raw, c.period());
         probe.velocity = damping.value();
         const auto take = [&] {
-            if (application.due(t))
-                std::visit([&](const auto& params) { scene.update(handle, params); }, application.answer());
+            if (application.due(t)) put(application.answer(), there, add, update);
         };
         take();
         application.read(t, probe.position, slow.value());
