@@ -29,53 +29,70 @@ double proxy_distance(const ContactSet& set) noexcept {
 // state advances once. Returns the worst violation.
 double SceneCore::ask(ContactSet& set, const Group& group, double dt, double worst) noexcept {
     Arena& a = arenas_[arena_];
-    const std::uint32_t end = set.begin + set.count;
-    set.left_out = false;
+    std::uint32_t near = 0;
+    a.balls.for_near(set.moving_begin, set.moving_count, group.probe.position, set.slack,
+                     [&](std::uint32_t m) {
+                         ++near;
+                         set.inside += !a.moving[m].inside;
+                         a.moving[m].inside = true;
+                         worst = std::max(worst, ask_one(set, group, dt, a.moving[m].member));
+                     });
+    set.left_out = near < set.moving_count;
+    if (set.inside == near) return worst;
+    // Some were inside and are out of reach now. One that holds the probe from however deep has no ball at
+    // the moment.
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
         Moving& moving = a.moving[m];
-        const Vector3d away = Vector3d(moving.x, moving.y, moving.z) - group.probe.position;
-        const double reach = moving.reach + set.slack;
-        const bool out = !(away.squaredNorm() < reach * reach);
-        set.left_out = set.left_out || out;
-        if (out && !moving.inside) continue;
-        std::uint32_t i = moving.member;
-        Record& r = record(a.owner[i]);
-        // One that holds the probe from however deep has no ball at the moment.
-        if (out && kind_ops()[r.kind].bound(r)) {
-            if (dt > 0) moving.inside = false;
+        if (!moving.inside || a.balls.near(m, group.probe.position, set.slack)) continue;
+        Record& r = record(a.owner[moving.member]);
+        const KindOps& ops = kind_ops()[r.kind];
+        if (!ops.bound(r)) {
+            worst = std::max(worst, ask_one(set, group, dt, moving.member));
             continue;
         }
-        moving.inside = true;
-        if (r.asked < last_timed_) prime(r, group);
-        const bool held = r.use.on_silence == OnSilence::hold && silence_ > 0;
-        const double step = r.asked == cycle_ || held ? 0 : dt;
-        evaluated_ += r.asked != cycle_;
-        r.asked = cycle_;
-        const KindOps& ops = kind_ops()[r.kind];
-        const std::uint32_t count = ops.contact(r, group.probe, step, found_);
-        const auto& found = found_;
-        if (r.textured) {
-            Rough& feel = rough(a.owner[i]);
-            feel.shift += step * r.velocity;
-            const double speed = (group.probe.smooth_velocity - r.velocity).norm();
-            const double gain = texture_gain(feel.texture, speed, limits_);
-            for (std::uint32_t c = 0; c < count; ++c) {
-                found_[c].height -=
-                    gain * relief(feel.texture, group.probe.position, found[c].normal, feel.shift).height;
-            }
+        std::fill_n(a.s.begin() + moving.member, ops.contacts, -std::numeric_limits<double>::infinity());
+        if (!(dt > 0)) continue;
+        moving.inside = false;
+        --set.inside;
+    }
+    return worst;
+}
+
+// The surface whose first member is `i`. Returns its worst violation, among those that are solved together.
+double SceneCore::ask_one(const ContactSet& set, const Group& group, double dt, std::uint32_t i) noexcept {
+    Arena& a = arenas_[arena_];
+    Record& r = record(a.owner[i]);
+    if (r.asked < last_timed_) prime(r, group);
+    const bool held = r.use.on_silence == OnSilence::hold && silence_ > 0;
+    const double step = r.asked == cycle_ || held ? 0 : dt;
+    evaluated_ += r.asked != cycle_;
+    r.asked = cycle_;
+    const KindOps& ops = kind_ops()[r.kind];
+    const std::uint32_t count = ops.contact(r, group.probe, step, found_);
+    const auto& found = found_;
+    if (r.textured) {
+        Rough& feel = rough(a.owner[i]);
+        feel.shift += step * r.velocity;
+        const double speed = (group.probe.smooth_velocity - r.velocity).norm();
+        const double gain = texture_gain(feel.texture, speed, limits_);
+        for (std::uint32_t c = 0; c < count; ++c) {
+            found_[c].height -=
+                gain * relief(feel.texture, group.probe.position, found[c].normal, feel.shift).height;
         }
-        for (std::uint32_t c = 0; c < ops.contacts; ++c, ++i) {
-            if (c >= count) {
-                a.s[i] = -std::numeric_limits<double>::infinity();
-                continue;
-            }
-            a.nx[i] = found[c].normal.x();
-            a.ny[i] = found[c].normal.y();
-            a.nz[i] = found[c].normal.z();
-            a.s[i] = -found[c].height;
-            a.b[i] = found[c].damping * (set.scale == 1 ? r.weight : 1);
-            if (i < end) worst = std::max(worst, a.s[i]);
+    }
+    const std::uint32_t end = set.begin + set.count;
+    double worst = -std::numeric_limits<double>::infinity();
+    for (std::uint32_t c = 0; c < ops.contacts; ++c, ++i) {
+        if (c >= count) {
+            a.s[i] = -std::numeric_limits<double>::infinity();
+            continue;
         }
+        a.nx[i] = found[c].normal.x();
+        a.ny[i] = found[c].normal.y();
+        a.nz[i] = found[c].normal.z();
+        a.s[i] = -found[c].height;
+        a.b[i] = found[c].damping * (set.scale == 1 ? r.weight : 1);
+        if (i < end) worst = std::max(worst, a.s[i]);
     }
     return worst;
 }
@@ -133,6 +150,27 @@ const Layer* SceneCore::solve(ContactSet& set, const Group& group, double worst)
     return top;
 }
 
+// Damping of each plane that holds, against its own surface's motion: along the force alone, and never
+// pulling. Returns the size of what is left (N).
+double SceneCore::damped_force(ContactSet& set, const Group& group, const Layer& top) noexcept {
+    const Arena& a = arenas_[arena_];
+    double weighted = 0, closing = 0, sum = 0;
+    const double elastic = set.force.norm();
+    const Vector3d m = set.force / elastic;
+    for (std::uint32_t i = 0; i < top.solution.active.count; ++i) {
+        const std::uint32_t at = set.begin + top.solution.active.plane[i];
+        const double b = top.solution.multiplier[i] * a.b[at];
+        sum += top.solution.multiplier[i];
+        if (!(b > 0)) continue;
+        weighted += b;
+        const Owner owner = a.owner[at];
+        if (owner != bridge_owner) closing += b * record(owner).velocity.dot(m);
+    }
+    const double felt = std::max(0.0, elastic - (weighted * group.probe.velocity.dot(m) - closing) / sum);
+    set.force = felt * m;
+    return felt;
+}
+
 void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noexcept {
     set.force.setZero();
     set.elastic = set.per_elastic = 0;
@@ -142,7 +180,7 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
     const std::uint32_t begin = set.begin;
     const Vector3d& p = group.probe.position;
     double worst = -std::numeric_limits<double>::infinity();
-    if (set.count > 0)
+    if (set.standing > 0)  // else all of them are asked where they are
         worst =
             shift_to_probe(&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.c[begin], set.count, p, &a.s[begin]);
     if (set.summed > 0) {
@@ -182,28 +220,18 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
     set.elastic = elastic;
     set.touching = elastic > 0;
     if (top && set.touching) {
-        double weighted = 0, closing = 0, sum = 0;  // damping of each plane against its own surface's motion
-        const Vector3d m = set.force / elastic;
-        for (std::uint32_t i = 0; i < top->solution.active.count; ++i) {
-            const std::uint32_t at = begin + top->solution.active.plane[i];
-            const double b = top->solution.multiplier[i] * a.b[at];
-            sum += top->solution.multiplier[i];
-            if (!(b > 0)) continue;
-            weighted += b;
-            const Owner owner = a.owner[at];
-            if (owner != bridge_owner) closing += b * record(owner).velocity.dot(m);
-        }
-        if (weighted > 0) {  // along the force alone, and never pulling
-            felt = std::max(0.0, elastic - (weighted * group.probe.velocity.dot(m) - closing) / sum);
-            set.force = felt * m;
-        }
+        const ContactSolution& by = top->solution;
+        bool damped = false;
+        for (std::uint32_t i = 0; i < by.active.count; ++i)
+            damped = damped || by.multiplier[i] * a.b[begin + by.active.plane[i]] > 0;
+        if (damped) felt = damped_force(set, group, *top);
     }
     if (set.summed > 0) add_summed(set, group);
     const Vector3d whole = set.scale * set.force;
     set.force = clamped(whole, limits_.max_force);
     if (elastic > 0) {
-        const double size = whole.norm();
-        set.per_elastic = set.scale * felt / elastic * (size > 0 ? set.force.norm() / size : 1);
+        set.per_elastic = felt == elastic ? set.scale : set.scale * felt / elastic;
+        if (set.force != whole) set.per_elastic *= set.force.norm() / whole.norm();
     }
 }
 
@@ -215,8 +243,8 @@ bool SceneCore::near_falls_short() noexcept {
         const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
         Group& group = groups_[p];
         const double deep = std::max(group.now.slack, group.fading ? group.old.slack : 0) / 1.25;
-        const double moved = (group.probe.position - group.near.at).norm();
-        if (moved + deep < group.near.margin * near_rounding) continue;
+        const double left = group.near.margin * near_rounding - deep;
+        if (left > 0 && (group.probe.position - group.near.at).squaredNorm() < left * left) continue;
         collect_near(group, p);
         more = more || sets_edited_;
     }

@@ -146,9 +146,11 @@ class SceneCore {
     void evaluate_contacts(double dt, Wrench& sum) noexcept;
     const Layer* solve(ContactSet& set, const Group& group, double worst) noexcept;
     bool near_falls_short() noexcept;
+    double damped_force(ContactSet& set, const Group& group, const Layer& top) noexcept;
     void evaluate_set(ContactSet& set, const Group& group, double dt) noexcept;
     void prime(Record& record, const Group& group) noexcept;
     double ask(ContactSet& set, const Group& group, double dt, double worst) noexcept;
+    double ask_one(const ContactSet& set, const Group& group, double dt, std::uint32_t member) noexcept;
     void add_summed(ContactSet& set, const Group& group) noexcept;
 
     // scene_along.cpp

@@ -37,12 +37,14 @@ void SceneCore::copy_to_old(Group& group) noexcept {
     const auto copy = [&](auto& array) {
         std::copy_n(array.begin() + now.begin, now.count + now.summed, array.begin() + old.begin);
     };
-    for (std::vector<double>* array : {&a.nx, &a.ny, &a.nz, &a.c, &a.b}) copy(*array);
+    for (std::vector<double>* array : {&a.nx, &a.ny, &a.nz, &a.c, &a.s, &a.b}) copy(*array);
     copy(a.owner);
     for (std::uint32_t m = 0; m < now.moving_count; ++m) {
         Moving& moving = a.moving[old.moving_begin + m] = a.moving[now.moving_begin + m];
         moving.member += old.begin - now.begin;
+        a.balls.copy(now.moving_begin + m, old.moving_begin + m);
     }
+    old.inside = now.inside;
     old.count = now.count;
     old.standing = now.standing;
     old.summed = now.summed;

@@ -147,7 +147,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     set.count = set.standing = set.summed = 0;
     set.layers = 0;
     set.moving_begin = into.moving_used;
-    set.moving_count = set.room = set.moving_room = 0;
+    set.moving_count = set.room = set.moving_room = set.inside = 0;
     set.infeasible = set.rough = false;
     if (owners.empty()) {
         set.force.setZero();
@@ -219,17 +219,19 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
             // A surface that moves is asked each cycle; until then it is out of reach.
             into.c[part] = !stands ? -std::numeric_limits<double>::infinity()
                                    : plane.offset + (o == bridge_owner ? 0 : group.probe.radius);
+            into.s[part] = -std::numeric_limits<double>::infinity();
             into.b[part] = stands && o != bridge_owner ? plane.damping * (uniform ? 1 : weight_of(o)) : 0;
         }
         if (!stands) {
-            Moving& moving = into.moving[into.moving_used++];
-            moving = {.reach = std::numeric_limits<double>::infinity(), .member = at};
+            Eigen::Vector3d center = Eigen::Vector3d::Zero();
+            double reach = std::numeric_limits<double>::infinity();
             if (const std::optional<Bound> ball = kind_ops()[record(o).kind].bound(record(o))) {
-                moving = {ball->center.x(), ball->center.y(), ball->center.z(),
-                          ball->radius + group.probe.radius, at};
-                // Larger by what the rounding of coordinates may hide.
-                moving.reach += 1e-12 * (moving.reach + ball->center.lpNorm<1>());
+                center = ball->center;
+                reach = ball->radius + group.probe.radius;
+                reach += 1e-12 * (reach + center.lpNorm<1>());  // what the rounding of coordinates may hide
             }
+            into.balls.put(into.moving_used, center, reach);
+            into.moving[into.moving_used++] = {.member = at};
         }
         if (o != bridge_owner && &set == &group.now) slots_[o >> 1].member = at;
     }

@@ -41,6 +41,7 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
         }
         arena.owner.resize(members);
         arena.moving.resize(3 * n);
+        arena.balls.resize(3 * n);
     }
     scratch_.resize(2 * n + 1);
     reshaped_.resize(n);

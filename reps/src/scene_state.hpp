@@ -11,6 +11,8 @@
 #include <knurl/reps/scene.hpp>
 #include <knurl/reps/texture.hpp>
 
+#include "balls.hpp"
+
 namespace knurl::detail {
 
 // Of any list of kinds: so a kind that nobody uses does not even move the others in memory.
@@ -124,6 +126,7 @@ struct ContactSet {
     std::uint32_t standing = 0;                        // of those: planes that are not asked
     std::uint32_t summed = 0;                          // those behind them, whose forces add up
     std::uint32_t moving_begin = 0, moving_count = 0;  // surfaces that are asked each cycle
+    std::uint32_t inside = 0;                          // of those: asked when they were last looked at
     std::uint32_t layers = 0;
     bool rough = false;                   // one of them is
     bool left_out = false;                // of the last round of asking: some were out of reach
@@ -140,16 +143,15 @@ struct ContactSet {
 
 /// A surface that is asked each cycle, unless the probe is out of its ball.
 struct Moving {
-    double x = 0, y = 0, z = 0;  // m, center of the ball
-    double reach = 0;            // m, from there to the probe's center; infinity: always asked
-    std::uint32_t member = 0;    // its first
-    bool inside = true;          // it was asked when it was last looked at
+    std::uint32_t member = 0;  // its first
+    bool inside = false;       // it was asked when it was last looked at
 };
 
 struct Arena {
     std::vector<double> nx, ny, nz, c, s, b;
     std::vector<Owner> owner;
     std::vector<Moving> moving;
+    Balls balls;  // theirs; reach infinity: always asked
     std::uint32_t used = 0, moving_used = 0;
 };
 
