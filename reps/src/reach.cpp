@@ -1,8 +1,14 @@
 #include "reach.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <tuple>
+
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
 
 namespace knurl::detail {
 
@@ -61,56 +67,108 @@ void Reach::index() {
     loose_size_ = 0;
     nodes_.clear();
     if (items_.empty()) return;
-    nodes_.reserve(2 * items_.size() / leaf_size + 2);
+    origin_.setZero();
+    for (const std::uint32_t slot : items_)
+        origin_ +=
+            Eigen::Vector3d(ball_[slot].x, ball_[slot].y, ball_[slot].z) / static_cast<double>(items_.size());
+    nodes_.reserve(items_.size() / 4 + 8);
     build(0, static_cast<std::uint32_t>(items_.size()));
     item_balls_.resize(items_.size());
     for (std::size_t i = 0; i < items_.size(); ++i) item_balls_[i] = ball_[items_[i]];
 }
 
-// Halves by the median of the longest side: balanced, so the stack of `collect` is bounded.
-std::uint32_t Reach::build(std::uint32_t begin, std::uint32_t end) {
-    Node node{};
+Reach::Box Reach::box_of(std::uint32_t item) const noexcept {
+    const Ball& b = ball_[items_[item]];
+    const Eigen::Vector3d center(b.x, b.y, b.z);
+    const double r = b.r + rounding * (center.lpNorm<1>() + origin_.lpNorm<1>() + b.r);
+    return {(center - origin_).array() - r, (center - origin_).array() + r};
+}
+
+// Into runs of `part` that lie together: halves along the longest side of what their centres fill.
+void Reach::sort(std::uint32_t begin, std::uint32_t end, std::uint32_t part) {
+    if (end - begin <= part) return;
+    const auto along = [&](std::uint32_t slot, int axis) {
+        const Ball& ball = ball_[slot];
+        return axis == 0 ? ball.x : axis == 1 ? ball.y : ball.z;
+    };
+    int longest = 0;
+    double length = -1;
     for (int axis = 0; axis < 3; ++axis) {
-        node.low[axis] = std::numeric_limits<double>::infinity();
-        node.high[axis] = -node.low[axis];
+        const auto [low, high] = std::minmax_element(
+            items_.begin() + begin, items_.begin() + end,
+            [&](std::uint32_t a, std::uint32_t b) { return along(a, axis) < along(b, axis); });
+        if (along(*high, axis) - along(*low, axis) > length)
+            length = along(*high, axis) - along(*low, axis), longest = axis;
     }
-    for (std::uint32_t i = begin; i < end; ++i) {
-        const Ball& b = ball_[items_[i]];
-        const double at[3] = {b.x, b.y, b.z};
-        for (int axis = 0; axis < 3; ++axis) {
-            node.low[axis] = std::min(node.low[axis], at[axis] - b.r);
-            node.high[axis] = std::max(node.high[axis], at[axis] + b.r);
-        }
-    }
-    double size = 0;
-    for (int axis = 0; axis < 3; ++axis) size += std::abs(node.low[axis]) + std::abs(node.high[axis]);
-    for (int axis = 0; axis < 3; ++axis) {
-        node.low[axis] -= rounding * size;
-        node.high[axis] += rounding * size;
-    }
-    const auto me = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.push_back(node);
-    if (end - begin <= leaf_size) {
-        nodes_[me].begin = begin;
-        nodes_[me].end = end;
-        return me;
-    }
-    int axis = 0;
-    for (int a = 1; a < 3; ++a) {
-        if (node.high[a] - node.low[a] > node.high[axis] - node.low[axis]) axis = a;
-    }
-    const std::uint32_t middle = begin + (end - begin) / 2;
+    const std::uint32_t parts = (end - begin + part - 1) / part, middle = begin + parts / 2 * part;
     std::nth_element(items_.begin() + begin, items_.begin() + middle, items_.begin() + end,
-                     [&](std::uint32_t a, std::uint32_t b) {
-                         const auto along = [&](const Ball& ball) {
-                             return axis == 0 ? ball.x : axis == 1 ? ball.y : ball.z;
-                         };
-                         return along(ball_[a]) < along(ball_[b]);
-                     });
-    build(begin, middle);
-    const std::uint32_t second = build(middle, end);
-    nodes_[me].second = second;
-    return me;
+                     [&](std::uint32_t a, std::uint32_t b) { return along(a, longest) < along(b, longest); });
+    sort(begin, middle, part);
+    sort(middle, end, part);
+}
+
+std::pair<std::uint32_t, Reach::Box> Reach::build(std::uint32_t begin, std::uint32_t end) {
+    std::uint32_t part = 1;  // items of a child: as many as a full one has, so that all but the last are full
+    while (part * std::uint64_t{fan} < end - begin) part *= fan;
+    sort(begin, end, part);
+    constexpr double none = std::numeric_limits<double>::infinity();
+    Box whole{Eigen::Vector3d::Constant(none), Eigen::Vector3d::Constant(-none)};
+    const auto me = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.emplace_back();
+    Node node;
+    node.bottom = part == 1;
+    for (std::uint32_t lane = 0; lane < fan; ++lane) {
+        const std::uint64_t from = begin + std::uint64_t{lane} * part;
+        Box box{Eigen::Vector3d::Constant(none), Eigen::Vector3d::Constant(-none)};
+        node.child[lane] = nowhere;
+        if (from < end) {
+            const auto first = static_cast<std::uint32_t>(from);
+            if (part == 1) {
+                node.child[lane] = first;
+                box = box_of(first);
+            } else {
+                std::tie(node.child[lane], box) = build(first, std::min(first + part, end));
+            }
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            constexpr float away = std::numeric_limits<float>::infinity();
+            node.low[axis][lane] = std::nextafter(static_cast<float>(box.low[axis]), -away);
+            node.high[axis][lane] = std::nextafter(static_cast<float>(box.high[axis]), away);
+        }
+        whole = {whole.low.cwiseMin(box.low), whole.high.cwiseMax(box.high)};
+    }
+    nodes_[me] = node;
+    return {me, whole};
+}
+
+// Bits of the children whose boxes come as near as that (m^2); p from the origin.
+std::uint32_t Reach::near_children(const Node& node, const float (&p)[3], float square) noexcept {
+    std::uint32_t bits = 0;
+#if defined(__x86_64__)
+    for (std::uint32_t half = 0; half < fan; half += 4) {
+        __m128 sum = _mm_setzero_ps();
+        for (int axis = 0; axis < 3; ++axis) {
+            const __m128 at = _mm_set1_ps(p[axis]);
+            const __m128 below = _mm_sub_ps(_mm_load_ps(&node.low[axis][half]), at),
+                         above = _mm_sub_ps(at, _mm_load_ps(&node.high[axis][half])),
+                         far = _mm_max_ps(_mm_max_ps(below, above), _mm_setzero_ps());
+            sum = _mm_add_ps(sum, _mm_mul_ps(far, far));
+        }
+        const int near = _mm_movemask_ps(_mm_cmple_ps(sum, _mm_set1_ps(square)));
+        bits |= static_cast<std::uint32_t>(near) << half;
+    }
+#else
+    for (std::uint32_t lane = 0; lane < fan; ++lane) {
+        float sum = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float far =
+                std::max(std::max(node.low[axis][lane] - p[axis], p[axis] - node.high[axis][lane]), 0.0f);
+            sum += far * far;
+        }
+        bits |= std::uint32_t{sum <= square} << lane;
+    }
+#endif
+    return bits;
 }
 
 std::uint32_t Reach::collect(const Eigen::Vector3d& p, double within,
@@ -127,24 +185,27 @@ std::uint32_t Reach::collect(const Eigen::Vector3d& p, double within,
         if (near(ball_[loose_[i]]) && n < out.size()) out[n++] = loose_[i];
     }
     if (nodes_.empty()) return n;
-    std::uint32_t stack[64];
+    const Eigen::Vector3d from = p - origin_;
+    const float at[3] = {static_cast<float>(from.x()), static_cast<float>(from.y()),
+                         static_cast<float>(from.z())};
+    // Farther than p may be off in float, and by more than float's arithmetic may lose.
+    const double far = (slack + rounding * origin_.lpNorm<1>() + 1e-6 * from.lpNorm<1>()) * (1 + 1e-5);
+    const auto square = static_cast<float>(far * far * (1 + 1e-6));
+    std::uint32_t stack[(fan - 1) * 11 + 1];  // 11 levels are more than there are numbers for slots
     std::uint32_t depth = 0;
     stack[depth++] = 0;
-    const double limit = slack * slack;
     while (depth > 0) {
-        const std::uint32_t at = stack[--depth];
-        const Node& node = nodes_[at];
-        const double x = std::max(std::max(node.low[0] - px, px - node.high[0]), 0.0);
-        const double y = std::max(std::max(node.low[1] - py, py - node.high[1]), 0.0);
-        const double z = std::max(std::max(node.low[2] - pz, pz - node.high[2]), 0.0);
-        if (!(x * x + y * y + z * z < limit)) continue;
-        if (node.end > node.begin) {
-            for (std::uint32_t i = node.begin; i < node.end; ++i) {
-                if (near(item_balls_[i]) && in_tree_[items_[i]] && n < out.size()) out[n++] = items_[i];
+        const Node& node = nodes_[stack[--depth]];
+        for (std::uint32_t bits = near_children(node, at, square); bits != 0; bits &= bits - 1) {
+            const std::uint32_t child = node.child[std::countr_zero(bits)];
+            if (child == nowhere) break;  // as all behind it
+            if (node.bottom == 0) {
+                stack[depth++] = child;
+                for (std::size_t line = 0; line < sizeof(Node); line += 64)
+                    __builtin_prefetch(reinterpret_cast<const std::byte*>(&nodes_[child]) + line);
+            } else if (near(item_balls_[child]) && in_tree_[items_[child]] && n < out.size()) {
+                out[n++] = items_[child];
             }
-        } else {
-            stack[depth++] = at + 1;
-            stack[depth++] = node.second;
         }
     }
     return n;

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,14 +38,22 @@ class Reach {
     struct Ball {
         double x = 0, y = 0, z = 0, r = 0;  // m
     };
-    struct Node {
-        double low[3], high[3];            // m, encloses the balls, and what rounding may hide
-        std::uint32_t begin = 0, end = 0;  // of a leaf: its items
-        std::uint32_t second = 0;          // of a branch: its second child; the first follows it
+    static constexpr std::uint32_t fan = 8;
+    struct Box {
+        Eigen::Vector3d low, high;  // m, from origin_
     };
-    std::uint32_t build(std::uint32_t begin, std::uint32_t end);
+    /// Boxes around eight children, or at the bottom around eight items: in float, larger than what rounding
+    /// may hide.
+    struct alignas(64) Node {
+        float low[3][fan], high[3][fan];  // m, from origin_
+        std::uint32_t child[fan];         // nodes; at the bottom: items
+        std::uint32_t bottom = 0;
+    };
+    std::pair<std::uint32_t, Box> build(std::uint32_t begin, std::uint32_t end);
+    Box box_of(std::uint32_t item) const noexcept;
+    static std::uint32_t near_children(const Node& node, const float (&p)[3], float square) noexcept;
+    void sort(std::uint32_t begin, std::uint32_t end, std::uint32_t part);
     static constexpr std::uint32_t nowhere = 0xffffffff;
-    static constexpr std::uint32_t leaf_size = 4;
 
     std::vector<Ball> ball_;             // by slot
     std::vector<std::uint32_t> loose_;   // slots
@@ -53,7 +62,9 @@ class Reach {
     std::uint32_t loose_size_ = 0;
     std::uint32_t size_ = 0;
     double radii_ = 0;  // m, sum
-    std::vector<Node> nodes_;
+    Eigen::Vector3d origin_ =
+        Eigen::Vector3d::Zero();        // m, in the middle: floats are exact enough from there
+    std::vector<Node> nodes_;           // the root is the first
     std::vector<std::uint32_t> items_;  // slots, in the tree's order
     std::vector<Ball> item_balls_;      // theirs, as the tree was built
 };
