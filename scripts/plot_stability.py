@@ -48,11 +48,7 @@ def column(table, name):
     return [row["values"][i] for row in table["rows"]]
 
 
-def origin(figure, run):
-    figure.text(0.01, 0.004, f"{run['seeds']} seeds on the virtual clock. {machine_line(run['machine'])}.", fontsize=6, color=FAINT)
-
-
-def draw_bound(tables, run, path):
+def draw_bound(tables):
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.2, 4.2), gridspec_kw={"width_ratios": [1, 1]})
     bound = tables["bound"]
     x = column(bound, "bound")
@@ -90,11 +86,10 @@ def draw_bound(tables, run, path):
     right.set_title("Virtual damping must not simply be counted in", fontsize=9, loc="left")
     plain(right)
     figure.tight_layout(rect=(0, 0.03, 1, 1))
-    origin(figure, run)
-    save(figure, path, dpi=100)
+    return figure
 
 
-def draw_methods(tables, run, path):
+def draw_methods(tables):
     figure, panels = plt.subplots(1, 2, figsize=(9.2, 4.2), sharey=True)
     for axes, key, title in ((panels[0], "gentle", "gentle ridge, 0.15 m/s"), (panels[1], "harsh", "harsh ridge, 0.15 m/s")):
         table = tables[key]
@@ -117,11 +112,10 @@ def draw_methods(tables, run, path):
         plain(axes)
     panels[0].invert_yaxis()
     figure.tight_layout(rect=(0, 0.03, 1, 1))
-    origin(figure, run)
-    save(figure, path, dpi=100)
+    return figure
 
 
-def draw_factors(tables, run, path):
+def draw_factors(tables):
     figure, panels = plt.subplots(3, 3, figsize=(9.2, 8.0))
     panels = panels.flatten()
     for axes, (key, label, scale, logarithmic) in zip(panels, FACTORS):
@@ -157,11 +151,10 @@ def draw_factors(tables, run, path):
     handles = [plt.Line2D([], [], color=c, marker=m, ms=5, lw=1.2, label=n) for n, (c, m) in LOOKS.items()]
     figure.legend(handles=handles, ncol=3, fontsize=8, frameon=False, loc="upper center")
     figure.tight_layout(rect=(0, 0.015, 1, 0.94))
-    origin(figure, run)
-    save(figure, path, dpi=100)
+    return figure
 
 
-def draw_network(tables, run, path):
+def draw_network(tables):
     figure, panels = plt.subplots(2, 2, figsize=(8.2, 6.0), sharey=True)
     for axes, (key, label, scale) in zip(panels.flatten(), NETWORK):
         table = tables[key]
@@ -179,8 +172,7 @@ def draw_network(tables, run, path):
     handles = [plt.Line2D([], [], color=c, marker=m, ms=5, lw=1.2, label=n) for n, (c, m) in LOOKS.items() if n in shown]
     figure.legend(handles=handles, ncol=3, fontsize=8, frameon=False, loc="upper center")
     figure.tight_layout(rect=(0, 0.02, 1, 0.91))
-    origin(figure, run)
-    save(figure, path)
+    return figure
 
 
 def main(arguments):
@@ -196,7 +188,9 @@ def main(arguments):
             drawings = (("network", draw_network),)
         for name, draw in drawings:
             path = os.path.join(arguments[1], name + ".png")
-            draw(tables, run, path)
+            figure = draw(tables)
+            figure.text(0.01, 0.004, f"{run['seeds']} seeds on the virtual clock. {machine_line(run['machine'])}.", fontsize=6, color=FAINT)
+            save(figure, path, dpi=100)
             print(f"{path}: {os.path.getsize(path) // 1024} KB")
     except FileNotFoundError as error:
         sys.exit(f"plot_stability: {error.filename}: not found; run scripts/stability first")

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <thread>
 
 #include <sched.h>
 
@@ -127,9 +128,13 @@ TEST_P(Faults, AZeroThatMeetsAStallAtTheEndIsSentAgain) {
     ASSERT_TRUE(pushes(*device));
     bus_.freeze(true);
     bus_.locked([&] { model_->stalls_out = 1; });
+    std::thread closing([&] { device.reset(); });
+    while (bus_.in_flight("1-1") > 1) std::this_thread::yield();  // it gives up what it had on its way
     bus_.freeze(false);
-    device.reset();
+    closing.join();
     EXPECT_TRUE(bus_.wait(1000, [&] { return model_->motors() == std::array<int, 3>{}; }));
+    bus_.locked(
+        [&] { EXPECT_TRUE(model_->requests().back().is_zero()) << "it was not told: its watchdog did it"; });
 }
 
 TEST_P(Faults, OneThatStallsForEverIsOpenedAnew) {
