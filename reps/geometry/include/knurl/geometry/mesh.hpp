@@ -1,0 +1,81 @@
+#pragma once
+// A triangle mesh in the form that the servo walks on, and its builder: takes the time that it takes,
+// allocates, throws. Never called from real-time code.
+//
+//   Triangles ──> finite? indices? ──> weld ──> drop zero-area and duplicate faces ──> pair edges (radially
+//   where more than two meet) ──> orient ──> split vertices with two fans, and fans of more than 64 ──> BVH,
+//   faces in its order ──> mark faces that others cross
+//
+// What can be mended is, and told in MeshNotes; the rest is refused with the numbers of the triangles and the
+// reason.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <knurl/geometry/asset.hpp>
+#include <knurl/geometry/triangles.hpp>
+
+namespace knurl {
+
+/// One line that says what is wrong, at which triangle, and what to do.
+struct MeshError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+/// MeshBuild::go_on said no.
+struct MeshCancelled : MeshError {
+    using MeshError::MeshError;
+};
+
+struct MeshBuild {
+    /// Corners as double: 32 bytes more a face, and 1e-11 m instead of 1e-7 of the mesh's size.
+    bool exact = false;
+    /// Of the mesh's size: vertices nearer than that are one. 0: only those that are equal.
+    double weld = 1e-6;
+    /// Memory of the result and of building it (bytes); more is refused before it is taken.
+    std::size_t budget = std::size_t{256} << 20;
+    /// Looks for faces that cross others: 0.6 s per million. Without it a hand may pass under a crossing
+    /// sheet.
+    bool find_crossings = true;
+    /// Asked after every slice of at most some milliseconds; false ends the building with MeshCancelled.
+    std::function<bool()> go_on = {};
+};
+
+/// What the builder found and mended.
+struct MeshNotes {
+    std::uint64_t triangles_given = 0, vertices_given = 0;
+    std::uint64_t vertices_not_finite = 0;  // not finite, or 1e7 m away or more: their faces are dropped
+    std::uint64_t vertices_far = 0;  // of no plausible place (beyond 1000 times the others' spread): likewise
+    std::uint64_t vertices_welded = 0;   // that became another one
+    std::uint64_t faces_dropped = 0;     // with such a vertex
+    std::uint64_t faces_degenerate = 0;  // without area
+    std::uint64_t faces_duplicate = 0;
+    std::uint64_t faces_turned = 0;  // wound against their neighbours
+    std::uint64_t edges_open = 0, edges_non_manifold = 0, vertices_split = 0, faces_crossed = 0;
+    std::uint64_t parts = 0;  // that hang together
+};
+
+/// About what the building of so many would take in all (bytes), so that a budget can be asked for.
+std::size_t mesh_budget(std::size_t vertices, std::size_t triangles, bool exact) noexcept;
+
+struct MeshData;  // src/mesh_data.hpp
+
+class Mesh final : public Asset {
+  public:
+    /// Throws MeshError, std::bad_alloc.
+    explicit Mesh(const Triangles& given, const MeshBuild& how = {});
+    ~Mesh() override;
+
+    std::size_t bytes() const noexcept override;
+    std::size_t faces() const noexcept;
+    const MeshNotes& notes() const noexcept;
+    const MeshData& data() const noexcept { return *data_; }
+
+  private:
+    std::unique_ptr<MeshData> data_;
+};
+
+}  // namespace knurl

@@ -1,0 +1,81 @@
+#pragma once
+// What the walk reads. Faces lie in the order of the tree's leaves, corners in metres from `origin`.
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <knurl/geometry/mesh.hpp>
+
+namespace knurl {
+
+/// A neighbour and the edge of it over which one comes: face << 2 | edge.
+using Link = std::uint32_t;
+inline constexpr Link no_link = 0xffffffff;
+inline constexpr Link link_to(std::uint32_t face, std::uint32_t edge) noexcept {
+    return face << 2 | edge;
+}
+inline constexpr std::uint32_t face_of(Link link) noexcept {
+    return link >> 2;
+}
+inline constexpr std::uint32_t edge_of(Link link) noexcept {
+    return link & 3;
+}
+
+// Edge i of a face goes from corner i to corner i + 1 (mod 3); its neighbour's goes the other way.
+enum FaceFlag : std::uint8_t {
+    face_crossed = 1,  // another face passes through it: the walk alone might pass under that
+    face_rim = 2,  // an edge or a vertex of it has no neighbour: where the walk rests there the tree is asked
+};
+
+/// All that one step of the walk needs: one line of memory.
+struct alignas(64) Face {
+    float corner[3][3];
+    Link over[3];
+    std::uint32_t triangle;  // as given
+    std::uint8_t material, flags;
+    std::uint16_t reserved;
+};
+static_assert(sizeof(Face) == 64);
+
+struct alignas(32) ExactFace {
+    double corner[3][3];
+    Link over[3];
+    std::uint32_t triangle;
+    std::uint8_t material, flags;
+    std::uint16_t reserved;
+};
+static_assert(sizeof(ExactFace) == 96);
+
+/// Boxes around eight children, rounded outwards.
+struct alignas(32) MeshNode {
+    static constexpr std::uint32_t fan = 8;
+    float low[3][fan], high[3][fan];  // m, from origin; of an empty place low > high
+    /// A node's index, or leaf_bit | (count - 1) << 28 | first face, 1 to 4 of them.
+    std::uint32_t child[fan];
+    static constexpr std::uint32_t leaf_bit = 0x80000000;
+};
+static_assert(sizeof(MeshNode) == 224);
+inline constexpr bool is_leaf(std::uint32_t child) noexcept {
+    return (child & MeshNode::leaf_bit) != 0;
+}
+inline constexpr std::uint32_t leaf_count(std::uint32_t child) noexcept {
+    return ((child >> 28) & 7) + 1;
+}
+inline constexpr std::uint32_t leaf_first(std::uint32_t child) noexcept {
+    return child & 0x0fffffff;
+}
+
+struct MeshData {
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // m, in the mesh's frame
+    double size = 0;                                   // m, the box's diagonal
+    bool exact = false;
+    bool open = false;        // some edge has no neighbour
+    std::vector<Face> faces;  // one of the two is empty
+    std::vector<ExactFace> exact_faces;
+    std::vector<MeshNode> nodes;  // the root is the first; every child comes after its parent
+    MeshNotes notes;
+};
+
+}  // namespace knurl
