@@ -94,6 +94,25 @@ void Scene::set_limits(const Limits& limits) noexcept {
     }
 }
 
+void Scene::set_asset(std::uint32_t number, const Asset* asset) noexcept {
+    if (number > 0 && number <= max_assets) impl_->assets_[number - 1] = asset;
+}
+
+bool Scene::refers_to(const Asset& asset) const noexcept {
+    const auto made_of = [&](const detail::Record& r) {
+        return detail::kind_ops()[r.kind].asset(r) == &asset;
+    };
+    for (std::uint32_t i = 0; i < impl_->slots_.size(); ++i) {
+        const detail::Slot& slot = impl_->slots_[i];
+        if (slot.felt && made_of(impl_->felt(i))) return true;
+        if (slot.old_surface_of < 0) continue;
+        const detail::Group& group = impl_->groups_[static_cast<std::uint32_t>(slot.old_surface_of)];
+        const bool fades = group.fading && !group.bridged && group.fade == slot.old_in_fade;
+        if ((fades || slot.old_in_fade == 0) && made_of(impl_->faded(i))) return true;
+    }
+    return false;
+}
+
 void Scene::index() {
     impl_->reach_.index();
 }

@@ -15,6 +15,15 @@ namespace {
 constexpr double pulse_time = 4e-3;   // s: Salcudean and Vlaar 1994
 constexpr double rearm_time = 20e-3;  // s outside, until the next entry brakes again
 
+// Where the surface's material rubs more or less than the rest of it.
+FrictionLaw scaled(FrictionLaw law, double share) noexcept {
+    law.static_ *= share;
+    law.dynamic *= share;
+    law.viscous *= share;
+    law.stiffness_per_newton *= share;
+    return law;
+}
+
 // Calls visit(member, newtons) for every plane that pushes, with its part of the normal force.
 template <class Visit>
 void each_push(const ContactSet& set, const Arena& a, const auto& stiffness_of, double share,
@@ -103,8 +112,8 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
             surface_velocity += share * r.velocity;
             if (!r.rough) return add_share(law, leading, FrictionLaw{}, share);
             const Rough& feel = rough(owner);
-            add_share(law, leading, feel.law, share);
-            viscous += of_set * feel.law.viscous;
+            add_share(law, leading, feel.share == 1 ? feel.law : scaled(feel.law, feel.share), share);
+            viscous += of_set * feel.share * feel.law.viscous;
             braking += share * feel.braking;
             if (!r.textured) return;
             const Vector3d n(a.nx[member], a.ny[member], a.nz[member]);

@@ -46,7 +46,7 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
         now.asked = last_timed_;  // there is nothing before that to catch up with
     }
     if (now.rough && !(previous && previous->rough)) rough(owner(i, false)).shift.setZero();
-    ops.adopt(now, previous, groups_[now.probe].probe);
+    ops.adopt(now, previous, groups_[now.probe].probe, assets_);
     if (settle_) ops.settle(now);
 }
 

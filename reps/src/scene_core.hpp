@@ -25,9 +25,13 @@ namespace knurl::detail {
 
 class SceneCore;
 
+/// By number less one; null: there is none.
+using Assets = std::array<const Asset*, max_assets>;
+
 /// What the scene knows of a kind: functions over raw bytes, made from the typed ones.
 struct KindOps {
     bool surface = false;
+    bool turns = false;          // a surface's velocity is that of its contact
     std::uint32_t contacts = 1;  // tangent planes of a surface, at most
     std::size_t params_size = 0, state_size = 0;
     // Parameters as they would be felt.
@@ -44,13 +48,14 @@ struct KindOps {
                     double& recovery) noexcept = nullptr;
     // Parameters and what follows from them; not state and use. `rough` only where the record says so.
     void (*install)(const std::byte* prepared, const Limits&, Record& out, Rough& rough) noexcept = nullptr;
-    void (*adopt)(Record& now, const Record* previous, const Probe&) noexcept = nullptr;
+    void (*adopt)(Record& now, const Record* previous, const Probe&, const Assets&) noexcept = nullptr;
     void (*settle)(Record&) noexcept = nullptr;
     double (*fade_time)(const std::byte* params) noexcept = nullptr;     // s, or automatic
     double (*asked_stiffness)(const std::byte* raw) noexcept = nullptr;  // N/m
     bool (*carry)(Record& old, const Record& next) noexcept = nullptr;   // true: the rest is equal too
     std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;     // of a surface
     void (*out_of_reach)(Record&) noexcept = nullptr;                    // its path so far is forgotten
+    const Asset* (*asset)(const Record&) noexcept = nullptr;             // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
     void (*evaluate_all)(SceneCore&, std::span<const std::uint32_t> slots, double dt,
@@ -184,6 +189,7 @@ class SceneCore {
                Place place = &Slot::place) noexcept;
 
     Scene::Capacity capacity_;
+    Assets assets_{};
     Limits limits_;
     FadePolicy policy_;
     double silence_ = 0;         // s

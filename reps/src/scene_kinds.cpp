@@ -109,8 +109,13 @@ struct Ops {
         }
     }
     // The state of one that stood is that of a new one: nobody has asked it.
-    static void adopt_new(Record& now, const Record* previous, const Probe& probe) noexcept {
+    static void adopt_new(Record& now, const Record* previous, const Probe& probe,
+                          [[maybe_unused]] const Assets& assets) noexcept {
         if (!previous || previous->stands) new (now.state) typename R::State{};
+        if constexpr (requires(R r) { r.asset; }) {
+            const std::uint32_t number = params_of<R>(now).asset;
+            state_of<R>(now).asset = number > 0 && number <= max_assets ? assets[number - 1] : nullptr;
+        }
         adopt(params_of<R>(now), previous ? &params_of<R>(*previous) : nullptr, state_of<R>(now), probe);
     }
     static void settle_now(Record& r) noexcept {
@@ -161,6 +166,13 @@ struct Ops {
         if constexpr (requires { out_of_reach(params_of<R>(r), state_of<R>(r)); })
             out_of_reach(params_of<R>(r), state_of<R>(r));
     }
+    static const Asset* asset_of([[maybe_unused]] const Record& r) noexcept {
+        if constexpr (requires(const typename R::State& state) { state.asset; }) {
+            return std::launder(reinterpret_cast<const typename R::State*>(r.state))->asset;
+        } else {
+            return nullptr;
+        }
+    }
     static std::uint32_t contact_at(Record& r, const Probe& probe, double dt,
                                     std::span<Contact> out) noexcept {
         if constexpr (requires { contacts(params_of<R>(r), state_of<R>(r), probe, dt, out); }) {
@@ -201,6 +213,12 @@ struct Ops {
 };
 
 template <class R>
+constexpr bool turns_of() {
+    if constexpr (requires { R::turns; }) return R::turns;
+    return false;
+}
+
+template <class R>
 constexpr std::uint32_t contacts_of() {
     if constexpr (requires { R::max_contacts; }) {
         static_assert(R::max_contacts <= max_contacts);
@@ -213,6 +231,7 @@ constexpr std::uint32_t contacts_of() {
 template <class... R>
 constexpr auto table(TypeList<R...>) {
     return std::array<KindOps, sizeof...(R)>{KindOps{.surface = Surface<R>,
+                                                     .turns = turns_of<R>(),
                                                      .contacts = contacts_of<R>(),
                                                      .params_size = sizeof(R),
                                                      .state_size = sizeof(typename R::State),
@@ -229,6 +248,7 @@ constexpr auto table(TypeList<R...>) {
                                                      .carry = &Ops<R>::carry,
                                                      .bound = &Ops<R>::bound_of,
                                                      .out_of_reach = &Ops<R>::forget_path,
+                                                     .asset = &Ops<R>::asset_of,
                                                      .contact = &Ops<R>::contact_at,
                                                      .evaluate = &Ops<R>::evaluate_at,
                                                      .evaluate_all = &Ops<R>::evaluate_all}...};

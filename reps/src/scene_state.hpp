@@ -56,6 +56,7 @@ struct Rough {
     Texture texture;
     double braking = 0;
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // m, by which its velocity has carried the texture
+    double share = 1;                                 // of the friction, where it is touched
 };
 
 struct alignas(64) Record : RecordHead {

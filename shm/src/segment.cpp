@@ -48,7 +48,9 @@ Segment& Segment::operator=(Segment&& other) noexcept {
 Segment::~Segment() = default;
 
 Segment::Segment(UniqueFd fd, std::size_t bytes, Access access, std::string_view what) : fd_(std::move(fd)) {
-    const ipc::mode_t mode = access == Access::read_write ? ipc::read_write : ipc::read_only;
+    const ipc::mode_t mode = access == Access::read_write     ? ipc::read_write
+                             : access == Access::private_copy ? ipc::copy_on_write
+                                                              : ipc::read_only;
     try {
         // MAP_POPULATE: the first touch of a page costs microseconds, which no cycle has.
         mapping_ = std::make_unique<Mapping>(
@@ -77,7 +79,10 @@ Segment Segment::create(std::string_view name, std::size_t bytes) {
     return Segment(std::move(fd), bytes, Access::read_write, name);
 }
 
-Segment Segment::open(int fd, std::size_t expected_bytes, Access access) {
+namespace {
+
+/// A descriptor of our own on a memfd of exactly that size, sealed so.
+UniqueFd received(int fd, std::size_t expected_bytes, int needed, const char* seals_by_name) {
     const std::string who = "received segment (descriptor " + std::to_string(fd) + ")";
     UniqueFd own(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
     if (!own) throw_errno(who + ": cannot duplicate", "hand over an open descriptor");
@@ -88,10 +93,30 @@ Segment Segment::open(int fd, std::size_t expected_bytes, Access access) {
         throw std::runtime_error(who + ": has " + std::to_string(status.st_size) + " bytes instead of " +
                                  std::to_string(expected_bytes) + "; both sides must be built alike");
     const int seals = ::fcntl(own.get(), F_GET_SEALS);
-    if (seals < 0 || (seals & size_seals) != size_seals)
-        throw std::runtime_error(
-            who + ": its size is not sealed; hand over a memfd with F_SEAL_SHRINK and F_SEAL_GROW");
-    return Segment(std::move(own), expected_bytes, access, "received");
+    if (seals < 0 || (seals & needed) != needed)
+        throw std::runtime_error(who + ": it is not sealed; hand over a memfd with " + seals_by_name);
+    return own;
+}
+
+}  // namespace
+
+Segment Segment::open(int fd, std::size_t expected_bytes, Access access) {
+    return Segment(received(fd, expected_bytes, size_seals, "F_SEAL_SHRINK and F_SEAL_GROW"), expected_bytes,
+                   access, "received");
+}
+
+Segment Segment::open_sealed(int fd, std::size_t expected_bytes) {
+    return Segment(received(fd, expected_bytes, size_seals | F_SEAL_WRITE | F_SEAL_SEAL,
+                            "F_SEAL_WRITE, F_SEAL_SHRINK, F_SEAL_GROW and F_SEAL_SEAL"),
+                   expected_bytes, Access::private_copy, "received");
+}
+
+UniqueFd Segment::seal(Segment written) {
+    UniqueFd fd = std::move(written.fd_);
+    written = Segment();  // a file that is mapped for writing cannot be sealed against it
+    if (::fcntl(fd.get(), F_ADD_SEALS, size_seals | F_SEAL_WRITE | F_SEAL_SEAL) != 0)
+        throw_errno("segment: cannot seal against writing", "unmap it everywhere first");
+    return fd;
 }
 
 void Segment::seal_against_new_writers() {

@@ -78,7 +78,8 @@ class RemoteLink final : public detail::Link {
                                   .device = connection_->devices()[device],
                                   .device_index = device,
                                   .reports = std::make_shared<RemoteReports>(stream),
-                                  .channel = {}};
+                                  .channel = {},
+                                  .assets = {}};
         if (request.observe == 0) result.channel = std::make_unique<RemoteChannel>(stream);
         return result;
     }

@@ -45,6 +45,7 @@ void ClaimState::set(Handle handle, Kind kind, const void* params, std::size_t b
     const Lock lock = enter();
     entry(handle);
     validate(kind, params, bytes);
+    require_asset(kind, params);
     park_sides(handle, 0);
     table_.set(handle, {static_cast<const std::byte*>(params), bytes});
     if (last_) note_basis(last_->cycle);
@@ -232,6 +233,7 @@ void ClaimState::on_attach(Attachment& attachment, bool again) {
     basis_cycle_ = 0;
     first_of_channel_ = sequence_;
     table_.restarted();
+    resend_assets(attachment);
     for (const auto& [probe, placement] : probes_) {
         const protocol::PlaceProbeBody body{.probe = probe, .reserved = 0, .placement = placement};
         const auto bytes = std::as_bytes(std::span(&body, 1));

@@ -5,13 +5,16 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <knurl/client/client.hpp>
 
+#include "asset_source.hpp"
 #include "reader.hpp"
 #include "recent.hpp"
 #include "table.hpp"
@@ -32,6 +35,10 @@ class ClaimState final : public Reader {
     void together(const std::function<void()>& changes);
     /// arm, disarm, reset_fault: sends it and waits for the answer.
     void ask(protocol::CommandType type);
+
+    std::pair<std::uint32_t, std::unique_ptr<AssetTransfer>> begin_sending(AssetMemory source);
+    void sent(std::uint32_t number, bool there) noexcept;  // it is there, or never will be
+    void forget(std::uint32_t number);
 
     std::uint64_t commit();
     bool wait_applied(std::uint64_t number, std::chrono::nanoseconds timeout);
@@ -57,12 +64,21 @@ class ClaimState final : public Reader {
         Kind kind = 0;
     };
 
+    struct SentAsset {
+        AssetMemory source;
+        bool there = false;
+    };
+
     void on_attach(Attachment& attachment, bool again) override;
     void on_detach() override;
 
     // All of these with `mutex_` held.
     Entry& entry(Handle handle);  // throws Error::stale_handle
     Handle add_now(Kind kind, const void* params, std::size_t bytes, const Use& use);
+    static std::uint32_t asset_of(std::span<const std::byte> params);
+    void require_asset(std::uint32_t number) const;  // throws Error
+    void require_asset(Kind kind, const void* params) const;
+    void resend_assets(Attachment& attachment);
     ClaimChannel* channel() { return attachment_ ? attachment_->channel.get() : nullptr; }
     static Command add_command(Handle handle, const Entry& entry, std::span<const std::byte> params);
     void issue(Command command);  // alone, or into the open group; taken back if it throws
@@ -93,6 +109,7 @@ class ClaimState final : public Reader {
 
     Table table_;
     std::map<std::uint32_t, ProbePlacement> probes_;
+    std::map<std::uint32_t, SentAsset> assets_;  // by number
     Limits limits_;
 
     int depth_ = 0;  // of together()

@@ -3,6 +3,7 @@
 #include "claim_state.hpp"
 #include "client_state.hpp"
 #include "reader.hpp"
+#include "sending_state.hpp"
 
 namespace knurl {
 
@@ -95,6 +96,28 @@ void Claim::together(const std::function<void()>& changes) {
 void Claim::place_probe(std::uint32_t probe, const ProbePlacement& placement) {
     state_->place_probe(probe, placement);
 }
+Sending Claim::begin_sending(const Triangles& mesh, const SendOptions& options) {
+    auto [number, transfer] = state_->begin_sending(detail::source_of(mesh, options));
+    return Sending(std::make_shared<detail::SendingState>(state_, number, std::move(transfer)));
+}
+SentMesh Claim::send(const Triangles& mesh, const SendOptions& options) {
+    Sending sending = begin_sending(mesh, options);
+    for (;;)
+        if (const std::optional<SentMesh> sent = sending.done(std::chrono::hours(1))) return *sent;
+}
+void Claim::forget(std::uint32_t asset) {
+    state_->forget(asset);
+}
+
+Sending::Sending(std::shared_ptr<detail::SendingState> state) : state_(std::move(state)) {}
+Sending::~Sending() = default;
+std::optional<SentMesh> Sending::done(std::chrono::nanoseconds wait) {
+    return state_->done(wait);
+}
+int Sending::fd() const {
+    return state_->fd();
+}
+
 void Claim::arm() {
     state_->ask(protocol::CommandType::arm);
 }

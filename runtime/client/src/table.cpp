@@ -89,6 +89,13 @@ void Table::set(Handle handle, std::span<const std::byte> params) {
     entry->params.assign(params.begin(), params.end());
 }
 
+std::vector<Handle> Table::live() const {
+    std::vector<Handle> result;
+    for (std::uint32_t slot = 0; slot < entries_.size(); ++slot)
+        if (entries_[slot].live) result.push_back(handle_of(slot));
+    return result;
+}
+
 std::vector<Handle> Table::issued() const {
     std::vector<Handle> result;
     for (std::uint32_t slot = 0; slot < entries_.size(); ++slot)

@@ -61,6 +61,7 @@ class Table {
     void set_leaving(Handle handle, bool leaving) { entries_[handle.slot].leaving = leaving; }
     void set(Handle handle, std::span<const std::byte> params);
 
+    std::vector<Handle> live() const;
     /// Live entries whose `add` was sent, in the order in which they were added.
     std::vector<Handle> issued() const;
     Handle handle_of(std::uint32_t slot) const {

@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/device_segment.hpp>
 
@@ -32,6 +33,8 @@ std::uint64_t wire_hash() noexcept {
          {std::uint64_t{protocol_version}, std::uint64_t{sizeof(Hello)}, std::uint64_t{sizeof(Welcome)},
           std::uint64_t{sizeof(Refused)}, std::uint64_t{sizeof(ClaimRequest)}, std::uint64_t{sizeof(Claimed)},
           std::uint64_t{sizeof(RecordRequest)}, std::uint64_t{sizeof(Recording)},
+          std::uint64_t{sizeof(AssetSource)}, std::uint64_t{sizeof(AssetOffer)},
+          std::uint64_t{sizeof(AssetReady)}, std::uint64_t{sizeof(AssetForget)},
           std::uint64_t{sizeof(CommandHeader)}, std::uint64_t{sizeof(AddBody)},
           std::uint64_t{sizeof(PlaceProbeBody)}, std::uint64_t{sizeof(Reply)},
           std::uint64_t{sizeof(BatchHeader)}, std::uint64_t{sizeof(EntryHeader)},

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/servo/claim_table.hpp>
 
@@ -18,7 +19,8 @@ namespace knurl::servo {
 
 /// Large enough for every message that a client may send, and one byte more: a longer one shows.
 using Buffer = std::array<std::byte, std::max({sizeof(protocol::Hello), sizeof(protocol::ClaimRequest),
-                                               sizeof(protocol::Release), sizeof(protocol::RecordRequest)}) +
+                                               sizeof(protocol::Release), sizeof(protocol::RecordRequest),
+                                               sizeof(protocol::AssetOffer), sizeof(protocol::AssetForget)}) +
                                          1>;
 
 template <class Message>

@@ -19,6 +19,7 @@
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/socket.hpp>
 
+#include "asset_desk.hpp"
 #include "attach_messages.hpp"
 #include "tape_desk.hpp"
 
@@ -31,7 +32,7 @@ using protocol::MessageType;
 
 // What epoll hands back. Connections count on from first_connection, never twice the same number, so that an
 // event for one that was closed in the same round finds nobody.
-enum Source : std::uint64_t { listening, signalled, guardian_gone, first_connection };
+enum Source : std::uint64_t { listening, signalled, guardian_gone, built, first_connection };
 
 constexpr auto collect_interval = std::chrono::milliseconds(10);
 constexpr auto ramp_interval = std::chrono::milliseconds(2);
@@ -53,7 +54,11 @@ struct Connection {
 }  // namespace
 
 struct Broker::Impl {
+    explicit Impl(BrokerOptions stated) : options(std::move(stated)), assets(options.builder) {}
+
     BrokerOptions options;
+    AssetDesk assets;
+    std::uint64_t watched_build = 0;
     shm::UniqueFd epoll{epoll_create1(EPOLL_CLOEXEC)};
     std::vector<std::unique_ptr<ClaimTable>> tables;
     std::array<TapeDesk, protocol::max_devices> tapes;
@@ -133,6 +138,8 @@ struct Broker::Impl {
         if (found == connections.end()) return;
         for (const Connection::Holding& holding : found->second.holdings)
             tables[holding.device]->let_go(holding.row);
+        assets.cancel(id, tables);
+        watch_build();
         if (const auto device = found->second.recording) tapes[*device].end(tables[*device]->device());
         if (!found->second.greeted) --half_open;
         connections.erase(found);  // closing the socket takes it out of the epoll set
@@ -146,16 +153,23 @@ struct Broker::Impl {
             Connection& connection = found->second;
             try {
                 Buffer buffer;
-                const shm::Received received =
-                    shm::receive_message(connection.socket, buffer, shm::Block::no);
+                shm::Received received = shm::receive_message(connection.socket, buffer, shm::Block::no);
                 if (received.nothing) return;
                 if (received.closed) return close(id);
-                if (received.truncated || !received.fds.empty()) {
+                const bool with_asset =
+                    received.fds.size() == 1 && connection.greeted &&
+                    type_of(buffer, received.bytes) == static_cast<std::uint32_t>(MessageType::asset_offer);
+                if (received.truncated || (!received.fds.empty() && !with_asset)) {
                     throw Refusal(
                         "attach: a message longer than any of ours, or with descriptors; not a Knurl "
                         "client?");
                 }
-                if (!handle(connection, buffer, received.bytes)) return close(id);
+                if (with_asset) {
+                    offer(id, connection, read_message<protocol::AssetOffer>(buffer, received.bytes, "asset"),
+                          std::move(received.fds.front()));
+                } else if (!handle(connection, buffer, received.bytes)) {
+                    return close(id);
+                }
             } catch (const Refusal& refusal) {
                 refuse(connection, refusal);
                 return close(id);
@@ -182,6 +196,9 @@ struct Broker::Impl {
                 return true;
             case static_cast<std::uint32_t>(MessageType::record):
                 return record(connection, read_message<protocol::RecordRequest>(buffer, bytes, "record"));
+            case static_cast<std::uint32_t>(MessageType::asset_forget):
+                assets.forget(read_message<protocol::AssetForget>(buffer, bytes, "asset"), tables);
+                return true;
             default:
                 throw Refusal(
                     fmt::format("attach: message type {} is not one that a client sends here", *type));
@@ -253,6 +270,37 @@ struct Broker::Impl {
             throw Refusal("release: this connection does not hold that claim");
         tables[held->device]->let_go(held->row);
         connection.holdings.erase(held);
+    }
+
+    void offer(std::uint64_t id, const Connection& connection, const protocol::AssetOffer& message,
+               shm::UniqueFd source) {
+        // A refused offer leaves the connection open: the client may send another.
+        try {
+            assets.offer(id, message, std::move(source), tables);
+            watch_build();
+            tell_builders();  // the builder could not be started
+        } catch (const Refusal& refusal) {
+            refuse(connection, refusal);
+        }
+    }
+
+    /// The workshop has another process, or none.
+    void watch_build() {
+        if (assets.builds() == watched_build) return;
+        watched_build = assets.builds();
+        if (assets.event() >= 0) watch(assets.event(), built);
+    }
+
+    void tell_builders() {
+        for (const AssetReply& reply : assets.answers(tables)) {
+            const auto found = connections.find(reply.connection);
+            if (found == connections.end()) continue;
+            const bool heard = reply.refusal.empty()
+                                   ? shm::send_message(found->second.socket, bytes_of(reply.ready))
+                                   : refuse(found->second, Refusal(reply.refusal));
+            if (!heard) close(reply.connection);
+        }
+        watch_build();
     }
 
     bool record(Connection& connection, const protocol::RecordRequest& request) {
@@ -329,8 +377,7 @@ struct Broker::Impl {
 };
 
 Broker::Broker(BrokerOptions options, std::vector<HostedDevice> devices, shm::Waker& waker)
-    : impl_(std::make_unique<Impl>()) {
-    impl_->options = std::move(options);
+    : impl_(std::make_unique<Impl>(std::move(options))) {
     for (HostedDevice& device : devices) {
         impl_->tables.push_back(std::make_unique<ClaimTable>(std::move(device), waker));
     }
@@ -367,6 +414,9 @@ Broker::End Broker::run() {
                     }
                     break;
                 }
+                case built:
+                    self.tell_builders();
+                    break;
                 case guardian_gone:
                     epoll_ctl(self.epoll.get(), EPOLL_CTL_DEL, self.options.guardian_pidfd, nullptr);
                     self.begin_to_end(End::guardian_died);

@@ -69,7 +69,7 @@ void Claim::Impl::evaluate(const Probe& device_hand, double dt) noexcept {
 }
 
 bool Claim::Impl::nothing_to_do() const noexcept {
-    if (dropping) return false;
+    if (dropping || forgotten != 0) return false;
     if (!channels) return true;  // an observer has nothing but its row in the table
     const bool gain_rests = wants_force() ? gain >= 1 && announced : !(gain > 0);
     return quiet() && gain_rests && !touching && !batch_is_new && !commands_left && felt.size() == 0 &&

@@ -124,6 +124,10 @@ struct Claim::Impl {
     std::uint64_t batches_taken = 0, batches_merged = 0;
     std::uint64_t last_sequence = 0;
 
+    std::array<const Asset*, max_assets> assets = {};  // by number less one
+    std::uint64_t forgotten = 0;                       // bits: of these, on their way back
+    static_assert(max_assets <= 64);
+
     // Feedback's memory.
     FeltEntries felt;
     protocol::FeedbackHeader published;  // as of the last one

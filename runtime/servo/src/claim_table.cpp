@@ -4,6 +4,7 @@
 #include <exception>
 
 #include <fmt/format.h>
+#include <sys/random.h>
 #include <unistd.h>
 
 #include <knurl/servo/claim_table.hpp>
@@ -115,6 +116,8 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
         fresh.peer = peer;
         // The servo writes to it only where the client could stop it anyway.
         if (peer.uid == 0 || peer.uid == ::geteuid()) terms.event_fd = fresh.event.get();
+        if (getrandom(&fresh.key, sizeof fresh.key, 0) != sizeof fresh.key)
+            throw std::runtime_error("no random numbers");
         fresh.claim = std::make_unique<Claim>(terms, fresh.segment.data(), &shared_row(index));
         waker_.add({.flag = flag_in(fresh.segment), .event_fd = fresh.event.get()});
     } catch (const std::exception& error) {
@@ -133,6 +136,7 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     Grant grant;
     grant.message.slot = index;
     grant.message.capacity = terms.capacity;
+    grant.message.key = found->key;
     grant.message.frame = terms.frame;
     grant.message.limits = terms.limits;
     grant.segment_fd = found->segment.fd();
@@ -150,6 +154,7 @@ void ClaimTable::let_go(std::uint32_t index) noexcept {
 }
 
 bool ClaimTable::collect() noexcept {
+    take_back_assets();
     if (on_their_way_ == 0) return false;
     for (Row& row : rows_) {
         if (row.stage == Stage::dropping && device_.servo.drop(row.claim.get())) row.stage = Stage::leaving;

@@ -11,6 +11,8 @@
 #include <knurl/servo/broker.hpp>
 #include <knurl/servo/daemon.hpp>
 
+#include "asset_workshop.hpp"
+
 namespace knurl::servo {
 
 namespace {
@@ -117,6 +119,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
 
 int knurld_main(int argc, const char* const* argv) {
     constexpr int bad_configuration = 2;
+    if (argc > 1 && std::string_view(argv[1]) == build_asset_option) return build_asset_main(argc, argv);
     try {
         const CommandLine line = parse_command_line(argc, argv);
         return line.answered ? 0 : run_daemon(line.config);

@@ -183,6 +183,11 @@ const Report* Replay::feed(const TapeRecord& record) {
             if (record.bytes.size() != cycle.bytes()) nonsense(record, "is no cycle");
             return step(cycle);
         }
+        case TapeType::asset:
+            throw TapeError(
+                "an application sent a shape here, and what it is made of is not in the recording: it "
+                "replays up to "
+                "this place");
         case TapeType::keyframe:
             break;
     }

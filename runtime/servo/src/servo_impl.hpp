@@ -20,9 +20,11 @@ namespace knurl::servo {
 
 /// From the broker.
 struct Message {
-    enum class What : std::uint32_t { adopt, drop, drop_all, tape } what = What::adopt;
+    enum class What : std::uint32_t { adopt, drop, drop_all, tape, asset, forget } what = What::adopt;
     Claim* claim = nullptr;
     Tape* tape = nullptr;
+    const Asset* asset = nullptr;
+    std::uint32_t number = 0;  // of the asset
 };
 
 /// The parts of the cycle, in the order in which `step` calls them, and what they remember.
@@ -61,6 +63,8 @@ struct Servo::Impl {
     }
 
     void adopt(Claim* claim, Nanoseconds now) noexcept;
+    void take_asset(const Message& message) noexcept;
+    void return_assets(Claim& claim) noexcept;
     FadePolicy fade_for(const Claim::Impl& claim) const noexcept;
     double sharing_target() const noexcept;
     double nominal(Nanoseconds gap) const noexcept;
@@ -88,7 +92,8 @@ struct Servo::Impl {
     bool resting_keep_on = false;
     Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
     Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
-    bool ending = false;                    // drop_all
+    Mailbox<ReturnedAsset, mailbox_slots> asset_outbox;
+    bool ending = false;  // drop_all
 
     bool first = true;
     Nanoseconds last_now = 0, read_ns = 0, write_ns = 0;

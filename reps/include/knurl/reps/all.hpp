@@ -13,6 +13,7 @@
 #include <knurl/reps/magnet.hpp>
 #include <knurl/reps/plane.hpp>
 #include <knurl/reps/polygon.hpp>
+#include <knurl/reps/shape.hpp>
 #include <knurl/reps/sphere.hpp>
 #include <knurl/reps/spring.hpp>
 #include <knurl/reps/taylor.hpp>
@@ -33,7 +34,7 @@ using Representations = TypeList<KNURL_REPRESENTATIONS>;
 #else
 using Representations =
     TypeList<Plane, Spring, ConstantForce, Cap, Polygon, HalfPlane, Box, Sphere, Capsule, Cylinder, Torus,
-             Taylor, Taylor6, Viscosity, Gravity, Magnet, Constraint, Vibration>;
+             Taylor, Taylor6, Viscosity, Gravity, Magnet, Constraint, Vibration, Shape>;
 #endif
 
 /// Position in the list: what "kind" means in shared memory.

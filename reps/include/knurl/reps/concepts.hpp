@@ -22,6 +22,7 @@ struct Contact {
     double stiffness = 0;  // N/m
     double damping = 0;    // N s/m
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface's material at the foot
+    double friction = 1;                                 // 1, of the surface's own coefficients, here
 };
 
 /// A ball outside of which a surface is out of reach: its height there is positive.
@@ -38,7 +39,7 @@ struct HalfSpace {
 };
 
 inline constexpr std::size_t max_parameter_bytes = 480;
-inline constexpr std::size_t max_state_bytes = 128;
+inline constexpr std::size_t max_state_bytes = 192;
 
 // clang-format 14 breaks requirements and the table below apart.
 // clang-format off
@@ -92,6 +93,8 @@ concept Effect = Representation<R> &&
 //   std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
 //       a surface with up to R::max_contacts tangent planes at once (the corner of a hollow box): fills in those
 //       that matter
+//   R::turns
+//       a surface whose material moves differently from place to place: Contact::velocity counts, not R's
 //   bool recovers_itself(const R&)
 //       its own state brings a change in: left out of the cross-fade
 //   R carried(const R& old, const R& next)
@@ -102,6 +105,8 @@ concept Effect = Representation<R> &&
 // Describe<R>::shape_bytes: of a surface that may stand, the leading bytes of its parameters (recovery among them) that
 // its plane and stiffness follow from; nothing that `check` looks at. With void prepare(R&, Limits) beside prepared(),
 // an update of no more than those takes a shorter way, and may bring those bytes alone.
+//
+// A member `asset` names one of the scene's (Scene::set_asset); State::asset is that one when adopt is called, or null.
 //
 // A member `recovery` or else `duration` (s) is the time of its cross-fade; with neither it is automatic. Members
 // `friction`, `snag`, `texture` and `braking` (material.hpp) are a surface's material: the scene acts on them.

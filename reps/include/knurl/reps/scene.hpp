@@ -106,6 +106,12 @@ class Scene {
         return update(handle, kind_of<R>, &params, sizeof params);
     }
 
+    /// What `asset = number` means (1 to max_assets) to the representations that are added or changed from
+    /// now on; null: nothing. It outlives all that refers to it.
+    void set_asset(std::uint32_t number, const Asset* asset) noexcept;
+    /// Something that is felt, or still fades, is made of it.
+    bool refers_to(const Asset& asset) const noexcept;
+
     /// Scenes of more than some thousand bounded surfaces (spheres, boxes, ...): sorts them into a tree, so
     /// that those out of reach cost nothing. Call it after adding many, outside of any cycle: it allocates.
     /// What changes later is found all the same, only by a scan.

@@ -22,7 +22,7 @@ constexpr std::size_t segment_colour(std::size_t n) {
 /// SIGBUS).
 class Segment {
   public:
-    enum class Access { read_write, read_only };
+    enum class Access { read_write, read_only, private_copy };
 
     /// A new segment of `bytes` zero bytes, mapped for writing, its pages present. `name` shows in
     /// /proc/PID/maps. Throws std::runtime_error.
@@ -31,6 +31,15 @@ class Segment {
     /// Maps a segment received from another process. Duplicates `fd`. Refuses, before it maps anything, a
     /// descriptor whose size is not exactly `expected_bytes` or is not sealed. Throws std::runtime_error.
     static Segment open(int fd, std::size_t expected_bytes, Access access);
+
+    /// Maps what another process has written and sealed for good: from here on nobody changes a byte of it,
+    /// so it may be checked where it lies. Refuses a descriptor whose size is another or that is not sealed
+    /// against writing. Private pages: kernels before 6.7 map it no other way. Throws std::runtime_error.
+    static Segment open_sealed(int fd, std::size_t expected_bytes);
+
+    /// The writer's end of that: unmaps `written`, seals it and returns its descriptor. Throws
+    /// std::runtime_error.
+    static UniqueFd seal(Segment written);
 
     Segment() noexcept;  // empty: size() is 0
     Segment(Segment&&) noexcept;

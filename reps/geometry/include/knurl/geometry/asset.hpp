@@ -3,12 +3,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
 namespace knurl {
 
 enum class AssetKind : std::uint32_t { mesh = 1, height_field = 2 };
+
+/// What a material makes of the surface's own stiffness, damping and friction.
+struct AssetMaterial {
+    double stiffness = 1;  // 1, 0 to 1: shares of the representation's
+    double damping = 1;    // 1, 0 or more
+    double friction = 1;   // 1, 0 or more
+};
 
 /// Lies in its own frame; never changes once it is built, so any number of scenes may read it.
 struct Asset {
@@ -19,6 +27,7 @@ struct Asset {
     virtual std::size_t bytes() const noexcept = 0;  // of memory, all of it
 
     const AssetKind kind;
+    std::vector<AssetMaterial> materials;  // set before any scene reads it; those beyond are the default
     Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  // m, its box
 };
 

@@ -27,6 +27,7 @@
 #include <string>
 #include <vector>
 
+#include <knurl/client/asset.hpp>
 #include <knurl/client/error.hpp>
 #include <knurl/client/predict.hpp>
 #include <knurl/link/device.hpp>
@@ -140,6 +141,14 @@ class Claim : public Observer {
     void together(const std::function<void()>& changes);
 
     void place_probe(std::uint32_t probe, const ProbePlacement& placement);
+
+    /// Sends the surface of a solid, once; it is felt as Shape{.asset = sent.asset} says. Waits until the
+    /// servo has it, and throws with the reason if it is refused. Meanwhile the claim is silent: to go on
+    /// committing, begin_sending.
+    SentMesh send(const Triangles& mesh, const SendOptions& options = {});
+    Sending begin_sending(const Triangles& mesh, const SendOptions& options = {});
+    /// What no representation is made of any more; its number and memory are free again.
+    void forget(std::uint32_t asset);
 
     // These wait for the servo's answer, at most a second, and throw with the reason if it is no.
     void arm();  // force may follow

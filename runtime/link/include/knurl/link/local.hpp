@@ -14,6 +14,10 @@ std::unique_ptr<Link> connect_local(const std::string& servo, const std::string&
 std::unique_ptr<ClaimChannel> local_channel(std::shared_ptr<shm::Segment> claim,
                                             const protocol::ClaimCapacity& capacity);
 
+/// What a claim's assets go through: who knows the claim's key may give it some.
+std::shared_ptr<AssetDoor> local_assets(const std::string& servo, const std::string& client_name,
+                                        std::uint32_t device, std::uint64_t key);
+
 /// Reports in a device's segment, waited for by the flag in the claim's.
 std::shared_ptr<ReportSource> local_reports(std::shared_ptr<const shm::Segment> device,
                                             std::shared_ptr<shm::Segment> claim,

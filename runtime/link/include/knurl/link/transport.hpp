@@ -6,15 +6,18 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <knurl/link/device.hpp>
 #include <knurl/link/error.hpp>
 #include <knurl/link/network.hpp>
+#include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/command.hpp>
 #include <knurl/protocol/report.hpp>
+#include <knurl/shm/fd.hpp>
 
 namespace knurl::detail {
 
@@ -54,13 +57,33 @@ class ClaimChannel {
                           std::vector<protocol::FeedbackEntry>& entries) = 0;
 };
 
-/// What an attach brings. `channel` is null for an observer.
+/// An asset on its way to the servo. Its end before the answer calls it off.
+class AssetTransfer {
+  public:
+    virtual ~AssetTransfer() = default;
+    virtual int event() const = 0;  // readable when the answer is there
+    /// None: not in that time. Throws Error if it is refused; then it is over.
+    virtual std::optional<protocol::AssetReady> answer(std::chrono::nanoseconds timeout) = 0;
+};
+
+/// Where a claim's assets go in. Throws Error.
+class AssetDoor {
+  public:
+    virtual ~AssetDoor() = default;
+    /// `source`: a memfd as protocol::AssetSource says, sealed.
+    virtual std::unique_ptr<AssetTransfer> offer(std::uint32_t number, const shm::UniqueFd& source,
+                                                 std::uint64_t bytes) = 0;
+    virtual void forget(std::uint32_t number) = 0;
+};
+
+/// What an attach brings. `channel` is null for an observer, `assets` where nothing large can be sent.
 struct Attachment {
     protocol::Claimed terms;
     DeviceDescription device;
     std::uint32_t device_index = 0;
     std::shared_ptr<ReportSource> reports;
     std::unique_ptr<ClaimChannel> channel;
+    std::shared_ptr<AssetDoor> assets;
 };
 
 /// One connection to a servo.

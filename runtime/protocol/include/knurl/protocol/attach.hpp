@@ -34,7 +34,10 @@ enum class MessageType : std::uint32_t {
     claimed,
     release,
     record,
-    recording
+    recording,
+    asset_offer,  // asset.hpp
+    asset_ready,
+    asset_forget
 };
 
 struct MessageHeader {
@@ -90,6 +93,7 @@ struct Claimed {
     std::uint32_t slot = 0;  // row in the device's table of clients
     std::uint32_t reserved = 0;
     ClaimCapacity capacity;  // as granted
+    std::uint64_t key = 0;   // of this claim: who knows it may give it assets
     Frame frame;
     Limits limits;  // world units
 };

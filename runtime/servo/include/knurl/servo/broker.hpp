@@ -26,8 +26,9 @@ inline constexpr double ramp_down_seconds = 1;  // a device that is not idle by 
 struct BrokerOptions {
     std::string servo_name;
     shm::UniqueFd listener;
-    shm::UniqueFd signals;    // signalfd: SIGINT, SIGTERM, SIGHUP
-    int guardian_pidfd = -1;  // readable when the guardian has died
+    shm::UniqueFd signals;                   // signalfd: SIGINT, SIGTERM, SIGHUP
+    int guardian_pidfd = -1;                 // readable when the guardian has died
+    std::string builder = "/proc/self/exe";  // the program that answers --build-asset
 };
 
 class Broker {

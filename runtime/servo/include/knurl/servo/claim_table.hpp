@@ -69,6 +69,16 @@ class ClaimTable {
     /// Frees what the servo has given back. False: nothing is on its way any more.
     bool collect() noexcept;
 
+    /// The claim that has this key is to get an asset of that number; how many bytes it may take, all in all.
+    /// Throws Refusal.
+    std::uint64_t expect_asset(std::uint64_t key, std::uint32_t number, std::uint64_t bytes);
+    /// There will be none.
+    void expect_no_asset(std::uint64_t key, std::uint32_t number) noexcept;
+    /// Throws Refusal: the claim has gone, or the servo is busy.
+    void give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset);
+    /// It is freed once the servo has given it back. Throws Refusal.
+    void forget_asset(std::uint64_t key, std::uint32_t number);
+
     const HostedDevice& device() const { return device_; }
 
   private:
@@ -80,6 +90,10 @@ class ClaimTable {
         dropping,  // the servo's mailbox was full
         leaving,
     };
+    struct RowAsset {
+        enum class Stage : std::uint8_t { none, building, there, leaving } stage = Stage::none;
+        std::unique_ptr<Asset> asset;
+    };
     struct Row {
         Stage stage = Stage::free;
         bool observer = false;
@@ -87,6 +101,8 @@ class ClaimTable {
         Peer peer;
         shm::Segment segment;
         shm::UniqueFd event;
+        std::uint64_t key = 0;
+        std::array<RowAsset, max_assets> assets;  // outlive the claim, which refers to them
         std::unique_ptr<Claim> claim;
     };
 
@@ -95,6 +111,8 @@ class ClaimTable {
     protocol::ClientRow& shared_row(std::uint32_t row) const;
     void identify(std::uint32_t row, const Peer& peer, std::uint64_t role, bool shared) noexcept;
     void clear(std::uint32_t row) noexcept;
+    Row* row_of_key(std::uint64_t key) noexcept;
+    void take_back_assets() noexcept;
 
     HostedDevice device_;
     shm::Waker& waker_;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <knurl/drivers/device.hpp>
@@ -36,6 +37,12 @@ Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::
 class Tape;
 class Replay;
 
+/// What nothing of that claim is made of any more.
+struct ReturnedAsset {
+    const Claim* claim = nullptr;
+    std::uint32_t number = 0;
+};
+
 class Servo {
   public:
     /// `segment`: memory of protocol::device_layout().total bytes. DeviceInfo is filled in by the caller;
@@ -48,6 +55,12 @@ class Servo {
     bool drop(Claim* claim) noexcept;   // its force fades (50 ms), then it comes back through `released`
     bool drop_all() noexcept;           // ramp down the device: the servo is about to end
     Claim* released() noexcept;         // null: none; the broker frees it
+    /// The claim's asset of that number from the next cycle on, before its commands are looked at. It
+    /// outlives the claim, or its return. False: the mailbox is full.
+    bool give(Claim* claim, std::uint32_t number, const Asset* asset) noexcept;
+    /// It comes back through `returned` once nothing that is felt, or still fades, is made of it.
+    bool forget(Claim* claim, std::uint32_t number) noexcept;
+    std::optional<ReturnedAsset> returned() noexcept;
     /// From the next cycle on every input goes on this tape, which outlives the servo; null: no more. The
     /// same tape once more: a keyframe as soon as nobody holds the device.
     bool record(Tape* tape) noexcept;

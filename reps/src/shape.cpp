@@ -1,0 +1,133 @@
+#include <cmath>
+#include <limits>
+
+#include <knurl/reps/shape.hpp>
+
+#include "surface.hpp"
+
+namespace knurl {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+// Where the shape is in this cycle: extrapolated from its last update.
+struct Pose {
+    Quaterniond turn;
+    Vector3d position;
+    Pose(const Shape& params, const Motion& motion) noexcept
+        : turn(to_eigen(params.orientation)),
+          position(to_eigen(params.position) + motion.time * to_eigen(params.velocity)) {
+        const Vector3d spin = to_eigen(params.angular_velocity);
+        const double rate = spin.norm(), angle = rate * motion.time;
+        if (angle > 0) turn = (Eigen::AngleAxisd(angle, spin / rate) * turn).normalized();
+    }
+    Vector3d to_asset(const Vector3d& world) const noexcept { return turn.conjugate() * (world - position); }
+};
+
+Vector3d at(const double (&from)[3]) noexcept {
+    return {from[0], from[1], from[2]};
+}
+void put(double (&to)[3], const Vector3d& from) noexcept {
+    for (int i = 0; i < 3; ++i) to[i] = from[i];
+}
+
+bool touches(const Proxy& proxy) noexcept {
+    return proxy.phase == Proxy::Phase::touching || proxy.phase == Proxy::Phase::tangled;
+}
+
+AssetMaterial material_of(const Shape::State& state) noexcept {
+    const auto& materials = state.asset->materials;
+    return state.material < materials.size() ? materials[state.material] : AssetMaterial{};
+}
+
+constexpr double out = std::numeric_limits<double>::infinity();  // m, the height of what is not touched
+
+}  // namespace
+
+Shape prepared(Shape params, const Limits& limits) noexcept {
+    prepare_surface(params, limits);
+    params.orientation = to_plain(to_eigen(params.orientation).normalized());
+    return params;
+}
+
+void adopt(const Shape& params, const Shape* previous, Shape::State& state, const Probe& probe) noexcept {
+    const bool placed = !previous || !(params.position == previous->position) ||
+                        !(params.orientation == previous->orientation) ||
+                        !(params.velocity == previous->velocity) ||
+                        !(params.angular_velocity == previous->angular_velocity);
+    Motion before = state.motion;
+    if (placed) place(state.motion);
+    if (state.asset == state.met) return;
+    // Another form in the place of the one that is touched: the proxy goes on from where it was in the world.
+    if (previous && state.asset && state.met && touches(state.proxy)) {
+        const Pose then(*previous, before), now(params, state.motion);
+        put(state.proxy.at, now.to_asset(then.turn * at(state.proxy.at) + then.position));
+        const Vector3d hand = now.to_asset(probe.position);
+        put(state.proxy.last, hand);
+        Work work;
+        knurl::adopt(*state.asset, state.proxy, hand, work);
+    } else {
+        state.proxy = {};
+    }
+    state.height = out;
+    state.met = state.asset;
+}
+
+Contact contact(const Shape& params, Shape::State& state, const Probe& probe, double dt) noexcept {
+    move_on(state.motion, dt);
+    if (!state.asset) return {.height = out};
+    const Pose pose(params, state.motion);
+    const Vector3d hand = pose.to_asset(probe.position);
+    Vector3d normal = to_eigen(state.normal);
+    double height = state.height;
+    std::uint32_t material = state.material;
+    const bool fresh = state.proxy.phase == Proxy::Phase::fresh;
+    // Asked again within a cycle it answers what it has answered.
+    if (dt > 0 || fresh || hand != at(state.proxy.last)) {
+        Proxy proxy = state.proxy;
+        Foot foot;
+        Work work;
+        height = out;
+        if (follow(*state.asset, proxy, hand, probe.radius, foot, work)) {
+            material = foot.material;
+            height = -foot.depth;
+            normal = foot.normal;
+            if (params.shading == Shading::smooth) normal = shaded_normal(*state.asset, foot);
+            normal = pose.turn * normal;
+        }
+        if (dt > 0 || fresh) {
+            state.proxy = proxy;
+            state.normal = to_plain(normal);
+            state.height = height;
+            state.material = material;
+        }
+    }
+    if (!(height < 0)) return contact_of(params, normal, out);
+    const AssetMaterial share = material_of(state);
+    // The material's stiffness as a shorter way: what is solved together has one stiffness for each surface.
+    Contact contact = contact_of(params, normal, share.stiffness * height);
+    contact.damping *= share.damping;
+    contact.friction = share.friction;
+    const Vector3d arm = (probe.position - height * normal) - pose.position;
+    contact.velocity += to_eigen(params.angular_velocity).cross(arm);
+    return contact;
+}
+
+// While it holds the hand it may hold it from however deep; one that moves takes its ball along.
+std::optional<Bound> bound(const Shape& params, const Shape::State& state) noexcept {
+    if (touches(state.proxy) || !(params.velocity == Vec3{}) || !(params.angular_velocity == Vec3{}))
+        return std::nullopt;
+    if (!state.asset) return Bound{};
+    const Pose pose(params, state.motion);
+    const Vector3d middle = (state.asset->low + state.asset->high) / 2;
+    return Bound{.center = pose.turn * middle + pose.position,
+                 .radius = (state.asset->high - state.asset->low).norm() / 2};
+}
+
+void out_of_reach(const Shape&, Shape::State& state) noexcept {
+    state.proxy = {};
+    state.height = out;
+}
+
+}  // namespace knurl

@@ -1,0 +1,126 @@
+// What a claim has sent: kept as it was sent, for a servo that has restarted.
+
+#include <cstring>
+
+#include <knurl/client/error.hpp>
+#include <knurl/link/text.hpp>
+#include <knurl/shm/deadline.hpp>
+
+#include "claim_state.hpp"
+#include "sending_state.hpp"
+
+namespace knurl::detail {
+
+namespace {
+
+constexpr std::chrono::seconds rebuild_time{60};  // after a restart
+
+SentMesh told(const protocol::AssetReady& ready) {
+    return {.asset = ready.number,
+            .faces = ready.faces,
+            .bytes = ready.bytes,
+            .low = {ready.low[0], ready.low[1], ready.low[2]},
+            .high = {ready.high[0], ready.high[1], ready.high[2]},
+            .notes = ready.notes};
+}
+
+}  // namespace
+
+std::pair<std::uint32_t, std::unique_ptr<AssetTransfer>> ClaimState::begin_sending(AssetMemory source) {
+    const Lock lock = enter();
+    if (channel() == nullptr) throw_disconnected();
+    if (!attachment_->assets)
+        throw Error(Error::Kind::refused,
+                    "send: shapes cannot be sent through a bridge yet; run this application on the servo's "
+                    "machine, or "
+                    "send planes and caps");
+    std::uint32_t number = 1;
+    while (number <= max_assets && assets_.contains(number)) ++number;
+    if (number > max_assets)
+        throw Error(Error::Kind::bad_parameters,
+                    detail::format("send: a claim has up to {} shapes; forget one first", max_assets));
+    auto transfer = attachment_->assets->offer(number, source.memory, source.bytes);
+    assets_[number] = {.source = std::move(source), .there = false};
+    return {number, std::move(transfer)};
+}
+
+void ClaimState::sent(std::uint32_t number, bool there) noexcept {
+    const Lock lock(mutex_);
+    if (there)
+        assets_[number].there = true;
+    else
+        assets_.erase(number);
+}
+
+void ClaimState::forget(std::uint32_t number) {
+    const Lock lock = enter();
+    require_asset(number);
+    for (const Handle handle : table_.live())
+        if (const Entry& one = *table_.find_any(handle);
+            one.kind == kind_of<Shape> && asset_of(one.params) == number)
+            throw Error(Error::Kind::refused,
+                        detail::format(
+                            "forget: asset {} is what the representation in slot {} is made of; remove that "
+                            "first",
+                            number, handle.slot));
+    if (attachment_ && attachment_->assets) attachment_->assets->forget(number);
+    assets_.erase(number);
+}
+
+std::uint32_t ClaimState::asset_of(std::span<const std::byte> params) {
+    Shape shape;
+    std::memcpy(&shape, params.data(), sizeof shape);
+    return shape.asset;
+}
+
+void ClaimState::require_asset(std::uint32_t number) const {
+    const auto found = assets_.find(number);
+    if (found != assets_.end() && found->second.there) return;
+    throw Error(Error::Kind::bad_parameters,
+                detail::format("asset {}: this claim has sent none of that number; send() returns the number",
+                               number));
+}
+
+/// A shape is made of what was sent before.
+void ClaimState::require_asset(Kind kind, const void* params) const {
+    if (kind != kind_of<Shape>) return;
+    const std::uint32_t number = asset_of({static_cast<const std::byte*>(params), sizeof(Shape)});
+    if (number != 0) require_asset(number);
+}
+
+void ClaimState::resend_assets(Attachment& attachment) {
+    for (auto& [number, asset] : assets_) {
+        if (!asset.there) continue;
+        if (!attachment.assets ||
+            !attachment.assets->offer(number, asset.source.memory, asset.source.bytes)->answer(rebuild_time))
+            throw Error(Error::Kind::refused,
+                        detail::format("device '{}': the servo is back, but does not take shape {} again",
+                                       device_name(), number));
+    }
+}
+
+SendingState::SendingState(std::shared_ptr<ClaimState> claim, std::uint32_t number,
+                           std::unique_ptr<AssetTransfer> transfer)
+    : claim_(std::move(claim)), number_(number), transfer_(std::move(transfer)) {}
+
+SendingState::~SendingState() {
+    if (!over_) claim_->sent(number_, false);
+}
+
+std::optional<SentMesh> SendingState::done(std::chrono::nanoseconds wait) {
+    if (over_) return sent_;
+    try {
+        const std::optional<protocol::AssetReady> ready = transfer_->answer(wait);
+        if (!ready) return std::nullopt;
+        sent_ = told(*ready);
+    } catch (const Error&) {
+        over_ = true;
+        claim_->sent(number_, false);
+        throw;
+    }
+    over_ = true;
+    claim_->sent(number_, true);
+    return sent_;
+}
+
+}  // namespace knurl::detail

@@ -1,0 +1,60 @@
+#include "asset_desk.hpp"
+
+#include <fmt/format.h>
+
+namespace knurl::servo {
+
+void AssetDesk::offer(std::uint64_t connection, const protocol::AssetOffer& offer, shm::UniqueFd source,
+                      Tables tables) {
+    if (waiting_.contains(connection))
+        throw Refusal(
+            "asset: one connection offers one asset at a time; wait for its answer, or connect once more");
+    if (offer.device >= tables.size())
+        throw Refusal(fmt::format("asset: device {} of {}", offer.device, tables.size()));
+    ClaimTable& table = *tables[offer.device];
+    const std::uint64_t budget = table.expect_asset(offer.key, offer.number, offer.bytes);
+    workshop_.start({.ticket = connection,
+                     .number = offer.number,
+                     .source = std::move(source),
+                     .bytes = offer.bytes,
+                     .budget = budget});
+    waiting_[connection] = {.device = offer.device, .number = offer.number, .key = offer.key};
+}
+
+void AssetDesk::forget(const protocol::AssetForget& message, Tables tables) {
+    if (message.device >= tables.size())
+        throw Refusal(fmt::format("asset: device {} of {}", message.device, tables.size()));
+    tables[message.device]->forget_asset(message.key, message.number);
+}
+
+void AssetDesk::cancel(std::uint64_t connection, Tables tables) noexcept {
+    const auto found = waiting_.find(connection);
+    if (found == waiting_.end()) return;
+    workshop_.cancel(connection);
+    tables[found->second.device]->expect_no_asset(found->second.key, found->second.number);
+    waiting_.erase(found);
+}
+
+std::vector<AssetReply> AssetDesk::answers(Tables tables) {
+    std::vector<AssetReply> replies;
+    while (auto result = workshop_.collect()) {
+        const auto found = waiting_.find(result->ticket);
+        if (found == waiting_.end()) continue;
+        const Waiting waiting = found->second;
+        waiting_.erase(found);
+        AssetReply reply{.connection = result->ticket, .refusal = result->refusal, .ready = result->ready};
+        ClaimTable& table = *tables[waiting.device];
+        if (result->asset) {
+            try {
+                table.give_asset(waiting.key, waiting.number, std::move(result->asset));
+            } catch (const Refusal& refusal) {
+                reply.refusal = refusal.what();
+            }
+        }
+        if (!reply.refusal.empty()) table.expect_no_asset(waiting.key, waiting.number);
+        replies.push_back(std::move(reply));
+    }
+    return replies;
+}
+
+}  // namespace knurl::servo

@@ -1,0 +1,53 @@
+#pragma once
+// The broker's part in assets: who may offer what, who waits for an answer, what the workshop has done.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <knurl/servo/claim_table.hpp>
+#include <knurl/shm/fd.hpp>
+
+#include "asset_workshop.hpp"
+
+namespace knurl::servo {
+
+/// An answer to the connection that offered.
+struct AssetReply {
+    std::uint64_t connection = 0;
+    std::string refusal;  // empty: ready
+    protocol::AssetReady ready;
+};
+
+class AssetDesk {
+  public:
+    using Tables = std::span<const std::unique_ptr<ClaimTable>>;
+    explicit AssetDesk(std::string builder) : workshop_(std::move(builder)) {}
+
+    /// Throws Refusal; then nothing has begun. One offer a connection.
+    void offer(std::uint64_t connection, const protocol::AssetOffer& offer, shm::UniqueFd source,
+               Tables tables);
+    /// That connection has gone: what it waits for is not built.
+    void cancel(std::uint64_t connection, Tables tables) noexcept;
+    /// Throws Refusal.
+    void forget(const protocol::AssetForget& message, Tables tables);
+    /// Readable when answers() has something; -1: nothing is being built.
+    int event() const noexcept { return workshop_.event(); }
+    std::uint64_t builds() const noexcept {
+        return workshop_.builds();
+    }  // begun so far: each has its own event
+    std::vector<AssetReply> answers(Tables tables);
+
+  private:
+    struct Waiting {
+        std::uint32_t device = 0, number = 0;
+        std::uint64_t key = 0;  // of the claim: it may be gone when the asset is done
+    };
+    AssetWorkshop workshop_;
+    std::unordered_map<std::uint64_t, Waiting> waiting_;  // by connection
+};
+
+}  // namespace knurl::servo

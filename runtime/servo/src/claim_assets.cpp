@@ -1,0 +1,77 @@
+// What claims hold besides their memory: assets, by number, from the offer to the day that the servo gives
+// them back.
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <knurl/protocol/asset.hpp>
+#include <knurl/servo/claim_table.hpp>
+
+namespace knurl::servo {
+
+ClaimTable::Row* ClaimTable::row_of_key(std::uint64_t key) noexcept {
+    const auto found = std::find_if(rows_.begin(), rows_.end(), [key](const Row& row) {
+        return row.stage == Stage::held && !row.observer && row.key == key;
+    });
+    return found == rows_.end() ? nullptr : &*found;
+}
+
+std::uint64_t ClaimTable::expect_asset(std::uint64_t key, std::uint32_t number, std::uint64_t bytes) {
+    take_back_assets();
+    Row* row = row_of_key(key);
+    if (row == nullptr)
+        throw Refusal(fmt::format("asset: no claim of device \"{}\" has that key", device_.name));
+    if (number < 1 || number > max_assets)
+        throw Refusal(fmt::format("asset: number {}; give 1 to {}", number, max_assets));
+    const RowAsset& place = row->assets[number - 1];
+    if (place.stage == RowAsset::Stage::building)
+        throw Refusal(
+            fmt::format("asset: number {} is being built; wait for it, or give another number", number));
+    if (place.stage != RowAsset::Stage::none)
+        throw Refusal(
+            fmt::format("asset: number {} is taken; forget it first, or give another number", number));
+    std::uint64_t held = 0;
+    for (const RowAsset& other : row->assets)
+        if (other.asset) held += other.asset->bytes();
+    if (bytes == 0 || bytes > protocol::max_asset_bytes || held >= protocol::max_asset_bytes)
+        throw Refusal(fmt::format("asset: {} bytes, besides {} that the claim holds; a claim may hold {}",
+                                  bytes, held, protocol::max_asset_bytes));
+    row->assets[number - 1].stage = RowAsset::Stage::building;
+    return protocol::max_asset_bytes - held;
+}
+
+void ClaimTable::expect_no_asset(std::uint64_t key, std::uint32_t number) noexcept {
+    Row* row = row_of_key(key);
+    if (row != nullptr && row->assets[number - 1].stage == RowAsset::Stage::building)
+        row->assets[number - 1] = {};
+}
+
+void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset) {
+    Row* row = row_of_key(key);
+    if (row == nullptr) throw Refusal("asset: its claim has gone");
+    RowAsset& place = row->assets[number - 1];
+    if (!device_.servo.give(row->claim.get(), number, asset.get()))
+        throw Refusal(fmt::format("asset: the servo of \"{}\" is busy; send it again", device_.name));
+    place = {.stage = RowAsset::Stage::there, .asset = std::move(asset)};
+}
+
+void ClaimTable::forget_asset(std::uint64_t key, std::uint32_t number) {
+    Row* row = row_of_key(key);
+    if (row == nullptr)
+        throw Refusal(fmt::format("asset: no claim of device \"{}\" has that key", device_.name));
+    if (number < 1 || number > max_assets || row->assets[number - 1].stage != RowAsset::Stage::there)
+        throw Refusal(fmt::format("asset: the claim has none of number {}", number));
+    if (!device_.servo.forget(row->claim.get(), number))
+        throw Refusal(fmt::format("asset: the servo of \"{}\" is busy; try again", device_.name));
+    row->assets[number - 1].stage = RowAsset::Stage::leaving;
+}
+
+void ClaimTable::take_back_assets() noexcept {
+    while (const std::optional<ReturnedAsset> back = device_.servo.returned()) {
+        for (Row& row : rows_)
+            if (row.claim.get() == back->claim) row.assets[back->number - 1] = {};
+    }
+}
+
+}  // namespace knurl::servo
