@@ -21,6 +21,8 @@ namespace knurl::detail {
 inline constexpr std::uint32_t no_face = 0xffffffff;
 inline constexpr double strictly = 1 - 8 * std::numeric_limits<double>::epsilon();
 
+inline constexpr std::uint32_t max_level_steps = 8;
+
 // All lengths are relative to the surface's size.
 inline constexpr double hair_of_size = 1e-9;    // nearer than that is on the surface
 inline constexpr double seam_of_size = 1.5e-5;  // faces that near hang together though no link says so
@@ -34,7 +36,7 @@ struct Rest {
     bool slipped = false;  // over a rim, beyond which nothing goes on
     bool crossed = false;  // it came over a face that another one passes through
     std::uint32_t visited[max_walk_faces + 1];
-    std::uint32_t visits = 0;
+    std::uint32_t visits = 0, level = 0;
 
     bool has_visited(std::uint32_t f) const noexcept {
         for (std::uint32_t i = 0; i < visits; ++i)
@@ -42,6 +44,17 @@ struct Rest {
         return false;
     }
 };
+
+/// Worth to go to. Of two convex faces that share x, the point y of the other is nearer to the hand by
+/// |x - y| at least in the square: it may be out of x's place by much more than the distances tell, so a few
+/// steps on the level are taken too.
+inline bool nearer(const Nearest& y, Rest& rest, double size) noexcept {
+    const Nearest& x = rest.near;
+    if (y.square < x.square * strictly) return true;
+    constexpr double moved = 1e-15;
+    return y.square <= x.square && (y.point - x.point).squaredNorm() > moved * moved * size * size &&
+           rest.level++ < max_level_steps;
+}
 
 enum class Fan { closed, open, stopped };
 
@@ -164,12 +177,11 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
         rest.outward = front;
         return no_face;
     }
-    const double bound = near.square * strictly;
     if (near.place >= 3) {
         const Link link = s.over(rest.face, near.place - 3);
         if (link == no_link) return over_rim(s, h, rest, work);
         const Nearest there = nearest_on(s.corners(face_of(link)), h);
-        if (there.square < bound) {
+        if (nearer(there, rest, s.size())) {
             near = there;
             return face_of(link);
         }
@@ -182,7 +194,7 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
                                  ++work.fans;
                                  if (d.dot(to) > 0 || d.dot(from) > 0) {
                                      const Nearest there = nearest_on(s.corners(q), h);
-                                     if (there.square < bound) {
+                                     if (nearer(there, rest, s.size())) {
                                          near = there, next = q;
                                          return false;
                                      }
@@ -202,7 +214,7 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
 template <class S>
 void walk(const S& s, const Vector3d& h, Rest& rest, Work& work) noexcept {
     rest.outward = rest.slipped = rest.crossed = false;
-    rest.visits = 0;
+    rest.visits = rest.level = 0;
     rest.near = nearest_on(s.corners(rest.face), h);
     for (;;) {
         rest.visited[rest.visits++] = rest.face;
