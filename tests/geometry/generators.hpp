@@ -1,0 +1,74 @@
+#pragma once
+// Meshes that are made, not found: no licence to ask for, and their exact surface is known. In metres, about
+// 0.2 m large unless asked otherwise; counter-clockwise as seen from outside.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <exact/real.hpp>
+
+namespace knurl::test {
+
+using Rng = std::mt19937_64;
+/// The same on every machine, which the library's distributions do not promise.
+inline double between(Rng& rng, double low, double high) {
+    return low + (high - low) * static_cast<double>(rng() >> 11) * 0x1p-53;
+}
+inline std::size_t below(Rng& rng, std::size_t count) {
+    return static_cast<std::size_t>(rng() % count);
+}
+
+struct Shape {
+    std::string name;
+    std::vector<std::array<double, 3>> vertices;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+
+    std::uint32_t add(const exact::V& v) {
+        vertices.push_back({static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)});
+        return static_cast<std::uint32_t>(vertices.size() - 1);
+    }
+    exact::V at(std::uint32_t vertex) const {
+        return {vertices[vertex][0], vertices[vertex][1], vertices[vertex][2]};
+    }
+    exact::V corner(std::size_t triangle, std::size_t i) const { return at(triangles[triangle][i]); }
+    void append(const Shape& other);
+    double size() const;  // m, its box's diagonal
+};
+
+// Closed.
+Shape icosphere(int subdivisions, double radius = 0.1);  // 20 x 4^n triangles
+Shape torus(int around, int across, double ring = 0.07, double tube = 0.03);
+/// An icosphere with bumps of many sizes, up to `height` of its radius.
+Shape noisy_sphere(int subdivisions, double height, std::uint64_t seed, double radius = 0.1);
+Shape hollow_sphere(int subdivisions);  // a wall of 5 mm
+/// A solid of blocks between the given coordinates, without the walls between two of them.
+using Filled = std::function<bool(int i, int j, int k)>;
+Shape blocks(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z,
+             const Filled& filled);
+Shape cube(int divisions, double side = 0.1);
+Shape staircase();
+Shape comb();        // teeth of 0.5 mm, 2 mm apart, 20 mm deep
+Shape thin_plate();  // 0.1 mm
+Shape needle_box();  // of triangles of 10 mm by 10 um
+
+// Open; in z = 0, front above, the middle in the origin.
+Shape grid(int nx, int ny, double dx, double dy);
+Shape plane_grid();  // 4 cm of 2 mm triangles
+Shape needles();     // 10 mm by 10 um
+
+// What is no manifold.
+Shape crossing_sheets();  // a floor and a wall (x = 0, front to +x) through it that share no vertex
+Shape two_sided_sheet();  // the same vertices, every triangle twice, one of them turned
+Shape three_sheets();     // at one edge
+Shape cubes_at_an_edge();
+Shape cubes_at_a_corner();  // a bow tie
+Shape moebius();
+
+/// Closed manifolds that nothing is wrong with.
+std::vector<Shape> clean_shapes(std::uint64_t seed);
+
+}  // namespace knurl::test
