@@ -72,6 +72,7 @@ struct Agreeing {
             if (params.friction.static_ != automatic)
                 params.friction.static_ = std::max(params.friction.static_, params.friction.dynamic);
         }
+        if constexpr (requires { params.asset; }) params.asset = 0;  // nothing was sent
         if constexpr (std::is_same_v<R, Polygon>) {  // a convex one of that size, that far away
             const Vec3 any = params.vertices.at[0];
             const double most = 4e8;  // m: all corners stay within the range

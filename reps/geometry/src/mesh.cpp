@@ -84,6 +84,8 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
     : Asset(AssetKind::mesh), data_(std::make_unique<MeshData>()) {
     build::check(given, how);
     MeshData& data = *data_;
+    const auto memory = std::make_shared<MeshMemory>();
+    data.keeper = memory;
     MeshNotes& notes = data.notes;
     notes.triangles_given = given.triangles.size();
     notes.vertices_given = given.vertices.size();
@@ -98,7 +100,7 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
                 "no triangle of the mesh is left: of " + std::to_string(notes.triangles_given) + ", " +
                 std::to_string(notes.faces_dropped) + " have a vertex that is not a plausible number and " +
                 std::to_string(notes.faces_degenerate) + " have no area; check its vertices and their unit");
-        data.nodes = build::sort_into_tree(faces, slices);
+        memory->nodes = build::sort_into_tree(faces, slices);
     } while (build::pair_edges(faces, links, notes, slices));
     const std::vector<std::uint8_t> flags = build::split_fans(faces, links, notes, slices);
 
@@ -110,10 +112,13 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
         data.open = data.open || over[0] == no_link || over[1] == no_link || over[2] == no_link;
     }
     if (how.exact) {
-        build::write(faces, links, flags, given.materials, data.exact_faces, slices);
+        build::write(faces, links, flags, given.materials, memory->exact_faces, slices);
     } else {
-        build::write(faces, links, flags, given.materials, data.faces, slices);
+        build::write(faces, links, flags, given.materials, memory->faces, slices);
     }
+    data.faces = memory->faces;
+    data.exact_faces = memory->exact_faces;
+    data.nodes = memory->nodes;
     const MeshNode& root = data.nodes.front();
     for (int k = 0; k < 3; ++k) {
         const double below = *std::min_element(root.low[k], root.low[k] + MeshNode::fan);
@@ -129,8 +134,8 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
 Mesh::~Mesh() = default;
 
 std::size_t Mesh::bytes() const noexcept {
-    return sizeof(*this) + sizeof(MeshData) + data_->faces.capacity() * sizeof(Face) +
-           data_->exact_faces.capacity() * sizeof(ExactFace) + data_->nodes.capacity() * sizeof(MeshNode);
+    return sizeof(*this) + sizeof(MeshData) + data_->faces.size_bytes() + data_->exact_faces.size_bytes() +
+           data_->nodes.size_bytes();
 }
 
 std::size_t Mesh::faces() const noexcept {

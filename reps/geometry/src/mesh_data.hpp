@@ -2,6 +2,8 @@
 // What the walk reads. Faces lie in the order of the tree's leaves, corners in metres from `origin`.
 
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -67,15 +69,23 @@ inline constexpr std::uint32_t leaf_first(std::uint32_t child) noexcept {
     return child & 0x0fffffff;
 }
 
+/// Where a mesh that was built here lies; one that was built elsewhere lies in the other's memory.
+struct MeshMemory {
+    std::vector<Face> faces;  // one of the two is empty
+    std::vector<ExactFace> exact_faces;
+    std::vector<MeshNode> nodes;
+};
+
 struct MeshData {
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // m, in the mesh's frame
     double size = 0;                                   // m, the box's diagonal
     bool exact = false;
-    bool open = false;        // some edge has no neighbour
-    std::vector<Face> faces;  // one of the two is empty
-    std::vector<ExactFace> exact_faces;
-    std::vector<MeshNode> nodes;  // the root is the first; every child comes after its parent
+    bool open = false;      // some edge has no neighbour
+    std::span<Face> faces;  // one of the two is empty
+    std::span<ExactFace> exact_faces;
+    std::span<MeshNode> nodes;  // the root is the first; every child comes after its parent
     MeshNotes notes;
+    std::shared_ptr<const void> keeper;  // of the memory that these lie in
 };
 
 }  // namespace knurl
