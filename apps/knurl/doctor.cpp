@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <private_servo.hpp>
 #include <unistd.h>
 
 #include <knurl/servo/realtime.hpp>
@@ -14,7 +15,6 @@
 #include "doctor_machine.hpp"
 #include "doctor_verdict.hpp"
 #include "measure.hpp"
-#include "private_servo.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {
@@ -104,9 +104,10 @@ class Doctor {
         for (int round = 0; round < rounds; ++round) {
             progress(fmt::format("{:g} Hz, {} of {} turns", rate, round + 1, rounds));
             {
-                PrivateServo servo({"--device", "sim:cartesian3", "--rate", fmt::format("{:g}", rate),
-                                    "--cpu", std::to_string(result_.servo_cpu), "--idle", arguments_.idle,
-                                    "--spin", fmt::format("{:g}", arguments_.spin)});
+                measure::measure::PrivateServo servo(
+                    {"--device", "sim:cartesian3", "--rate", fmt::format("{:g}", rate), "--cpu",
+                     std::to_string(result_.servo_cpu), "--idle", arguments_.idle, "--spin",
+                     fmt::format("{:g}", arguments_.spin)});
                 try {
                     append(of_servo, servo_loop(servo.address(), length));
                 } catch (const std::exception&) {

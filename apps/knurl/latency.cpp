@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <private_servo.hpp>
 #include <unistd.h>
 
 #include "doctor_machine.hpp"
@@ -28,7 +29,6 @@
 #include "latency_record.hpp"
 #include "measure.hpp"
 #include "output_file.hpp"
-#include "private_servo.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {
@@ -66,13 +66,14 @@ Placement placement_for(const LatencyArguments& arguments) {
     return placement;
 }
 
-std::unique_ptr<PrivateServo> start_private(const LatencyArguments& arguments, const Placement& placement) {
-    return std::make_unique<PrivateServo>(std::vector<std::string>{
+std::unique_ptr<measure::PrivateServo> start_private(const LatencyArguments& arguments,
+                                                     const Placement& placement) {
+    return std::make_unique<measure::PrivateServo>(std::vector<std::string>{
         "--device", "sim:cartesian3", "--rate", fmt::format("{:.17g}", arguments.rate), "--cpu",
         std::to_string(placement.servo_cpu)});
 }
 
-Client connect(const LatencyArguments& arguments, PrivateServo* servo) {
+Client connect(const LatencyArguments& arguments, measure::PrivateServo* servo) {
     ConnectOptions options;
     options.name = "knurl latency";
     options.wait = std::chrono::milliseconds(std::llround((servo != nullptr ? 10 : arguments.wait) * 1e3));
@@ -165,7 +166,7 @@ int compare_files(const LatencyArguments& arguments, const LatencyFile& before) 
 
 /// Whether a helper's thread gets the priority that it should have; says what is lost, of the private servo
 /// too.
-bool look_at_rights_here(const PrivateServo* servo) {
+bool look_at_rights_here(const measure::PrivateServo* servo) {
     bool real_time = false;
     std::thread([&real_time] { real_time = measure::run_real_time(waker_priority); }).join();
     if (!real_time)

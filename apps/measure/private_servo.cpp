@@ -14,7 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace knurl::cli {
+namespace knurl::measure {
 
 namespace {
 
@@ -101,4 +101,4 @@ void PrivateServo::require_running() {
     }
 }
 
-}  // namespace knurl::cli
+}  // namespace knurl::measure

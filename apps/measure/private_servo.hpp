@@ -5,7 +5,7 @@
 
 #include <sys/types.h>
 
-namespace knurl::cli {
+namespace knurl::measure {
 
 /// A knurld of this process's own, in a directory of its own, so that it meets no other. It ends with this
 /// object, or with this process.
@@ -31,4 +31,4 @@ class PrivateServo {
     pid_t pid_ = -1;
 };
 
-}  // namespace knurl::cli
+}  // namespace knurl::measure

@@ -1,0 +1,191 @@
+// knurl-feel: a mesh from a file in the hand.
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <measure.hpp>
+#include <output_file.hpp>
+#include <private_servo.hpp>
+
+#include "feel.hpp"
+#include "picture.hpp"
+#include "stroke.hpp"
+#include "unit.hpp"
+
+namespace {
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "written by a signal handler");
+
+struct Wishes {
+    std::string mesh, unit, connect = "knurl:default", picture, csv;
+    bool demo = false, smooth = false, no_fit = false;
+    double scale = 1, wait = 2;
+    double friction = 0;
+    feel::FeelOptions feel;
+    feel::StrokeOptions stroke;
+};
+
+void describe(CLI::App& app, Wishes& w) {
+    w.feel.shape.stiffness = 1000;
+    app.add_option("MESH", w.mesh, "STL, OBJ, PLY, or what else Assimp reads")->required();
+    app.add_option("--unit", w.unit, "of the file: mm, cm, m, in, um; left out, it is guessed and said")
+        ->check(CLI::IsMember({"mm", "cm", "m", "in", "um"}));
+    app.add_option("--scale", w.scale, "makes the thing so many times as large")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    app.add_option("--stiffness", w.feel.shape.stiffness, "N/m, or the device's k_max if that is less")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--damping", w.feel.shape.damping, "N s/m")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--friction", w.friction, "Coulomb coefficient")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 100.0));
+    app.add_flag("--smooth", w.smooth, "the force along interpolated normals; contact stays the facets'");
+    app.add_option("--radius", w.feel.radius, "m, of the finger")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1.0));
+    app.add_flag("--exact", w.feel.send.exact,
+                 "corners as double: half as much memory again, and exact to 1e-11 m");
+    app.add_flag("--no-fit", w.no_fit, "true size, though it is larger than the device's workspace");
+    app.add_option("--seconds", w.feel.seconds, "s to feel; 0: until Ctrl-C")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--connect", w.connect, "knurl:NAME")->capture_default_str();
+    app.add_option("--device", w.feel.device, "the servo's device; may be left out if it has one");
+    app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 3600.0));
+    app.add_flag("--demo", w.demo,
+                 "a servo of its own with a simulated device, whose hand goes around the thing");
+    app.add_option("--speed", w.stroke.speed, "m/s of that hand")
+        ->capture_default_str()
+        ->check(CLI::Range(0.005, 1.0));
+    app.add_option("--press", w.stroke.press, "m that its path runs below the outline")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 0.05));
+    app.add_option("--picture", w.picture, "PNG of mesh, path, proxy and force");
+    app.add_option("--csv", w.csv, "FILE for every cycle");
+    app.footer(
+        "Examples:\n"
+        "  knurl-feel part.stl --unit mm                    on the device of knurl:default\n"
+        "  knurl-feel bunny.ply --demo --picture bunny.png  without a device\n");
+}
+
+knurl::Mesh mesh_here(const feel::MeshFile& file, const knurl::SendOptions& send) {
+    std::vector<knurl::Point3> vertices = file.vertices;
+    for (knurl::Point3& vertex : vertices)
+        for (double& x : vertex) x *= send.scale;
+    return knurl::Mesh({.vertices = vertices, .triangles = file.triangles, .materials = file.materials},
+                       {.exact = send.exact, .weld = send.weld});
+}
+
+int run(Wishes& w) {
+    if (!w.picture.empty()) knurl::measure::require_writable(w.picture);
+    if (!w.csv.empty()) knurl::measure::require_writable(w.csv);
+    const feel::MeshFile file = feel::load_mesh(w.mesh);
+    const feel::Unit unit = w.unit.empty() ? feel::guessed_unit(file.size()) : feel::unit_of(w.unit);
+    knurl::SendOptions& send = w.feel.send;
+    send.scale = unit.metres * w.scale;
+    const double size = send.scale * file.size();
+    fmt::print("{}: {}, {} triangles, {} vertices\n", file.path, file.format, file.triangles.size(),
+               file.vertices.size());
+    fmt::print("  the box's diagonal is {:.4g} {}: {:.4g} m{}{}\n", file.size(), unit.name,
+               unit.metres * file.size(),
+               unit.guessed ? fmt::format("; the unit {} is a guess, --unit says another", unit.name) : "",
+               w.scale != 1 ? fmt::format("; felt {:g} times as large, {:.4g} m", w.scale, size) : "");
+    if (const auto odd = feel::odd_size(size)) fmt::print("  {}\n", *odd);
+    if (file.faces_of_other_kinds > 0)
+        fmt::print("  {} points and lines are left out\n", file.faces_of_other_kinds);
+    std::fflush(stdout);
+
+    w.feel.shape.friction.dynamic = w.friction;
+    w.feel.shape.shading = w.smooth ? knurl::Shading::smooth : knurl::Shading::flat;
+    w.feel.fit = !w.no_fit;
+    std::unique_ptr<knurl::measure::PrivateServo> servo;
+    if (w.demo) {
+        const std::string stroke =
+            std::filesystem::temp_directory_path() / fmt::format("knurl-feel-{}.csv", getpid());
+        // The premium15's workspace is about its origin; what is larger is made smaller, for its path as by
+        // the claim.
+        constexpr const char* device = "sim:premium15";
+        constexpr double reach = 0.1;  // m, that the simulated hand goes to
+        const double fits = std::max(1.0, size / 2 / reach);
+        send.scale /= fits;
+        if (fits > 1) fmt::print("  too large for the simulated device: felt at 1:{:.3g}\n", fits);
+        const knurl::Mesh small = mesh_here(file, send);
+        const auto rows = feel::make_stroke(small, w.stroke);
+        feel::write_stroke(stroke, rows, -(small.low + small.high) / 2);
+        if (!(w.feel.seconds > 0)) w.feel.seconds = rows.back().t;
+        servo = std::make_unique<knurl::measure::PrivateServo>(
+            std::vector<std::string>{"--device", device, "--hand", stroke});
+        w.connect = servo->address();
+        w.wait = 10;
+    }
+    auto client = knurl::Client::connect(
+        w.connect, {.name = "knurl-feel", .wait = std::chrono::milliseconds(static_cast<int>(w.wait * 1e3))});
+    feel::Felt felt = feel::feel(client, file, w.feel, stop, [](const std::string& line) {
+        fmt::print("\r  {}", line);
+        std::fflush(stdout);
+    });
+    if (felt.sent.asset == 0) return 130;
+    fmt::print("\n  the servo took {:.2f} s and holds {:.1f} MB for {} faces\n", felt.send_seconds,
+               static_cast<double>(felt.sent.bytes) * 1e-6, felt.sent.faces);
+    for (const std::string& line : feel::notes_of(felt.sent.notes)) fmt::print("  {}\n", line);
+    if (felt.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", felt.scale);
+    if (felt.faults != 0) fmt::print("  the device faulted (mask {:#x}); see `knurl ls`\n", felt.faults);
+
+    const bool comparable = w.feel.radius == 0 && w.friction == 0 && w.feel.shape.damping == 0 && !w.smooth;
+    feel::expect(felt.cycles, mesh_here(file, send), felt.stiffness, 1e9);
+    const feel::Judgement judged = feel::judge(felt.cycles);
+    fmt::print("  {} cycles, {} of them touching; mean {:.2f} N, peak {:.2f} N, at {:.0f} N/m\n",
+               judged.cycles, judged.touching, judged.mean_force, judged.peak_force, felt.stiffness);
+    if (comparable)
+        fmt::print(
+            "  against the same mesh at the same places in this process: at most {:.2g} N off, {} contacts "
+            "lost, "
+            "{} jumps above 0.5 N ({} are the surface's own)\n",
+            judged.worst_error, judged.lost, judged.jumps, judged.expected_jumps);
+    if (!w.csv.empty()) feel::write_csv(w.csv, felt.cycles);
+    if (!w.picture.empty()) {
+        const knurl::measure::Machine machine = knurl::measure::this_machine();
+        feel::draw(w.picture, file, send.scale, felt.cycles,
+                   fmt::format("{}: {} triangles, {:.3g} m, felt at {:.0f} N/m", file.path, felt.sent.faces,
+                               send.scale * file.size(), felt.stiffness),
+                   fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
+        fmt::print("  {}\n", w.picture);
+    }
+    return felt.faults != 0 ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Wishes wishes;
+    CLI::App app("knurl-feel: a mesh from a file in the hand.", "knurl-feel");
+    describe(app, wishes);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& wanted) {  // --help
+        return app.exit(wanted);
+    } catch (const CLI::ParseError& error) {
+        fmt::print(stderr, "knurl-feel: {}; see knurl-feel --help\n", error.what());
+        return 2;
+    }
+    std::signal(SIGINT, [](int) { stop = true; });
+    std::signal(SIGTERM, [](int) { stop = true; });
+    try {
+        return run(wishes);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "knurl-feel: {}\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,90 @@
+#include "mesh_file.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+#include <assimp/Importer.hpp>
+#include <assimp/importerdesc.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+namespace feel {
+
+namespace {
+
+constexpr unsigned most_materials = 256;
+
+[[noreturn]] void bad(const std::string& path, const std::string& text) {
+    throw std::runtime_error(path + ": " + text);
+}
+
+/// Every mesh of the scene, wherever it stands in it.
+void add(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, MeshFile& file) {
+    const aiMatrix4x4 here = above * node.mTransformation;
+    for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+        const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
+        const auto first = static_cast<std::uint32_t>(file.vertices.size());
+        for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+            const aiVector3D at = here * mesh.mVertices[v];
+            file.vertices.push_back({double{at.x}, double{at.y}, double{at.z}});
+        }
+        for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+            const aiFace& face = mesh.mFaces[f];
+            if (face.mNumIndices != 3) {
+                ++file.faces_of_other_kinds;
+                continue;
+            }
+            file.triangles.push_back(
+                {first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
+            file.materials.push_back(
+                static_cast<std::uint8_t>(std::min(mesh.mMaterialIndex, most_materials - 1)));
+        }
+    }
+    for (unsigned c = 0; c < node.mNumChildren; ++c) add(scene, *node.mChildren[c], here, file);
+}
+
+}  // namespace
+
+double MeshFile::size() const {
+    Eigen::AlignedBox3d box;
+    for (const knurl::Point3& v : vertices)
+        if (std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]))
+            box.extend(Eigen::Vector3d(v.data()));
+    return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+MeshFile load_mesh(const std::string& path) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error))
+        bad(path, std::filesystem::exists(path, error) ? "is no file; give a mesh as STL, OBJ or PLY"
+                                                       : "is not there; give the path of a mesh");
+    Assimp::Importer importer;
+    // Nothing is joined, split or smoothed here: the servo's builder does what is needed, and says so.
+    const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+    if (scene == nullptr || scene->mRootNode == nullptr) {
+        std::string why = importer.GetErrorString();
+        if (why.empty()) why = "no mesh in it";
+        std::replace(why.begin(), why.end(), '\n', ' ');
+        bad(path, fmt::format("cannot be read as a mesh ({}); is it whole, and an STL, OBJ or PLY?", why));
+    }
+    MeshFile file;
+    file.path = path;
+    const aiImporterDesc* format =
+        importer.GetImporterInfo(static_cast<std::size_t>(importer.GetPropertyInteger("importerIndex", 0)));
+    file.format = format != nullptr ? format->mName : "mesh";
+    add(*scene, *scene->mRootNode, aiMatrix4x4(), file);
+    if (file.triangles.empty())
+        bad(path, file.vertices.empty() ? "holds nothing; give a file with triangles"
+                                        : "holds points or lines but no triangle; give a surface");
+    if (scene->mNumMaterials > most_materials)
+        bad(path,
+            fmt::format("has {} materials; at most {}: join some", scene->mNumMaterials, most_materials));
+    for (unsigned m = 0; m < scene->mNumMaterials; ++m)
+        file.material_names.emplace_back(scene->mMaterials[m]->GetName().C_Str());
+    return file;
+}
+
+}  // namespace feel
