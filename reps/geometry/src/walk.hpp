@@ -48,12 +48,11 @@ struct Rest {
 /// Worth to go to. Of two convex faces that share x, the point y of the other is nearer to the hand by
 /// |x - y| at least in the square: it may be out of x's place by much more than the distances tell, so a few
 /// steps on the level are taken too.
-inline bool nearer(const Nearest& y, Rest& rest, double size) noexcept {
-    const Nearest& x = rest.near;
+inline bool nearer(const Nearest& y, const Nearest& x, std::uint32_t& level, double size) noexcept {
     if (y.square < x.square * strictly) return true;
     constexpr double moved = 1e-15;
     return y.square <= x.square && (y.point - x.point).squaredNorm() > moved * moved * size * size &&
-           rest.level++ < max_level_steps;
+           level++ < max_level_steps;
 }
 
 enum class Fan { closed, open, stopped };
@@ -181,7 +180,7 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
         const Link link = s.over(rest.face, near.place - 3);
         if (link == no_link) return over_rim(s, h, rest, work);
         const Nearest there = nearest_on(s.corners(face_of(link)), h);
-        if (nearer(there, rest, s.size())) {
+        if (nearer(there, near, rest.level, s.size())) {
             near = there;
             return face_of(link);
         }
@@ -189,20 +188,21 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
     } else {
         const Vector3d v = near.point, d = h - v;
         std::uint32_t next = no_face;
-        const Fan fan = turn(s, rest.face, near.place, v,
-                             [&](std::uint32_t q, std::uint32_t, const Vector3d& to, const Vector3d& from) {
-                                 ++work.fans;
-                                 if (d.dot(to) > 0 || d.dot(from) > 0) {
-                                     const Nearest there = nearest_on(s.corners(q), h);
-                                     if (nearer(there, rest, s.size())) {
-                                         near = there, next = q;
-                                         return false;
-                                     }
-                                 }
-                                 (d.dot(to.cross(from)) > 0 ? front : behind) = true;
-                                 return work.fans < max_fans;
-                             });
-        if (next != no_face) return next;
+        Nearest nearest = near;  // of all around: the steepest way, whichever face one comes from
+        const auto look = [&](std::uint32_t q, std::uint32_t, const Vector3d& to, const Vector3d& from) {
+            ++work.fans;
+            if (d.dot(to) > 0 || d.dot(from) > 0) {
+                const Nearest there = nearest_on(s.corners(q), h);
+                if (nearer(there, nearest, rest.level, s.size())) nearest = there, next = q;
+            }
+            (d.dot(to.cross(from)) > 0 ? front : behind) = true;
+            return work.fans < max_fans;
+        };
+        const Fan fan = turn(s, rest.face, near.place, v, look);
+        if (next != no_face) {
+            near = nearest;
+            return next;
+        }
         if (fan == Fan::stopped) rest.settled = false;
         if (fan == Fan::open) return over_rim(s, h, rest, work);
     }
