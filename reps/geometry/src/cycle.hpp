@@ -12,6 +12,7 @@
 
 #include <knurl/geometry/proxy.hpp>
 
+#include "active_set.hpp"
 #include "mesh_surface.hpp"
 #include "sweep.hpp"
 #include "walk.hpp"
@@ -52,9 +53,8 @@ class Cycle {
             return reach() || stay_free();
         }
         rest_.face = proxy_.face;
-        if (proxy_.phase != Phase::free) {
-            return contact(map(proxy_.at));
-        }
+        if (proxy_.phase == Phase::tangled) return tangle(map(proxy_.at));
+        if (proxy_.phase == Phase::touching) return contact(map(proxy_.at));
         const Hit hit = sweep(s_, map(proxy_.last), h_, hair_ / 2, work_, any);
         if (!hit.whole) return stay_free(hit.point);
         if (hit.face == no_face) {
@@ -143,6 +143,7 @@ class Cycle {
     bool contact(Vec from) noexcept {
         for (;;) {
             walk(s_, h_, rest_, work_);
+            if (rest_.crossed && passes_below(from)) return tangle(lifted(from, rest_.visited[0]));
             const double distance = std::sqrt(rest_.near.square);
             if (!rest_.settled) return touch(rest_.near.height > 0 ? 0 : distance + radius_);
             if (!rest_.outward && !rest_.slipped) return touch(distance + radius_);
@@ -162,6 +163,7 @@ class Cycle {
                 return stay_free();
             }
             rest_.face = hit.face;
+            from = hit.point;
             if (work_.sweeps >= max_sweeps) {
                 rest_.near = nearest_on(s_.corners(hit.face), hit.point);
                 rest_.near.point = hit.point;
@@ -170,6 +172,41 @@ class Cycle {
                 return touch(std::sqrt(rest_.near.square) + radius_);
             }
         }
+    }
+
+    Vec lifted(const Vec& p, std::uint32_t face) const noexcept {
+        return p + unit_or_zero(s_.corners(face).normal()) * (lift_of_size * s_.size());
+    }
+    /// Something that the walk does not know of lies between where it began and where it rests.
+    bool passes_below(const Vec& from) noexcept {
+        ++work_.guards;
+        Work sweeping;
+        sweeping.nodes = work_.nodes;
+        const auto unknown = [&](std::uint32_t face, const Corners&, double) {
+            return !rest_.has_visited(face);
+        };
+        const Hit hit = sweep(s_, lifted(from, rest_.visited[0]), lifted(rest_.near.point, rest_.face), hair_,
+                              sweeping, unknown);
+        work_.nodes = sweeping.nodes;
+        return hit.face != no_face || !hit.whole;
+    }
+    bool tangle(const Vec& from) noexcept {
+        const Held held = hold(s_, from, h_, work_);
+        if (held.whole && held.faces == 0) {
+            if (reach()) return true;
+            no_room();
+            return stay_free();
+        }
+        const Vec way = held.at - h_;
+        const double distance = way.norm();
+        const std::uint32_t face = held.face != no_face ? held.face : rest_.face;
+        // Where a limit bit it is on its way yet, and nothing may hold it there.
+        const double depth = held.whole ? distance + radius_ : 0;
+        const Vec normal = distance > lift_of_size * s_.size() ? way * (1 / distance)
+                                                               : unit_or_zero(s_.corners(face).normal());
+        touch(face, held.at, normal, depth);
+        if (held.faces != 1 || (s_.flags(face) & face_crossed) != 0) proxy_.phase = Proxy::Phase::tangled;
+        return true;
     }
 
     /// A ball reaches the surface from its front though its centre does not.
