@@ -20,7 +20,7 @@ struct Proxy {
     enum class Phase : std::uint8_t { fresh = 0, free = 1, touching = 2, tangled = 3 };
     Phase phase = Phase::fresh;  // fresh: it has not met the hand yet; tangled: the active set holds it
     std::uint8_t since = 0;      // cycles since an empty box was last looked for
-    std::uint16_t reserved = 0;
+    std::uint16_t kept = 0;      // the radius for which the empty box holds: the upper half of a float
 };
 
 /// What is felt.
@@ -36,12 +36,16 @@ struct Foot {
 /// How much was looked at. Bounded in every cycle; see the limits.
 struct Work {
     std::uint32_t faces = 0, nodes = 0, pieces = 0, sweeps = 0, guards = 0;
+    std::uint32_t fans = 0;     // faces looked at around corners
+    std::uint32_t tangles = 0;  // sweeps of the active set
 };
 inline constexpr std::uint32_t max_walk_faces = 64;
 inline constexpr std::uint32_t max_fan = 64;
 inline constexpr std::uint32_t max_sweeps = 7;
 inline constexpr std::uint32_t max_pieces = 16;  // of a sweep
 inline constexpr std::uint32_t max_nodes = 2048;
+inline constexpr std::uint32_t max_fans = 512;
+inline constexpr std::uint32_t max_tangles = 16 * 5;
 
 /// One cycle of a probe whose centre is at `hand` (m, the asset's frame) and whose radius is `radius` (m).
 /// True: it touches, and `foot` says where. A fresh proxy that begins behind a face is not pushed out: it is

@@ -1,0 +1,77 @@
+#pragma once
+// The steps of building a mesh, and what they hand on to each other.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mesh_data.hpp"
+
+namespace knurl::build {
+
+/// Counts work and asks, after every slice of it, whether to go on.
+class Slices {
+  public:
+    explicit Slices(const std::function<bool()>& go_on) : go_on_(go_on) {}
+    void operator()(std::uint32_t work = 1) {
+        if ((done_ += work) >= slice) ask();
+    }
+    void ask();  // throws MeshCancelled
+
+  private:
+    static constexpr std::uint32_t slice = 1 << 15;  // of some 10 ns each
+    const std::function<bool()>& go_on_;
+    std::uint32_t done_ = 0;
+};
+
+/// Triangles' numbers for a message: the first few, and how many there are.
+class Named {
+  public:
+    void add(std::uint64_t number);
+    std::uint64_t count() const { return count_; }
+    std::string text() const;  // "triangle 7", "triangles 7, 8, 9 and 4 more"
+
+  private:
+    std::array<std::uint64_t, 3> first_{};
+    std::uint64_t count_ = 0;
+};
+
+/// Where the mesh lies, and what its lengths are measured against.
+struct Frame {
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // m, about the middle
+    Point3 low{}, high{};                              // m, of the plausible vertices
+    double size = 0;                                   // m, the diagonal
+    double spread = 0;                                 // m, of the vertices' middle half
+    double noise = 0;                                  // m, by which rounding moves a corner at most
+
+    bool holds(const Point3& p) const {  // not if it is not a number
+        return p[0] >= low[0] && p[0] <= high[0] && p[1] >= low[1] && p[1] <= high[1] && p[2] >= low[2] &&
+               p[2] <= high[2];
+    }
+};
+
+/// What is left of what was given.
+struct Faces {
+    std::vector<Point3> at;            // m from the origin, of each vertex, as the mesh will hold it
+    std::vector<Triangle> corners;     // of each face, in `at`
+    std::vector<std::uint32_t> given;  // the triangle that it was
+};
+
+using Links = std::vector<std::array<Link, 3>>;
+
+Frame find_frame(const Triangles& given, bool exact, MeshNotes& notes, Slices& slices);
+Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, MeshNotes& notes,
+           Slices& slices);
+/// Brings faces and vertices into the order of the tree that it returns.
+std::vector<MeshNode> sort_into_tree(Faces& faces, Slices& slices);
+/// Finds each edge's neighbour. May turn faces over and drop duplicates: true if it did, and the tree is old.
+bool pair_edges(Faces& faces, Links& links, MeshNotes& notes, Slices& slices);
+/// Bounds the fans and returns each face's flags.
+std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes& notes, Slices& slices);
+void find_crossings(MeshData& data, Slices& slices);
+
+}  // namespace knurl::build

@@ -1,0 +1,205 @@
+#pragma once
+// One cycle of a proxy on a surface, in metres from the surface's origin.
+//
+//   free:     in the box known to be empty? ──> nothing.   sweep last..hand ──> miss: nothing; hit: on it
+//   touching: walk ──> hand behind: held.   in front (or slipped over a rim): sweep proxy..hand ──> miss:
+//   free;
+//             hit another face: on it, and walk again
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include <knurl/geometry/proxy.hpp>
+
+#include "mesh_surface.hpp"
+#include "sweep.hpp"
+#include "walk.hpp"
+
+namespace knurl::detail {
+
+template <class S>
+class Cycle {
+  public:
+    Cycle(const S& s, const Vector3d& origin, Proxy& proxy, const Vector3d& hand, double radius, Foot& foot,
+          Work& work) noexcept
+        : s_(s),
+          origin_(origin),
+          proxy_(proxy),
+          hand_(hand),
+          h_(hand - origin),
+          radius_(radius),
+          foot_(foot),
+          work_(work) {}
+
+    bool run() noexcept {
+        using Phase = Proxy::Phase;
+        if (proxy_.phase == Phase::free && in_room()) return stay_free();
+        if (!(h_.cwiseAbs().maxCoeff() < 1e12)) {  // not a number, or nowhere
+            proxy_ = Proxy{};
+            return false;
+        }
+        if (!(radius_ > 0)) radius_ = 0;
+        // Of the coordinates' own rounding too, where the hand is far away.
+        hair_ = std::max(hair_of_size * s_.size(),
+                         64 * std::numeric_limits<double>::epsilon() * h_.cwiseAbs().maxCoeff());
+        if (proxy_.phase == Phase::fresh || !s_.has(proxy_.face)) {
+            proxy_ = Proxy{};
+            return reach() || stay_free();
+        }
+        rest_.face = proxy_.face;
+        if (proxy_.phase != Phase::free) {
+            s_.fetch(proxy_.face);
+            return contact(map(proxy_.at));
+        }
+        const Hit hit = sweep(s_, map(proxy_.last), h_, hair_ / 2, work_, any);
+        if (!hit.whole) return stay_free(hit.point);
+        if (hit.face == no_face) {
+            if (reach()) return true;
+            look_for_room();
+            return stay_free();
+        }
+        rest_.face = hit.face;
+        return contact(hit.point);
+    }
+
+  private:
+    static constexpr auto any = [](std::uint32_t, const Corners&, double) { return true; };
+    static constexpr std::uint8_t patience = 8;  // cycles from one look for room to the next
+
+    Vector3d map(const double (&p)[3]) const noexcept {
+        return {p[0] - origin_[0], p[1] - origin_[1], p[2] - origin_[2]};
+    }
+    void put(double (&to)[3], const Vector3d& p) const noexcept {
+        for (int axis = 0; axis < 3; ++axis) to[axis] = p[axis];
+    }
+
+    bool in_room() const noexcept {
+        return h_[0] > proxy_.low[0] && h_[1] > proxy_.low[1] && h_[2] > proxy_.low[2] &&
+               h_[0] < proxy_.high[0] && h_[1] < proxy_.high[1] && h_[2] < proxy_.high[2] &&
+               radius_ <= kept(proxy_.kept);
+    }
+    bool stay_free() noexcept {
+        proxy_.phase = Proxy::Phase::free;
+        put(proxy_.at, hand_);
+        put(proxy_.last, hand_);
+        return false;
+    }
+    /// A limit bit: the rest of the way is swept in the next cycle.
+    bool stay_free(const Vector3d& swept) noexcept {
+        stay_free();
+        no_room();
+        put(proxy_.last, origin_ + swept);
+        return false;
+    }
+    void no_room() noexcept { proxy_.low[0] = 1, proxy_.high[0] = 0; }
+
+    // A radius in 16 bits, rounded up.
+    static float kept(std::uint16_t bits) noexcept { return std::bit_cast<float>(std::uint32_t{bits} << 16); }
+    static std::uint16_t keep(double radius) noexcept {
+        return radius > 0 ? static_cast<std::uint16_t>(
+                                (std::bit_cast<std::uint32_t>(static_cast<float>(radius)) >> 16) + 1)
+                          : std::uint16_t{0};
+    }
+    void look_for_room() noexcept {
+        no_room();
+        if (proxy_.since < patience) {
+            ++proxy_.since;
+            return;
+        }
+        proxy_.since = 0;
+        const double step = (h_ - map(proxy_.last)).norm();
+        proxy_.kept = keep(radius_);
+        const double spare = kept(proxy_.kept);
+        const double half =
+            s_.room(h_, std::max(64 * step, s_.size() / 32) + spare, work_) - spare - 2 * hair_;
+        if (!(half > 4 * step)) return;
+        for (int axis = 0; axis < 3; ++axis) {
+            proxy_.low[axis] = at_least(h_[axis] - half);
+            proxy_.high[axis] = at_most(h_[axis] + half);
+        }
+        proxy_.since = patience;  // where there was room there is likely to be more of it
+    }
+
+    bool contact(Vector3d from) noexcept {
+        for (;;) {
+            walk(s_, h_, rest_, work_);
+            const double distance = std::sqrt(rest_.near.square);
+            if (!rest_.settled) return touch(rest_.near.height > 0 ? 0 : distance + radius_);
+            if (!rest_.outward && !rest_.slipped) return touch(distance + radius_);
+            if (!rest_.slipped && distance <= hair_) return touch(radius_);
+            from = rest_.near.point;
+            const double bound = rest_.near.square * strictly, length = (h_ - from).norm();
+            const Hit hit =
+                sweep(s_, from, h_, hair_ / 2, work_, [&](std::uint32_t, const Corners& corners, double t) {
+                    // Not what the walk rests on anyway: the hand is no nearer to it.
+                    return t * length > hair_ || nearest_on(corners, h_).square < bound;
+                });
+            if (!hit.whole) return stay_free(hit.point);
+            if (hit.face == no_face) {
+                if (reach()) return true;
+                no_room();
+                proxy_.since = patience;
+                return stay_free();
+            }
+            rest_.face = hit.face;
+            if (work_.sweeps >= max_sweeps) {
+                rest_.near = nearest_on(s_.corners(hit.face), hit.point);
+                rest_.near.point = hit.point;
+                rest_.near.square = (h_ - hit.point).squaredNorm();
+                rest_.outward = false;
+                return touch(std::sqrt(rest_.near.square) + radius_);
+            }
+        }
+    }
+
+    /// A ball reaches the surface from its front though its centre does not.
+    bool reach() noexcept {
+        if (!(radius_ > 0)) return false;
+        double square = radius_ * radius_;
+        std::uint32_t found = no_face;
+        s_.nearer(h_, square, work_, [&](std::uint32_t face) {
+            const Nearest near = nearest_on(s_.corners(face), h_);
+            if (near.height > 0 && near.square < square) square = near.square, found = face;
+        });
+        if (found == no_face) return false;
+        rest_.face = found;
+        walk(s_, h_, rest_, work_);
+        if (!rest_.settled || !rest_.outward || !(rest_.near.square < radius_ * radius_)) return false;
+        return touch(radius_ - std::sqrt(rest_.near.square));
+    }
+
+    bool touch(double depth) noexcept {
+        const Nearest& near = rest_.near;
+        const Vector3d d = h_ - near.point;
+        const double distance = d.norm();
+        if (near.place == within || !(distance > 1e-12 * s_.size())) {
+            const Vector3d normal = pseudonormal(s_, rest_.face, near);
+            foot_.normal = normal / normal.norm();
+        } else {
+            foot_.normal = d * ((rest_.outward ? 1 : -1) / distance);
+        }
+        foot_.point = origin_ + near.point;
+        foot_.depth = depth;
+        foot_.face = rest_.face;
+        foot_.triangle = s_.triangle(rest_.face);
+        foot_.material = s_.material(rest_.face);
+        proxy_.phase = Proxy::Phase::touching;
+        proxy_.face = rest_.face;
+        put(proxy_.at, foot_.point);
+        put(proxy_.last, hand_);
+        return true;
+    }
+
+    const S& s_;
+    const Vector3d& origin_;
+    Proxy& proxy_;
+    const Vector3d& hand_;
+    const Vector3d h_;
+    double radius_, hair_ = 0;
+    Foot& foot_;
+    Work& work_;
+    Rest rest_;
+};
+
+}  // namespace knurl::detail

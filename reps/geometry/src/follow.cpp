@@ -1,0 +1,90 @@
+#include <knurl/geometry/mesh.hpp>
+#include <knurl/geometry/proxy.hpp>
+
+#include "cycle.hpp"
+#include "mesh_surface.hpp"
+
+namespace knurl {
+namespace {
+
+using detail::MeshSurface;
+using Eigen::Vector3d;
+
+/// f(surface, origin) of the kind that the asset is.
+template <class Call>
+auto on_surface(const Asset& asset, Call&& f) noexcept {
+    const MeshData& data = static_cast<const Mesh&>(asset).data();
+    if (data.exact)
+        return f(MeshSurface<ExactFace>(data, data.exact_faces.data(), data.exact_faces.size()), data.origin);
+    return f(MeshSurface<Face>(data, data.faces.data(), data.faces.size()), data.origin);
+}
+
+void add(Work& to, const Work& work) noexcept {
+    to.faces += work.faces;
+    to.nodes += work.nodes;
+    to.pieces += work.pieces;
+    to.sweeps += work.sweeps;
+    to.guards += work.guards;
+    to.fans += work.fans;
+    to.tangles += work.tangles;
+}
+
+}  // namespace
+
+bool follow(const Asset& asset, Proxy& proxy, const Vector3d& hand, double radius, Foot& foot,
+            Work& work) noexcept {
+    Work cycle;
+    const bool touches = on_surface(asset, [&](const auto& surface, const Vector3d& origin) {
+        return detail::Cycle(surface, origin, proxy, hand, radius, foot, cycle).run();
+    });
+    add(work, cycle);
+    return touches;
+}
+
+void adopt(const Asset& asset, Proxy& proxy, const Vector3d& hand, Work& work) noexcept {
+    const bool touched = proxy.phase == Proxy::Phase::touching || proxy.phase == Proxy::Phase::tangled;
+    const Proxy before = proxy;
+    proxy = Proxy{};
+    if (!touched) return;
+    Work cycle;
+    on_surface(asset, [&](const auto& surface, const Vector3d& origin) {
+        const Vector3d p = Vector3d(before.at[0], before.at[1], before.at[2]) - origin;
+        double square = HUGE_VAL;
+        surface.nearer(p, square, cycle, [&](std::uint32_t face) {
+            const detail::Nearest near = detail::nearest_on(surface.corners(face), p);
+            if (!(near.square < square)) return;
+            square = near.square;
+            proxy.phase = Proxy::Phase::touching;
+            proxy.face = face;
+            for (int axis = 0; axis < 3; ++axis) {
+                proxy.at[axis] = origin[axis] + near.point[axis];
+                proxy.last[axis] = hand[axis];
+            }
+        });
+        return 0;
+    });
+    add(work, cycle);
+}
+
+Vector3d shaded_normal(const Asset& asset, const Foot& foot) noexcept {
+    return on_surface(asset, [&](const auto& surface, const Vector3d& origin) -> Vector3d {
+        if (!surface.has(foot.face)) return foot.normal;
+        const detail::Corners face = surface.corners(foot.face);
+        const Vector3d x = foot.point - origin, normal = face.normal();
+        Vector3d sum(0, 0, 0);
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t j = detail::after(i);
+            const double share =
+                normal.dot(face.side(j).cross(x - face.at[j]));  // of corner i, twice squared
+            detail::Nearest corner;
+            corner.normal = normal;
+            corner.place = i;
+            sum +=
+                std::max(share, 0.0) * detail::unit_or_zero(detail::pseudonormal(surface, foot.face, corner));
+        }
+        const double length = sum.norm();
+        return length > 0 ? Vector3d(sum / length) : foot.normal;
+    });
+}
+
+}  // namespace knurl

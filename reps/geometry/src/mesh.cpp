@@ -1,0 +1,144 @@
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include <knurl/geometry/mesh.hpp>
+
+#include "build.hpp"
+
+namespace knurl {
+namespace build {
+
+void Slices::ask() {
+    done_ = 0;
+    if (go_on_ && !go_on_())
+        throw MeshCancelled("the building of the mesh was cancelled; nothing is left of it");
+}
+
+void Named::add(std::uint64_t number) {
+    if (count_ < first_.size()) first_[count_] = number;
+    ++count_;
+}
+
+std::string Named::text() const {
+    std::string text = count_ == 1 ? "triangle " : "triangles ";
+    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(count_, first_.size()); ++i)
+        text += (i == 0 ? "" : ", ") + std::to_string(first_[i]);
+    if (count_ > first_.size()) text += " and " + std::to_string(count_ - first_.size()) + " more";
+    return text;
+}
+
+namespace {
+
+/// Pages are touched as the faces come, not all at once.
+template <class F>
+void write(const Faces& faces, const Links& links, const std::vector<std::uint8_t>& flags,
+           std::span<const std::uint8_t> materials, std::vector<F>& out, Slices& slices) {
+    using Real = std::remove_all_extents_t<decltype(F::corner)>;
+    out.reserve(faces.corners.size());
+    for (std::size_t i = 0; i < faces.corners.size(); ++i, slices(2)) {
+        F& face = out.emplace_back();
+        for (std::size_t c = 0; c < 3; ++c) {
+            for (std::size_t k = 0; k < 3; ++k)
+                face.corner[c][k] = static_cast<Real>(faces.at[faces.corners[i][c]][k]);
+            face.over[c] = links[i][c];
+        }
+        face.triangle = faces.given[i];
+        face.material = materials.empty() ? std::uint8_t{0} : materials[face.triangle];
+        face.flags = flags[i];
+    }
+}
+
+void check(const Triangles& given, const MeshBuild& how) {
+    constexpr std::size_t most = std::size_t{1} << 28;
+    const std::size_t n = given.triangles.size();
+    if (n == 0) throw MeshError("the mesh has no triangles; send at least one");
+    if (n > most)
+        throw MeshError("the mesh has " + std::to_string(n) + " triangles; send at most " +
+                        std::to_string(most) + ", the rest as another mesh");
+    if (given.vertices.size() >= std::numeric_limits<std::uint32_t>::max())
+        throw MeshError("the mesh has " + std::to_string(given.vertices.size()) +
+                        " vertices; send fewer than 2^32 - 1, the rest as another mesh");
+    if (!given.materials.empty() && given.materials.size() != n)
+        throw MeshError("the mesh has " + std::to_string(n) + " triangles but materials for " +
+                        std::to_string(given.materials.size()) + "; give each its own, or none at all");
+    if (!(how.weld >= 0 && how.weld <= 0.1))
+        throw MeshError("the mesh's welding tolerance is " + std::to_string(how.weld) +
+                        " of its size; set it to 0 ... 0.1");
+    const std::size_t need = mesh_budget(given.vertices.size(), n, how.exact);
+    if (need > how.budget)
+        throw MeshError("the mesh of " + std::to_string(n) + " triangles and " +
+                        std::to_string(given.vertices.size()) + " vertices would take " +
+                        std::to_string(need) + " bytes to build, but the budget is " +
+                        std::to_string(how.budget) + "; raise it, or send fewer triangles");
+}
+
+}  // namespace
+}  // namespace build
+
+std::size_t mesh_budget(std::size_t vertices, std::size_t triangles, bool exact) noexcept {
+    return vertices * 40 + triangles * (exact ? 160 : 128) + 4096;
+}
+
+Mesh::Mesh(const Triangles& given, const MeshBuild& how)
+    : Asset(AssetKind::mesh), data_(std::make_unique<MeshData>()) {
+    build::check(given, how);
+    MeshData& data = *data_;
+    MeshNotes& notes = data.notes;
+    notes.triangles_given = given.triangles.size();
+    notes.vertices_given = given.vertices.size();
+    build::Slices slices(how.go_on);
+
+    const build::Frame frame = build::find_frame(given, how.exact, notes, slices);
+    build::Faces faces = build::weld(given, frame, how, notes, slices);
+    build::Links links;
+    do {
+        if (faces.corners.empty())
+            throw MeshError(
+                "no triangle of the mesh is left: of " + std::to_string(notes.triangles_given) + ", " +
+                std::to_string(notes.faces_dropped) + " have a vertex that is not a plausible number and " +
+                std::to_string(notes.faces_degenerate) + " have no area; check its vertices and their unit");
+        data.nodes = build::sort_into_tree(faces, slices);
+    } while (build::pair_edges(faces, links, notes, slices));
+    const std::vector<std::uint8_t> flags = build::split_fans(faces, links, notes, slices);
+
+    data.origin = frame.origin;
+    data.size = frame.size;
+    data.exact = how.exact;
+    for (const auto& over : links) {
+        slices();
+        data.open = data.open || over[0] == no_link || over[1] == no_link || over[2] == no_link;
+    }
+    if (how.exact) {
+        build::write(faces, links, flags, given.materials, data.exact_faces, slices);
+    } else {
+        build::write(faces, links, flags, given.materials, data.faces, slices);
+    }
+    const MeshNode& root = data.nodes.front();
+    for (int k = 0; k < 3; ++k) {
+        const double below = *std::min_element(root.low[k], root.low[k] + MeshNode::fan);
+        const double above = *std::max_element(root.high[k], root.high[k] + MeshNode::fan);
+        low[k] = std::nextafter(data.origin[k] + below, -std::numeric_limits<double>::infinity());
+        high[k] = std::nextafter(data.origin[k] + above, std::numeric_limits<double>::infinity());
+    }
+    faces = {};
+    links = {};
+    if (how.find_crossings) build::find_crossings(data, slices);
+}
+
+Mesh::~Mesh() = default;
+
+std::size_t Mesh::bytes() const noexcept {
+    return sizeof(*this) + sizeof(MeshData) + data_->faces.capacity() * sizeof(Face) +
+           data_->exact_faces.capacity() * sizeof(ExactFace) + data_->nodes.capacity() * sizeof(MeshNode);
+}
+
+std::size_t Mesh::faces() const noexcept {
+    return data_->exact ? data_->exact_faces.size() : data_->faces.size();
+}
+
+const MeshNotes& Mesh::notes() const noexcept {
+    return data_->notes;
+}
+
+}  // namespace knurl

@@ -1,0 +1,221 @@
+#pragma once
+// The walk: from a face over its neighbours to the point of the surface that is nearest to the hand, downhill
+// all the way. Over any surface that says of a face: its corners, what lies over its edges
+// (mesh_surface.hpp).
+//
+//   within ──> rests.   edge ──> the face over it.   corner ──> the fan around it, to the first that is
+//   nearer.
+//
+// Every step is strictly nearer to the hand, in the numbers as they are computed: no face is met twice.
+
+#include <limits>
+#include <numbers>
+
+#include <knurl/geometry/proxy.hpp>
+
+#include "mesh_data.hpp"
+#include "triangle_math.hpp"
+
+namespace knurl::detail {
+
+inline constexpr std::uint32_t no_face = 0xffffffff;
+inline constexpr double strictly = 1 - 8 * std::numeric_limits<double>::epsilon();
+
+// All lengths are relative to the surface's size.
+inline constexpr double hair_of_size = 1e-9;    // nearer than that is on the surface
+inline constexpr double seam_of_size = 1.5e-5;  // faces that near hang together though no link says so
+
+/// Where a walk rests.
+struct Rest {
+    std::uint32_t face = no_face;
+    Nearest near;
+    bool settled = false;  // else a limit bit: the walk goes on in the next cycle
+    bool outward = false;  // the hand is in front
+    bool slipped = false;  // over a rim, beyond which nothing goes on
+    bool crossed = false;  // it came over a face that another one passes through
+    std::uint32_t visited[max_walk_faces + 1];
+    std::uint32_t visits = 0;
+
+    bool has_visited(std::uint32_t f) const noexcept {
+        for (std::uint32_t i = 0; i < visits; ++i)
+            if (visited[i] == f) return true;
+        return false;
+    }
+};
+
+enum class Fan { closed, open, stopped };
+
+/// The other faces around a face's corner: see(face, pivot, to_after, to_before), with the edges from the
+/// pivot, until it says false.
+template <class S, class See>
+Fan turn(const S& s, std::uint32_t face, std::uint32_t corner, const Vector3d& v, See&& see) noexcept {
+    std::uint32_t seen = 0;
+    for (const bool forward : {true, false}) {
+        std::uint32_t q = face, pivot = corner;
+        Vector3d shared = s.corner(q, forward ? after(pivot) : before(pivot)) - v;
+        for (;;) {
+            const Link link = s.over(q, forward ? pivot : before(pivot));
+            if (link == no_link) break;
+            q = face_of(link);
+            if (q == face) return Fan::closed;
+            if (++seen > max_fan) return Fan::stopped;
+            pivot = forward ? after(edge_of(link)) : edge_of(link);
+            const Vector3d other = s.corner(q, forward ? after(pivot) : before(pivot)) - v;
+            if (!(forward ? see(q, pivot, other, shared) : see(q, pivot, shared, other))) return Fan::stopped;
+            shared = other;
+        }
+    }
+    return Fan::open;
+}
+
+inline double angle_between(const Vector3d& a, const Vector3d& b) noexcept {
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+inline Vector3d unit_or_zero(const Vector3d& v) noexcept {
+    const double length = v.norm();
+    return length > 0 ? Vector3d(v / length) : Vector3d(0, 0, 0);
+}
+
+/// Angle-weighted (Baerentzen and Aanaes 2005), of any length: of a place of a face over the links.
+template <class S>
+Vector3d pseudonormal(const S& s, std::uint32_t face, const Nearest& near) noexcept {
+    if (near.place == within) return near.normal;
+    Vector3d sum = unit_or_zero(near.normal);
+    if (near.place >= 3) {
+        const Link link = s.over(face, near.place - 3);
+        if (link != no_link) sum += unit_or_zero(s.corners(face_of(link)).normal());
+    } else {
+        const Corners own = s.corners(face);
+        sum *= angle_at(own, near.place);
+        turn(s, face, near.place, own.at[near.place],
+             [&](std::uint32_t, std::uint32_t, const Vector3d& next, const Vector3d& previous) {
+                 sum += unit_or_zero(next.cross(previous)) * angle_between(next, previous);
+                 return true;
+             });
+    }
+    return sum.squaredNorm() > 0 ? sum : near.normal;  // a knife's edge: whichever
+}
+
+/// How much of a face lies around a point of it.
+inline double angle_around(const Corners& face, const Nearest& near, const Vector3d& x,
+                           double seam) noexcept {
+    for (std::uint32_t i = 0; i < 3; ++i)
+        if ((face.at[i] - x).squaredNorm() <= seam * seam) return angle_at(face, i);
+    if (near.place >= 3 && near.place < within) return std::numbers::pi;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        const Vector3d side = face.side(i);
+        if (side.cross(x - face.at[i]).squaredNorm() <= seam * seam * side.squaredNorm())
+            return std::numbers::pi;
+    }
+    return 2 * std::numbers::pi;
+}
+
+/// The walk has come to an open edge or corner: what no link says, the tree may know (faces that were not
+/// welded, T-junctions). The face to go on to, or no_face: it rests.
+template <class S>
+std::uint32_t over_rim(const S& s, const Vector3d& h, Rest& rest, Work& work) noexcept {
+    const double seam = seam_of_size * s.size();
+    const Vector3d x = rest.near.point, own_normal = unit_or_zero(rest.near.normal);
+    std::uint32_t own[max_fan + 1] = {rest.face}, owned = 1;
+    if (rest.near.place < 3) {
+        turn(s, rest.face, rest.near.place, x, [&](std::uint32_t q, auto...) {
+            own[owned++] = q;
+            return owned <= max_fan;
+        });
+    }
+    const Vector3d own_sum = pseudonormal(s, rest.face, rest.near);
+    Vector3d sum = rest.near.place < 3 ? own_sum : Vector3d(own_sum * std::numbers::pi);
+    bool others = false;
+    std::uint32_t next = no_face;
+    Nearest nearest = rest.near;
+    const bool all = s.overlapping(x.array() - seam, x.array() + seam, work, [&](std::uint32_t face) {
+        for (std::uint32_t i = 0; i < owned; ++i)
+            if (own[i] == face) return;
+        const Corners corners = s.corners(face);
+        const Nearest to_x = nearest_on(corners, x);
+        if (!(to_x.square <= seam * seam)) return;
+        const Vector3d normal = unit_or_zero(to_x.normal);
+        if (normal.dot(own_normal) < -0.99) return;  // the other side of a thin sheet
+        others = true;
+        sum += normal * angle_around(corners, to_x, x, seam);
+        const Nearest to_h = nearest_on(corners, h);
+        if (to_h.square < nearest.square * strictly) nearest = to_h, next = face;
+    });
+    rest.settled = all;
+    if (next != no_face) {
+        rest.near = nearest;
+        return next;
+    }
+    const Vector3d d = h - x;
+    rest.outward = d.dot(sum) > 0;
+    rest.slipped =
+        !others && d.cross(unit_or_zero(own_sum)).squaredNorm() > std::pow(hair_of_size * s.size(), 2);
+    return no_face;
+}
+
+/// One step: the face to go on to, with rest.near on it; or no_face: it rests, and rest says how.
+template <class S>
+std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexcept {
+    Nearest& near = rest.near;
+    rest.settled = true;
+    bool front = near.height > 0, behind = !front;
+    if (near.place == within) {
+        rest.outward = front;
+        return no_face;
+    }
+    const double bound = near.square * strictly;
+    if (near.place >= 3) {
+        const Link link = s.over(rest.face, near.place - 3);
+        if (link == no_link) return over_rim(s, h, rest, work);
+        const Nearest there = nearest_on(s.corners(face_of(link)), h);
+        if (there.square < bound) {
+            near = there;
+            return face_of(link);
+        }
+        (there.height > 0 ? front : behind) = true;
+    } else {
+        const Vector3d v = near.point, d = h - v;
+        std::uint32_t next = no_face;
+        const Fan fan = turn(s, rest.face, near.place, v,
+                             [&](std::uint32_t q, std::uint32_t, const Vector3d& to, const Vector3d& from) {
+                                 ++work.fans;
+                                 if (d.dot(to) > 0 || d.dot(from) > 0) {
+                                     const Nearest there = nearest_on(s.corners(q), h);
+                                     if (there.square < bound) {
+                                         near = there, next = q;
+                                         return false;
+                                     }
+                                 }
+                                 (d.dot(to.cross(from)) > 0 ? front : behind) = true;
+                                 return work.fans < max_fans;
+                             });
+        if (next != no_face) return next;
+        if (fan == Fan::stopped) rest.settled = false;
+        if (fan == Fan::open) return over_rim(s, h, rest, work);
+    }
+    rest.outward = front && (!behind || (h - near.point).dot(pseudonormal(s, rest.face, near)) > 0);
+    return no_face;
+}
+
+/// From rest.face on.
+template <class S>
+void walk(const S& s, const Vector3d& h, Rest& rest, Work& work) noexcept {
+    rest.outward = rest.slipped = rest.crossed = false;
+    rest.visits = 0;
+    rest.near = nearest_on(s.corners(rest.face), h);
+    for (;;) {
+        rest.visited[rest.visits++] = rest.face;
+        rest.crossed |= (s.flags(rest.face) & face_crossed) != 0;
+        const std::uint32_t next = step(s, h, rest, work);
+        if (next == no_face) return;
+        rest.face = next;
+        if (work.faces >= max_walk_faces) {
+            rest.settled = false;
+            return;
+        }
+        ++work.faces;
+    }
+}
+
+}  // namespace knurl::detail
