@@ -55,7 +55,8 @@ void Verdict::add(const Verdict& v) {
     worst_gain = std::max(worst_gain, v.worst_gain);
     most.faces = std::max(most.faces, v.most.faces), most.nodes = std::max(most.nodes, v.most.nodes);
     most.pieces = std::max(most.pieces, v.most.pieces), most.sweeps = std::max(most.sweeps, v.most.sweeps);
-    most.guards = std::max(most.guards, v.most.guards);
+    most.guards = std::max(most.guards, v.most.guards), most.fans = std::max(most.fans, v.most.fans);
+    most.tangles = std::max(most.tangles, v.most.tangles);
     if (first_wrong.empty()) first_wrong = v.first_wrong;
 }
 
@@ -66,7 +67,8 @@ std::ostream& operator<<(std::ostream& out, Verdict v) {
         << v.border << ", capped " << v.capped << ", jumps " << v.jumps << " (" << v.reference_jumps
         << "), gain " << v.worst_gain << " m, not finite " << v.not_finite << ", misfit " << v.misfit
         << ", over work " << v.over_work << ", most faces " << v.most.faces << " nodes " << v.most.nodes
-        << " pieces " << v.most.pieces << " sweeps " << v.most.sweeps << " guards " << v.most.guards;
+        << " pieces " << v.most.pieces << " sweeps " << v.most.sweeps << " fans " << v.most.fans << " guards "
+        << v.most.guards << " tangles " << v.most.tangles;
     if (!v.first_wrong.empty()) out << "\n    " << v.first_wrong;
     return out;
 }
@@ -85,8 +87,8 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
     exact::GodObject god(truth);
     const Real deep = truth.size() / 1000, jump = truth.size() / 200;
     V offset, reference_offset, before;
-    bool met_outside = !truth.closed() || truth.winding(exact::to_exact(hand[0])) < 0.5L;
-    if (!met_outside) return v;
+    // A fresh one that begins inside is let out by both; nothing is said of it.
+    if (truth.closed() && truth.winding(exact::to_exact(hand[0])) > 0.5L) return v;
     for (std::size_t i = 0; i < hand.size(); ++i) {
         const V h = exact::to_exact(hand[i]);
         Foot foot;

@@ -58,7 +58,7 @@ inline exact::Surface surface_of(const Shape& s) {
 }
 inline bool within_limits(const Work& w) {
     return w.faces <= max_walk_faces && w.sweeps <= max_sweeps && w.pieces <= max_pieces * max_sweeps &&
-           w.nodes <= max_nodes;
+           w.nodes <= max_nodes && w.fans <= max_fans && w.tangles <= max_tangles;
 }
 
 }  // namespace knurl::test
