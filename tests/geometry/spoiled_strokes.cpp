@@ -20,7 +20,7 @@ Verdict felt(const Shape& bad, const Shape& good, bool exact = true) {
     const exact::Surface truth = surface_of(good);
     const double weld = 1e-6 * good.size();
     Allowed allowed = allowed_of(truth, exact);
-    if (bad.name.find("jitter") != std::string::npos) allowed = {.same = 4 * weld, .gain = 4 * weld};
+    if (bad.name.find("jitter") != std::string::npos) allowed = {.same = 4 * weld};
     return judge_all(mesh, truth, good, allowed, seed(), long_form() ? 20 : 1);
 }
 void expect_right(const Shape& bad, const Shape& good) {

@@ -78,7 +78,7 @@ Allowed allowed_of(const exact::Surface& surface, bool exact) {
     const double size = static_cast<double>(surface.size());
     // A place so far from the origin is a double itself.
     const double place = 0x1p-51 * static_cast<double>(far);
-    return {.same = (exact ? 5e-11 : 5e-7) * size + place, .gain = (exact ? 1e-14 : 1e-7) * size + place};
+    return {.same = (exact ? 5e-11 : 5e-7) * size + place};
 }
 
 Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, const Allowed& allowed) {
@@ -88,7 +88,7 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
     const Real deep = truth.size() / 1000, jump = truth.size() / 200;
     V offset, reference_offset, before;
     // A fresh one that begins inside is let out by both; nothing is said of it.
-    if (truth.closed() && truth.winding(exact::to_exact(hand[0])) > 0.5L) return v;
+    if (truth.nearly_closed() && truth.winding(exact::to_exact(hand[0])) > 0.5L) return v;
     for (std::size_t i = 0; i < hand.size(); ++i) {
         const V h = exact::to_exact(hand[i]);
         Foot foot;
@@ -110,7 +110,8 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
             ++count;
             if (v.first_wrong.empty()) v.first_wrong = where(i, hand, what, at, right);
         };
-        if (touches) {
+        if (touches &&
+            !(foot.depth == 0 && work.faces >= max_walk_faces)) {  // on its way, and felt as nothing
             const V back = at - h;
             const bool fits = std::fabs(foot.normal.norm() - 1) < 1e-9 && foot.depth >= 0 &&
                               distance(back, foot.depth * to_v(foot.normal)) < allowed.same;
@@ -133,7 +134,7 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
         } else if (work.faces >= max_walk_faces) {
             ++v.capped;
         } else if (!touches) {
-            const bool inside = !truth.closed() || truth.winding(h) > 0.5L;
+            const bool inside = !truth.nearly_closed() || truth.winding(h) > 0.5L;
             const int face = truth.nearest_face(h);
             const bool far_inside = distance(truth.nearest(face, h).point, h) > deep;
             if (inside && far_inside) blame(v.lost, "lost");
@@ -145,15 +146,16 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
         } else {
             const int face = truth.nearest_face(at);
             const exact::Nearest3 on = truth.nearest(face, at);
-            const double off = static_cast<double>(distance(on.point, at));
-            const double gain = static_cast<double>(truth.gain(on.point, h, 2 * allowed.same));
-            const bool held = off <= allowed.same && gain <= allowed.gain &&
-                              dot(h - on.point, truth.pseudonormal(face, on)) <= allowed.same;
-            if (held)
+            exact::GodObject there(truth);  // where the surface itself comes to rest from there
+            there.put(on.point, face);
+            const Real gain = there.step(h) ? truth.gain(there.at(), h, 1e-13L * truth.size()) : INFINITY;
+            if (distance(there.at(), at) <= allowed.same && gain <= 1e-16L * truth.size()) {
                 ++v.other_place;
-            else
-                blame(v.wrong, off <= allowed.same ? "another face is nearer" : "off the surface");
-            if (held) v.worst_gain = std::max(v.worst_gain, gain);
+                v.worst_gain = std::max(v.worst_gain, static_cast<double>(gain));
+            } else {
+                blame(v.wrong,
+                      distance(on.point, at) <= allowed.same ? "another face is nearer" : "off the surface");
+            }
             god.put(on.point, face);
         }
         reference_offset = god.at() - h;

@@ -36,7 +36,6 @@ std::ostream& operator<<(std::ostream& out, Verdict v);
 
 struct Allowed {
     double same = 0;  // m: nearer than that it is one place
-    double gain = 0;  // m: by which a face may be nearer
 };
 /// What float corners, or double ones, may be off on a mesh of that size so far from the origin.
 Allowed allowed_of(const exact::Surface& surface, bool exact);

@@ -10,7 +10,7 @@ constexpr Real moved = 1e-16L;   // of the size
 }  // namespace
 
 void GodObject::put(const V& at, int face) {
-    at_ = at, face_ = face, touching_ = true;
+    at_ = at, face_ = face, touching_ = met_ = true;
 }
 void GodObject::let_go(const V& hand) {
     at_ = last_ = hand, touching_ = false, met_ = true;

@@ -44,6 +44,8 @@ class Surface {
     int triangle(int face) const { return given_[face]; }  // its place in what was given
     bool closed() const { return open_edges_ == 0; }
     std::size_t open_edges() const { return open_edges_; }
+    /// But for a few holes, so that `winding` still tells what is inside.
+    bool nearly_closed() const { return open_edges_ < face_.size() / 10; }
 
     /// The face beyond an edge on the front side, and the edge of it: 3 face + edge; -1: none. Where more
     /// than two faces meet it is the first that one comes to when one turns about the edge from the front.
