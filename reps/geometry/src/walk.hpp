@@ -21,6 +21,8 @@ namespace knurl::detail {
 inline constexpr std::uint32_t no_face = 0xffffffff;
 inline constexpr double strictly = 1 - 8 * std::numeric_limits<double>::epsilon();
 
+inline constexpr std::uint32_t max_level_steps = 8;
+
 // All lengths are relative to the surface's size.
 inline constexpr double hair_of_size = 1e-9;    // nearer than that is on the surface
 inline constexpr double seam_of_size = 1.5e-5;  // faces that near hang together though no link says so
@@ -34,7 +36,7 @@ struct Rest {
     bool slipped = false;  // over a rim, beyond which nothing goes on
     bool crossed = false;  // it came over a face that another one passes through
     std::uint32_t visited[max_walk_faces + 1];
-    std::uint32_t visits = 0;
+    std::uint32_t visits = 0, level = 0;
 
     bool has_visited(std::uint32_t f) const noexcept {
         for (std::uint32_t i = 0; i < visits; ++i)
@@ -42,6 +44,16 @@ struct Rest {
         return false;
     }
 };
+
+/// Worth to go to. Of two convex faces that share x, the point y of the other is nearer to the hand by
+/// |x - y| at least in the square: it may be out of x's place by much more than the distances tell, so a few
+/// steps on the level are taken too.
+inline bool nearer(const Nearest& y, const Nearest& x, std::uint32_t& level, double size) noexcept {
+    if (y.square < x.square * strictly) return true;
+    constexpr double moved = 1e-15;
+    return y.square <= x.square && (y.point - x.point).squaredNorm() > moved * moved * size * size &&
+           level++ < max_level_steps;
+}
 
 enum class Fan { closed, open, stopped };
 
@@ -164,12 +176,11 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
         rest.outward = front;
         return no_face;
     }
-    const double bound = near.square * strictly;
     if (near.place >= 3) {
         const Link link = s.over(rest.face, near.place - 3);
         if (link == no_link) return over_rim(s, h, rest, work);
         const Nearest there = nearest_on(s.corners(face_of(link)), h);
-        if (there.square < bound) {
+        if (nearer(there, near, rest.level, s.size())) {
             near = there;
             return face_of(link);
         }
@@ -177,20 +188,21 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
     } else {
         const Vector3d v = near.point, d = h - v;
         std::uint32_t next = no_face;
-        const Fan fan = turn(s, rest.face, near.place, v,
-                             [&](std::uint32_t q, std::uint32_t, const Vector3d& to, const Vector3d& from) {
-                                 ++work.fans;
-                                 if (d.dot(to) > 0 || d.dot(from) > 0) {
-                                     const Nearest there = nearest_on(s.corners(q), h);
-                                     if (there.square < bound) {
-                                         near = there, next = q;
-                                         return false;
-                                     }
-                                 }
-                                 (d.dot(to.cross(from)) > 0 ? front : behind) = true;
-                                 return work.fans < max_fans;
-                             });
-        if (next != no_face) return next;
+        Nearest nearest = near;  // of all around: the steepest way, whichever face one comes from
+        const auto look = [&](std::uint32_t q, std::uint32_t, const Vector3d& to, const Vector3d& from) {
+            ++work.fans;
+            if (d.dot(to) > 0 || d.dot(from) > 0) {
+                const Nearest there = nearest_on(s.corners(q), h);
+                if (nearer(there, nearest, rest.level, s.size())) nearest = there, next = q;
+            }
+            (d.dot(to.cross(from)) > 0 ? front : behind) = true;
+            return work.fans < max_fans;
+        };
+        const Fan fan = turn(s, rest.face, near.place, v, look);
+        if (next != no_face) {
+            near = nearest;
+            return next;
+        }
         if (fan == Fan::stopped) rest.settled = false;
         if (fan == Fan::open) return over_rim(s, h, rest, work);
     }
@@ -202,7 +214,7 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
 template <class S>
 void walk(const S& s, const Vector3d& h, Rest& rest, Work& work) noexcept {
     rest.outward = rest.slipped = rest.crossed = false;
-    rest.visits = 0;
+    rest.visits = rest.level = 0;
     rest.near = nearest_on(s.corners(rest.face), h);
     for (;;) {
         rest.visited[rest.visits++] = rest.face;
