@@ -99,7 +99,7 @@ TEST(CleanMesh, UnderAHandThatIsThrownAbout) {
             const exact::V at =
                 touches ? exact::V{foot.point.x(), foot.point.y(), foot.point.z()} : exact::to_exact(hand[i]);
             if (touches) {
-                const int face = truth.nearest_face(at);
+                const int face = truth.nearest_face_near(at);
                 EXPECT_LT(exact::distance(truth.nearest(face, at).point, at), 1e-10 * size)
                     << shape.name << " place " << i / rest;
                 EXPECT_LT(truth.gain(truth.nearest(face, at).point, exact::to_exact(hand[i]),

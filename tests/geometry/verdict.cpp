@@ -128,14 +128,14 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
             if (touches && should) v.errors.push_back(static_cast<double>(apart));
             if (touches != should) {  // by rounding; from here on as it says
                 ++v.border;
-                if (touches) god.put(right, truth.nearest_face(right));
+                if (touches) god.put(right, truth.nearest_face_near(right));
                 if (!touches) god.let_go(h);
             }
         } else if (work.faces >= max_walk_faces) {
             ++v.capped;
         } else if (!touches) {
             const bool inside = !truth.nearly_closed() || truth.winding(h) > 0.5L;
-            const int face = truth.nearest_face(h);
+            const int face = truth.nearest_face_near(h);
             const bool far_inside = distance(truth.nearest(face, h).point, h) > deep;
             if (inside && far_inside) blame(v.lost, "lost");
             if (inside)
@@ -144,7 +144,7 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
                 ++v.other_place;
             god.let_go(h);
         } else {
-            const int face = truth.nearest_face(at);
+            const int face = truth.nearest_face_near(at);
             const exact::Nearest3 on = truth.nearest(face, at);
             exact::GodObject there(truth);  // where the surface itself comes to rest from there
             there.put(on.point, face);

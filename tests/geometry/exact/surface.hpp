@@ -54,8 +54,9 @@ class Surface {
     std::vector<int> fan(int face, int corner) const;
 
     Nearest3 nearest(int face, const V& p) const;
-    /// Of all faces, by looking at all of them.
+    /// Of all faces, by looking at all of them; and by looking at those in the grid's cells.
     int nearest_face(const V& p) const;
+    int nearest_face_near(const V& p) const;
     /// Where the surface's front is at such a point: face normal, mean of two, or weighted by the angles.
     V pseudonormal(int face, const Nearest3& at) const;
 
