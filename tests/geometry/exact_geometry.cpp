@@ -184,6 +184,22 @@ TEST(ExactGodObject, AFinOnAFloorStopsItFromItsFrontAlone) {
     }
 }
 
+TEST(ExactGodObject, SlipsOffARim) {
+    for (const Shape& shape : {plane_grid(), two_sided_sheet()}) {
+        const Surface s = surface_of(shape);
+        for (const V& way : {V{1, 0, 0}, V{0.6L, -0.8L, 0}, V{1, 1, 0}, V{0, 1, 0}}) {
+            GodObject god(s);
+            god.step({0.00035L, 0.00011L, 0.001L});
+            for (int i = 0; i < 300; ++i) {
+                const V hand = V{0.00035L, 0.00011L, -0.001L} + 0.0001L * i * way;
+                const bool over = std::max(std::fabs(hand.x), std::fabs(hand.y)) < 0.02L;
+                ASSERT_EQ(god.step(hand), over) << shape.name << " " << i;
+                ASSERT_LT(distance(god.at(), over ? V{hand.x, hand.y, 0} : hand), 1e-17L);
+            }
+        }
+    }
+}
+
 TEST(ExactGodObject, GainSeesAPlaceThatIsNotTheNearest) {
     const Surface s = surface_of(plane_grid());
     const V hand{0.001L, 0, -0.002L};

@@ -151,6 +151,22 @@ TEST(NoManifold, TwoSidedSheetHoldsFromBothSides) {
     }
 }
 
+/// As off the edge of a table; a thin plate lets go in the same way.
+TEST(NoManifold, ASheetWithTwoSidesLetsGoBeyondItsEdge) {
+    for (const auto& way : {V{1, 0, 0}, V{0.6L, -0.8L, 0}, V{0, 1, 0}}) {
+        for (const Shape& shape : {plane_grid(), two_sided_sheet()}) {
+            Hand hand{{0.00035, 0.00011, 0.001}};
+            for (int i = 0; i < 300; ++i) {
+                const V h = V{0.00035L, 0.00011L, -0.001L} + 0.0001L * i * way;
+                hand.push_back({static_cast<double>(h.x), static_cast<double>(h.y), -0.001});
+            }
+            expect_known(shape, hand, 1e-11, [](const V& h) {
+                return h.z > 0 || std::max(std::fabs(h.x), std::fabs(h.y)) > 0.02L ? h : V{h.x, h.y, 0};
+            });
+        }
+    }
+}
+
 TEST(NoManifold, CubesThatShareAnEdgeOrACorner) {
     for (const Shape& shape : {cubes_at_an_edge(), cubes_at_a_corner()}) expect_right(shape, shape);
 }

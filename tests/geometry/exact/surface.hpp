@@ -57,8 +57,13 @@ class Surface {
     /// Of all faces, by looking at all of them; and by looking at those in the grid's cells.
     int nearest_face(const V& p) const;
     int nearest_face_near(const V& p) const;
-    /// Where the surface's front is at such a point: face normal, mean of two, or weighted by the angles.
+    /// Where the surface's front is at such a point: face normal, mean of two, or weighted by the angles. At
+    /// the edge of a sheet with two sides there is none: the face's.
     V pseudonormal(int face, const Nearest3& at) const;
+    /// Nothing goes on beyond it, or only the same sheet's other side.
+    bool rim(int face, const Nearest3& at) const;
+    /// One of the faces that hold `at` lies on the way from `start` to the hand.
+    bool blocked(const V& at, const V& start, const V& hand) const;
 
     /// The first face that a -> b goes through from its front; it may lie `behind` (m) a already. `but`: not
     /// the faces that hold this point.
@@ -75,6 +80,7 @@ class Surface {
     Real gain_in_sight(const V& p, const V& normal, const V& hand, Real near) const;
 
   private:
+    V weighted(int face, const Nearest3& at) const;
     void connect();
     void fill_grid();
     template <class Do>

@@ -126,6 +126,16 @@ int Surface::nearest_face_near(const V& p) const {
     return nearest_face(p);
 }
 
+bool Surface::blocked(const V& at, const V& start, const V& hand) const {
+    const Real near = 1e-13L * size_;
+    const V slack{near, near, near};
+    Crossing first;
+    within(at - slack, at + slack, [&](int f) {
+        if (distance(nearest(f, at).point, at) <= near) meet(f, start, hand, 0, nullptr, first);
+    });
+    return first.face >= 0;
+}
+
 Real Surface::gain(const V& p, const V& hand, Real near) const {
     const V slack{near, near, near};
     const Real now = distance(p, hand);
