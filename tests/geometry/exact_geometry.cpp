@@ -60,6 +60,7 @@ TEST(ExactSurface, GridFindsWhatAllFacesHave) {
             const V a = on + far * u, b = on - 0.7L * far * u;
             const exact::Crossing one = s.sweep(a, b, 0), all = s.sweep_all(a, b, 0);
             ASSERT_EQ(one.t, all.t) << shape.name;  // two faces may share the place
+            ASSERT_EQ(s.nearest_face_near(a), s.nearest_face(a)) << shape.name;
             hits += all.face >= 0;
         }
         EXPECT_GT(hits, 30) << shape.name;
@@ -180,6 +181,22 @@ TEST(ExactGodObject, AFinOnAFloorStopsItFromItsFrontAlone) {
         const V hand{-0.02L + 0.0001L * i, 0.003L, -0.001L};
         ASSERT_TRUE(other.step(hand));
         ASSERT_LT(distance(other.at(), V{hand.x, hand.y, 0}), 1e-17L) << i;
+    }
+}
+
+TEST(ExactGodObject, SlipsOffARim) {
+    for (const Shape& shape : {plane_grid(), two_sided_sheet()}) {
+        const Surface s = surface_of(shape);
+        for (const V& way : {V{1, 0, 0}, V{0.6L, -0.8L, 0}, V{1, 1, 0}, V{0, 1, 0}}) {
+            GodObject god(s);
+            god.step({0.00035L, 0.00011L, 0.001L});
+            for (int i = 0; i < 300; ++i) {
+                const V hand = V{0.00035L, 0.00011L, -0.001L} + 0.0001L * i * way;
+                const bool over = std::max(std::fabs(hand.x), std::fabs(hand.y)) < 0.02L;
+                ASSERT_EQ(god.step(hand), over) << shape.name << " " << i;
+                ASSERT_LT(distance(god.at(), over ? V{hand.x, hand.y, 0} : hand), 1e-17L);
+            }
+        }
     }
 }
 

@@ -64,6 +64,8 @@ struct Faces {
 using Links = std::vector<std::array<Link, 3>>;
 
 Frame find_frame(const Triangles& given, bool exact, MeshNotes& notes, Slices& slices);
+/// Within which vertices are one (m). A few far vertices do not widen it.
+double tolerance(const Frame& frame, const MeshBuild& how);
 Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, MeshNotes& notes,
            Slices& slices);
 /// Brings faces and vertices into the order of the tree that it returns.
@@ -72,6 +74,8 @@ std::vector<MeshNode> sort_into_tree(Faces& faces, Slices& slices);
 bool pair_edges(Faces& faces, Links& links, MeshNotes& notes, Slices& slices);
 /// Bounds the fans and returns each face's flags.
 std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes& notes, Slices& slices);
-void find_crossings(MeshData& data, Slices& slices);
+/// Flags the faces that others cross; what is nearer than `touch` (m) touches.
+void find_crossings(const MeshData& data, const Faces& faces, double touch, std::vector<std::uint8_t>& flags,
+                    MeshNotes& notes, Slices& slices);
 
 }  // namespace knurl::build

@@ -102,11 +102,14 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
                 std::to_string(notes.faces_degenerate) + " have no area; check its vertices and their unit");
         memory->nodes = build::sort_into_tree(faces, slices);
     } while (build::pair_edges(faces, links, notes, slices));
-    const std::vector<std::uint8_t> flags = build::split_fans(faces, links, notes, slices);
+    std::vector<std::uint8_t> flags = build::split_fans(faces, links, notes, slices);
 
     data.origin = frame.origin;
     data.size = frame.size;
     data.exact = how.exact;
+    if (how.find_crossings)
+        build::find_crossings(data, faces, std::max(build::tolerance(frame, how), 2 * frame.noise), flags,
+                              notes, slices);
     for (const auto& over : links) {
         slices();
         data.open = data.open || over[0] == no_link || over[1] == no_link || over[2] == no_link;
@@ -126,9 +129,6 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
         low[k] = std::nextafter(data.origin[k] + below, -std::numeric_limits<double>::infinity());
         high[k] = std::nextafter(data.origin[k] + above, std::numeric_limits<double>::infinity());
     }
-    faces = {};
-    links = {};
-    if (how.find_crossings) build::find_crossings(data, slices);
 }
 
 Mesh::~Mesh() = default;

@@ -172,23 +172,27 @@ std::pair<double, double> height(const Point3& a, const Point3& b, const Point3&
 
 }  // namespace
 
+double tolerance(const Frame& frame, const MeshBuild& how) {
+    return how.weld * std::min(frame.size, 16 * frame.spread);
+}
+
 Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, MeshNotes& notes,
            Slices& slices) {
     slices.ask();
     Faces faces;
     std::vector<std::uint32_t> number = number_places(given, frame, faces.at, slices);
 
-    const double tolerance = how.weld * std::min(frame.size, 16 * frame.spread);
+    const double near = tolerance(frame, how);
     std::vector<std::uint32_t> becomes;
-    if (tolerance > std::ldexp(frame.size, -40)) {
-        becomes = near_ones(faces.at, tolerance, slices);
+    if (near > std::ldexp(frame.size, -40)) {
+        becomes = near_ones(faces.at, near, slices);
         // Two that were not near each other stay two where a triangle names both.
         for (std::size_t t = 0; t < given.triangles.size(); ++t, slices()) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = number[given.triangles[t][k]],
                                     b = number[given.triangles[t][(k + 1) % 3]];
                 if (a == none || b == none || a == b || becomes[a] != becomes[b]) continue;
-                if (square(faces.at[a], faces.at[b]) <= tolerance * tolerance) continue;
+                if (square(faces.at[a], faces.at[b]) <= near * near) continue;
                 const std::uint32_t apart = becomes[a] == a ? b : a;
                 becomes[apart] = apart;
             }

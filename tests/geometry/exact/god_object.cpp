@@ -10,7 +10,7 @@ constexpr Real moved = 1e-16L;   // of the size
 }  // namespace
 
 void GodObject::put(const V& at, int face) {
-    at_ = at, face_ = face, touching_ = true;
+    at_ = at, face_ = face, touching_ = met_ = true;
 }
 void GodObject::let_go(const V& hand) {
     at_ = last_ = hand, touching_ = false, met_ = true;
@@ -50,6 +50,13 @@ Nearest3 GodObject::descend(const V& hand) {
     return here;
 }
 
+/// Over a rim it goes as the hand does: held only if what is beside the rim is in the way.
+bool GodObject::held(const Nearest3& rest, const V& hand) const {
+    const V n = surface_->pseudonormal(face_, rest);
+    if (!(dot(hand - at_, n) <= 0)) return false;
+    return !surface_->rim(face_, rest) || surface_->blocked(at_, at_ + 1e-6L * surface_->size() * n, hand);
+}
+
 bool GodObject::step(const V& hand) {
     const Surface& s = *surface_;
     if (!met_) {
@@ -63,8 +70,8 @@ bool GodObject::step(const V& hand) {
     for (int round = 0; touching_; ++round) {
         const Nearest3 rest = descend(hand);
         at_ = rest.point;
-        if (dot(hand - at_, s.pseudonormal(face_, rest)) <= 0) break;
-        // The hand is on the free side: nothing of what holds `at` holds it back.
+        if (held(rest, hand)) break;
+        // Nothing of what holds `at` holds the hand back.
         const Crossing hit = s.sweep(at_, hand, behind * s.size(), &at_);
         if (hit.face < 0) {
             let_go(hand);

@@ -26,6 +26,7 @@ class GodObject {
 
   private:
     Nearest3 descend(const V& hand);
+    bool held(const Nearest3& rest, const V& hand) const;
 
     const Surface* surface_;
     V at_, last_;

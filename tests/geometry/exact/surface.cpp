@@ -9,6 +9,7 @@ namespace exact {
 namespace {
 
 constexpr Real tiny = 1e-15L;  // of an edge: nearer to its end is that end
+constexpr Real flat = 1e-12L;  // sum of normals: they cancel out
 
 V least(const V& a, const V& b) {
     return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
@@ -149,11 +150,10 @@ int Surface::nearest_face(const V& p) const {
     return best;
 }
 
-V Surface::pseudonormal(int face, const Nearest3& at) const {
+V Surface::weighted(int face, const Nearest3& at) const {
     if (at.edge >= 0) {
         const int other = over_[face][at.edge];
-        const V sum = other < 0 ? normal_[face] : normal_[face] + normal_[other / 3];
-        return length(sum) > 0 ? unit(sum) : normal_[face];
+        return other < 0 ? normal_[face] : normal_[face] + normal_[other / 3];
     }
     if (at.corner < 0) return normal_[face];
     const int vertex = face_[face][at.corner];
@@ -164,7 +164,26 @@ V Surface::pseudonormal(int face, const Nearest3& at) const {
         const V u = corner(f, (i + 1) % 3) - corner(f, i), v = corner(f, (i + 2) % 3) - corner(f, i);
         sum += std::atan2(length(cross(u, v)), dot(u, v)) * normal_[f];
     }
-    return length(sum) > 0 ? unit(sum) : normal_[face];
+    return sum;
+}
+
+V Surface::pseudonormal(int face, const Nearest3& at) const {
+    const V sum = weighted(face, at);
+    return length(sum) > flat ? unit(sum) : normal_[face];
+}
+
+bool Surface::rim(int face, const Nearest3& at) const {
+    if (at.edge >= 0 && over_[face][at.edge] < 0) return true;
+    if (at.corner >= 0) {
+        const int vertex = face_[face][at.corner];
+        for (const int f : fan(face, at.corner)) {
+            for (int i = 0; i < 3; ++i) {
+                const bool of_it = face_[f][i] == vertex || face_[f][(i + 1) % 3] == vertex;
+                if (of_it && over_[f][i] < 0) return true;
+            }
+        }
+    }
+    return !(length(weighted(face, at)) > flat);
 }
 
 Real Surface::winding(const V& p) const {

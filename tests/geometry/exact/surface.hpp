@@ -44,6 +44,8 @@ class Surface {
     int triangle(int face) const { return given_[face]; }  // its place in what was given
     bool closed() const { return open_edges_ == 0; }
     std::size_t open_edges() const { return open_edges_; }
+    /// But for a few holes, so that `winding` still tells what is inside.
+    bool nearly_closed() const { return open_edges_ < face_.size() / 10; }
 
     /// The face beyond an edge on the front side, and the edge of it: 3 face + edge; -1: none. Where more
     /// than two faces meet it is the first that one comes to when one turns about the edge from the front.
@@ -52,10 +54,16 @@ class Surface {
     std::vector<int> fan(int face, int corner) const;
 
     Nearest3 nearest(int face, const V& p) const;
-    /// Of all faces, by looking at all of them.
+    /// Of all faces, by looking at all of them; and by looking at those in the grid's cells.
     int nearest_face(const V& p) const;
-    /// Where the surface's front is at such a point: face normal, mean of two, or weighted by the angles.
+    int nearest_face_near(const V& p) const;
+    /// Where the surface's front is at such a point: face normal, mean of two, or weighted by the angles. At
+    /// the edge of a sheet with two sides there is none: the face's.
     V pseudonormal(int face, const Nearest3& at) const;
+    /// Nothing goes on beyond it, or only the same sheet's other side.
+    bool rim(int face, const Nearest3& at) const;
+    /// One of the faces that hold `at` lies on the way from `start` to the hand.
+    bool blocked(const V& at, const V& start, const V& hand) const;
 
     /// The first face that a -> b goes through from its front; it may lie `behind` (m) a already. `but`: not
     /// the faces that hold this point.
@@ -72,6 +80,7 @@ class Surface {
     Real gain_in_sight(const V& p, const V& normal, const V& hand, Real near) const;
 
   private:
+    V weighted(int face, const Nearest3& at) const;
     void connect();
     void fill_grid();
     template <class Do>

@@ -112,6 +112,30 @@ Crossing Surface::sweep(const V& a, const V& b, Real behind, const V* but) const
     return first;
 }
 
+int Surface::nearest_face_near(const V& p) const {
+    for (Real reach = cell_; reach < size_; reach *= 2) {
+        const V around{reach, reach, reach};
+        int best = -1;
+        Real shortest = reach;
+        within(p - around, p + around, [&](int f) {
+            const Real d = distance(nearest(f, p).point, p);
+            if (d < shortest || (d == shortest && f < best)) shortest = d, best = f;
+        });
+        if (best >= 0) return best;
+    }
+    return nearest_face(p);
+}
+
+bool Surface::blocked(const V& at, const V& start, const V& hand) const {
+    const Real near = 1e-13L * size_;
+    const V slack{near, near, near};
+    Crossing first;
+    within(at - slack, at + slack, [&](int f) {
+        if (distance(nearest(f, at).point, at) <= near) meet(f, start, hand, 0, nullptr, first);
+    });
+    return first.face >= 0;
+}
+
 Real Surface::gain(const V& p, const V& hand, Real near) const {
     const V slack{near, near, near};
     const Real now = distance(p, hand);

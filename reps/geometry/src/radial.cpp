@@ -1,0 +1,87 @@
+// Edges where more than two faces meet.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "edges.hpp"
+
+namespace knurl::build {
+namespace {
+
+constexpr double alike = 1e-6;  // rad: angles nearer than that are one
+
+struct Spoke {
+    double angle;
+    bool backward;  // its front is on the side of lesser angles
+    Link half;
+};
+
+using Eigen::Vector3d;
+
+Vector3d vector(const Point3& p) {
+    return {p[0], p[1], p[2]};
+}
+
+}  // namespace
+
+void pair_radially(const Faces& faces, std::span<const Link> halves, Links& links, Slices& slices) {
+    const auto corner = [&](Link h, std::uint32_t c) {
+        return faces.corners[face_of(h)][(edge_of(h) + c) % 3];
+    };
+    const std::uint32_t first = corner(halves[0], 0);
+    const Vector3d foot = vector(faces.at[first]);
+    const Vector3d along = (vector(faces.at[corner(halves[0], 1)]) - foot).normalized();
+    Vector3d u = Vector3d::Zero(), v = u;
+    std::vector<Spoke> spokes;
+    spokes.reserve(halves.size());
+    for (const Link h : halves) {
+        slices(4);
+        const Vector3d out = vector(faces.at[corner(h, 2)]) - foot;
+        if (spokes.empty()) {
+            u = (out - out.dot(along) * along).normalized();
+            v = along.cross(u);
+        }
+        double angle = std::atan2(out.dot(v), out.dot(u));
+        if (angle < -alike) angle += 2 * std::numbers::pi;
+        spokes.push_back({angle, corner(h, 0) != first, h});
+    }
+    const auto by_angle = [&slices](const Spoke& a, const Spoke& b) {
+        slices();
+        return a.angle != b.angle ? a.angle < b.angle : a.half < b.half;
+    };
+    std::sort(spokes.begin(), spokes.end(), by_angle);
+    // Of those at one angle the backward ones first: else the two sides of a sheet without thickness would be
+    // each other's neighbours, and the sheet a crack.
+    for (std::size_t i = 0; i < spokes.size();) {
+        std::size_t end = i + 1;
+        while (end < spokes.size() && spokes[end].angle - spokes[end - 1].angle < alike) ++end;
+        std::stable_partition(spokes.begin() + static_cast<std::ptrdiff_t>(i),
+                              spokes.begin() + static_cast<std::ptrdiff_t>(end),
+                              [](const Spoke& s) { return s.backward; });
+        slices(static_cast<std::uint32_t>(end - i));
+        i = end;
+    }
+    // As parentheses, twice around: what a forward face sees first is the next backward one that no other
+    // between them sees.
+    std::vector<Link> waiting;
+    std::vector<bool> done(spokes.size());
+    for (int round = 0; round < 2; ++round) {
+        for (std::size_t i = 0; i < spokes.size(); ++i, slices()) {
+            const Link h = spokes[i].half;
+            if (done[i]) continue;
+            if (!spokes[i].backward) {
+                if (round == 0) waiting.push_back(h);
+                continue;
+            }
+            if (waiting.empty()) continue;
+            const Link other = waiting.back();
+            waiting.pop_back();
+            done[i] = true;
+            links[face_of(h)][edge_of(h)] = other;
+            links[face_of(other)][edge_of(other)] = h;
+        }
+    }
+}
+
+}  // namespace knurl::build

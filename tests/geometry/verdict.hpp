@@ -1,0 +1,63 @@
+#pragma once
+// The walk and the reference under the same hand, cycle by cycle, and what becomes of their differences.
+// Where a hand crosses a ridge the surface may hold it in one of two places that are both right; such a place
+// is told from a wrong one by asking all faces around it whether one is nearer (Surface::gain), and the
+// reference then goes on from there.
+
+#include <ostream>
+
+#include <exact/god_object.hpp>
+
+#include <knurl/geometry/mesh.hpp>
+#include <knurl/geometry/proxy.hpp>
+
+#include "paths.hpp"
+
+namespace knurl::test {
+
+struct Verdict {
+    std::uint64_t cycles = 0, touching = 0, reference_touching = 0;
+    std::uint64_t other_place = 0;  // cycles in which it came to another place that is as right
+    std::uint64_t border = 0;       // that touch or not by rounding
+    std::uint64_t capped = 0;       // in which the walk had no more faces to look at, and was elsewhere
+    std::uint64_t wrong = 0;        // a place that no face holds it in, or none where there must be one
+    std::uint64_t lost = 0;         // not touching, deeper inside than a thousandth of the size
+    std::uint64_t not_finite = 0, over_work = 0, misfit = 0;  // misfit: the foot does not fit itself
+    std::uint64_t jumps = 0, reference_jumps = 0;             // of the place under the hand, by size / 200
+    std::vector<double> errors;                               // m, where both touch in one place
+    double worst_gain = 0;                                    // m
+    Work most;
+    std::string first_wrong;  // where to look
+
+    double error_at(double share);  // 0.5: the median
+    void add(const Verdict&);
+};
+std::ostream& operator<<(std::ostream& out, Verdict v);
+
+struct Allowed {
+    double same = 0;  // m: nearer than that it is one place
+};
+/// What float corners, or double ones, may be off on a mesh of that size so far from the origin.
+Allowed allowed_of(const exact::Surface& surface, bool exact);
+
+/// One hand; both begin anew. `truth`: of what should be felt.
+Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, const Allowed& allowed);
+
+/// All kinds of hands, `times` of each.
+Verdict judge_all(const Mesh& mesh, const exact::Surface& truth, const Shape& shape, const Allowed& allowed,
+                  std::uint64_t seed, int times);
+
+std::uint64_t seed();  // KNURL_SEED, or 1
+bool long_form();      // KNURL_STROKES=long: minutes instead of seconds
+inline Triangles given(const Shape& s) {
+    return {.vertices = s.vertices, .triangles = s.triangles, .materials = {}};
+}
+inline exact::Surface surface_of(const Shape& s) {
+    return exact::Surface(s.vertices, s.triangles);
+}
+inline bool within_limits(const Work& w) {
+    return w.faces <= max_walk_faces && w.sweeps <= max_sweeps && w.pieces <= max_pieces * max_sweeps &&
+           w.nodes <= max_nodes && w.fans <= max_fans && w.tangles <= max_tangles;
+}
+
+}  // namespace knurl::test
