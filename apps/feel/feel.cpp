@@ -97,7 +97,7 @@ Felt feel(knurl::Client& client, const MeshFile& file, const FeelOptions& option
         felt.cycles.push_back({.number = report->cycle,
                                .t = t,
                                .position = knurl::to_eigen(report->position) - felt.position,
-                               .force = felt.scale * knurl::to_eigen(report->scene_force)});
+                               .force = knurl::to_eigen(report->scene_force)});
         if (felt.cycles.size() % 20 == 0) hand.commit();
         if (t >= told_at + 1) {
             told_at = t;

@@ -117,7 +117,7 @@ int run(Wishes& w) {
         // The premium15's workspace is about its origin; what is larger is made smaller, for its path as by
         // the claim.
         constexpr const char* device = "sim:premium15";
-        constexpr double reach = 0.1;  // m, that the simulated hand goes to
+        constexpr double reach = 0.089;  // m: a little less than the claim lets be of the device's own size
         const double fits = std::max(1.0, size / 2 / reach);
         send.scale /= fits;
         if (fits > 1) fmt::print("  too large for the simulated device: felt at 1:{:.3g}\n", fits);

@@ -34,6 +34,7 @@ struct Canvas {
         color(c);
         cairo_move_to(cr.get(), x, y);
         cairo_show_text(cr.get(), what.c_str());
+        cairo_new_path(cr.get());  // a text leaves a point behind
     }
 };
 

@@ -1,5 +1,5 @@
-// knurl-surface: lets a hand stroke a real relief through an application of 20 Hz, in four ways, and judges
-// them.
+// knurl-surface: lets a hand stroke a real relief through an application of 20 Hz, in several ways, and
+// judges them.
 
 #include <atomic>
 #include <csignal>
@@ -25,7 +25,7 @@ struct Wishes {
     std::string model, connect = "knurl:default", device;
     double wait = 2;  // s
     std::string write_stroke, json, csv, relief_file;
-    std::vector<std::string> ways = {"force", "planes", "paper", "knurl"};
+    std::vector<std::string> ways = {"force", "planes", "paper", "knurl", "mesh"};
     surface::ReliefOptions relief;
     surface::StrokeOptions stroke;
     surface::StrokeRun run;
@@ -41,7 +41,7 @@ void describe(CLI::App& app, Wishes& w) {
     app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 3600.0));
-    app.add_option("--ways", w.ways, "which of force, planes, paper, knurl")
+    app.add_option("--ways", w.ways, "which of force, planes, paper, knurl, caps, mesh")
         ->delimiter(',')
         ->capture_default_str();
     app.add_option("--rate", w.run.rate, "Hz of this application's updates")
@@ -144,8 +144,9 @@ int run(const Wishes& wishes) {
 
 int main(int argc, char** argv) {
     Wishes wishes;
-    CLI::App app("knurl-surface: a hand strokes a real relief through an application of 20 Hz, in four ways.",
-                 "knurl-surface");
+    CLI::App app(
+        "knurl-surface: a hand strokes a real relief through an application of 20 Hz, in several ways.",
+        "knurl-surface");
     describe(app, wishes);
     try {
         app.parse(argc, argv);

@@ -10,12 +10,30 @@
 
 namespace surface {
 
+namespace {
+
+/// Root mean square over the cycles in which what was sent was touched. N.
+std::optional<double> own_error(const Recording& r, const Span& span) {
+    double squares = 0;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < r.own_force.size() && r.cycles[i].t <= span.end && r.cycles[i].faults == 0;
+         ++i) {
+        if (!(r.own_force[i].norm() > 0)) continue;
+        squares += (r.cycles[i].force - r.own_force[i]).squaredNorm();
+        ++n;
+    }
+    return n > 0 ? std::optional(std::sqrt(squares / static_cast<double>(n))) : std::nullopt;
+}
+
+}  // namespace
+
 Outcome judged(Recording recording, const Terrain& terrain, const Span& span) {
     Outcome outcome{.recording = std::move(recording)};
     const Recording& r = outcome.recording;
     outcome.feet.reserve(r.cycles.size());
     for (const Cycle& cycle : r.cycles) outcome.feet.push_back(terrain.foot(cycle.position));
     outcome.judgement = judge(r.cycles, outcome.feet, {r.stiffness, r.greatest_force}, span);
+    outcome.judgement.own_force_error = own_error(r, span);
     outcome.judgement.missed += r.unread;
     outcome.ages = ages_at_use(r);
     return outcome;
@@ -50,6 +68,10 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
                 return {"planes, paper's", "recovery 50 ms"};
             case Way::knurl:
                 return {"planes, predicted", "+ faded (Knurl)"};
+            case Way::caps:
+                return {"caps, predicted", "+ faded (Knurl)"};
+            case Way::mesh:
+                return {"a mesh, sent", "once (Knurl)"};
         }
         return {"", ""};
     };
@@ -77,6 +99,10 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
          [](const Outcome& o) { return fmt::format("{:.2f} N", o.judgement.jump); });
     line("RMS force error, true surface",
          [](const Outcome& o) { return fmt::format("{:.2f} N", o.judgement.force_error); });
+    line("RMS force error, what was sent", [](const Outcome& o) {
+        return o.judgement.own_force_error ? fmt::format("{:.2g} N", *o.judgement.own_force_error)
+                                           : std::string("-");
+    });
     line("largest speed off the surface",
          [](const Outcome& o) { return fmt::format("{:.2f} m/s", o.judgement.kick); });
     line("limit cycle at rest", [](const Outcome& o) {

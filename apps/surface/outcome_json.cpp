@@ -49,6 +49,7 @@ void write_json(const std::filesystem::path& file, const std::vector<Outcome>& o
                            {"jump_at", j.jump_at},
                            {"jumps", j.jumps},
                            {"force_error", j.force_error},
+                           {"own_force_error", j.own_force_error ? Json(*j.own_force_error) : Json(nullptr)},
                            {"mean_force", j.mean_force},
                            {"kick", j.kick},
                            {"kick_at", j.kick_at},

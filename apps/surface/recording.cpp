@@ -16,6 +16,10 @@ std::string key_of(Way way) {
             return "paper";
         case Way::knurl:
             return "knurl";
+        case Way::caps:
+            return "caps";
+        case Way::mesh:
+            return "mesh";
     }
     return {};
 }
@@ -30,6 +34,10 @@ std::string title_of(Way way, double rate) {
             return fmt::format("planes at {:g} Hz, recovery of the 1996 paper (50 ms)", rate);
         case Way::knurl:
             return fmt::format("planes at {:g} Hz, predicted and cross-faded (Knurl)", rate);
+        case Way::caps:
+            return fmt::format("caps at {:g} Hz, predicted and cross-faded (Knurl)", rate);
+        case Way::mesh:
+            return "the relief as a mesh, sent once (Knurl)";
     }
     return {};
 }
@@ -37,7 +45,7 @@ std::string title_of(Way way, double rate) {
 Way way_of(const std::string& key) {
     for (const Way way : all_ways)
         if (key_of(way) == key) return way;
-    throw std::runtime_error("--ways: \"" + key + "\" is none of force, planes, paper, knurl");
+    throw std::runtime_error("--ways: \"" + key + "\" is none of force, planes, paper, knurl, caps, mesh");
 }
 
 std::vector<double> ages_at_use(const Recording& recording) {

@@ -9,19 +9,21 @@
 
 namespace surface {
 
-/// The four ways in which an application of a few hertz lets a hand feel a surface.
+/// The ways in which an application of a few hertz lets a hand feel a surface.
 enum class Way {
     force,   // the force is computed in the application and sent as it is
     planes,  // tangent planes at the hand, taken as they come
     paper,   // the same, with the recovery of Mark et al. 96 (figure 7)
     knurl,   // planes asked for where the hand will be, cross-faded: Knurl's default
+    caps,    // the same with caps, which curve as the surface does there
+    mesh,    // the whole relief as triangles, sent once
 };
 
-inline constexpr Way all_ways[] = {Way::force, Way::planes, Way::paper, Way::knurl};
+inline constexpr Way all_ways[] = {Way::force, Way::planes, Way::paper, Way::knurl, Way::caps, Way::mesh};
 
 std::string key_of(Way way);                 // "force"
 std::string title_of(Way way, double rate);  // "force from the application, 20 Hz"
-Way way_of(const std::string& key);          // throws std::runtime_error that names the four
+Way way_of(const std::string& key);          // throws std::runtime_error that names them
 
 /// One update of the application.
 struct Update {
@@ -41,6 +43,9 @@ struct Recording {
     std::vector<Update> updates;                  // committed in that time
     std::uint64_t unread = 0;                     // reports overwritten before they were read
     bool interrupted = false;
+    // N, of each cycle: what the surface that this way has sent gives there. Empty: it has sent the relief
+    // itself, or what touches it.
+    std::vector<Eigen::Vector3d> own_force;
 };
 
 /// For each update that was used: from the read of the report that it was computed from to the end of the

@@ -8,6 +8,11 @@
 
 #include <fmt/format.h>
 
+#include <knurl/geometry/mesh.hpp>
+#include <knurl/geometry/proxy.hpp>
+
+#include "terrain_mesh.hpp"
+
 namespace surface {
 namespace {
 
@@ -69,6 +74,18 @@ class Session {
                     },
                     {});
                 break;
+            case Way::caps: {
+                const auto model = knurl::curved([&](const knurl::Vec3& near) {
+                    const auto foot = terrain_.foot(knurl::to_eigen(near));
+                    return knurl::SurfacePoint{knurl::to_plain(foot.point), knurl::to_plain(foot.normal)};
+                });
+                auto floor = hand_.add(cap_here());
+                loop([&] { floor.follow(model); });
+                break;
+            }
+            case Way::mesh:
+                feel_mesh();
+                break;
         }
         hand_.release();
         return std::move(recording_);
@@ -79,6 +96,24 @@ class Session {
     void follow_with(Answer&& answer, const knurl::Plane& like) {
         auto floor = hand_.add(plane_here(like));
         loop([&] { answer(floor); });
+    }
+
+    /// The relief's heights as triangles: after that the application has nothing to say.
+    void feel_mesh() {
+        const TerrainMesh relief(terrain_);
+        const knurl::SentMesh sent = hand_.send(relief.triangles());
+        const auto whole = hand_.add(knurl::Shape{.asset = sent.asset, .stiffness = recording_.stiffness});
+        loop([] {});
+        const knurl::Mesh here(relief.triangles());
+        knurl::Proxy proxy;
+        for (const Cycle& cycle : recording_.cycles) {
+            knurl::Foot foot;
+            knurl::Work work;
+            const bool touched = knurl::follow(here, proxy, cycle.position, 0, foot, work);
+            double push = touched ? recording_.stiffness * foot.depth : 0;
+            if (recording_.greatest_force > 0) push = std::min(push, recording_.greatest_force);
+            recording_.own_force.push_back(push * foot.normal);
+        }
     }
 
     /// The loop of an application: at fixed times read the hand, think, answer; nothing of it at 1 kHz.
@@ -169,6 +204,13 @@ class Session {
         plane.offset = foot.normal.dot(foot.point);
         plane.stiffness = recording_.stiffness;
         return plane;
+    }
+
+    knurl::Cap cap_here() const {
+        const auto foot = terrain_.foot(knurl::to_eigen(newest_.position));
+        return {.foot = knurl::to_plain(foot.point),
+                .normal = knurl::to_plain(foot.normal),
+                .stiffness = recording_.stiffness};
     }
 
     const Terrain& terrain_;

@@ -210,7 +210,7 @@ class Finder {
         return true;
     }
 
-    const std::vector<MeshNode>& nodes_;
+    std::span<const MeshNode> nodes_;
     const Faces& faces_;
     const double touch_, reach_;
     Slices& slices_;
