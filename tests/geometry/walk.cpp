@@ -196,5 +196,29 @@ TEST(Walk, ShadedNormalsAreContinuousAndThoseOfTheSphere) {
     }
 }
 
+// A floor and a wall that share no vertex: pressed into the floor and dragged at the wall, and through it.
+TEST(Walk, AWallThatCrossesTheFloorIsNotPassedBelow) {
+    const auto mesh = build(crossing_sheets());
+    ASSERT_GT(mesh->notes().faces_crossed, 0u);
+    Finger finger(*mesh);
+    finger.to(0.0123, 0.0031, 0.001);
+    int through = 0, guards = 0, tangled = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const double x = 0.012 * std::cos(i * 2e-3), y = 0.0031 + 1e-6 * i;
+        ASSERT_TRUE(finger.to(x, y, -0.0015)) << i;
+        through += finger.foot.point.x() < -1e-9;
+        guards += static_cast<int>(finger.work.guards);
+        tangled += finger.proxy.phase == Proxy::Phase::tangled;
+        const Vector3d corner(std::max(x, 0.0), y, 0);
+        EXPECT_LT((finger.foot.point - corner).norm(), 1e-6) << i;
+        EXPECT_NEAR(finger.foot.depth, (corner - Vector3d(x, y, -0.0015)).norm(), 1e-6);
+    }
+    EXPECT_EQ(through, 0);
+    EXPECT_GT(guards, 0);
+    EXPECT_GT(tangled, 100);
+    EXPECT_EQ(finger.proxy.phase, Proxy::Phase::touching) << "back in the open it walks again";
+    EXPECT_FALSE(finger.to(0.012, 0.0031, 0.0001));
+}
+
 }  // namespace
 }  // namespace knurl::test

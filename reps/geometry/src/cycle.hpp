@@ -12,6 +12,7 @@
 
 #include <knurl/geometry/proxy.hpp>
 
+#include "active_set.hpp"
 #include "mesh_surface.hpp"
 #include "sweep.hpp"
 #include "walk.hpp"
@@ -21,7 +22,7 @@ namespace knurl::detail {
 template <class S>
 class Cycle {
   public:
-    Cycle(const S& s, const Vector3d& origin, Proxy& proxy, const Vector3d& hand, double radius, Foot& foot,
+    Cycle(const S& s, const Vec& origin, Proxy& proxy, const Vec& hand, double radius, Foot& foot,
           Work& work) noexcept
         : s_(s),
           origin_(origin),
@@ -34,24 +35,26 @@ class Cycle {
 
     bool run() noexcept {
         using Phase = Proxy::Phase;
-        if (proxy_.phase == Phase::free && in_room()) return stay_free();
-        if (!(h_.cwiseAbs().maxCoeff() < 1e12)) {  // not a number, or nowhere
+        if (proxy_.phase == Phase::touching && s_.has(proxy_.face)) {
+            if (still_there()) return true;
+        } else if (proxy_.phase == Phase::free && in_room()) {
+            return stay_free();
+        }
+        if (!(h_.largest() < 1e12)) {  // not a number, or nowhere
             proxy_ = Proxy{};
             return false;
         }
         if (!(radius_ > 0)) radius_ = 0;
         // Of the coordinates' own rounding too, where the hand is far away.
-        hair_ = std::max(hair_of_size * s_.size(),
-                         64 * std::numeric_limits<double>::epsilon() * h_.cwiseAbs().maxCoeff());
+        hair_ =
+            std::max(hair_of_size * s_.size(), 64 * std::numeric_limits<double>::epsilon() * h_.largest());
         if (proxy_.phase == Phase::fresh || !s_.has(proxy_.face)) {
             proxy_ = Proxy{};
             return reach() || stay_free();
         }
         rest_.face = proxy_.face;
-        if (proxy_.phase != Phase::free) {
-            s_.fetch(proxy_.face);
-            return contact(map(proxy_.at));
-        }
+        if (proxy_.phase == Phase::tangled) return tangle(map(proxy_.at));
+        if (proxy_.phase == Phase::touching) return contact(map(proxy_.at));
         const Hit hit = sweep(s_, map(proxy_.last), h_, hair_ / 2, work_, any);
         if (!hit.whole) return stay_free(hit.point);
         if (hit.face == no_face) {
@@ -67,10 +70,26 @@ class Cycle {
     static constexpr auto any = [](std::uint32_t, const Corners&, double) { return true; };
     static constexpr std::uint8_t patience = 8;  // cycles from one look for room to the next
 
-    Vector3d map(const double (&p)[3]) const noexcept {
+    /// Most cycles: still behind the face of the last one.
+    bool still_there() noexcept {
+        const std::uint32_t f = proxy_.face;
+        if ((s_.flags(f) & face_crossed) != 0) return false;
+        const Corners face = s_.corners(f);
+        const Vec ab = face.side(0), bc = face.side(1), ca = face.side(2), a = h_ - face.at[0];
+        const Vec normal = ca.cross(ab);
+        const double height = normal.dot(a);
+        if (!(height <= 0 && normal.dot(ab.cross(a)) > 0 && normal.dot(bc.cross(h_ - face.at[1])) > 0 &&
+              normal.dot(ca.cross(h_ - face.at[2])) > 0))
+            return false;
+        const double inverse = 1 / normal.norm(), depth = -height * inverse;
+        const Vec n = normal * inverse;
+        return touch(f, h_ + n * depth, n, depth + std::max(radius_, 0.0));
+    }
+
+    Vec map(const double (&p)[3]) const noexcept {
         return {p[0] - origin_[0], p[1] - origin_[1], p[2] - origin_[2]};
     }
-    void put(double (&to)[3], const Vector3d& p) const noexcept {
+    void put(double (&to)[3], const Vec& p) const noexcept {
         for (int axis = 0; axis < 3; ++axis) to[axis] = p[axis];
     }
 
@@ -86,7 +105,7 @@ class Cycle {
         return false;
     }
     /// A limit bit: the rest of the way is swept in the next cycle.
-    bool stay_free(const Vector3d& swept) noexcept {
+    bool stay_free(const Vec& swept) noexcept {
         stay_free();
         no_room();
         put(proxy_.last, origin_ + swept);
@@ -121,9 +140,10 @@ class Cycle {
         proxy_.since = patience;  // where there was room there is likely to be more of it
     }
 
-    bool contact(Vector3d from) noexcept {
+    bool contact(Vec from) noexcept {
         for (;;) {
             walk(s_, h_, rest_, work_);
+            if (rest_.crossed && passes_below(from)) return tangle(lifted(from, rest_.visited[0]));
             const double distance = std::sqrt(rest_.near.square);
             if (!rest_.settled) return touch(rest_.near.height > 0 ? 0 : distance + radius_);
             if (!rest_.outward && !rest_.slipped) return touch(distance + radius_);
@@ -143,6 +163,7 @@ class Cycle {
                 return stay_free();
             }
             rest_.face = hit.face;
+            from = hit.point;
             if (work_.sweeps >= max_sweeps) {
                 rest_.near = nearest_on(s_.corners(hit.face), hit.point);
                 rest_.near.point = hit.point;
@@ -151,6 +172,41 @@ class Cycle {
                 return touch(std::sqrt(rest_.near.square) + radius_);
             }
         }
+    }
+
+    Vec lifted(const Vec& p, std::uint32_t face) const noexcept {
+        return p + unit_or_zero(s_.corners(face).normal()) * (lift_of_size * s_.size());
+    }
+    /// Something that the walk does not know of lies between where it began and where it rests.
+    bool passes_below(const Vec& from) noexcept {
+        ++work_.guards;
+        Work sweeping;
+        sweeping.nodes = work_.nodes;
+        const auto unknown = [&](std::uint32_t face, const Corners&, double) {
+            return !rest_.has_visited(face);
+        };
+        const Hit hit = sweep(s_, lifted(from, rest_.visited[0]), lifted(rest_.near.point, rest_.face), hair_,
+                              sweeping, unknown);
+        work_.nodes = sweeping.nodes;
+        return hit.face != no_face || !hit.whole;
+    }
+    bool tangle(const Vec& from) noexcept {
+        const Held held = hold(s_, from, h_, work_);
+        if (held.whole && held.faces == 0) {
+            if (reach()) return true;
+            no_room();
+            return stay_free();
+        }
+        const Vec way = held.at - h_;
+        const double distance = way.norm();
+        const std::uint32_t face = held.face != no_face ? held.face : rest_.face;
+        // Where a limit bit it is on its way yet, and nothing may hold it there.
+        const double depth = held.whole ? distance + radius_ : 0;
+        const Vec normal = distance > lift_of_size * s_.size() ? way * (1 / distance)
+                                                               : unit_or_zero(s_.corners(face).normal());
+        touch(face, held.at, normal, depth);
+        if (held.faces != 1 || (s_.flags(face) & face_crossed) != 0) proxy_.phase = Proxy::Phase::tangled;
+        return true;
     }
 
     /// A ball reaches the surface from its front though its centre does not.
@@ -171,31 +227,33 @@ class Cycle {
 
     bool touch(double depth) noexcept {
         const Nearest& near = rest_.near;
-        const Vector3d d = h_ - near.point;
+        const Vec d = h_ - near.point;
         const double distance = d.norm();
-        if (near.place == within || !(distance > 1e-12 * s_.size())) {
-            const Vector3d normal = pseudonormal(s_, rest_.face, near);
-            foot_.normal = normal / normal.norm();
-        } else {
-            foot_.normal = d * ((rest_.outward ? 1 : -1) / distance);
-        }
-        foot_.point = origin_ + near.point;
+        const Vec normal = near.place == within || !(distance > 1e-12 * s_.size())
+                               ? unit_or_zero(pseudonormal(s_, rest_.face, near))
+                               : d * ((rest_.outward ? 1 : -1) / distance);
+        return touch(rest_.face, near.point, normal, depth);
+    }
+    bool touch(std::uint32_t face, const Vec& x, const Vec& normal, double depth) noexcept {
+        const Vec at = origin_ + x;
+        foot_.point = to_eigen(at);
+        foot_.normal = to_eigen(normal);
         foot_.depth = depth;
-        foot_.face = rest_.face;
-        foot_.triangle = s_.triangle(rest_.face);
-        foot_.material = s_.material(rest_.face);
+        foot_.face = face;
+        foot_.triangle = s_.triangle(face);
+        foot_.material = s_.material(face);
         proxy_.phase = Proxy::Phase::touching;
-        proxy_.face = rest_.face;
-        put(proxy_.at, foot_.point);
+        proxy_.face = face;
+        put(proxy_.at, at);
         put(proxy_.last, hand_);
         return true;
     }
 
     const S& s_;
-    const Vector3d& origin_;
+    const Vec origin_;
     Proxy& proxy_;
-    const Vector3d& hand_;
-    const Vector3d h_;
+    const Vec hand_;
+    const Vec h_;
     double radius_, hair_ = 0;
     Foot& foot_;
     Work& work_;

@@ -8,6 +8,9 @@ namespace knurl {
 namespace {
 
 using detail::MeshSurface;
+using detail::to_eigen;
+using detail::to_vec;
+using detail::Vec;
 using Eigen::Vector3d;
 
 /// f(surface, origin) of the kind that the asset is.
@@ -15,8 +18,9 @@ template <class Call>
 auto on_surface(const Asset& asset, Call&& f) noexcept {
     const MeshData& data = static_cast<const Mesh&>(asset).data();
     if (data.exact)
-        return f(MeshSurface<ExactFace>(data, data.exact_faces.data(), data.exact_faces.size()), data.origin);
-    return f(MeshSurface<Face>(data, data.faces.data(), data.faces.size()), data.origin);
+        return f(MeshSurface<ExactFace>(data, data.exact_faces.data(), data.exact_faces.size()),
+                 to_vec(data.origin));
+    return f(MeshSurface<Face>(data, data.faces.data(), data.faces.size()), to_vec(data.origin));
 }
 
 void add(Work& to, const Work& work) noexcept {
@@ -34,8 +38,8 @@ void add(Work& to, const Work& work) noexcept {
 bool follow(const Asset& asset, Proxy& proxy, const Vector3d& hand, double radius, Foot& foot,
             Work& work) noexcept {
     Work cycle;
-    const bool touches = on_surface(asset, [&](const auto& surface, const Vector3d& origin) {
-        return detail::Cycle(surface, origin, proxy, hand, radius, foot, cycle).run();
+    const bool touches = on_surface(asset, [&](const auto& surface, const Vec& origin) {
+        return detail::Cycle(surface, origin, proxy, to_vec(hand), radius, foot, cycle).run();
     });
     add(work, cycle);
     return touches;
@@ -47,8 +51,8 @@ void adopt(const Asset& asset, Proxy& proxy, const Vector3d& hand, Work& work) n
     proxy = Proxy{};
     if (!touched) return;
     Work cycle;
-    on_surface(asset, [&](const auto& surface, const Vector3d& origin) {
-        const Vector3d p = Vector3d(before.at[0], before.at[1], before.at[2]) - origin;
+    on_surface(asset, [&](const auto& surface, const Vec& origin) {
+        const Vec p = Vec{before.at[0], before.at[1], before.at[2]} - origin;
         double square = HUGE_VAL;
         surface.nearer(p, square, cycle, [&](std::uint32_t face) {
             const detail::Nearest near = detail::nearest_on(surface.corners(face), p);
@@ -67,11 +71,11 @@ void adopt(const Asset& asset, Proxy& proxy, const Vector3d& hand, Work& work) n
 }
 
 Vector3d shaded_normal(const Asset& asset, const Foot& foot) noexcept {
-    return on_surface(asset, [&](const auto& surface, const Vector3d& origin) -> Vector3d {
+    return on_surface(asset, [&](const auto& surface, const Vec& origin) -> Vector3d {
         if (!surface.has(foot.face)) return foot.normal;
         const detail::Corners face = surface.corners(foot.face);
-        const Vector3d x = foot.point - origin, normal = face.normal();
-        Vector3d sum(0, 0, 0);
+        const Vec x = to_vec(foot.point) - origin, normal = face.normal();
+        Vec sum{0, 0, 0};
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t j = detail::after(i);
             const double share =
@@ -80,10 +84,10 @@ Vector3d shaded_normal(const Asset& asset, const Foot& foot) noexcept {
             corner.normal = normal;
             corner.place = i;
             sum +=
-                std::max(share, 0.0) * detail::unit_or_zero(detail::pseudonormal(surface, foot.face, corner));
+                detail::unit_or_zero(detail::pseudonormal(surface, foot.face, corner)) * std::max(share, 0.0);
         }
         const double length = sum.norm();
-        return length > 0 ? Vector3d(sum / length) : foot.normal;
+        return length > 0 ? to_eigen(sum * (1 / length)) : foot.normal;
     });
 }
 

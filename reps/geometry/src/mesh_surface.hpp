@@ -34,7 +34,7 @@ class MeshSurface {
 
     bool has(std::uint32_t face) const noexcept { return face < count_; }
     double size() const noexcept { return size_; }
-    Vector3d corner(std::uint32_t face, std::uint32_t i) const noexcept {
+    Vec corner(std::uint32_t face, std::uint32_t i) const noexcept {
         const auto& c = faces_[face].corner[i];
         return {c[0], c[1], c[2]};
     }
@@ -52,7 +52,7 @@ class MeshSurface {
 
     /// Calls see(face) for all faces whose leaves' boxes the box touches. False: more nodes than are allowed.
     template <class See>
-    bool overlapping(const Vector3d& low, const Vector3d& high, Work& work, See&& see) const noexcept {
+    bool overlapping(const Vec& low, const Vec& high, Work& work, See&& see) const noexcept {
         if (count_ == 0) return true;
         float from[3], to[3];
         for (int axis = 0; axis < 3; ++axis) from[axis] = at_most(low[axis]), to[axis] = at_least(high[axis]);
@@ -82,9 +82,9 @@ class MeshSurface {
     /// Calls see(face) for faces of leaves that are nearer to h than sqrt(square), which see() may lessen:
     /// nearer ones first, more or less. False: more nodes than are allowed.
     template <class See>
-    bool nearer(const Vector3d& h, double& square, Work& work, See&& see) const noexcept {
+    bool nearer(const Vec& h, double& square, Work& work, See&& see) const noexcept {
         if (count_ == 0) return true;
-        const float at[3] = {static_cast<float>(h.x()), static_cast<float>(h.y()), static_cast<float>(h.z())};
+        const float at[3] = {static_cast<float>(h.x), static_cast<float>(h.y), static_cast<float>(h.z)};
         const float loss = 3e-7f * (std::abs(at[0]) + std::abs(at[1]) + std::abs(at[2]));  // by h's rounding
         struct Entry {
             std::uint32_t node;
@@ -130,8 +130,8 @@ class MeshSurface {
 
     /// Half the side of a cube around h that no face reaches, at most `most`; 0 where there is none, or where
     /// it would take long to find.
-    double room(const Vector3d& h, double most, Work& work) const noexcept {
-        const float at[3] = {static_cast<float>(h.x()), static_cast<float>(h.y()), static_cast<float>(h.z())};
+    double room(const Vec& h, double most, Work& work) const noexcept {
+        const float at[3] = {static_cast<float>(h.x), static_cast<float>(h.y), static_cast<float>(h.z)};
         auto best = static_cast<float>(most);
         std::uint32_t stack[stack_size];
         std::uint32_t depth = 0, seen = 0;

@@ -17,16 +17,16 @@ inline constexpr double piece_of_size = 1.0 / 400;  // a hand step of 0.5 mm on 
 struct Hit {
     std::uint32_t face = no_face;
     double t = HUGE_VAL;  // of the segment
-    Vector3d point;       // where it is met; else how far the segment was looked at
+    Vec point;            // where it is met; else how far the segment was looked at
     bool whole = true;    // false: a limit bit before the end
 };
 
 /// From p to q; a face `behind` p still counts (m). take(face, corners, t): whether it counts at all.
 template <class S, class Take>
-Hit sweep(const S& s, const Vector3d& p, const Vector3d& q, double behind, Work& work, Take&& take) noexcept {
+Hit sweep(const S& s, const Vec& p, const Vec& q, double behind, Work& work, Take&& take) noexcept {
     ++work.sweeps;
     Hit hit;
-    const Vector3d d = q - p;
+    const Vec d = q - p;
     const double length = d.norm();
     const double first = length > 0 ? -behind / length : 0;
     const auto pieces = static_cast<std::uint32_t>(
@@ -34,8 +34,8 @@ Hit sweep(const S& s, const Vector3d& p, const Vector3d& q, double behind, Work&
     for (std::uint32_t i = 0; i < pieces; ++i) {
         ++work.pieces;
         const double end = i + 1 == pieces ? 1 : static_cast<double>(i + 1) / pieces;
-        const Vector3d a = p + d * (static_cast<double>(i) / pieces), b = p + d * end;
-        const Vector3d low = a.cwiseMin(b).array() - behind, high = a.cwiseMax(b).array() + behind;
+        const Vec a = p + d * (static_cast<double>(i) / pieces), b = p + d * end;
+        const Vec low = low_of(a, b, behind), high = high_of(a, b, behind);
         const bool all = s.overlapping(low, high, work, [&](std::uint32_t face) {
             const Corners corners = s.corners(face);
             const double t = pierced(corners, p, d);
@@ -49,7 +49,7 @@ Hit sweep(const S& s, const Vector3d& p, const Vector3d& q, double behind, Work&
             return hit;
         }
     }
-    hit.point = hit.face == no_face ? q : Vector3d(p + d * std::max(hit.t, 0.0));
+    hit.point = hit.face == no_face ? q : p + d * std::max(hit.t, 0.0);
     return hit;
 }
 

@@ -6,17 +6,14 @@
 #include <cmath>
 #include <cstdint>
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
+#include "vec.hpp"
 
 namespace knurl::detail {
 
-using Eigen::Vector3d;
-
 struct Corners {
-    Vector3d at[3];
-    Vector3d side(std::uint32_t i) const noexcept { return at[i == 2 ? 0 : i + 1] - at[i]; }
-    Vector3d normal() const noexcept { return (at[1] - at[0]).cross(at[2] - at[0]); }  // its length: 2 areas
+    Vec at[3];
+    Vec side(std::uint32_t i) const noexcept { return at[i == 2 ? 0 : i + 1] - at[i]; }
+    Vec normal() const noexcept { return (at[1] - at[0]).cross(at[2] - at[0]); }  // its length: 2 areas
 };
 
 inline constexpr std::uint32_t after(std::uint32_t i) noexcept {
@@ -32,17 +29,18 @@ inline constexpr Place within = 6;
 
 /// The point of a face nearest to h.
 struct Nearest {
-    Vector3d point, normal;  // not of unit length
-    double square;           // of the distance
-    double height;           // of h above the face's plane, times the normal's length
+    Vec point, normal;  // not of unit length
+    double square;      // of the distance
+    double height;      // of h above the face's plane, times the normal's length
     Place place;
 };
 
-/// By the normal, not by Gram's determinants: of needles the edges stay sharp to rounding.
-inline Nearest nearest_on(const Corners& face, const Vector3d& h) noexcept {
-    const Vector3d ab = face.at[1] - face.at[0], bc = face.at[2] - face.at[1], ca = face.at[0] - face.at[2];
-    const Vector3d a = h - face.at[0], b = h - face.at[1], c = h - face.at[2];
-    const Vector3d normal = ca.cross(ab);
+/// Once in memory: it is asked at many places, and code that is cold costs more than a call. By the normal,
+/// not by Gram's determinants: of needles the edges stay sharp to rounding.
+[[gnu::noinline]] inline Nearest nearest_on(const Corners& face, const Vec& h) noexcept {
+    const Vec ab = face.at[1] - face.at[0], bc = face.at[2] - face.at[1], ca = face.at[0] - face.at[2];
+    const Vec a = h - face.at[0], b = h - face.at[1], c = h - face.at[2];
+    const Vec normal = ca.cross(ab);
     const double in[3] = {normal.dot(ab.cross(a)), normal.dot(bc.cross(b)), normal.dot(ca.cross(c))};
     Nearest out;
     out.normal = normal;
@@ -58,12 +56,12 @@ inline Nearest nearest_on(const Corners& face, const Vector3d& h) noexcept {
     }
     out.square = HUGE_VAL;
     out.place = 0;
-    const Vector3d* const from[3] = {&a, &b, &c};
-    const Vector3d* const side[3] = {&ab, &bc, &ca};
+    const Vec* const from[3] = {&a, &b, &c};
+    const Vec* const side[3] = {&ab, &bc, &ca};
     for (std::uint32_t i = 0; i < 3; ++i) {
         if (in[i] > 0) continue;
         const double length = side[i]->squaredNorm(), along = from[i]->dot(*side[i]);
-        Vector3d point;
+        Vec point;
         Place place;
         if (!(along > 0)) {
             point = face.at[i], place = i;
@@ -80,13 +78,13 @@ inline Nearest nearest_on(const Corners& face, const Vector3d& h) noexcept {
 }
 
 /// Where p + t d meets the face from the front: t, or NaN. Edges are inclusive.
-inline double pierced(const Corners& face, const Vector3d& p, const Vector3d& d) noexcept {
-    const Vector3d a = face.at[0] - p, b = face.at[1] - p, c = face.at[2] - p;
+inline double pierced(const Corners& face, const Vec& p, const Vec& d) noexcept {
+    const Vec a = face.at[0] - p, b = face.at[1] - p, c = face.at[2] - p;
     const double u = d.dot(c.cross(b)), v = d.dot(a.cross(c)), w = d.dot(b.cross(a));
     const double sum = u + v + w;
     const double slack = -1e-12 * (std::abs(u) + std::abs(v) + std::abs(w));
     if (!(sum > 0) || u < slack || v < slack || w < slack) return NAN;
-    const Vector3d normal = (face.at[1] - face.at[0]).cross(face.at[2] - face.at[0]);
+    const Vec normal = (face.at[1] - face.at[0]).cross(face.at[2] - face.at[0]);
     const double against = normal.dot(d);
     if (!(against < 0)) return NAN;
     return normal.dot(a) / against;
@@ -94,7 +92,7 @@ inline double pierced(const Corners& face, const Vector3d& p, const Vector3d& d)
 
 /// Of the face at its corner i.
 inline double angle_at(const Corners& face, std::uint32_t i) noexcept {
-    const Vector3d to = face.at[after(i)] - face.at[i], from = face.at[before(i)] - face.at[i];
+    const Vec to = face.at[after(i)] - face.at[i], from = face.at[before(i)] - face.at[i];
     return std::atan2(to.cross(from).norm(), to.dot(from));
 }
 

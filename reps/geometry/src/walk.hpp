@@ -60,11 +60,11 @@ enum class Fan { closed, open, stopped };
 /// The other faces around a face's corner: see(face, pivot, to_after, to_before), with the edges from the
 /// pivot, until it says false.
 template <class S, class See>
-Fan turn(const S& s, std::uint32_t face, std::uint32_t corner, const Vector3d& v, See&& see) noexcept {
+Fan turn(const S& s, std::uint32_t face, std::uint32_t corner, const Vec& v, See&& see) noexcept {
     std::uint32_t seen = 0;
     for (const bool forward : {true, false}) {
         std::uint32_t q = face, pivot = corner;
-        Vector3d shared = s.corner(q, forward ? after(pivot) : before(pivot)) - v;
+        Vec shared = s.corner(q, forward ? after(pivot) : before(pivot)) - v;
         for (;;) {
             const Link link = s.over(q, forward ? pivot : before(pivot));
             if (link == no_link) break;
@@ -72,7 +72,7 @@ Fan turn(const S& s, std::uint32_t face, std::uint32_t corner, const Vector3d& v
             if (q == face) return Fan::closed;
             if (++seen > max_fan) return Fan::stopped;
             pivot = forward ? after(edge_of(link)) : edge_of(link);
-            const Vector3d other = s.corner(q, forward ? after(pivot) : before(pivot)) - v;
+            const Vec other = s.corner(q, forward ? after(pivot) : before(pivot)) - v;
             if (!(forward ? see(q, pivot, other, shared) : see(q, pivot, shared, other))) return Fan::stopped;
             shared = other;
         }
@@ -80,28 +80,23 @@ Fan turn(const S& s, std::uint32_t face, std::uint32_t corner, const Vector3d& v
     return Fan::open;
 }
 
-inline double angle_between(const Vector3d& a, const Vector3d& b) noexcept {
+inline double angle_between(const Vec& a, const Vec& b) noexcept {
     return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
-inline Vector3d unit_or_zero(const Vector3d& v) noexcept {
-    const double length = v.norm();
-    return length > 0 ? Vector3d(v / length) : Vector3d(0, 0, 0);
 }
 
 /// Angle-weighted (Baerentzen and Aanaes 2005), of any length: of a place of a face over the links.
 template <class S>
-Vector3d pseudonormal(const S& s, std::uint32_t face, const Nearest& near) noexcept {
+Vec pseudonormal(const S& s, std::uint32_t face, const Nearest& near) noexcept {
     if (near.place == within) return near.normal;
-    Vector3d sum = unit_or_zero(near.normal);
+    Vec sum = unit_or_zero(near.normal);
     if (near.place >= 3) {
         const Link link = s.over(face, near.place - 3);
         if (link != no_link) sum += unit_or_zero(s.corners(face_of(link)).normal());
     } else {
         const Corners own = s.corners(face);
-        sum *= angle_at(own, near.place);
+        sum = sum * angle_at(own, near.place);
         turn(s, face, near.place, own.at[near.place],
-             [&](std::uint32_t, std::uint32_t, const Vector3d& next, const Vector3d& previous) {
+             [&](std::uint32_t, std::uint32_t, const Vec& next, const Vec& previous) {
                  sum += unit_or_zero(next.cross(previous)) * angle_between(next, previous);
                  return true;
              });
@@ -110,13 +105,12 @@ Vector3d pseudonormal(const S& s, std::uint32_t face, const Nearest& near) noexc
 }
 
 /// How much of a face lies around a point of it.
-inline double angle_around(const Corners& face, const Nearest& near, const Vector3d& x,
-                           double seam) noexcept {
+inline double angle_around(const Corners& face, const Nearest& near, const Vec& x, double seam) noexcept {
     for (std::uint32_t i = 0; i < 3; ++i)
         if ((face.at[i] - x).squaredNorm() <= seam * seam) return angle_at(face, i);
     if (near.place >= 3 && near.place < within) return std::numbers::pi;
     for (std::uint32_t i = 0; i < 3; ++i) {
-        const Vector3d side = face.side(i);
+        const Vec side = face.side(i);
         if (side.cross(x - face.at[i]).squaredNorm() <= seam * seam * side.squaredNorm())
             return std::numbers::pi;
     }
@@ -126,9 +120,9 @@ inline double angle_around(const Corners& face, const Nearest& near, const Vecto
 /// The walk has come to an open edge or corner: what no link says, the tree may know (faces that were not
 /// welded, T-junctions). The face to go on to, or no_face: it rests.
 template <class S>
-std::uint32_t over_rim(const S& s, const Vector3d& h, Rest& rest, Work& work) noexcept {
+std::uint32_t over_rim(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
     const double seam = seam_of_size * s.size();
-    const Vector3d x = rest.near.point, own_normal = unit_or_zero(rest.near.normal);
+    const Vec x = rest.near.point, own_normal = unit_or_zero(rest.near.normal);
     std::uint32_t own[max_fan + 1] = {rest.face}, owned = 1;
     if (rest.near.place < 3) {
         turn(s, rest.face, rest.near.place, x, [&](std::uint32_t q, auto...) {
@@ -136,18 +130,18 @@ std::uint32_t over_rim(const S& s, const Vector3d& h, Rest& rest, Work& work) no
             return owned <= max_fan;
         });
     }
-    const Vector3d own_sum = pseudonormal(s, rest.face, rest.near);
-    Vector3d sum = rest.near.place < 3 ? own_sum : Vector3d(own_sum * std::numbers::pi);
+    const Vec own_sum = pseudonormal(s, rest.face, rest.near);
+    Vec sum = rest.near.place < 3 ? own_sum : own_sum * std::numbers::pi;
     bool others = false;
     std::uint32_t next = no_face;
     Nearest nearest = rest.near;
-    const bool all = s.overlapping(x.array() - seam, x.array() + seam, work, [&](std::uint32_t face) {
+    const bool all = s.overlapping(low_of(x, x, seam), high_of(x, x, seam), work, [&](std::uint32_t face) {
         for (std::uint32_t i = 0; i < owned; ++i)
             if (own[i] == face) return;
         const Corners corners = s.corners(face);
         const Nearest to_x = nearest_on(corners, x);
         if (!(to_x.square <= seam * seam)) return;
-        const Vector3d normal = unit_or_zero(to_x.normal);
+        const Vec normal = unit_or_zero(to_x.normal);
         if (normal.dot(own_normal) < -0.99) return;  // the other side of a thin sheet
         others = true;
         sum += normal * angle_around(corners, to_x, x, seam);
@@ -159,7 +153,7 @@ std::uint32_t over_rim(const S& s, const Vector3d& h, Rest& rest, Work& work) no
         rest.near = nearest;
         return next;
     }
-    const Vector3d d = h - x;
+    const Vec d = h - x;
     rest.outward = d.dot(sum) > 0;
     rest.slipped =
         !others && d.cross(unit_or_zero(own_sum)).squaredNorm() > std::pow(hair_of_size * s.size(), 2);
@@ -168,7 +162,7 @@ std::uint32_t over_rim(const S& s, const Vector3d& h, Rest& rest, Work& work) no
 
 /// One step: the face to go on to, with rest.near on it; or no_face: it rests, and rest says how.
 template <class S>
-std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexcept {
+std::uint32_t step(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
     Nearest& near = rest.near;
     rest.settled = true;
     bool front = near.height > 0, behind = !front;
@@ -186,10 +180,10 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
         }
         (there.height > 0 ? front : behind) = true;
     } else {
-        const Vector3d v = near.point, d = h - v;
+        const Vec v = near.point, d = h - v;
         std::uint32_t next = no_face;
         Nearest nearest = near;  // of all around: the steepest way, whichever face one comes from
-        const auto look = [&](std::uint32_t q, std::uint32_t, const Vector3d& to, const Vector3d& from) {
+        const auto look = [&](std::uint32_t q, std::uint32_t, const Vec& to, const Vec& from) {
             ++work.fans;
             if (d.dot(to) > 0 || d.dot(from) > 0) {
                 const Nearest there = nearest_on(s.corners(q), h);
@@ -212,7 +206,7 @@ std::uint32_t step(const S& s, const Vector3d& h, Rest& rest, Work& work) noexce
 
 /// From rest.face on.
 template <class S>
-void walk(const S& s, const Vector3d& h, Rest& rest, Work& work) noexcept {
+void walk(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
     rest.outward = rest.slipped = rest.crossed = false;
     rest.visits = rest.level = 0;
     rest.near = nearest_on(s.corners(rest.face), h);

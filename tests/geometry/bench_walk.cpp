@@ -1,0 +1,289 @@
+// What a cycle of a proxy on a mesh costs: strokes at 0.1 to 0.3 m/s pressing 1 to 3 mm and pokes, at 1 kHz,
+// on bumpy spheres of 1k to 1M faces. Warm: the fastest of three times eight repeats of each cycle. Cold:
+// once, with 48 MiB written before it. Beside it, in the same run, what others ask on the same path.
+//
+//   knurl_bench_walk [most faces]
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <knurl/geometry/mesh.hpp>
+#include <knurl/geometry/proxy.hpp>
+
+#include "generators.hpp"
+#include "paths.hpp"
+
+#if defined(KNURL_EMBREE)
+#include <embree3/rtcore.h>
+#endif
+
+namespace {
+
+using namespace knurl;
+using Clock = std::chrono::steady_clock;
+using Eigen::Vector3d;
+
+double nanoseconds(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double, std::nano>(to - from).count();
+}
+
+/// What reading the clock itself takes.
+double clock_cost() {
+    double least = 1e9;
+    for (int i = 0; i < 10000; ++i) {
+        const auto a = Clock::now();
+        const auto b = Clock::now();
+        least = std::min(least, nanoseconds(a, b));
+    }
+    return least;
+}
+
+struct Times {
+    std::vector<double> ns;
+    double at(double share) {
+        if (ns.empty()) return NAN;
+        std::sort(ns.begin(), ns.end());
+        return ns[std::min(ns.size() - 1, static_cast<std::size_t>(share * static_cast<double>(ns.size())))];
+    }
+    void print(const char* what, std::size_t faces) {
+        std::printf("%9zu  %-28s %8.0f %8.0f %9.0f  (%zu cycles)\n", faces, what, at(0.5), at(0.99), at(1),
+                    ns.size());
+    }
+};
+
+std::vector<char> flushed(std::size_t{48} << 20);
+void flush_caches() {
+    static char value = 0;
+    ++value;
+    for (std::size_t i = 0; i < flushed.size(); i += 64) flushed[i] = value;
+}
+
+/// The state is put back, so that a cycle can be done again: eight times between two looks at the clock.
+template <class State, class Do>
+double time_cycle(State& state, double clock, bool cold, Do&& cycle) {
+    const State before = state;
+    if (cold) {
+        flush_caches();
+        const auto a = Clock::now();
+        cycle();
+        return nanoseconds(a, Clock::now()) - clock;
+    }
+    double best = 1e18;
+    for (int repeat = 0; repeat < 3; ++repeat) {
+        const auto a = Clock::now();
+        for (int i = 0; i < 8; ++i) {
+            state = before;
+            cycle();
+        }
+        best = std::min(best, (nanoseconds(a, Clock::now()) - clock) / 8);
+    }
+    return best;
+}
+
+std::vector<test::Hand> hands_on(const test::Shape& shape, int strokes, int pokes) {
+    test::Hands hands(shape, 7);
+    std::vector<test::Hand> all;
+    for (int i = 0; i < strokes; ++i) all.push_back(hands.stroke());
+    for (int i = 0; i < pokes; ++i) all.push_back(hands.poke());
+    return all;
+}
+
+void walk_on(const Mesh& mesh, const std::vector<test::Hand>& hands, double clock, bool cold, double radius,
+             const std::string& name) {
+    Times touching, free;
+    for (const auto& hand : hands) {
+        Proxy proxy;
+        Foot foot;
+        Work work;
+        std::size_t step = 0;
+        for (const auto& p : hand) {
+            const Vector3d h(p[0], p[1], p[2]);
+            if (cold && ++step % 64 != 0) {
+                follow(mesh, proxy, h, radius, foot, work);
+                continue;
+            }
+            bool touches = false;
+            const double ns =
+                time_cycle(proxy, clock, cold, [&] { touches = follow(mesh, proxy, h, radius, foot, work); });
+            (touches ? touching : free).ns.push_back(ns);
+        }
+    }
+    touching.print((name + " touching").c_str(), mesh.faces());
+    free.print((name + " free").c_str(), mesh.faces());
+}
+
+/// What a single look at memory takes then, code and page table and all.
+void look_cold(std::size_t bytes, double clock) {
+    const auto memory = std::make_unique<char[]>(bytes);
+    std::fill_n(memory.get(), bytes, char{1});
+    Times look;
+    int sum = 0;
+    for (std::size_t i = 0; i < 500; ++i) {
+        const char* at = &memory[(i * 7919 * 4096) % bytes];
+        look.ns.push_back(
+            time_cycle(sum, clock, true, [&] { sum += *static_cast<const volatile char*>(at); }));
+    }
+    look.print("a look at memory, cold", 0);
+}
+
+// From far outside towards the mesh and back, 0.2 m/s: there is room.
+void hover_over(const Mesh& mesh, double clock) {
+    Times free;
+    Proxy proxy;
+    Foot foot;
+    Work work;
+    for (int i = 0; i < 20000; ++i) {
+        const double angle = i * 2e-3;
+        const Vector3d h = 0.13 * Vector3d(std::cos(angle), std::sin(angle), 0.3 * std::sin(3 * angle));
+        free.ns.push_back(time_cycle(proxy, clock, false, [&] { follow(mesh, proxy, h, 0, foot, work); }));
+    }
+    free.print("walk, free, 3 cm away", mesh.faces());
+}
+
+#if defined(KNURL_EMBREE)
+class Embree {
+  public:
+    explicit Embree(const test::Shape& shape) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+        const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        corners_.reserve(shape.vertices.size());
+        auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                              RTC_FORMAT_FLOAT3, 12, shape.vertices.size()));
+        for (const auto& p : shape.vertices) {
+            corners_.emplace_back(float(p[0]), float(p[1]), float(p[2]));
+            for (const double x : p) *v++ = float(x);
+        }
+        auto* t = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, shape.triangles.size()));
+        for (const auto& corners : shape.triangles)
+            for (const auto i : corners) *t++ = i;
+        triangles_ = shape.triangles;
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(scene_, geometry);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(scene_);
+    }
+    Embree(const Embree&) = delete;
+    ~Embree() { rtcReleaseScene(scene_), rtcReleaseDevice(device_); }
+
+    float sweep(const Vector3d& from, const Vector3d& to) const {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        RTCRayHit ray{};
+        const Vector3d d = to - from;
+        ray.ray.org_x = float(from.x()), ray.ray.org_y = float(from.y()), ray.ray.org_z = float(from.z());
+        ray.ray.dir_x = float(d.x()), ray.ray.dir_y = float(d.y()), ray.ray.dir_z = float(d.z());
+        ray.ray.tfar = 1;
+        ray.ray.mask = ~0u;
+        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(scene_, &context, &ray);
+        return ray.ray.tfar;
+    }
+
+    /// Of the nearest point of all faces, within 2 cm.
+    float nearest(const Vector3d& at) const {
+        RTCPointQueryContext context;
+        rtcInitPointQueryContext(&context);
+        RTCPointQuery query{};
+        query.x = float(at.x()), query.y = float(at.y()), query.z = float(at.z());
+        query.radius = 0.02f;
+        Asked asked{this, at.cast<float>()};
+        rtcPointQuery(scene_, &query, &context, &Embree::see, &asked);
+        return query.radius;
+    }
+
+  private:
+    struct Asked {
+        const Embree* me;
+        Eigen::Vector3f at;
+    };
+    // The nearest point of a triangle after Ericson's "Real-Time Collision Detection", in float as Embree's
+    // own.
+    static bool see(RTCPointQueryFunctionArguments* args) {
+        const Asked& asked = *static_cast<Asked*>(args->userPtr);
+        const auto& t = asked.me->triangles_[args->primID];
+        const Eigen::Vector3f &a = asked.me->corners_[t[0]], &b = asked.me->corners_[t[1]],
+                              &c = asked.me->corners_[t[2]];
+        const Eigen::Vector3f ab = b - a, ac = c - a, ap = asked.at - a, bp = asked.at - b, cp = asked.at - c;
+        const float d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
+                    d6 = ac.dot(cp);
+        const float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+        Eigen::Vector3f x;
+        if (d1 <= 0 && d2 <= 0) {
+            x = a;
+        } else if (d3 >= 0 && d4 <= d3) {
+            x = b;
+        } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+            x = a + ab * (d1 / (d1 - d3));
+        } else if (d6 >= 0 && d5 <= d6) {
+            x = c;
+        } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+            x = a + ac * (d2 / (d2 - d6));
+        } else if (va <= 0 && d4 >= d3 && d5 >= d6) {
+            x = b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+        } else {
+            const float sum = va + vb + vc;
+            x = a + ab * (vb / sum) + ac * (vc / sum);
+        }
+        const float distance = (asked.at - x).norm();
+        if (!(distance < args->query->radius)) return false;
+        args->query->radius = distance;
+        return true;
+    }
+
+    RTCDevice device_;
+    RTCScene scene_;
+    std::vector<Eigen::Vector3f> corners_;
+    std::vector<Triangle> triangles_;
+};
+
+void embree_on(const test::Shape& shape, const std::vector<test::Hand>& hands, double clock, bool cold) {
+    const Embree embree(shape);
+    Times point, sweep;
+    float sum = 0;
+    for (const auto& hand : hands) {
+        for (std::size_t i = 1; i < hand.size(); i += cold ? 64 : 1) {
+            const Vector3d from(hand[i - 1][0], hand[i - 1][1], hand[i - 1][2]),
+                to(hand[i][0], hand[i][1], hand[i][2]);
+            point.ns.push_back(time_cycle(sum, clock, cold, [&] { sum += embree.nearest(to); }));
+            sweep.ns.push_back(time_cycle(sum, clock, cold, [&] { sum += embree.sweep(from, to); }));
+        }
+    }
+    point.print(cold ? "Embree point query, cold" : "Embree point query", shape.triangles.size());
+    sweep.print(cold ? "Embree sweep, cold" : "Embree sweep", shape.triangles.size());
+    if (sum == 0.1f) std::puts("");
+}
+#endif
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const std::size_t most = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 2'000'000;
+    std::setvbuf(stdout, nullptr, _IOLBF, 0);
+    const double clock = clock_cost();
+    std::printf("the clock's own %.0f ns are taken off\n", clock);
+#if !defined(KNURL_EMBREE)
+    std::puts("WITHOUT EMBREE: built without it; install libembree-dev, then configure again");
+#endif
+    std::printf("%9s  %-28s %8s %8s %9s\n", "faces", "ns", "median", "99 %", "most");
+    look_cold(std::size_t{64} << 20, clock);
+    for (const int subdivisions : {3, 5, 6, 7, 8}) {
+        if ((std::size_t{20} << 2 * subdivisions) > most) break;
+        const test::Shape shape = test::noisy_sphere(subdivisions, 0.1, 3);
+        const auto hands = hands_on(shape, 40, 60);
+        const Mesh mesh({.vertices = shape.vertices, .triangles = shape.triangles},
+                        {.budget = std::size_t{1} << 30, .find_crossings = false});
+        walk_on(mesh, hands, clock, false, 0, "walk");
+        walk_on(mesh, hands, clock, true, 0, "walk, cold,");
+        walk_on(mesh, hands, clock, false, 0.002, "ball of 2 mm");
+        hover_over(mesh, clock);
+#if defined(KNURL_EMBREE)
+        embree_on(shape, hands, clock, false);
+        embree_on(shape, hands, clock, true);
+#endif
+    }
+}
