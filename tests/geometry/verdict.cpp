@@ -13,6 +13,10 @@ using exact::V;
 
 namespace {
 
+/// Of the size: what is nearer to a rim than that may be taken for a seam that was not welded (3 um at 0.2
+/// m).
+constexpr Real rim = 2e-5L;
+
 V to_v(const Eigen::Vector3d& p) {
     return {p.x(), p.y(), p.z()};
 }
@@ -133,6 +137,9 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
             }
         } else if (work.faces >= max_walk_faces) {
             ++v.capped;
+        } else if (touches && truth.near_rim(at, rim * truth.size())) {
+            ++v.border;
+            god.put(at, truth.nearest_face_near(at));
         } else if (!touches) {
             const bool inside = !truth.nearly_closed() || truth.winding(h) > 0.5L;
             const int face = truth.nearest_face_near(h);

@@ -18,7 +18,7 @@ namespace knurl::test {
 struct Verdict {
     std::uint64_t cycles = 0, touching = 0, reference_touching = 0;
     std::uint64_t other_place = 0;  // cycles in which it came to another place that is as right
-    std::uint64_t border = 0;       // that touch or not by rounding
+    std::uint64_t border = 0;       // that touch or not by rounding, or rest on a rim
     std::uint64_t capped = 0;       // in which the walk had no more faces to look at, and was elsewhere
     std::uint64_t wrong = 0;        // a place that no face holds it in, or none where there must be one
     std::uint64_t lost = 0;         // not touching, deeper inside than a thousandth of the size

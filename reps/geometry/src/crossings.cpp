@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "build.hpp"
 
 namespace knurl::build {
@@ -173,10 +175,12 @@ class Finder {
         const double longest = std::min(a.longest(), b.longest());
         const double touch = std::min(touch_, 1e-4 * longest), reach = std::min(reach_, 1e-2 * longest);
         if (a_low > touch || a_high < -touch || b_low > touch || b_high < -touch) return false;
-        // In front of the other it is in the way; behind it nothing meets it, and level with it only if they
-        // overlap.
-        const bool flat = a_high <= reach && b_high <= reach;
-        if (flat && (a_low < -reach || b_low < -reach || a.normal.dot(b.normal) <= 0)) return false;
+        // In the way of a hand is what has free space before it on both: not what hangs behind the other.
+        // Level with the other it is only if they overlap.
+        const bool flat = a_high <= reach || b_high <= reach;
+        if (flat && (std::max(a_high, b_high) > reach || std::min(a_low, b_low) < -reach ||
+                     a.normal.dot(b.normal) <= 0))
+            return false;
         const double apart = flat ? -reach : touch;
         if (shared == 0) return meet(a, b.at, b.normal, apart, flat);
         // From the common corner on they meet until the far edge of one of them.

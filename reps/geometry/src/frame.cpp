@@ -71,6 +71,7 @@ Frame find_frame(const Triangles& given, bool exact, MeshNotes& notes, Slices& s
     const std::vector<bool> used = named(given, slices);
     const std::size_t step = used.size() / 4096 + 1;
     std::vector<Point3> sample;
+    sample.reserve(std::min<std::size_t>(used.size(), 4097));
     std::size_t next = 0;
     for (std::size_t v = 0; v < used.size(); ++v, slices()) {
         if (!used[v]) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "edges.hpp"
 
@@ -46,25 +47,24 @@ void pair_radially(const Faces& faces, std::span<const Link> halves, Links& link
         if (angle < -alike) angle += 2 * std::numbers::pi;
         spokes.push_back({angle, corner(h, 0) != first, h});
     }
-    const auto by_angle = [&slices](const Spoke& a, const Spoke& b) {
-        slices();
-        return a.angle != b.angle ? a.angle < b.angle : a.half < b.half;
-    };
-    std::sort(spokes.begin(), spokes.end(), by_angle);
     // Of those at one angle the backward ones first: else the two sides of a sheet without thickness would be
     // each other's neighbours, and the sheet a crack.
-    for (std::size_t i = 0; i < spokes.size();) {
-        std::size_t end = i + 1;
-        while (end < spokes.size() && spokes[end].angle - spokes[end - 1].angle < alike) ++end;
-        std::stable_partition(spokes.begin() + static_cast<std::ptrdiff_t>(i),
-                              spokes.begin() + static_cast<std::ptrdiff_t>(end),
-                              [](const Spoke& s) { return s.backward; });
-        slices(static_cast<std::uint32_t>(end - i));
-        i = end;
+    const auto before = [&slices](const Spoke& a, const Spoke& b) {
+        slices();
+        return std::tuple(a.angle, !a.backward, a.half) < std::tuple(b.angle, !b.backward, b.half);
+    };
+    std::sort(spokes.begin(), spokes.end(), before);
+    double last = spokes[0].angle;
+    for (std::size_t i = 1; i < spokes.size(); ++i, slices()) {
+        const double angle = spokes[i].angle;
+        if (angle - last < alike) spokes[i].angle = spokes[i - 1].angle;
+        last = angle;
     }
+    std::sort(spokes.begin(), spokes.end(), before);
     // As parentheses, twice around: what a forward face sees first is the next backward one that no other
     // between them sees.
     std::vector<Link> waiting;
+    waiting.reserve(spokes.size());
     std::vector<bool> done(spokes.size());
     for (int round = 0; round < 2; ++round) {
         for (std::size_t i = 0; i < spokes.size(); ++i, slices()) {

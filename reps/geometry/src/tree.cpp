@@ -1,5 +1,5 @@
 // Boxes around boxes, eight to a node: binned surface area heuristic from the top (Wald 2007), halves where
-// few are left or where it would grow too deep.
+// it would grow too deep. The lowest nodes are filled: they are most of the tree's memory.
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,9 @@ namespace knurl::build {
 namespace {
 
 constexpr float inf = std::numeric_limits<float>::infinity();
-constexpr std::uint32_t leaf_faces = 4, few = 16, bins = 16;
-constexpr int deep = 12;  // levels of nodes; below them halves, which need at most 10 more
+constexpr std::uint32_t leaf_faces = 4, bins = 16;
+constexpr std::uint32_t filling = 24;  // faces that become one node, of leaves alone
+constexpr int deep = 12;  // levels of nodes; below them halves, of which at most 10 more are needed
 
 struct Box {
     float low[3] = {inf, inf, inf}, high[3] = {-inf, -inf, -inf};
@@ -91,12 +92,13 @@ class Builder {
             tasks.pop_back();
             const auto self = static_cast<std::uint32_t>(nodes.size());
             if (self > 0) nodes[task.parent].child[task.place] = self;
+            const bool lowest = task.range.count() <= filling;
             std::array<Range, MeshNode::fan> children;
             children[0] = task.range;
             std::uint32_t count = 1;
             while (count < MeshNode::fan) {
-                const std::uint32_t big = worst({children.data(), count}, task.depth);
-                if (children[big].count() < 2) break;
+                const std::uint32_t big = worst({children.data(), count}, task.depth, lowest);
+                if (big == MeshNode::fan) break;
                 children[count++] = split(children[big], task.depth);
             }
             MeshNode& node = nodes.emplace_back();
@@ -133,16 +135,17 @@ class Builder {
         return range;
     }
 
-    /// The one to be split next: those first that cannot be leaves.
-    static std::uint32_t worst(std::span<const Range> children, int depth) {
-        std::uint32_t best = 0;
-        auto badness = [depth](const Range& r) {
-            if (r.count() < 2) return -1.0F;
+    /// The one to be split next, those first that cannot be leaves; MeshNode::fan: none.
+    static std::uint32_t worst(std::span<const Range> children, int depth, bool lowest) {
+        const auto badness = [=](const Range& r) {
+            if (r.count() < 2 || (r.count() > leaf_faces && r.count() <= filling && !lowest)) return -1.0F;
             if (r.count() <= leaf_faces) return r.box.area() / (r.box.area() + 1);  // < 1
             return depth < deep ? 2 + r.box.area() : static_cast<float>(r.count());
         };
-        for (std::uint32_t i = 1; i < children.size(); ++i) {
-            if (badness(children[i]) > badness(children[best])) best = i;
+        std::uint32_t best = MeshNode::fan;
+        float most = -1;
+        for (std::uint32_t i = 0; i < children.size(); ++i) {
+            if (const float bad = badness(children[i]); bad > most) most = bad, best = i;
         }
         return best;
     }
@@ -150,9 +153,11 @@ class Builder {
     /// Leaves the one part in `range` and returns the other.
     Range split(Range& range, int depth) {
         std::uint32_t middle = range.first;
-        if (range.count() > few && depth < deep) middle = split_by_area(range);
+        if (range.count() > filling && depth < deep) middle = split_by_area(range);
         if (middle == range.first || middle == range.last) {
-            middle = range.first + range.count() / 2;
+            const bool whole_leaves = range.count() > leaf_faces && range.count() <= filling;
+            middle =
+                range.first + (whole_leaves ? (range.count() + 7) / 8 * leaf_faces : (range.count() + 1) / 2);
             const int axis = range.middles.longest();
             if (range.middles.low[axis] < range.middles.high[axis]) {
                 const auto at = [this](std::uint32_t i) {
@@ -223,6 +228,7 @@ class Builder {
 Faces ordered(const Faces& faces, const Builder& builder, Slices& slices) {
     constexpr std::uint32_t none = 0xffffffff;
     Faces out;
+    out.at.reserve(faces.at.size());
     out.corners.reserve(faces.corners.size());
     out.given.reserve(faces.corners.size());
     std::vector<std::uint32_t> number(faces.at.size(), none);

@@ -180,6 +180,7 @@ Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, Mes
            Slices& slices) {
     slices.ask();
     Faces faces;
+    faces.at.reserve(given.vertices.size());
     std::vector<std::uint32_t> number = number_places(given, frame, faces.at, slices);
 
     const double near = tolerance(frame, how);

@@ -62,6 +62,8 @@ class Surface {
     V pseudonormal(int face, const Nearest3& at) const;
     /// Nothing goes on beyond it, or only the same sheet's other side.
     bool rim(int face, const Nearest3& at) const;
+    /// An edge beyond which nothing goes on is that near.
+    bool near_rim(const V& at, Real reach) const;
     /// One of the faces that hold `at` lies on the way from `start` to the hand.
     bool blocked(const V& at, const V& start, const V& hand) const;
 

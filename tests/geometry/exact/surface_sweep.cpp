@@ -136,6 +136,19 @@ bool Surface::blocked(const V& at, const V& start, const V& hand) const {
     return first.face >= 0;
 }
 
+bool Surface::near_rim(const V& at, Real reach) const {
+    const V slack{reach, reach, reach};
+    bool found = false;
+    within(at - slack, at + slack, [&](int f) {
+        for (int i = 0; i < 3 && !found; ++i) {
+            const V &a = corner(f, i), &b = corner(f, (i + 1) % 3);
+            const Real t = std::clamp<Real>(dot(at - a, b - a) / dot(b - a, b - a), 0, 1);
+            found = over_[f][i] < 0 && distance(a + t * (b - a), at) <= reach;
+        }
+    });
+    return found;
+}
+
 Real Surface::gain(const V& p, const V& hand, Real near) const {
     const V slack{near, near, near};
     const Real now = distance(p, hand);

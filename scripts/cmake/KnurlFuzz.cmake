@@ -1,0 +1,58 @@
+# libFuzzer targets, built by Clang whatever the rest is built with. ctest runs each over its kept corpus and then for
+# two seconds on inputs of its own; what breaks one is left beside it as crash-*. For longer:
+#   build/release/tests/bridge/fuzz/knurl_fuzz_framing -max_total_time=600 work/ tests/bridge/fuzz/corpus/framing
+find_program(KNURL_CLANG clang++-14)
+set(KNURL_FUZZING OFF)
+if(KNURL_SANITIZE)
+    message(STATUS "No fuzzing: this build has another sanitizer")
+elseif(NOT KNURL_CLANG)
+    message(WARNING "clang++-14 is not there: the fuzz targets and their tests are left out. "
+                    "`apt-get install clang-14` (scripts/setup does it) brings them back.")
+else()
+    set(KNURL_FUZZING ON)
+endif()
+
+set(fuzz_flags -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Wall -Wextra)
+
+# One object per source, shared by the targets of a folder: each compiles once. Uses the folder's fuzz_flags and fuzz_includes.
+function(knurl_fuzz_object source out)
+    get_filename_component(name ${source} NAME_WE)
+    set(object ${CMAKE_CURRENT_BINARY_DIR}/${name}.fuzz.o)
+    add_custom_command(OUTPUT ${object}
+        COMMAND ${CMAKE_CXX_COMPILER_LAUNCHER} ${KNURL_CLANG} ${fuzz_flags} ${fuzz_includes} -MD -MF ${object}.d -c ${source} -o ${object}
+        DEPENDS ${source} DEPFILE ${object}.d COMMENT "Fuzzing object ${name}")
+    set(${out} ${object} PARENT_SCOPE)
+endfunction()
+
+# knurl_fuzz_library(name SOURCES...): the objects of what is fuzzed together; a target takes of it what it needs.
+function(knurl_fuzz_library name)
+    set(objects "")
+    foreach(source ${ARGN})
+        knurl_fuzz_object(${source} object)
+        list(APPEND objects ${object})
+    endforeach()
+    set(library ${CMAKE_CURRENT_BINARY_DIR}/lib${name}.a)
+    add_custom_command(OUTPUT ${library} COMMAND ${CMAKE_AR} rcs ${library} ${objects}
+        DEPENDS ${objects} COMMENT "Fuzzing objects of ${name} together")
+    # Made once, whichever targets are built beside each other.
+    add_custom_target(${name} DEPENDS ${library})
+endfunction()
+
+# knurl_fuzz(name library max_len [CORPUS folder] [LINK flags]): fuzz target name.cpp.
+function(knurl_fuzz name library max_len)
+    cmake_parse_arguments(arg "" "CORPUS" "LINK" ${ARGN})
+    knurl_fuzz_object(${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp object)
+    set(program ${CMAKE_CURRENT_BINARY_DIR}/knurl_fuzz_${name})
+    set(archive ${CMAKE_CURRENT_BINARY_DIR}/lib${library}.a)
+    add_custom_command(OUTPUT ${program}
+        COMMAND ${KNURL_CLANG} -fsanitize=fuzzer,address,undefined ${object} ${archive} ${arg_LINK} -o ${program}
+        DEPENDS ${object} ${archive} COMMENT "Fuzz target ${name}")
+    add_custom_target(fuzz_${name} ALL DEPENDS ${program})
+    add_dependencies(fuzz_${name} ${library})
+    set(found ${CMAKE_CURRENT_BINARY_DIR}/found_${name})
+    file(MAKE_DIRECTORY ${found})
+    add_test(NAME fuzz.${name}
+             COMMAND ${program} -seed=1 -max_total_time=2 -max_len=${max_len} -timeout=5 -rss_limit_mb=1000 -print_final_stats=1
+                     ${found} ${arg_CORPUS})
+    set_tests_properties(fuzz.${name} PROPERTIES TIMEOUT 60 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+endfunction()

@@ -1,0 +1,42 @@
+// What building a mesh takes: ns a triangle of the thread's CPU time, and memory.
+
+#include <benchmark/benchmark.h>
+
+#include "raw_mesh.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+void build(benchmark::State& state, int subdivisions, bool crossings, bool stl) {
+    RawMesh raw = raw_sphere(subdivisions, 0.1, 0.05);
+    if (stl) raw = raw.unwelded();
+    MeshBuild how;
+    how.budget = std::size_t{1} << 32;
+    how.find_crossings = crossings;
+    double bytes = 0;
+    for (auto _ : state) {
+        const Mesh mesh(raw.given(), how);
+        bytes = static_cast<double>(mesh.bytes());
+        benchmark::DoNotOptimize(bytes);
+    }
+    const auto n = static_cast<double>(raw.triangles.size());
+    state.counters["ns_a_triangle"] = benchmark::Counter(
+        n * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+    state.counters["triangles"] = n;
+    state.counters["bytes_a_triangle"] = bytes / n;
+}
+
+// 20 480, 81 920, 327 680 and 1 310 720 triangles.
+BENCHMARK_CAPTURE(build, bare_20k, 5, false, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(build, bare_328k, 7, false, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(build, bare_1311k, 8, false, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(build, crossings_20k, 5, true, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(build, crossings_328k, 7, true, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(build, crossings_1311k, 8, true, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(build, stl_328k, 7, false, true)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+BENCHMARK_MAIN();
