@@ -17,14 +17,17 @@ from matplotlib.colors import LightSource, LinearSegmentedColormap
 import pictures
 from pictures import FAINT, INK
 
-COLOURS = {"force": "#b3261e", "planes": "#c77700", "paper": "#7a4fa3", "knurl": "#00796b"}
+COLOURS = {"force": "#b3261e", "planes": "#c77700", "paper": "#7a4fa3", "knurl": "#00796b", "caps": "#4b6f9e",
+           "mesh": "#1a5fb4"}
 NAMES = {  # a title, and what is special about it
     "force": ("Force from the application", "held until the next one comes"),
     "planes": ("Planes, as they come", "the surface's tangent plane at the hand"),
     "paper": ("Planes, the paper's recovery", "lowered to the hand, raised over 50 ms"),
     "knurl": ("Planes, Knurl's default", "for where the hand will be, cross-faded"),
+    "caps": ("Caps, likewise", "curved as the surface is there"),
+    "mesh": ("The whole relief, sent once", "as triangles, which the servo walks on"),
 }
-TIMES = {1: "one", 2: "two", 3: "three", 4: "four"}
+TIMES = {1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
 TRUE = "#9aa0a6"
 GOOD, BAD = "#00796b", "#b3261e"
 LAND = LinearSegmentedColormap.from_list(
@@ -107,8 +110,9 @@ def draw_table(page, left, right, top, strokes):
     for x, name, bound in heads:
         page.text(left + x, top, name, fontsize=7.5, color=FAINT, ha="right", linespacing=1.2)
         page.text(left + x, top + 0.29, bound, fontsize=7, color=TRUE, ha="right")
+    row = min(0.59, 2.36 / len(strokes))
     for i, s in enumerate(strokes):
-        y = top + 0.56 + i * 0.59
+        y = top + 0.56 + i * row
         page.rule(left, right, y - 0.10)
         title, detail = NAMES[s["way"]]
         page.text(left, y, str(i + 1), fontsize=16, color=COLOURS[s["way"]], fontweight="bold")
