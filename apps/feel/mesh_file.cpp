@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 #include <assimp/Importer.hpp>
 #include <assimp/importerdesc.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
@@ -33,14 +32,17 @@ void add(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, Mes
         }
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
             const aiFace& face = mesh.mFaces[f];
-            if (face.mNumIndices != 3) {
+            if (face.mNumIndices < 3) {
                 ++file.faces_of_other_kinds;
                 continue;
             }
-            file.triangles.push_back(
-                {first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
-            file.materials.push_back(
-                static_cast<std::uint8_t>(std::min(mesh.mMaterialIndex, most_materials - 1)));
+            // A polygon as a fan. (Assimp's own triangulation ends the program where a file is cut off.)
+            for (unsigned i = 2; i < face.mNumIndices; ++i) {
+                file.triangles.push_back(
+                    {first + face.mIndices[0], first + face.mIndices[i - 1], first + face.mIndices[i]});
+                file.materials.push_back(
+                    static_cast<std::uint8_t>(std::min(mesh.mMaterialIndex, most_materials - 1)));
+            }
         }
     }
     for (unsigned c = 0; c < node.mNumChildren; ++c) add(scene, *node.mChildren[c], here, file);
@@ -63,7 +65,7 @@ MeshFile load_mesh(const std::string& path) {
                                                        : "is not there; give the path of a mesh");
     Assimp::Importer importer;
     // Nothing is joined, split or smoothed here: the servo's builder does what is needed, and says so.
-    const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+    const aiScene* scene = importer.ReadFile(path, 0);
     if (scene == nullptr || scene->mRootNode == nullptr) {
         std::string why = importer.GetErrorString();
         if (why.empty()) why = "no mesh in it";

@@ -1,0 +1,68 @@
+// knurl-feel as a person runs it.
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include <generators.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "program.hpp"
+
+namespace {
+
+using knurl::test::Background;
+using knurl::test::Folder;
+using knurl::test::run;
+using testing::HasSubstr;
+
+class FeelProgram : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::ostringstream obj;
+        obj.precision(17);
+        const knurl::test::Shape ball = knurl::test::icosphere(4, 40);  // mm, though the file does not say so
+        for (const auto& v : ball.vertices) obj << "v " << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
+        for (const auto& t : ball.triangles)
+            obj << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+        mesh_ = folder_.file("ball.obj", obj.str());
+    }
+    const Folder folder_;
+    std::string mesh_;
+};
+
+TEST_F(FeelProgram, FeelsWithoutADeviceAndDrawsWhatItFelt) {
+    const std::string picture = folder_.path("ball.png"), csv = folder_.path("ball.csv");
+    const auto felt =
+        run({KNURL_FEEL_PROGRAM, mesh_, "--demo", "--seconds", "1.5", "--picture", picture, "--csv", csv});
+    ASSERT_EQ(felt.code, 0) << felt.err;
+    EXPECT_THAT(felt.out, HasSubstr("5120 triangles"));
+    EXPECT_THAT(felt.out, HasSubstr("the unit mm is a guess"));
+    EXPECT_THAT(felt.out, HasSubstr("5120 faces"));
+    EXPECT_THAT(felt.out, HasSubstr("0 contacts lost"));
+    std::ifstream png(picture, std::ios::binary);
+    std::string head(8, ' ');
+    png.read(head.data(), 8);
+    EXPECT_EQ(head, "\x89PNG\r\n\x1a\n");
+    std::ifstream rows(csv);
+    std::size_t count = 0;
+    for (std::string line; std::getline(rows, line);) ++count;
+    EXPECT_GT(count, 500u);
+}
+
+TEST_F(FeelProgram, SaysWhatIsWrong) {
+    ::setenv("KNURL_RUNTIME_DIR", folder_.path("").c_str(), 1);
+    EXPECT_THAT(run({KNURL_FEEL_PROGRAM, mesh_, "--unit", "furlong"}).err, HasSubstr("furlong"));
+    EXPECT_EQ(run({KNURL_FEEL_PROGRAM}).code, 2);
+    EXPECT_THAT(run({KNURL_FEEL_PROGRAM, folder_.path("none.stl")}).err, HasSubstr("none.stl"));
+    const auto alone = run({KNURL_FEEL_PROGRAM, mesh_, "--wait", "0"});
+    EXPECT_EQ(alone.code, 1);
+    EXPECT_THAT(alone.err, HasSubstr("knurld"));
+    EXPECT_THAT(run({KNURL_FEEL_PROGRAM, mesh_, "--unit", "m", "--wait", "0"}).out,
+                HasSubstr("is the unit right?"));
+    EXPECT_THAT(run({KNURL_FEEL_PROGRAM, mesh_, "--demo", "--picture", "/nowhere/p.png"}).err,
+                HasSubstr("/nowhere"));
+}
+
+}  // namespace
