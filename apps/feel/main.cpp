@@ -12,6 +12,7 @@
 #include <measure.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>
+#include <unistd.h>
 
 #include "feel.hpp"
 #include "picture.hpp"
@@ -80,6 +81,28 @@ void describe(CLI::App& app, Wishes& w) {
         "  knurl-feel bunny.ply --demo --picture bunny.png  without a device\n");
 }
 
+/// A file that was damaged in its header can keep Assimp busy for ever.
+class ReadingLimit {
+  public:
+    ReadingLimit() {
+        std::signal(SIGALRM, [](int) {
+            constexpr char text[] =
+                "knurl-feel: the file takes more than a minute to read; it is damaged, or far too large\n";
+            [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+            _exit(1);
+        });
+        alarm(60);
+    }
+    ~ReadingLimit() { alarm(0); }
+    ReadingLimit(const ReadingLimit&) = delete;
+    ReadingLimit& operator=(const ReadingLimit&) = delete;
+};
+
+feel::MeshFile load(const std::string& path) {
+    const ReadingLimit limit;
+    return feel::load_mesh(path);
+}
+
 knurl::Mesh mesh_here(const feel::MeshFile& file, const knurl::SendOptions& send) {
     std::vector<knurl::Point3> vertices = file.vertices;
     for (knurl::Point3& vertex : vertices)
@@ -91,7 +114,7 @@ knurl::Mesh mesh_here(const feel::MeshFile& file, const knurl::SendOptions& send
 int run(Wishes& w) {
     if (!w.picture.empty()) knurl::measure::require_writable(w.picture);
     if (!w.csv.empty()) knurl::measure::require_writable(w.csv);
-    const feel::MeshFile file = feel::load_mesh(w.mesh);
+    const feel::MeshFile file = load(w.mesh);
     const feel::Unit unit = w.unit.empty() ? feel::guessed_unit(file.size()) : feel::unit_of(w.unit);
     knurl::SendOptions& send = w.feel.send;
     send.scale = unit.metres * w.scale;
