@@ -45,6 +45,31 @@ TEST(WalkWithinLimits, GoesOnInTheNextCycle) {
     EXPECT_GT(finger.foot.normal.dot(hand.normalized()), 0.999);
 }
 
+// From behind through twenty thousand sheets, against the front of the last one: more boxes than a cycle may
+// look into. The rest of the way is looked at in the cycles that follow, and the last sheet holds.
+TEST(WalkWithinLimits, ASweepThatALimitCutsGoesOn) {
+    Shape shape;
+    constexpr std::uint32_t sheets = 20000;
+    for (std::uint32_t i = 0; i <= sheets; ++i) {
+        const double x = double(i) / sheets;
+        for (const auto& [y, z] : {std::pair{-0.01, -0.01}, {0.01, -0.01}, {0.0, 0.01}})
+            shape.vertices.push_back({x, y, z});
+        const std::uint32_t v = 3 * i;
+        shape.triangles.push_back(i < sheets ? Triangle{v, v + 1, v + 2} : Triangle{v, v + 2, v + 1});
+    }
+    const auto mesh = build(shape, false);
+    Finger finger(*mesh);
+    finger.to(-0.01, 0, 0);
+    finger.to(1.001, 0, 0);
+    EXPECT_EQ(finger.proxy.phase, Proxy::Phase::free);
+    EXPECT_GT(finger.work.nodes, max_nodes - 16) << "no limit was met: this says nothing";
+    int cycles = 0;
+    while (++cycles < 50 && !finger.to(1.001, 0, 0)) {
+    }
+    EXPECT_LT(cycles, 50);
+    EXPECT_NEAR(finger.foot.depth, 0.001, 1e-6);
+}
+
 TEST(WalkWithinLimits, AllocatesNothing) {
     const Shape shape = noisy_sphere(4, 0.3, 3);
     const auto mesh = build(shape), other = build(crossing_sheets());
