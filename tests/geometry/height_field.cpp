@@ -101,13 +101,13 @@ TEST(HeightField, StaysWithinTheLimitsWhereverTheHandIsThrownTo) {
     const Field f = terrain(700, 600, 2);
     const HeightField field(f.heights, f.grid);
     Rng rng(3);
-    for (const double radius : {0.0, 0.01}) {
+    for (const double radius : {0.0, 0.01, 0.3}) {
         Proxy proxy;
         Foot foot;
         Vector3d hand = field.high;
         for (int i = 0; i < 3000; ++i) {
             if (i % 6 == 0) {
-                for (int k = 0; k < 3; ++k) hand[k] = between(rng, field.low[k] - 0.02, field.high[k] + 0.02);
+                for (int k = 0; k < 3; ++k) hand[k] = between(rng, field.low[k] - 0.1, field.high[k] + 0.1);
             }
             Work work;
             const bool touches = follow(field, proxy, hand, radius, foot, work);

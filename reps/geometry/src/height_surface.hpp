@@ -50,7 +50,7 @@ class HeightSurface {
     bool overlapping(const Vec& low, const Vec& high, Work& work, See&& see) const noexcept {
         const auto touched = [&](double from, double to) { return from <= high.z && to >= low.z; };
         return visit(
-            low, high, work, [&](const Vec& from, const Vec& to) { return touched(from.z, to.z); },
+            low, high, work, [&](const Vec& from, const Vec& to, bool) { return touched(from.z, to.z); },
             [&](std::uint32_t i, std::uint32_t j) {
                 const auto [from, to] = span(i, j);
                 if (touched(from, to)) ++work.nodes, see_cell(i, j, see);
@@ -62,7 +62,7 @@ class HeightSurface {
     bool nearer(const Vec& h, double& square, Work& work, See&& see) const noexcept {
         see_cell(column(h.x), row(h.y), see);  // below it: nothing farther is of interest
         const double reach = std::sqrt(square);
-        const auto near = [&](const Vec& from, const Vec& to) {
+        const auto near = [&](const Vec& from, const Vec& to, bool) {
             const Vec out{std::max({from.x - h.x, h.x - to.x, 0.0}),
                           std::max({from.y - h.y, h.y - to.y, 0.0}),
                           std::max({from.z - h.z, h.z - to.z, 0.0})};
@@ -72,7 +72,7 @@ class HeightSurface {
                      [&](std::uint32_t i, std::uint32_t j) {
                          const auto [from, to] = span(i, j);
                          const Vec a = at(i, j), b = at(i + 1, j + 1);
-                         if (near({a.x, a.y, from}, {b.x, b.y, to})) ++work.nodes, see_cell(i, j, see);
+                         if (near({a.x, a.y, from}, {b.x, b.y, to}, false)) ++work.nodes, see_cell(i, j, see);
                          return true;
                      });
     }
@@ -85,7 +85,12 @@ class HeightSurface {
         const std::uint32_t before = work.nodes;
         const bool all = visit(
             low_of(h, h, most), high_of(h, h, most), work,
-            [&](const Vec& from, const Vec& to) { return away(from, to) < best; },
+            [&](const Vec& from, const Vec& to, bool lowest) {
+                const double far = away(from, to);
+                if (!lowest || !(far > 0)) return far < best;
+                best = std::min(best, far);  // good enough: its cells are many
+                return false;
+            },
             [&](std::uint32_t i, std::uint32_t j) {
                 const auto [from, to] = span(i, j);
                 const Vec a = at(i, j), b = at(i + 1, j + 1);
@@ -130,8 +135,8 @@ class HeightSurface {
         see(face + 1);
     }
 
-    /// Cells under low..high: into(low, high) says whether a block is looked into, cell(i, j) whether to go
-    /// on. False: it did not look at all of them.
+    /// Cells under low..high: into(low, high, lowest) says whether a block is looked into, cell(i, j) whether
+    /// to go on. False: it did not look at all of them.
     template <class Into, class See>
     bool visit(const Vec& low, const Vec& high, Work& work, Into&& into, See&& see) const noexcept {
         const double margin = 1e-12 * d_.size;  // of the rounding in columns and rows
@@ -167,7 +172,7 @@ class HeightSurface {
                     const Vec from{d_.low_x + (x << shift) * d_.dx, d_.low_y + (y << shift) * d_.dy,
                                    span.low},
                         to{d_.low_x + i * d_.dx, d_.low_y + j * d_.dy, span.high};
-                    if (!into(from, to)) continue;
+                    if (!into(from, to, block.level == 1)) continue;
                     if (depth == stack_size) return false;
                     stack[depth++] = {block.level - 1, x, y};
                 }
