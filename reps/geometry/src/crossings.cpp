@@ -13,18 +13,15 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Of each face, found once.
+struct Measures {
+    Vector3d normal;  // unit
+    double longest;   // m, edge
+};
+
 struct Corners {
     Vector3d at[3];
     double low[3], high[3];  // m, a little wider
-    // Most faces need not have these:
-    Vector3d normal;      // unit
-    double longest = -1;  // m, edge; < 0: neither is known
-
-    void measure() {
-        const Vector3d e = at[1] - at[0], g = at[2] - at[0];
-        normal = e.cross(g).normalized();
-        longest = std::sqrt(std::max({e.squaredNorm(), g.squaredNorm(), (g - e).squaredNorm()}));
-    }
     bool meets(const Corners& o) const {
         return low[0] <= o.high[0] && high[0] >= o.low[0] && low[1] <= o.high[1] && high[1] >= o.low[1] &&
                low[2] <= o.high[2] && high[2] >= o.low[2];
@@ -33,9 +30,9 @@ struct Corners {
 
 /// How far a face's corners are in front of another's plane (m).
 struct Heights {
-    Heights(const Corners& of, const Corners& over)
-        : at{over.normal.dot(of.at[0] - over.at[0]), over.normal.dot(of.at[1] - over.at[0]),
-             over.normal.dot(of.at[2] - over.at[0])},
+    Heights(const Corners& of, const Corners& over, const Vector3d& normal)
+        : at{normal.dot(of.at[0] - over.at[0]), normal.dot(of.at[1] - over.at[0]),
+             normal.dot(of.at[2] - over.at[0])},
           low(std::min({at[0], at[1], at[2]})),
           high(std::max({at[0], at[1], at[2]})) {}
     bool clear(double touch) const { return low > touch || high < -touch; }
@@ -73,6 +70,14 @@ class Finder {
 
     void find(std::vector<std::uint8_t>& flags) {
         done_.resize(flags.size());
+        measures_.reserve(flags.size());
+        for (std::uint32_t f = 0; f < flags.size(); ++f, slices_(2)) {
+            const Corners c = corners(f);
+            const Vector3d e = c.at[1] - c.at[0], g = c.at[2] - c.at[0];
+            measures_.push_back(
+                {e.cross(g).normalized(),
+                 std::sqrt(std::max({e.squaredNorm(), g.squaredNorm(), (g - e).squaredNorm()}))});
+        }
         for (const MeshNode& node : nodes_) {
             for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
                 if (node.low[0][i] <= node.high[0][i] && is_leaf(node.child[i])) query(node, i, flags);
@@ -98,7 +103,6 @@ class Finder {
         float low[3], high[3];
         for (std::uint32_t i = 0; i < count; ++i) {
             own[i] = corners(first + i);
-            own[i].measure();
         }
         for (int k = 0; k < 3; ++k) {
             constexpr float inf = std::numeric_limits<float>::infinity();
@@ -151,7 +155,7 @@ class Finder {
     std::uint32_t against(std::uint32_t first, std::span<const Corners> own, std::uint32_t g,
                           std::vector<std::uint8_t>& flags) {
         std::uint32_t tests = 0;
-        Corners other = corners(g);
+        const Corners other = corners(g);
         for (std::uint32_t i = 0; i < own.size(); ++i) {
             const std::uint32_t f = first + i;
             if (f == g || (flags[f] & flags[g] & face_crossed) != 0) continue;
@@ -166,8 +170,7 @@ class Finder {
         return tests;
     }
 
-    /// `a` has been measured, `b` will be.
-    bool crossed(std::uint32_t f, const Corners& a, std::uint32_t g, Corners& b) const {
+    bool crossed(std::uint32_t f, const Corners& a, std::uint32_t g, const Corners& b) const {
         const Triangle &s = faces_.corners[f], &t = faces_.corners[g];
         std::uint32_t shared = 0, ia = 0, ib = 0;
         for (std::uint32_t i = 0; i < 3; ++i) {
@@ -176,40 +179,40 @@ class Finder {
             }
         }
         if (shared > 1) return false;  // beyond a common edge they meet only when folded onto each other
-        const Heights of_b(b, a);
+        const Vector3d &a_normal = measures_[f].normal, &b_normal = measures_[g].normal;
+        const Heights of_b(b, a, a_normal);
         if (of_b.clear(touch_)) return false;
-        if (b.longest < 0) b.measure();
-        const double longest = std::min(a.longest, b.longest);
+        const double longest = std::min(measures_[f].longest, measures_[g].longest);
         const double touch = std::min(touch_, 1e-4 * longest), reach = std::min(reach_, 1e-2 * longest);
         // In the way of a hand is what has free space before it on both: not what hangs behind the other.
         // Level with the other it is only if they overlap.
         if (of_b.high <= reach && of_b.low < -reach) return false;
-        const Heights of_a(a, b);
+        const Heights of_a(a, b, b_normal);
         if (of_a.clear(touch) || of_b.clear(touch)) return false;
         const bool level = of_a.high <= reach || of_b.high <= reach;
         if (level) {
             if (std::max(of_a.high, of_b.high) > reach || std::min(of_a.low, of_b.low) < -reach) return false;
-            return a.normal.dot(b.normal) > 0 && meet(a, b.at, b.normal, -reach, true);
+            return a_normal.dot(b_normal) > 0 && meet(a, a_normal, b.at, b_normal, -reach, true);
         }
-        if (shared == 0) return meet(a, b.at, b.normal, touch, false);
+        if (shared == 0) return meet(a, a_normal, b.at, b_normal, touch, false);
         // From the common corner on they meet until the far edge of one of them.
         const Vector3d a_far[2] = {a.at[(ia + 1) % 3], a.at[(ia + 2) % 3]};
         const Vector3d b_far[2] = {b.at[(ib + 1) % 3], b.at[(ib + 2) % 3]};
-        return (!of_a.clear_across(ia, touch) && meet(b, a_far, a.normal, touch, false)) ||
-               (!of_b.clear_across(ib, touch) && meet(a, b_far, b.normal, touch, false));
+        return (!of_a.clear_across(ia, touch) && meet(b, b_normal, a_far, a_normal, touch, false)) ||
+               (!of_b.clear_across(ib, touch) && meet(a, a_normal, b_far, b_normal, touch, false));
     }
 
     /// No axis separates the face from the other's corners (all, or an edge of them) by more than `apart`.
     template <std::size_t N>
-    static bool meet(const Corners& face, const Vector3d (&other)[N], const Vector3d& other_normal,
-                     double apart, bool level) {
+    static bool meet(const Corners& face, const Vector3d& normal, const Vector3d (&other)[N],
+                     const Vector3d& other_normal, double apart, bool level) {
         const auto separates = [&](const Vector3d& axis, double least) {
             const double square = axis.squaredNorm();
             return square > least && gap(axis, face.at, other) > apart * std::sqrt(square);
         };
         for (std::size_t i = 0; i < 3; ++i) {
             const Vector3d e = face.at[(i + 1) % 3] - face.at[i];
-            if (separates(face.normal.cross(e), 0)) return false;
+            if (separates(normal.cross(e), 0)) return false;
         }
         for (std::size_t k = 0; k < (N == 3 ? 3 : 1); ++k) {
             const Vector3d e = other[(k + 1) % N] - other[k];
@@ -227,6 +230,7 @@ class Finder {
     const Faces& faces_;
     const double touch_, reach_;
     Slices& slices_;
+    std::vector<Measures> measures_;
     std::vector<bool> done_;
     std::vector<std::uint32_t> stack_;
     std::uint64_t spent_ = 0;
