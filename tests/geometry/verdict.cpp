@@ -77,12 +77,12 @@ std::ostream& operator<<(std::ostream& out, Verdict v) {
     return out;
 }
 
-Allowed allowed_of(const exact::Surface& surface, bool exact) {
+Allowed allowed_of(const exact::Surface& surface, bool exact, bool crossed) {
     const Real far = std::max(length(surface.low()), length(surface.high()));
     const double size = static_cast<double>(surface.size());
     // A place so far from the origin is a double itself.
     const double place = 0x1p-51 * static_cast<double>(far);
-    return {.same = (exact ? 5e-11 : 5e-7) * size + place};
+    return {.same = (crossed ? 1e-6 : exact ? 5e-11 : 5e-7) * size + place};
 }
 
 Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, const Allowed& allowed) {
