@@ -15,7 +15,9 @@
 #include <knurl/geometry/mesh.hpp>
 #include <knurl/geometry/proxy.hpp>
 
+#include "active_set.hpp"
 #include "generators.hpp"
+#include "mesh_surface.hpp"
 #include "paths.hpp"
 
 #if defined(KNURL_EMBREE)
@@ -115,6 +117,28 @@ void walk_on(const Mesh& mesh, const std::vector<test::Hand>& hands, double cloc
     }
     touching.print((name + " touching").c_str(), mesh.faces());
     free.print((name + " free").c_str(), mesh.faces());
+}
+
+/// Zilles and Salisbury's way in every cycle, on the same faces and tree.
+void active_set_on(const Mesh& mesh, const std::vector<test::Hand>& hands, double clock) {
+    const MeshData& data = mesh.data();
+    const detail::MeshSurface<Face> surface(data, data.faces.data(), data.faces.size());
+    Times touching;
+    for (const auto& hand : hands) {
+        const auto local = [&](const std::array<double, 3>& p) {
+            return detail::to_vec(Vector3d(p[0], p[1], p[2]) - data.origin);
+        };
+        detail::Vec at = local(hand.front());
+        for (const auto& p : hand) {
+            const detail::Vec h = local(p);
+            detail::Held held;
+            Work work;
+            const double ns = time_cycle(work, clock, false, [&] { held = hold(surface, at, h, work); });
+            if (held.faces > 0) touching.ns.push_back(ns);
+            at = held.at;
+        }
+    }
+    touching.print("active set touching", mesh.faces());
 }
 
 /// What a single look at memory takes then, code and page table and all.
@@ -280,6 +304,7 @@ int main(int argc, char** argv) {
         walk_on(mesh, hands, clock, false, 0, "walk");
         walk_on(mesh, hands, clock, true, 0, "walk, cold,");
         walk_on(mesh, hands, clock, false, 0.002, "ball of 2 mm");
+        active_set_on(mesh, hands, clock);
         hover_over(mesh, clock);
 #if defined(KNURL_EMBREE)
         embree_on(shape, hands, clock, false);

@@ -15,6 +15,7 @@ namespace knurl::detail {
 // Of the size. How far in front of a plane it stays, and how far behind one it is still held: with a quarter
 // of it one falls through valleys, with three times it through sheets back to back.
 inline constexpr double lift_of_size = 5e-7;
+inline constexpr double slack_of_lift = 1.25;
 inline constexpr double same_of_size = 5e-9;  // so little is no movement
 inline constexpr std::uint32_t max_planes = 5, max_rounds = 16;
 static_assert(max_planes * max_rounds == max_tangles);
@@ -26,10 +27,10 @@ struct HalfSpace {
 };
 
 struct Held {
-    Vec at;                        // where it is held, or where it got to
-    std::uint32_t face = no_face;  // of those that hold it
-    std::uint32_t faces = 0;       // that hold it; none: it is free
-    bool whole = true;             // false: a limit bit
+    Vec at;                                   // a lift in front of what holds it; or where it has got to
+    Vec foot;                                 // of the surface
+    std::uint32_t face = no_face, faces = 0;  // that hold it, and how many; none: it is free
+    bool whole = true;                        // false: a limit bit
 };
 
 /// The point nearest to h in all of them, by trying which of them hold it, at most three; false: there is
@@ -88,11 +89,12 @@ template <class S>
         Vec goal = h;
         bool there = false;
         while (!there && count < max_planes) {
-            const Hit hit = sweep(s, p, goal, lift, mine, [&](std::uint32_t face, const Corners&, double) {
-                for (std::uint32_t i = 0; i < count; ++i)
-                    if (planes[i].face == face) return false;
-                return true;
-            });
+            const Hit hit = sweep(s, p, goal, slack_of_lift * lift, mine,
+                                  [&](std::uint32_t face, const Corners&, double) {
+                                      for (std::uint32_t i = 0; i < count; ++i)
+                                          if (planes[i].face == face) return false;
+                                      return true;
+                                  });
             p = hit.point;
             held.whole = hit.whole;
             there = hit.face == no_face;
@@ -108,6 +110,12 @@ template <class S>
         for (std::uint32_t i = 0; i < count; ++i)
             if ((holding >> i & 1) != 0) held.face = planes[i].face, ++held.faces;
         if (count > 0 && held.faces == 0) held.face = planes[0].face, held.faces = count;  // on its way yet
+        held.foot = p;
+        for (std::uint32_t i = 0; i < count; ++i) planes[i].least -= lift;
+        Vec on;
+        if (held.faces > 0 && project(planes, count, h, 0.01 * lift, on, holding) &&
+            (on - p).squaredNorm() < 100 * lift * lift)
+            held.foot = on;
         if (count == 0 || (p - start).squaredNorm() < same * same) break;
     }
     work.nodes = mine.nodes;

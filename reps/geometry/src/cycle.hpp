@@ -182,11 +182,15 @@ class Cycle {
         ++work_.guards;
         Work sweeping;
         sweeping.nodes = work_.nodes;
-        const auto unknown = [&](std::uint32_t face, const Corners&, double) {
-            return !rest_.has_visited(face);
+        const double lift = lift_of_size * s_.size();
+        const Vec end = lifted(rest_.near.point, rest_.face);
+        const auto unknown = [&](std::uint32_t face, const Corners& corners, double) {
+            // Behind it by more than its being lifted over another face explains.
+            return !rest_.has_visited(face) &&
+                   unit_or_zero(corners.normal()).dot(end - corners.at[0]) < -1.01 * lift;
         };
-        const Hit hit = sweep(s_, lifted(from, rest_.visited[0]), lifted(rest_.near.point, rest_.face), hair_,
-                              sweeping, unknown);
+        const Hit hit =
+            sweep(s_, lifted(from, rest_.visited[0]), end, slack_of_lift * lift, sweeping, unknown);
         work_.nodes = sweeping.nodes;
         return hit.face != no_face || !hit.whole;
     }
@@ -197,14 +201,15 @@ class Cycle {
             no_room();
             return stay_free();
         }
-        const Vec way = held.at - h_;
+        const Vec way = held.foot - h_;
         const double distance = way.norm();
         const std::uint32_t face = held.face != no_face ? held.face : rest_.face;
         // Where a limit bit it is on its way yet, and nothing may hold it there.
         const double depth = held.whole ? distance + radius_ : 0;
         const Vec normal = distance > lift_of_size * s_.size() ? way * (1 / distance)
                                                                : unit_or_zero(s_.corners(face).normal());
-        touch(face, held.at, normal, depth);
+        touch(face, held.foot, normal, depth);
+        put(proxy_.at, origin_ + held.at);
         if (held.faces != 1 || (s_.flags(face) & face_crossed) != 0) proxy_.phase = Proxy::Phase::tangled;
         return true;
     }
@@ -229,9 +234,12 @@ class Cycle {
         const Nearest& near = rest_.near;
         const Vec d = h_ - near.point;
         const double distance = d.norm();
-        const Vec normal = near.place == within || !(distance > 1e-12 * s_.size())
-                               ? unit_or_zero(pseudonormal(s_, rest_.face, near))
-                               : d * ((rest_.outward ? 1 : -1) / distance);
+        Vec normal = d * ((rest_.outward ? 1 : -1) / distance);
+        if (near.place == within || !(distance > 1e-12 * s_.size())) {
+            normal = unit_or_zero(pseudonormal(s_, rest_.face, near));
+            if (!(normal.squaredNorm() > 0.5))
+                normal = unit_or_zero(near.normal);  // a knife's edge: whichever
+        }
         return touch(rest_.face, near.point, normal, depth);
     }
     bool touch(std::uint32_t face, const Vec& x, const Vec& normal, double depth) noexcept {

@@ -87,7 +87,7 @@ inline double angle_between(const Vec& a, const Vec& b) noexcept {
 /// Angle-weighted (Baerentzen and Aanaes 2005), of any length: of a place of a face over the links.
 template <class S>
 Vec pseudonormal(const S& s, std::uint32_t face, const Nearest& near) noexcept {
-    if (near.place == within) return near.normal;
+    if (near.place == within) return unit_or_zero(near.normal);
     Vec sum = unit_or_zero(near.normal);
     if (near.place >= 3) {
         const Link link = s.over(face, near.place - 3);
@@ -101,7 +101,12 @@ Vec pseudonormal(const S& s, std::uint32_t face, const Nearest& near) noexcept {
                  return true;
              });
     }
-    return sum.squaredNorm() > 0 ? sum : near.normal;  // a knife's edge: whichever
+    return sum;
+}
+
+/// At the edge of a sheet with two sides the normals cancel out: who is nearest to that is beyond it.
+inline bool is_free(const Vec& d, const Vec& normal) noexcept {
+    return d.dot(normal) > 0 || normal.squaredNorm() < 1e-18;
 }
 
 /// How much of a face lies around a point of it.
@@ -154,7 +159,7 @@ std::uint32_t over_rim(const S& s, const Vec& h, Rest& rest, Work& work) noexcep
         return next;
     }
     const Vec d = h - x;
-    rest.outward = d.dot(sum) > 0;
+    rest.outward = is_free(d, sum);
     rest.slipped =
         !others && d.cross(unit_or_zero(own_sum)).squaredNorm() > std::pow(hair_of_size * s.size(), 2);
     return no_face;
@@ -200,7 +205,7 @@ std::uint32_t step(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
         if (fan == Fan::stopped) rest.settled = false;
         if (fan == Fan::open) return over_rim(s, h, rest, work);
     }
-    rest.outward = front && (!behind || (h - near.point).dot(pseudonormal(s, rest.face, near)) > 0);
+    rest.outward = front && (!behind || is_free(h - near.point, pseudonormal(s, rest.face, near)));
     return no_face;
 }
 
