@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <span>
 
+#include <Eigen/Geometry>
+
 #include <knurl/geometry/proxy.hpp>
 
 #include "build.hpp"

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <tuple>
 
+#include <Eigen/Geometry>
+
 #include "edges.hpp"
 
 namespace knurl::build {
