@@ -103,7 +103,7 @@ TEST(CleanMesh, UnderAHandThatIsThrownAbout) {
                 EXPECT_LT(exact::distance(truth.nearest(face, at).point, at), 1e-10 * size)
                     << shape.name << " place " << i / rest;
                 EXPECT_LT(truth.gain(truth.nearest(face, at).point, exact::to_exact(hand[i]),
-                                     1e-10L * truth.size()),
+                                     1e-10L * truth.size(), face),
                           1e-14 * size)
                     << shape.name << " place " << i / rest << " KNURL_SEED=" << seed();
             }
