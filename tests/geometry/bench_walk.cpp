@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include <knurl/geometry/height_field.hpp>
 #include <knurl/geometry/mesh.hpp>
 #include <knurl/geometry/proxy.hpp>
 
@@ -95,8 +96,8 @@ std::vector<test::Hand> hands_on(const test::Shape& shape, int strokes, int poke
     return all;
 }
 
-void walk_on(const Mesh& mesh, const std::vector<test::Hand>& hands, double clock, bool cold, double radius,
-             const std::string& name) {
+void walk_on(const Asset& mesh, std::size_t faces, const std::vector<test::Hand>& hands, double clock,
+             bool cold, double radius, const std::string& name) {
     Times touching, free;
     for (const auto& hand : hands) {
         Proxy proxy;
@@ -115,8 +116,8 @@ void walk_on(const Mesh& mesh, const std::vector<test::Hand>& hands, double cloc
             (touches ? touching : free).ns.push_back(ns);
         }
     }
-    touching.print((name + " touching").c_str(), mesh.faces());
-    free.print((name + " free").c_str(), mesh.faces());
+    touching.print((name + " touching").c_str(), faces);
+    free.print((name + " free").c_str(), faces);
 }
 
 /// Zilles and Salisbury's way in every cycle, on the same faces and tree.
@@ -167,6 +168,26 @@ void hover_over(const Mesh& mesh, double clock) {
         free.ns.push_back(time_cycle(proxy, clock, false, [&] { follow(mesh, proxy, h, 0, foot, work); }));
     }
     free.print("walk, free, 3 cm away", mesh.faces());
+}
+
+// The hand appears 20 mm from where it was in every cycle, about the surface.
+void throw_about(const Mesh& mesh, const test::Shape& shape, double clock) {
+    Times thrown;
+    test::Rng rng(5);
+    Proxy proxy;
+    Foot foot;
+    Work work;
+    const auto& from = shape.vertices[0];
+    Vector3d at(from[0], from[1], from[2]);
+    for (int i = 0; i < 20000; ++i) {
+        Vector3d step(test::between(rng, -1, 1), test::between(rng, -1, 1), test::between(rng, -1, 1));
+        at += 0.02 * step.normalized();
+        at *= (0.1 + test::between(rng, -0.004, 0.002)) / at.norm();
+        thrown.ns.push_back(time_cycle(proxy, clock, false, [&] { follow(mesh, proxy, at, 0, foot, work); }));
+    }
+    std::printf("%9zu  %-28s %8.0f %8.0f %9.0f  (99.9 %%: %.0f)\n", mesh.faces(),
+                "walk, thrown about by 20 mm", thrown.at(0.5), thrown.at(0.99), thrown.at(1),
+                thrown.at(0.999));
 }
 
 #if defined(KNURL_EMBREE)
@@ -283,6 +304,38 @@ void embree_on(const test::Shape& shape, const std::vector<test::Hand>& hands, d
 }
 #endif
 
+// The same triangles as a height field and as a mesh: 403 by 344 heights, 0.5 mm apart.
+void height_field(double clock) {
+    constexpr std::uint32_t columns = 403, rows = 344;
+    constexpr double cell = 0.0005;
+    std::vector<float> heights;
+    test::Shape shape;
+    for (std::uint32_t j = 0; j < rows; ++j) {
+        for (std::uint32_t i = 0; i < columns; ++i) {
+            double z = 0;
+            for (int k = 1; k < 9; ++k)
+                z +=
+                    0.004 / k * std::sin(0.011 * k * (i * std::cos(k * 1.7) + j * std::sin(k * 1.7)) + k * k);
+            heights.push_back(static_cast<float>(z));
+            shape.vertices.push_back({i * cell, j * cell, heights.back()});
+            if (i + 1 == columns || j + 1 == rows) continue;
+            const std::uint32_t a = j * columns + i;
+            shape.triangles.push_back({a, a + 1, a + 1 + columns});
+            shape.triangles.push_back({a, a + 1 + columns, a + columns});
+        }
+    }
+    const HeightField field(heights, {columns, rows, cell, cell, {0, 0, 0}});
+    const Mesh mesh({.vertices = shape.vertices, .triangles = shape.triangles},
+                    {.budget = std::size_t{1} << 30, .find_crossings = false});
+    const auto hands = hands_on(shape, 40, 60);
+    std::printf("height field: %.2f bytes a triangle; as a mesh %.1f\n",
+                double(field.bytes()) / double(field.faces()), double(mesh.bytes()) / double(mesh.faces()));
+    walk_on(field, field.faces(), hands, clock, false, 0, "height field");
+    walk_on(field, field.faces(), hands, clock, true, 0, "height field, cold,");
+    walk_on(mesh, mesh.faces(), hands, clock, false, 0, "as a mesh");
+    walk_on(mesh, mesh.faces(), hands, clock, true, 0, "as a mesh, cold,");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -295,16 +348,18 @@ int main(int argc, char** argv) {
 #endif
     std::printf("%9s  %-28s %8s %8s %9s\n", "faces", "ns", "median", "99 %", "most");
     look_cold(std::size_t{64} << 20, clock);
+    if (most >= 276'000) height_field(clock);
     for (const int subdivisions : {3, 5, 6, 7, 8}) {
         if ((std::size_t{20} << 2 * subdivisions) > most) break;
         const test::Shape shape = test::noisy_sphere(subdivisions, 0.1, 3);
         const auto hands = hands_on(shape, 40, 60);
         const Mesh mesh({.vertices = shape.vertices, .triangles = shape.triangles},
                         {.budget = std::size_t{1} << 30, .find_crossings = false});
-        walk_on(mesh, hands, clock, false, 0, "walk");
-        walk_on(mesh, hands, clock, true, 0, "walk, cold,");
-        walk_on(mesh, hands, clock, false, 0.002, "ball of 2 mm");
+        walk_on(mesh, mesh.faces(), hands, clock, false, 0, "walk");
+        walk_on(mesh, mesh.faces(), hands, clock, true, 0, "walk, cold,");
+        walk_on(mesh, mesh.faces(), hands, clock, false, 0.002, "ball of 2 mm");
         active_set_on(mesh, hands, clock);
+        throw_about(mesh, shape, clock);
         hover_over(mesh, clock);
 #if defined(KNURL_EMBREE)
         embree_on(shape, hands, clock, false);

@@ -60,7 +60,9 @@ TEST(ExactSurface, GridFindsWhatAllFacesHave) {
             const V a = on + far * u, b = on - 0.7L * far * u;
             const exact::Crossing one = s.sweep(a, b, 0), all = s.sweep_all(a, b, 0);
             ASSERT_EQ(one.t, all.t) << shape.name;  // two faces may share the place
-            ASSERT_EQ(s.nearest_face_near(a), s.nearest_face(a)) << shape.name;
+            if (i % 10 == 0) {
+                ASSERT_EQ(s.nearest_face_near(a), s.nearest_face(a)) << shape.name;
+            }
             hits += all.face >= 0;
         }
         EXPECT_GT(hits, 30) << shape.name;

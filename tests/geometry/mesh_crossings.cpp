@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "mesh_data.hpp"
@@ -45,24 +46,34 @@ TEST(MeshCrossings, AFloorAndAWallAreFoundAtEverySizeAndPlace) {
 }
 
 TEST(MeshCrossings, AWallThatStandsOnTheFloorIsInTheWay) {
-    for (const double scale : {1e-3, 1.0, 1e3}) {
-        for (const double offset : {0.0, 10.0}) {
-            RawMesh raw = floor_and_wall(0);
-            raw.scale(scale);
-            raw.move({offset, -offset, offset});
-            const Mesh mesh(raw.given());
-            for (std::uint32_t j = 0; j < 20; ++j)
-                EXPECT_TRUE(is_crossed(mesh, 2 * (20 * j + 9)) || is_crossed(mesh, 2 * (20 * j + 9) + 1))
-                    << scale;
+    const std::uint64_t seed = 0x5eedb;
+    std::mt19937_64 random(seed);
+    for (int round = 0; round < 60; ++round) {
+        RawMesh raw = floor_and_wall(0);
+        const Eigen::Quaterniond turn(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1),
+                                      between(random, -1, 1));
+        const double scale = std::pow(10, between(random, -3, 3)), offset = between(random, -10, 10);
+        for (Point3& p : raw.vertices) {  // its foot is on the floor up to rounding only
+            const Eigen::Vector3d v = scale * (turn.normalized() * Eigen::Vector3d(p[0], p[1], p[2]));
+            p = {v.x() + offset, v.y(), v.z() - offset};
         }
+        const Mesh mesh(raw.given());
+        for (std::uint32_t j = 0; j < 20; ++j)
+            EXPECT_TRUE(is_crossed(mesh, 2 * (20 * j + 9)) || is_crossed(mesh, 2 * (20 * j + 9) + 1))
+                << "seed " << seed << " round " << round << " square " << j;
     }
 }
 
 TEST(MeshCrossings, WhatHangsUnderTheFloorIsNot) {
-    RawMesh raw = floor_and_wall(-7 * 3.1e-3);  // its upper edge touches the floor from behind
-    EXPECT_EQ(crossed(Mesh(raw.given())), 0);
-    raw = floor_and_wall(1e-3);  // and above it there is a gap
-    EXPECT_EQ(crossed(Mesh(raw.given())), 0);
+    for (const double lean : {-2.0, -0.3, 0.0, 0.3, 2.0}) {
+        for (const double low :
+             {-7 * 3.1e-3, 1e-3}) {  // its upper edge touches the floor; it is above, with a gap
+            RawMesh raw = floor_and_wall(low);
+            for (std::size_t v = 21 * 21; v < raw.vertices.size(); ++v)
+                raw.vertices[v][0] += lean * raw.vertices[v][2];
+            EXPECT_EQ(crossed(Mesh(raw.given())), 0) << "lean " << lean << " from " << low;
+        }
+    }
 }
 
 TEST(MeshCrossings, SpheresThatCrossDoSoInARing) {

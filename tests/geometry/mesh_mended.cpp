@@ -104,13 +104,16 @@ TEST(MeshBuild, VerticesThatAreOneAreWelded) {
 }
 
 TEST(MeshBuild, WeldingDoesNotCollapseAMeshFinerThanItsTolerance) {
-    // Edges of 1.2 tolerances, each vertex nearer than that to the middle of others.
-    const double size = std::hypot(0.2, 0.2), tolerance = 1e-2 * size;
-    RawMesh raw = raw_grid(70, 70, 1.2 * tolerance / std::sqrt(2.0));
+    // The first vertex is nearer than the tolerance to both ends of an edge that is longer than that.
+    const RawMesh edge{
+        {{0, 0, 0}, {-0.9e-3, 0, 0}, {0.9e-3, 0, 0}, {0, 0.7, 0}, {0.7, -0.7, 0}, {-0.7, -0.7, 0}},
+        {{1, 2, 3}, {0, 5, 4}}};
     MeshBuild how;
-    how.weld = 1e-2 * size / std::hypot(raw.vertices.back()[0], raw.vertices.back()[1]);
-    const Mesh mesh(raw.given(), how);
-    EXPECT_EQ(wrong(mesh, raw, how), "");
+    how.weld = 0.5e-3;  // 1 mm, of 2 m
+    const Mesh both(edge.given(), how);
+    EXPECT_EQ(wrong(both, edge, how), "");
+    EXPECT_EQ(both.faces(), 2);
+    EXPECT_EQ(both.notes().vertices_welded, 1);
     // A chain of vertices, each within the tolerance of the next, stays long: nothing moves farther than
     // that.
     RawMesh chain = raw_grid(400, 1, 1e-3);
@@ -176,27 +179,40 @@ TEST(MeshBuild, FacesWoundAgainstTheirNeighboursAreTurned) {
 }
 
 TEST(MeshBuild, AnOpenSheetGoesWithMostOfItsFaces) {
-    RawMesh raw = raw_grid(10, 10);
-    for (const std::size_t t : {3U, 4U, 77U}) raw.turn_over(t);
-    const Mesh mesh(raw.given());
-    EXPECT_EQ(wrong(mesh, raw), "");
-    EXPECT_EQ(mesh.notes().faces_turned, 3);
-    EXPECT_EQ(mesh.notes().edges_open, 40);
-    for (const Face& f : mesh.data().faces)
-        EXPECT_GT((f.corner[1][0] - f.corner[0][0]) * (f.corner[2][1] - f.corner[0][1]) -
-                      (f.corner[1][1] - f.corner[0][1]) * (f.corner[2][0] - f.corner[0][0]),
-                  0);
+    const std::uint64_t seed = 0x5eeda;
+    std::mt19937_64 random(seed);
+    for (int round = 0; round < 40; ++round) {
+        RawMesh raw = raw_grid(10, 10);
+        std::uint64_t down = 0;
+        for (std::size_t t = 0; t < raw.triangles.size(); ++t)
+            if (between(random, 0, 1) < (round % 2 == 0 ? 0.35 : 0.65)) raw.turn_over(t), ++down;
+        const Mesh mesh(raw.given());
+        EXPECT_EQ(wrong(mesh, raw), "") << "seed " << seed << " round " << round;
+        EXPECT_EQ(mesh.notes().faces_turned, std::min(down, 200 - down))
+            << "seed " << seed << " round " << round;
+        EXPECT_EQ(mesh.notes().edges_open, 40);
+        for (const Face& f : mesh.data().faces) {
+            const auto up = (f.corner[1][0] - f.corner[0][0]) * (f.corner[2][1] - f.corner[0][1]) -
+                            (f.corner[1][1] - f.corner[0][1]) * (f.corner[2][0] - f.corner[0][0]);
+            EXPECT_EQ(up > 0, down < 100);
+        }
+    }
 }
 
-TEST(MeshBuild, AHollowIsLeftAsItIs) {
+TEST(MeshBuild, APartThatAgreesWithItselfIsLeftAsItIs) {
     RawMesh raw = raw_sphere(3);
-    RawMesh inside = raw_sphere(3, 0.05);
-    for (std::size_t t = 0; t < inside.triangles.size(); ++t) inside.turn_over(t);
+    RawMesh inside = raw_sphere(3, 0.05), other = raw_sphere(3, 0.02);
+    for (std::size_t t = 0; t < inside.triangles.size(); ++t) inside.turn_over(t);  // a hollow
     raw.add(inside);
+    const Mesh hollow(raw.given());
+    EXPECT_EQ(wrong(hollow, raw), "");
+    EXPECT_EQ(hollow.notes().faces_turned, 0);
+    EXPECT_EQ(hollow.notes().parts, 2);
+    other.turn_over(7);
+    raw.add(other);
     const Mesh mesh(raw.given());
     EXPECT_EQ(wrong(mesh, raw), "");
-    EXPECT_EQ(mesh.notes().faces_turned, 0);
-    EXPECT_EQ(mesh.notes().parts, 2);
+    EXPECT_EQ(mesh.notes().faces_turned, 1);
 }
 
 TEST(MeshBuild, AVertexThatIsNoPlaceTakesItsFacesAlone) {

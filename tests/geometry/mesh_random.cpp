@@ -100,7 +100,7 @@ TEST(MeshRandom, ManyFacesAtOnePlaceTakeNoLongerThanElsewhere) {
     };
     const std::uint64_t seed = 0x5eed8;
     std::mt19937_64 random(seed);
-    const int n = 50000;
+    const int n = 20000;
     RawMesh around, edge, long_ones, needles;
     for (int i = 0; i < n; ++i) {  // all at one vertex
         const auto v = static_cast<std::uint32_t>(around.vertices.size());
@@ -130,9 +130,9 @@ TEST(MeshRandom, ManyFacesAtOnePlaceTakeNoLongerThanElsewhere) {
 TEST(MeshRandom, VerticesOfOneCellTakeNoLongerThanElsewhere) {
     const std::uint64_t seed = 0x5eed9;
     std::mt19937_64 random(seed);
-    RawMesh raw = raw_soup(random, 50000, 1.0);
+    RawMesh raw = raw_soup(random, 20000, 1.0);
     for (std::size_t v = 300; v < raw.vertices.size(); ++v)
-        for (double& x : raw.vertices[v]) x = 0.5 + (x - 0.5) * 1e-5;
+        for (double& x : raw.vertices[v]) x = 0.5 + (x - 0.5) * 2e-5;
     for (const double weld : {0.0, 1e-6, 1e-4}) {
         std::size_t asked = 0;
         MeshBuild how;

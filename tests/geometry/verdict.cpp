@@ -21,6 +21,15 @@ V to_v(const Eigen::Vector3d& p) {
     return {p.x(), p.y(), p.z()};
 }
 
+Real tilted(const exact::Surface& truth, const V& at, Real depth, const Allowed& allowed) {
+    const int f = truth.nearest_face_near(at);
+    Real longest = 0;
+    for (int i = 0; i < 3; ++i)
+        longest = std::max(longest, distance(truth.corner(f, i), truth.corner(f, (i + 1) % 3)));
+    const V across = cross(truth.corner(f, 1) - truth.corner(f, 0), truth.corner(f, 2) - truth.corner(f, 0));
+    return allowed.same + depth * allowed.rounding * longest / length(across);
+}
+
 std::string where(std::size_t cycle, const Hand& hand, const char* what, const V& is, const V& should) {
     std::ostringstream text;
     text.precision(17);
@@ -77,12 +86,17 @@ std::ostream& operator<<(std::ostream& out, Verdict v) {
     return out;
 }
 
-Allowed allowed_of(const exact::Surface& surface, bool exact) {
+Allowed allowed_of(const exact::Surface& surface, bool exact, bool crossed) {
     const Real far = std::max(length(surface.low()), length(surface.high()));
     const double size = static_cast<double>(surface.size());
     // A place so far from the origin is a double itself.
     const double place = 0x1p-51 * static_cast<double>(far);
-    return {.same = (exact ? 5e-11 : 5e-7) * size + place};
+    return {.same = (crossed ? 1e-6
+                     : exact ? 5e-11
+                             : 5e-7) *
+                        size +
+                    place,
+            .rounding = exact ? 0 : 6e-8 * size};
 }
 
 Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, const Allowed& allowed) {
@@ -127,19 +141,30 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
             v.reference_jumps += distance(right - h, reference_offset) > jump + step;
         }
         offset = at - h, before = h;
+        // Where several parts touch, the one that it says; a spoiled mesh counts its triangles otherwise.
+        const auto face_at = [&](const V& p, const Foot& its) {
+            const int said = truth.face_of(static_cast<int>(its.triangle));
+            const bool there = said >= 0 && distance(truth.nearest(said, p).point, p) <= allowed.same;
+            return there ? said : truth.nearest_face_near(p);
+        };
         const Real apart = distance(at, right);
-        if (apart <= allowed.same) {
+        const auto one_place = [&](const V& other) {
+            const Real far = distance(other, at);
+            return far <= allowed.same ||
+                   (allowed.rounding > 0 && touches && far <= tilted(truth, at, distance(at, h), allowed));
+        };
+        if (one_place(right)) {
             if (touches && should) v.errors.push_back(static_cast<double>(apart));
             if (touches != should) {  // by rounding; from here on as it says
                 ++v.border;
-                if (touches) god.put(right, truth.nearest_face_near(right));
+                if (touches) god.put(right, face_at(right, foot));
                 if (!touches) god.let_go(h);
             }
         } else if (work.faces >= max_walk_faces) {
             ++v.capped;
         } else if (touches && truth.near_rim(at, rim * truth.size())) {
             ++v.border;
-            god.put(at, truth.nearest_face_near(at));
+            god.put(at, face_at(at, foot));
         } else if (!touches) {
             const bool inside = !truth.nearly_closed() || truth.winding(h) > 0.5L;
             const int face = truth.nearest_face_near(h);
@@ -151,12 +176,13 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
                 ++v.other_place;
             god.let_go(h);
         } else {
-            const int face = truth.nearest_face_near(at);
+            const int face = face_at(at, foot);
             const exact::Nearest3 on = truth.nearest(face, at);
             exact::GodObject there(truth);  // where the surface itself comes to rest from there
             there.put(on.point, face);
-            const Real gain = there.step(h) ? truth.gain(there.at(), h, 1e-13L * truth.size()) : INFINITY;
-            if (distance(there.at(), at) <= allowed.same && gain <= 1e-16L * truth.size()) {
+            const Real gain =
+                there.step(h) ? truth.gain(there.at(), h, 1e-13L * truth.size(), there.face()) : INFINITY;
+            if (one_place(there.at()) && gain <= 1e-16L * truth.size()) {
                 ++v.other_place;
                 v.worst_gain = std::max(v.worst_gain, static_cast<double>(gain));
             } else {

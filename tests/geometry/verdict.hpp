@@ -36,9 +36,12 @@ std::ostream& operator<<(std::ostream& out, Verdict v);
 
 struct Allowed {
     double same = 0;  // m: nearer than that it is one place
+    double rounding =
+        0;  // m, of corners: it tilts a face, and the deeper the hand the farther its foot moves
 };
-/// What float corners, or double ones, may be off on a mesh of that size so far from the origin.
-Allowed allowed_of(const exact::Surface& surface, bool exact);
+/// What float corners, or double ones, may be off on a mesh of that size so far from the origin. Where
+/// surfaces cross, the active set keeps 5e-7 of the size away from each of up to three planes.
+Allowed allowed_of(const exact::Surface& surface, bool exact, bool crossed = false);
 
 /// One hand; both begin anew. `truth`: of what should be felt.
 Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, const Allowed& allowed);

@@ -197,8 +197,22 @@ TEST(Walk, ShadedNormalsAreContinuousAndThoseOfTheSphere) {
 }
 
 // A floor and a wall that share no vertex: pressed into the floor and dragged at the wall, and through it.
-TEST(Walk, AWallThatCrossesTheFloorIsNotPassedBelow) {
-    const auto mesh = build(crossing_sheets());
+// The wall stands on the floor's edges, or in the middle of its faces.
+class WalkInATangle : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(WallOnEdges, WalkInATangle, testing::Bool());
+TEST_P(WalkInATangle, AWallThatCrossesTheFloorIsNotPassedBelow) {
+    Shape sheets = crossing_sheets();
+    if (!GetParam()) {
+        const Shape wall = sheets;
+        sheets = grid(3, 3, 0.02, 0.02);
+        sheets.append(wall);
+        // The wall alone: its own floor is left out.
+        std::erase_if(sheets.triangles, [&](const auto& t) {
+            return t[0] >= 16 && sheets.vertices[t[0]][2] == 0 && sheets.vertices[t[1]][2] == 0 &&
+                   sheets.vertices[t[2]][2] == 0;
+        });
+    }
+    const auto mesh = build(sheets);
     ASSERT_GT(mesh->notes().faces_crossed, 0u);
     Finger finger(*mesh);
     finger.to(0.0123, 0.0031, 0.001);
@@ -218,6 +232,62 @@ TEST(Walk, AWallThatCrossesTheFloorIsNotPassedBelow) {
     EXPECT_GT(tangled, 100);
     EXPECT_EQ(finger.proxy.phase, Proxy::Phase::touching) << "back in the open it walks again";
     EXPECT_FALSE(finger.to(0.012, 0.0031, 0.0001));
+}
+
+// Beyond the tip of a wedge of 30 degrees the hand is still behind the plane of the face that held it: one
+// face's normal alone would keep it at the edge for ever.
+TEST(Walk, LetsGoBeyondTheEdgeOfAKnife) {
+    const double t = 0.1 * std::tan(M_PI / 6);
+    Shape wedge;
+    wedge.vertices = {{0, -0.1, 0},   {0, 0.1, 0},      {-0.1, -0.1, 0},
+                      {-0.1, 0.1, 0}, {-0.1, -0.1, -t}, {-0.1, 0.1, -t}};
+    wedge.triangles = {{0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1},
+                       {2, 3, 5}, {2, 5, 4}, {0, 2, 4}, {1, 5, 3}};
+    const auto mesh = build(wedge);
+    ASSERT_EQ(mesh->notes().edges_open, 0u);
+    Finger finger(*mesh);
+    finger.to(-0.003, 0.01, 0.001);
+    ASSERT_TRUE(finger.to(-0.003, 0.01, -0.0005));
+    expect_foot(finger, {-0.003, 0.01, 0}, Vector3d::UnitZ(), 0.0005);
+    EXPECT_FALSE(finger.to(0.002, 0.01, -0.0005));
+}
+
+TEST(Walk, LetsGoBeyondTheEdgeOfASheetWithTwoSides) {
+    const auto mesh = build(two_sided_sheet());
+    Finger finger(*mesh);
+    finger.to(0.019, 0.0011, 0.001);
+    ASSERT_TRUE(finger.to(0.019, 0.0011, -0.001));
+    EXPECT_FALSE(finger.to(0.0201, 0.0011, -0.001));
+}
+
+// Over an edge by less than the distance to it can tell: the foot follows all the same.
+TEST(Walk, IsExactBesideAnEdge) {
+    const auto mesh = build(plane_grid());
+    const double edge = 0.002;
+    for (double past = 1e-13; past < 1e-9; past *= 1.3) {
+        Finger finger(*mesh);
+        finger.to(edge - 1e-4, 0.0003, 0.001);
+        ASSERT_TRUE(finger.to(edge - 1e-4, 0.0003, -0.003));
+        ASSERT_TRUE(finger.to(edge + past, 0.0003, -0.003));
+        EXPECT_NEAR(finger.foot.point.x(), edge + past, 1e-15);
+    }
+}
+
+// Faces that only lie side by side: no link says so, the tree does.
+TEST(Walk, GoesOverSeamsThatAreNotWelded) {
+    Rng rng(3);
+    for (const Shape& shape :
+         {with_t_junctions(plane_grid(), 0.5, rng), jittered(unwelded(plane_grid()), 2e-7, rng)}) {
+        const auto mesh = std::make_unique<Mesh>(view(shape), MeshBuild{.exact = true, .weld = 0});
+        Finger finger(*mesh);
+        finger.to(-0.015, -0.01, 0.002);
+        for (int i = 0; i < 300; ++i) {
+            const Vector3d hand(-0.015 + i * 1e-4, -0.01 + i * 0.7e-4, -0.001);
+            ASSERT_TRUE(finger.to(hand)) << shape.name << " " << i;
+            EXPECT_LT((finger.foot.point - Vector3d(hand.x(), hand.y(), 0)).norm(), 1e-6)
+                << shape.name << " " << i;
+        }
+    }
 }
 
 }  // namespace

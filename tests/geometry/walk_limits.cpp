@@ -45,6 +45,31 @@ TEST(WalkWithinLimits, GoesOnInTheNextCycle) {
     EXPECT_GT(finger.foot.normal.dot(hand.normalized()), 0.999);
 }
 
+// From behind through twenty thousand sheets, against the front of the last one: more boxes than a cycle may
+// look into. The rest of the way is looked at in the cycles that follow, and the last sheet holds.
+TEST(WalkWithinLimits, ASweepThatALimitCutsGoesOn) {
+    Shape shape;
+    constexpr std::uint32_t sheets = 20000;
+    for (std::uint32_t i = 0; i <= sheets; ++i) {
+        const double x = double(i) / sheets;
+        for (const auto& [y, z] : {std::pair{-0.01, -0.01}, {0.01, -0.01}, {0.0, 0.01}})
+            shape.vertices.push_back({x, y, z});
+        const std::uint32_t v = 3 * i;
+        shape.triangles.push_back(i < sheets ? Triangle{v, v + 1, v + 2} : Triangle{v, v + 2, v + 1});
+    }
+    const auto mesh = build(shape, false);
+    Finger finger(*mesh);
+    finger.to(-0.01, 0, 0);
+    finger.to(1.001, 0, 0);
+    EXPECT_EQ(finger.proxy.phase, Proxy::Phase::free);
+    EXPECT_GT(finger.work.nodes, max_nodes - 16) << "no limit was met: this says nothing";
+    int cycles = 0;
+    while (++cycles < 50 && !finger.to(1.001, 0, 0)) {
+    }
+    EXPECT_LT(cycles, 50);
+    EXPECT_NEAR(finger.foot.depth, 0.001, 1e-6);
+}
+
 TEST(WalkWithinLimits, AllocatesNothing) {
     const Shape shape = noisy_sphere(4, 0.3, 3);
     const auto mesh = build(shape), other = build(crossing_sheets());
@@ -71,7 +96,7 @@ TEST(WalkWithinLimits, AllocatesNothing) {
     EXPECT_EQ(allocations(), before);
 }
 
-// In and out by nanometres and less, 240 000 times, on faces, edges and corners: never falls in.
+// In and out by rounding, 240 000 times, on faces, edges and corners: never falls in.
 TEST(WalkWithinLimits, GrazingNeverFallsIn) {
     const Shape shape = icosphere(3);
     for (const bool exact : {true, false}) {
@@ -85,18 +110,40 @@ TEST(WalkWithinLimits, GrazingNeverFallsIn) {
                 const auto& p = shape.vertices[shape.triangles[i][k]];
                 return Vector3d(p[0], p[1], p[2]);
             };
+            // A corner, a place of an edge, of the face; and so little from it that only rounding tells
+            // where.
             const double u = place % 3 == 0 ? 0 : between(rng, 0, 1),
                          v = place % 3 < 2 ? 0 : between(rng, 0, 1 - u);
             const Vector3d x = at(0) + u * (at(1) - at(0)) + v * (at(2) - at(0)), out = x.normalized();
-            const double scale = std::pow(10.0, between(rng, -17, -8));
-            const Vector3d drift = Vector3d(out.y(), -out.x(), 0) * between(rng, 0, 2e-9);
+            const double scale = std::pow(10.0, between(rng, -17.5, -14)),
+                         aside = scale * std::pow(10.0, between(rng, 0, 6));
             finger.to(x + 0.001 * out);
-            for (int k = 0; k < 100; ++k)
-                touched += finger.to(x + drift * k + out * (scale * between(rng, -1, 1)));
-            fell += !finger.to(x + drift * 100 - 1e-4 * out);
+            for (int k = 0; k < 100; ++k) {
+                const Vector3d w(between(rng, -1, 1), between(rng, -1, 1), between(rng, -1, 1));
+                touched += finger.to(x + aside * (w - w.dot(out) * out) + out * (scale * w.x()));
+            }
+            fell += !finger.to(x - 1e-4 * out);
         }
         EXPECT_EQ(fell, 0) << (exact ? "double" : "float");
         EXPECT_GT(touched, 30000);
+    }
+}
+
+// What is near and what is off are parts of the size.
+TEST(WalkWithinLimits, LetsGoAtTheSamePartOfAnySize) {
+    for (const double scale : {1e-3, 1.0, 1e3}) {  // 40 um, 4 cm, 40 m
+        const auto mesh = build(scaled(plane_grid(), scale));
+        Finger finger(*mesh);
+        finger.to(scale * Vector3d(0.0011, 0.0007, 0.002));
+        for (int i = 0; i < 100; ++i) {
+            const Vector3d hand = scale * Vector3d(0.0011 + 1e-4 * i, 0.0007, -0.001);
+            ASSERT_TRUE(finger.to(hand));
+            EXPECT_NEAR(finger.foot.depth, scale * 0.001, scale * 1e-15);
+            EXPECT_FALSE(finger.to(hand + scale * Vector3d(0, 0, 0.001 + 1e-9)));
+        }
+        EXPECT_TRUE(finger.to(scale * Vector3d(0.0011, 0.0007, -0.001)));
+        EXPECT_TRUE(finger.to(scale * Vector3d(0.0011, 0.0007, 1e-12)));  // on it
+        EXPECT_EQ(finger.foot.depth, 0);
     }
 }
 

@@ -13,21 +13,38 @@ namespace {
 
 using Eigen::Vector3d;
 
-struct Corners {
-    Vector3d at[3], normal;  // unit
-    double low[3], high[3];  // m, a little wider
+/// Of each face, found once.
+struct Measures {
+    Vector3d normal;  // unit
+    double longest;   // m, edge
+};
 
-    double longest() const {  // m
-        return std::sqrt(std::max(
-            {(at[1] - at[0]).squaredNorm(), (at[2] - at[1]).squaredNorm(), (at[0] - at[2]).squaredNorm()}));
-    }
+struct Corners {
+    Vector3d at[3];
+    double low[3], high[3];  // m, a little wider
     bool meets(const Corners& o) const {
         return low[0] <= o.high[0] && high[0] >= o.low[0] && low[1] <= o.high[1] && high[1] >= o.low[1] &&
                low[2] <= o.high[2] && high[2] >= o.low[2];
     }
 };
 
-/// Both sets lie on different sides of the plane across `axis`, or touch by `touch` at most.
+/// How far a face's corners are in front of another's plane (m).
+struct Heights {
+    Heights(const Corners& of, const Corners& over, const Vector3d& normal)
+        : at{normal.dot(of.at[0] - over.at[0]), normal.dot(of.at[1] - over.at[0]),
+             normal.dot(of.at[2] - over.at[0])},
+          low(std::min({at[0], at[1], at[2]})),
+          high(std::max({at[0], at[1], at[2]})) {}
+    bool clear(double touch) const { return low > touch || high < -touch; }
+    /// The edge across from a corner.
+    bool clear_across(std::size_t c, double touch) const {
+        const double a = at[(c + 1) % 3], b = at[(c + 2) % 3];
+        return (a > touch && b > touch) || (a < -touch && b < -touch);
+    }
+    double at[3], low, high;
+};
+
+/// How far apart both sets are along an axis that need not be unit; < 0: by which they overlap.
 template <std::size_t N, std::size_t M>
 double gap(const Vector3d& axis, const Vector3d (&a)[N], const Vector3d (&b)[M]) {
     double a_low = axis.dot(a[0]), a_high = a_low, b_low = axis.dot(b[0]), b_high = b_low;
@@ -39,7 +56,7 @@ double gap(const Vector3d& axis, const Vector3d (&a)[N], const Vector3d (&b)[M])
         const double x = axis.dot(b[i]);
         b_low = std::min(b_low, x), b_high = std::max(b_high, x);
     }
-    return std::max(b_low - a_high, a_low - b_high);  // < 0: by which they overlap
+    return std::max(b_low - a_high, a_low - b_high);
 }
 
 class Finder {
@@ -53,6 +70,14 @@ class Finder {
 
     void find(std::vector<std::uint8_t>& flags) {
         done_.resize(flags.size());
+        measures_.reserve(flags.size());
+        for (std::uint32_t f = 0; f < flags.size(); ++f, slices_(2)) {
+            const Corners c = corners(f);
+            const Vector3d e = c.at[1] - c.at[0], g = c.at[2] - c.at[0];
+            measures_.push_back(
+                {e.cross(g).normalized(),
+                 std::sqrt(std::max({e.squaredNorm(), g.squaredNorm(), (g - e).squaredNorm()}))});
+        }
         for (const MeshNode& node : nodes_) {
             for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
                 if (node.low[0][i] <= node.high[0][i] && is_leaf(node.child[i])) query(node, i, flags);
@@ -61,7 +86,6 @@ class Finder {
     }
 
   private:
-    /// All but the normal, which most need not have.
     Corners corners(std::uint32_t f) const {
         Corners c;
         for (std::size_t i = 0; i < 3; ++i) c.at[i] = Vector3d(faces_.at[faces_.corners[f][i]].data());
@@ -71,23 +95,20 @@ class Finder {
         }
         return c;
     }
-    static Vector3d normal(const Corners& c) {
-        return (c.at[1] - c.at[0]).cross(c.at[2] - c.at[0]).normalized();
-    }
-
     /// Tests the faces of a leaf against all whose boxes it meets. A face whose query came to its end is
     /// done: others need not ask about it again.
     void query(const MeshNode& leaf, std::uint32_t place, std::vector<std::uint8_t>& flags) {
         const std::uint32_t first = leaf_first(leaf.child[place]), count = leaf_count(leaf.child[place]);
         Corners own[4];
-        double low[3], high[3];
+        float low[3], high[3];
         for (std::uint32_t i = 0; i < count; ++i) {
             own[i] = corners(first + i);
-            own[i].normal = normal(own[i]);
         }
         for (int k = 0; k < 3; ++k) {
-            low[k] = static_cast<double>(leaf.low[k][place]) - touch_;
-            high[k] = static_cast<double>(leaf.high[k][place]) + touch_;
+            constexpr float inf = std::numeric_limits<float>::infinity();
+            const auto wider = static_cast<float>(touch_);
+            low[k] = std::nextafter(leaf.low[k][place] - wider, -inf);
+            high[k] = std::nextafter(leaf.high[k][place] + wider, inf);
         }
         // Where very many boxes overlap, faces are taken for crossed unseen: that costs the hand time, not
         // truth.
@@ -99,15 +120,15 @@ class Finder {
             const MeshNode& node = nodes_[stack_.back()];
             stack_.pop_back();
             ++work;
-            std::uint32_t hits = 0;
+            alignas(32) std::int32_t meets[MeshNode::fan];  // in four lanes at a time
             for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
-                const bool meets = (node.low[0][i] <= high[0]) & (node.high[0][i] >= low[0]) &
-                                   (node.low[1][i] <= high[1]) & (node.high[1][i] >= low[1]) &
-                                   (node.low[2][i] <= high[2]) & (node.high[2][i] >= low[2]);
-                hits |= static_cast<std::uint32_t>(meets) << i;
+                meets[i] = (node.low[0][i] <= high[0]) & (node.high[0][i] >= low[0]) &
+                           (node.low[1][i] <= high[1]) & (node.high[1][i] >= low[1]) &
+                           (node.low[2][i] <= high[2]) & (node.high[2][i] >= low[2]);
             }
-            for (; hits != 0 && !all; hits &= hits - 1) {
-                const std::uint32_t child = node.child[__builtin_ctz(hits)];
+            for (std::uint32_t k = 0; k < MeshNode::fan && !all; ++k) {
+                if (meets[k] == 0) continue;
+                const std::uint32_t child = node.child[k];
                 if (!is_leaf(child)) {
                     stack_.push_back(child);
                     continue;
@@ -134,17 +155,15 @@ class Finder {
     std::uint32_t against(std::uint32_t first, std::span<const Corners> own, std::uint32_t g,
                           std::vector<std::uint8_t>& flags) {
         std::uint32_t tests = 0;
-        Corners other = corners(g);
+        const Corners other = corners(g);
         for (std::uint32_t i = 0; i < own.size(); ++i) {
             const std::uint32_t f = first + i;
             if (f == g || (flags[f] & flags[g] & face_crossed) != 0) continue;
             // Both in one leaf: once is enough.
             if (g >= first && g < first + own.size() && g < f) continue;
-            const Corners& c = own[i];
-            if (!c.meets(other)) continue;
-            if (tests == 0) other.normal = normal(other);
+            if (!own[i].meets(other)) continue;
             ++tests;
-            if (!crossed(f, c, g, other)) continue;
+            if (!crossed(f, own[i], g, other)) continue;
             flags[f] |= face_crossed;
             flags[g] |= face_crossed;
         }
@@ -160,52 +179,45 @@ class Finder {
             }
         }
         if (shared > 1) return false;  // beyond a common edge they meet only when folded onto each other
-
-        // How far each goes on either side of the other's plane.
-        const auto heights = [](const Corners& of, const Corners& over) {
-            const double h[3] = {over.normal.dot(of.at[0] - over.at[0]),
-                                 over.normal.dot(of.at[1] - over.at[0]),
-                                 over.normal.dot(of.at[2] - over.at[0])};
-            return std::pair(std::min({h[0], h[1], h[2]}), std::max({h[0], h[1], h[2]}));
-        };
-        const auto [a_low, a_high] = heights(a, b);
-        if (a_low > touch_ || a_high < -touch_) return false;
-        const auto [b_low, b_high] = heights(b, a);
-        if (b_low > touch_ || b_high < -touch_) return false;
-        const double longest = std::min(a.longest(), b.longest());
+        const Vector3d &a_normal = measures_[f].normal, &b_normal = measures_[g].normal;
+        const Heights of_b(b, a, a_normal);
+        if (of_b.clear(touch_)) return false;
+        const double longest = std::min(measures_[f].longest, measures_[g].longest);
         const double touch = std::min(touch_, 1e-4 * longest), reach = std::min(reach_, 1e-2 * longest);
-        if (a_low > touch || a_high < -touch || b_low > touch || b_high < -touch) return false;
         // In the way of a hand is what has free space before it on both: not what hangs behind the other.
         // Level with the other it is only if they overlap.
-        const bool flat = a_high <= reach || b_high <= reach;
-        if (flat && (std::max(a_high, b_high) > reach || std::min(a_low, b_low) < -reach ||
-                     a.normal.dot(b.normal) <= 0))
-            return false;
-        const double apart = flat ? -reach : touch;
-        if (shared == 0) return meet(a, b.at, b.normal, apart, flat);
+        if (of_b.high <= reach && of_b.low < -reach) return false;
+        const Heights of_a(a, b, b_normal);
+        if (of_a.clear(touch) || of_b.clear(touch)) return false;
+        const bool level = of_a.high <= reach || of_b.high <= reach;
+        if (level) {
+            if (std::max(of_a.high, of_b.high) > reach || std::min(of_a.low, of_b.low) < -reach) return false;
+            return a_normal.dot(b_normal) > 0 && meet(a, a_normal, b.at, b_normal, -reach, true);
+        }
+        if (shared == 0) return meet(a, a_normal, b.at, b_normal, touch, false);
         // From the common corner on they meet until the far edge of one of them.
         const Vector3d a_far[2] = {a.at[(ia + 1) % 3], a.at[(ia + 2) % 3]};
         const Vector3d b_far[2] = {b.at[(ib + 1) % 3], b.at[(ib + 2) % 3]};
-        if (flat) return meet(a, b.at, b.normal, apart, true);
-        return meet(b, a_far, a.normal, apart, false) || meet(a, b_far, b.normal, apart, false);
+        return (!of_a.clear_across(ia, touch) && meet(b, b_normal, a_far, a_normal, touch, false)) ||
+               (!of_b.clear_across(ib, touch) && meet(a, a_normal, b_far, b_normal, touch, false));
     }
 
     /// No axis separates the face from the other's corners (all, or an edge of them) by more than `apart`.
     template <std::size_t N>
-    static bool meet(const Corners& face, const Vector3d (&other)[N], const Vector3d& other_normal,
-                     double apart, bool flat) {
+    static bool meet(const Corners& face, const Vector3d& normal, const Vector3d (&other)[N],
+                     const Vector3d& other_normal, double apart, bool level) {
         const auto separates = [&](const Vector3d& axis, double least) {
             const double square = axis.squaredNorm();
             return square > least && gap(axis, face.at, other) > apart * std::sqrt(square);
         };
         for (std::size_t i = 0; i < 3; ++i) {
             const Vector3d e = face.at[(i + 1) % 3] - face.at[i];
-            if (separates(face.normal.cross(e), 0)) return false;
+            if (separates(normal.cross(e), 0)) return false;
         }
         for (std::size_t k = 0; k < (N == 3 ? 3 : 1); ++k) {
             const Vector3d e = other[(k + 1) % N] - other[k];
             if (separates(other_normal.cross(e), 0)) return false;
-            if (flat) continue;
+            if (level) continue;
             for (std::size_t i = 0; i < 3; ++i) {
                 const Vector3d g = face.at[(i + 1) % 3] - face.at[i];
                 if (separates(e.cross(g), 1e-12 * e.squaredNorm() * g.squaredNorm())) return false;
@@ -218,6 +230,7 @@ class Finder {
     const Faces& faces_;
     const double touch_, reach_;
     Slices& slices_;
+    std::vector<Measures> measures_;
     std::vector<bool> done_;
     std::vector<std::uint32_t> stack_;
     std::uint64_t spent_ = 0;

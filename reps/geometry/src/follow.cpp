@@ -1,7 +1,9 @@
+#include <knurl/geometry/height_field.hpp>
 #include <knurl/geometry/mesh.hpp>
 #include <knurl/geometry/proxy.hpp>
 
 #include "cycle.hpp"
+#include "height_surface.hpp"
 #include "mesh_surface.hpp"
 
 namespace knurl {
@@ -16,6 +18,10 @@ using Eigen::Vector3d;
 /// f(surface, origin) of the kind that the asset is.
 template <class Call>
 auto on_surface(const Asset& asset, Call&& f) noexcept {
+    if (asset.kind == AssetKind::height_field) {
+        const HeightData& data = static_cast<const HeightField&>(asset).data();
+        return f(detail::HeightSurface(data), to_vec(data.origin));
+    }
     const MeshData& data = static_cast<const Mesh&>(asset).data();
     if (data.exact)
         return f(MeshSurface<ExactFace>(data, data.exact_faces.data(), data.exact_faces.size()),

@@ -60,12 +60,13 @@ class MeshSurface {
         std::uint32_t depth = 0;
         stack[depth++] = 0;
         while (depth > 0) {
-            if (work.nodes >= max_nodes) return false;
+            if (work.nodes + 1 + MeshNode::fan > max_nodes) return false;
             ++work.nodes;
             const MeshNode& node = nodes_[stack[--depth]];
             for (std::uint32_t bits = touched(node, from, to); bits != 0; bits &= bits - 1) {
                 const std::uint32_t child = node.child[std::countr_zero(bits)];
                 if (is_leaf(child)) {
+                    ++work.nodes;  // its faces take as long
                     const std::uint32_t first = leaf_first(child), end = first + leaf_count(child);
                     for (std::uint32_t face = first; face < end; ++face) see(face);
                 } else if (depth < stack_size) {
@@ -95,7 +96,7 @@ class MeshSurface {
         while (depth > 0) {
             const Entry place = stack[--depth];
             if (place.square > square) continue;
-            if (work.nodes >= max_nodes) return false;
+            if (work.nodes + 1 + MeshNode::fan > max_nodes) return false;
             ++work.nodes;
             const MeshNode& node = nodes_[place.node];
             alignas(16) float squares[MeshNode::fan];
@@ -114,6 +115,7 @@ class MeshSurface {
                 if (!(squares[lane] <= square)) continue;
                 const std::uint32_t child = node.child[lane];
                 if (is_leaf(child)) {
+                    ++work.nodes;  // its faces take as long
                     const std::uint32_t first = leaf_first(child), end = first + leaf_count(child);
                     for (std::uint32_t face = first; face < end; ++face) see(face);
                 } else if (depth < stack_size) {

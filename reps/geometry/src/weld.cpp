@@ -161,7 +161,7 @@ void keep_survivors(std::vector<Point3>& at, std::vector<std::uint32_t>& becomes
     at.resize(kept);
 }
 
-/// Its height over its longest edge (m) and that edge.
+/// A triangle's height over its longest edge (m) and that edge. Of a point the height is not a number.
 std::pair<double, double> height(const Point3& a, const Point3& b, const Point3& c) {
     const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
     const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
@@ -218,10 +218,6 @@ Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, Mes
         const auto [a, b, c] = corners;
         if (a == none || b == none || c == none) {
             ++notes.faces_dropped;
-            continue;
-        }
-        if (a == b || b == c || c == a) {
-            ++notes.faces_degenerate;
             continue;
         }
         const auto [high, longest] = height(faces.at[a], faces.at[b], faces.at[c]);

@@ -2,6 +2,7 @@
 // A triangulated surface in long double: what its faces, edges and corners are, without a tree and without a
 // bound on anything. It takes what it is given: nothing is welded, turned or dropped but faces without area.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -42,6 +43,10 @@ class Surface {
     const V& corner(int face, int i) const { return vertex_[face_[face][i]]; }
     const V& normal(int face) const { return normal_[face]; }
     int triangle(int face) const { return given_[face]; }  // its place in what was given
+    int face_of(int triangle) const {                      // -1: it has no area, or there is no such
+        const auto at = std::lower_bound(given_.begin(), given_.end(), triangle);
+        return at != given_.end() && *at == triangle ? static_cast<int>(at - given_.begin()) : -1;
+    }
     bool closed() const { return open_edges_ == 0; }
     std::size_t open_edges() const { return open_edges_; }
     /// But for a few holes, so that `winding` still tells what is inside.
@@ -76,8 +81,10 @@ class Surface {
     /// How often the surface winds around p: 1 inside of a closed one, 0 outside of it.
     Real winding(const V& p) const;
 
-    /// By how much (m) a face that holds p, within `near` of it, would be nearer to the hand than p.
-    Real gain(const V& p, const V& hand, Real near) const;
+    /// By how much (m) a face that holds p, within `near` of it, would be nearer to the hand than p. All
+    /// faces are asked; with `from`, of those that hold p only such count as hang together with that face
+    /// there.
+    Real gain(const V& p, const V& hand, Real near, int from = -1) const;
     /// The same over all faces to which the way from p is free: another place that one could be in.
     Real gain_in_sight(const V& p, const V& normal, const V& hand, Real near) const;
 

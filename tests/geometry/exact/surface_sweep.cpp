@@ -149,14 +149,25 @@ bool Surface::near_rim(const V& at, Real reach) const {
     return found;
 }
 
-Real Surface::gain(const V& p, const V& hand, Real near) const {
+Real Surface::gain(const V& p, const V& hand, Real near, int from) const {
     const V slack{near, near, near};
+    std::vector<int> there;
+    within(p - slack, p + slack, [&](int f) {
+        if (distance(nearest(f, p).point, p) <= near) there.push_back(f);
+    });
+    std::vector<int> reached = from < 0 ? there : std::vector<int>{from};
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+        for (const int next : over_[reached[i]]) {
+            const int f = next / 3;
+            if (next >= 0 && std::find(there.begin(), there.end(), f) != there.end() &&
+                std::find(reached.begin(), reached.end(), f) == reached.end()) {
+                reached.push_back(f);
+            }
+        }
+    }
     const Real now = distance(p, hand);
     Real best = 0;
-    within(p - slack, p + slack, [&](int f) {
-        if (distance(nearest(f, p).point, p) > near) return;
-        best = std::max(best, now - distance(nearest(f, hand).point, hand));
-    });
+    for (const int f : reached) best = std::max(best, now - distance(nearest(f, hand).point, hand));
     return best;
 }
 

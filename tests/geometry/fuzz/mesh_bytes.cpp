@@ -24,22 +24,32 @@ void require(bool holds, const char* what) {
     std::abort();
 }
 
+/// After the end it goes on by chance: a few bytes already make a mesh of many vertices.
 class Input {
   public:
-    explicit Input(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
-    bool empty() const { return rest_.empty(); }
-    /// Zeros after the end.
+    explicit Input(std::span<const std::uint8_t> bytes) : rest_(bytes) {
+        for (const std::uint8_t byte : bytes) chance_ = (chance_ ^ byte) * 0x100000001b3;
+    }
     template <class T>
     T next() {
-        T value{};
-        const std::size_t bytes = std::min(sizeof value, rest_.size());
-        if (bytes > 0) std::memcpy(&value, rest_.data(), bytes);
-        rest_ = rest_.subspan(bytes);
+        std::uint8_t bytes[sizeof(T)];
+        for (std::uint8_t& byte : bytes) {
+            if (rest_.empty()) {
+                chance_ = chance_ * 6364136223846793005 + 1442695040888963407;
+                byte = static_cast<std::uint8_t>(chance_ >> 56);
+            } else {
+                byte = rest_.front();
+                rest_ = rest_.subspan(1);
+            }
+        }
+        T value;
+        std::memcpy(&value, bytes, sizeof value);
         return value;
     }
 
   private:
     std::span<const std::uint8_t> rest_;
+    std::uint64_t chance_ = 0xcbf29ce484222325;
 };
 
 enum Form : unsigned { any_double, any_float, steps, far_steps };  // of a coordinate
@@ -83,8 +93,6 @@ void move_about(const Mesh& mesh, Input& input, double radius, std::size_t trian
         const auto how = input.next<std::uint8_t>();
         Eigen::Vector3d by;
         for (double& x : by) x = input.next<std::int8_t>() / 128.0;
-        if (input.empty())
-            by = 0.1 * Eigen::Vector3d(std::sin(cycle), std::cos(1.7 * cycle), std::sin(2.3 * cycle));
         if (how < 8) {
             hand = middle + 1.5 * half.cwiseProduct(by);  // elsewhere at once
         } else if (how == 8) {

@@ -27,7 +27,7 @@ struct Proxy {
 struct Foot {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();    // m, of the surface
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, from the hand to where it may go
-    double depth = 0;                                   // m, > 0, of the probe's surface along it
+    double depth = 0;                                   // m, >= 0, of the probe's surface along it
     std::uint32_t face = 0;                             // in the asset's own order
     std::uint32_t triangle = 0;                         // as it was given
     std::uint8_t material = 0;

@@ -1,0 +1,48 @@
+#pragma once
+// Heights over a regular grid, felt as two triangles per cell: the same walk as on a mesh, but what lies over
+// an edge is arithmetic. 2.1 bytes per triangle instead of about a hundred.
+//
+//      y ^  01 ──── 11      Each cell (i, j) is cut from its corner 00 to its corner 11: triangle
+//        |  │ 1  ╱  │       2 (j columns + i) is 00, 10, 11, the next one 00, 11, 01. Free space is above.
+//        |  │  ╱  0 │
+//        |  00 ──── 10
+//        +───────────> x
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+
+#include <knurl/geometry/asset.hpp>
+
+namespace knurl {
+
+/// One line that says what is wrong, and what to do.
+struct HeightFieldError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+struct HeightGrid {
+    std::uint32_t columns = 0, rows = 0;               // of heights: x by y, at least 2 by 2
+    double dx = 0, dy = 0;                             // m, from one height to the next
+    Eigen::Vector3d corner = Eigen::Vector3d::Zero();  // m, where the first one is, at height 0
+};
+
+struct HeightData;  // src/height_data.hpp
+
+class HeightField final : public Asset {
+  public:
+    /// Heights (m) row by row, x first. Throws HeightFieldError, std::bad_alloc.
+    HeightField(std::span<const float> heights, const HeightGrid& grid, std::uint8_t material = 0);
+    ~HeightField() override;
+
+    std::size_t bytes() const noexcept override;
+    std::size_t faces() const noexcept;
+    const HeightData& data() const noexcept { return *data_; }
+
+  private:
+    std::unique_ptr<HeightData> data_;
+};
+
+}  // namespace knurl

@@ -1,0 +1,150 @@
+// A height field is felt as the mesh of the same triangles, in a fiftieth of the memory.
+
+#include <knurl/geometry/height_field.hpp>
+
+#include "paths.hpp"
+#include "walk_tools.hpp"
+
+namespace knurl::test {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Field {
+    std::vector<float> heights;
+    HeightGrid grid;
+    Shape shape;
+};
+
+Field terrain(std::uint32_t columns, std::uint32_t rows, std::uint64_t seed, double cell = 1e-3) {
+    Field f{.heights = {}, .grid = {columns, rows, cell, cell * 1.25, {0.3, -0.2, 0.1}}, .shape = {}};
+    Rng rng(seed);
+    double phase[12];
+    for (double& p : phase) p = between(rng, 0, 2 * M_PI);
+    for (std::uint32_t j = 0; j < rows; ++j) {
+        for (std::uint32_t i = 0; i < columns; ++i) {
+            double z = 0;
+            for (int k = 0; k < 12; ++k)
+                z += cell * 4 / (k + 1) *
+                     std::sin((k + 1) * (0.11 * i * std::cos(phase[k]) + 0.13 * j) + phase[k]);
+            f.heights.push_back(static_cast<float>(z));
+        }
+    }
+    // The corners as the field has them: its heights lie in float about their middle.
+    const auto [least, most] = std::minmax_element(f.heights.begin(), f.heights.end());
+    const double middle = (double{*least} + double{*most}) / 2;
+    f.shape.name = "terrain";
+    for (std::uint32_t j = 0; j < rows; ++j) {
+        for (std::uint32_t i = 0; i < columns; ++i) {
+            const double z = double{static_cast<float>(double{f.heights[j * columns + i]} - middle)} + middle;
+            f.shape.vertices.push_back({f.grid.corner.x() + i * f.grid.dx, f.grid.corner.y() + j * f.grid.dy,
+                                        f.grid.corner.z() + z});
+        }
+    }
+    for (std::uint32_t j = 0; j + 1 < rows; ++j) {
+        for (std::uint32_t i = 0; i + 1 < columns; ++i) {
+            const std::uint32_t a = j * columns + i, b = a + 1, c = b + columns, d = a + columns;
+            f.shape.triangles.push_back({a, b, c});
+            f.shape.triangles.push_back({a, c, d});
+        }
+    }
+    return f;
+}
+
+TEST(HeightField, IsFeltAsTheMeshOfItsTriangles) {
+    const std::uint64_t seed = 8;
+    const Field f = terrain(150, 90, seed);
+    const HeightField field(f.heights, f.grid);
+    const auto mesh = build(f.shape);
+    Hands hands(f.shape, seed);
+    std::vector<Hand> all;
+    for (int i = 0; i < 12; ++i) {
+        all.push_back(hands.stroke());
+        all.push_back(hands.graze());
+        all.push_back(hands.poke());
+        all.push_back(hands.into_a_corner());
+    }
+    for (const double radius : {0.0, 0.0021}) {
+        std::size_t touching = 0, apart = 0;
+        for (const Hand& hand : all) {
+            Proxy on_field, on_mesh;
+            for (const auto& p : hand) {
+                const Vector3d h(p[0], p[1], p[2]);
+                Foot a, b;
+                Work work, mesh_work;
+                const bool touches = follow(field, on_field, h, radius, a, work);
+                const bool other = follow(*mesh, on_mesh, h, radius, b, mesh_work);
+                ASSERT_LE(work.nodes, max_nodes);
+                touching += touches;
+                if (touches != other) {
+                    ++apart;
+                    EXPECT_LT(touches ? a.depth : b.depth, 1e-9) << "seed " << seed;
+                } else if (touches) {
+                    if ((a.point - b.point).norm() > 1e-9) ++apart;  // where two places are as right
+                    EXPECT_NEAR(a.depth, b.depth, 1e-9) << "seed " << seed;
+                }
+            }
+        }
+        EXPECT_GT(touching, 10000u);
+        EXPECT_LE(apart, touching / 1000) << "seed " << seed;
+    }
+}
+
+TEST(HeightField, TakesTwoBytesATriangle) {
+    const Field f = terrain(403, 344, 1);
+    const HeightField field(f.heights, f.grid);
+    EXPECT_EQ(field.faces(), 402u * 343 * 2);
+    EXPECT_LE(double(field.bytes()), 2.1 * double(field.faces()));
+}
+
+TEST(HeightField, StaysWithinTheLimitsWhereverTheHandIsThrownTo) {
+    const Field f = terrain(700, 600, 2);
+    const HeightField field(f.heights, f.grid);
+    Rng rng(3);
+    for (const double radius : {0.0, 0.01, 0.3}) {
+        Proxy proxy;
+        Foot foot;
+        Vector3d hand = field.high;
+        for (int i = 0; i < 3000; ++i) {
+            if (i % 6 == 0) {
+                for (int k = 0; k < 3; ++k) hand[k] = between(rng, field.low[k] - 0.1, field.high[k] + 0.1);
+            }
+            Work work;
+            const bool touches = follow(field, proxy, hand, radius, foot, work);
+            ASSERT_LE(work.nodes, max_nodes);
+            ASSERT_LE(work.faces, max_walk_faces);
+            ASSERT_LE(work.sweeps, max_sweeps);
+            if (touches) {
+                ASSERT_TRUE(foot.point.allFinite() && foot.normal.allFinite() && foot.depth >= 0);
+            }
+        }
+    }
+}
+
+TEST(HeightField, SlipsOffItsRim) {
+    const std::vector<float> flat(20 * 10, 0.0f);
+    const HeightField field(flat, {20, 10, 0.001, 0.001, {0, 0, 0}});
+    Proxy proxy;
+    Foot foot;
+    Work work;
+    EXPECT_FALSE(follow(field, proxy, {0.018, 0.0042, 0.002}, 0, foot, work));
+    ASSERT_TRUE(follow(field, proxy, {0.018, 0.0042, -0.001}, 0, foot, work));
+    EXPECT_NEAR(foot.depth, 0.001, 1e-15);
+    EXPECT_TRUE(follow(field, proxy, {0.01899, 0.0042, -0.001}, 0, foot, work));
+    EXPECT_FALSE(follow(field, proxy, {0.01901, 0.0042, -0.001}, 0, foot, work));
+}
+
+TEST(HeightField, RefusesWhatIsNone) {
+    const std::vector<float> four(4, 0.0f);
+    EXPECT_THROW(HeightField({}, {}), HeightFieldError);
+    EXPECT_THROW(HeightField(four, {1, 4, 1, 1, {0, 0, 0}}), HeightFieldError);
+    EXPECT_THROW(HeightField(four, {2, 3, 1, 1, {0, 0, 0}}), HeightFieldError);
+    EXPECT_THROW(HeightField(four, {2, 2, 0, 1, {0, 0, 0}}), HeightFieldError);
+    EXPECT_THROW(HeightField(four, {2, 2, 1, NAN, {0, 0, 0}}), HeightFieldError);
+    EXPECT_THROW(HeightField(four, {2, 2, 1, 1, {0, 0, INFINITY}}), HeightFieldError);
+    EXPECT_THROW(HeightField(std::vector<float>{0, 0, NAN, 0}, {2, 2, 1, 1, {0, 0, 0}}), HeightFieldError);
+    EXPECT_NO_THROW(HeightField(four, {2, 2, 1, 1, {0, 0, 0}}));
+}
+
+}  // namespace
+}  // namespace knurl::test
