@@ -131,8 +131,10 @@ TEST(MeshRandom, VerticesOfOneCellTakeNoLongerThanElsewhere) {
     const std::uint64_t seed = 0x5eed9;
     std::mt19937_64 random(seed);
     RawMesh raw = raw_soup(random, 20000, 1.0);
-    for (std::size_t v = 300; v < raw.vertices.size(); ++v)
-        for (double& x : raw.vertices[v]) x = 0.5 + (x - 0.5) * 2e-5;
+    for (std::size_t v = 0; v < raw.vertices.size(); ++v) {
+        if (v % 5 < 3) continue;  // else the tolerance would be that of the small ones
+        for (double& x : raw.vertices[v]) x = 0.5 + (x - 0.5) * 2.7e-5;
+    }
     for (const double weld : {0.0, 1e-6, 1e-4}) {
         std::size_t asked = 0;
         MeshBuild how;
@@ -142,7 +144,7 @@ TEST(MeshRandom, VerticesOfOneCellTakeNoLongerThanElsewhere) {
             const Mesh mesh(raw.given(), how);
         } catch (const MeshError&) {
         }
-        EXPECT_LE(asked, 20000) << weld << " seed " << seed;
+        EXPECT_LE(asked, 500) << weld << " seed " << seed;
     }
 }
 

@@ -11,7 +11,6 @@ namespace knurl::build {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffff;
-constexpr std::uint32_t too_many = 128;  // in one cell: the mesh is finer than the tolerance there
 
 std::uint64_t mixed(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
     std::uint64_t h = a * 0x9e3779b97f4a7c15 ^ std::rotl(b * 0xc2b2ae3d27d4eb4f, 23) ^
@@ -92,7 +91,8 @@ std::vector<std::uint32_t> number_places(const Triangles& given, const Frame& fr
     return number;
 }
 
-/// For each place the one that it becomes. Not transitive: nothing moves farther than the tolerance.
+/// For each place the one that it becomes. Not transitive: nothing moves farther than the tolerance. Those
+/// that stay are farther apart than that, so however many come a cell holds no more than some thousands.
 std::vector<std::uint32_t> near_ones(const std::vector<Point3>& at, double tolerance, Slices& slices) {
     const double cell = 16 * tolerance, square_tolerance = tolerance * tolerance;
     const auto in = [cell](double x) { return static_cast<std::int64_t>(std::floor(x / cell)); };
@@ -119,7 +119,7 @@ std::vector<std::uint32_t> near_ones(const std::vector<Point3>& at, double toler
                 for (std::int64_t y = low[1]; y <= high[1]; ++y) {
                     for (std::int64_t z = low[2]; z <= high[2]; ++z) {
                         std::uint32_t seen = 0;
-                        for (std::uint32_t o = table.first(key_of(x, y, z)); o != none && seen < too_many;
+                        for (std::uint32_t o = table.first(key_of(x, y, z)); o != none;
                              o = table.next(o), ++seen) {
                             const double d = square(at[o], p);
                             if (d <= least) least = d, nearest = o;
