@@ -24,7 +24,7 @@ struct AnyFace {
 };
 
 template <class F>
-std::vector<AnyFace> any(const std::vector<F>& faces) {
+std::vector<AnyFace> any(std::span<F> faces) {
     std::vector<AnyFace> out;
     for (const F& f : faces) {
         AnyFace a{{}, {f.over[0], f.over[1], f.over[2]}, f.triangle, f.material, f.flags};

@@ -109,6 +109,7 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
     data.origin = frame.origin;
     data.size = frame.size;
     data.exact = how.exact;
+    data.nodes = memory->nodes;
     if (how.find_crossings)
         build::find_crossings(data, faces, std::max(build::tolerance(frame, how), 2 * frame.noise), flags,
                               notes, slices);
@@ -123,7 +124,6 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
     }
     data.faces = memory->faces;
     data.exact_faces = memory->exact_faces;
-    data.nodes = memory->nodes;
     const MeshNode& root = data.nodes.front();
     for (int k = 0; k < 3; ++k) {
         const double below = *std::min_element(root.low[k], root.low[k] + MeshNode::fan);
