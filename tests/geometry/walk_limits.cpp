@@ -142,7 +142,7 @@ TEST(WalkWithinLimits, LetsGoAtTheSamePartOfAnySize) {
             EXPECT_FALSE(finger.to(hand + scale * Vector3d(0, 0, 0.001 + 1e-9)));
         }
         EXPECT_TRUE(finger.to(scale * Vector3d(0.0011, 0.0007, -0.001)));
-        EXPECT_TRUE(finger.to(scale * Vector3d(0.0011, 0.0007, 1e-12)));  // on it
+        EXPECT_TRUE(finger.to(scale * Vector3d(0.0011, 0.0007, 1e-13)));  // on it
         EXPECT_EQ(finger.foot.depth, 0);
     }
 }

@@ -24,7 +24,7 @@ inline constexpr double strictly = 1 - 8 * std::numeric_limits<double>::epsilon(
 inline constexpr std::uint32_t max_level_steps = 8;
 
 // All lengths are relative to the surface's size.
-inline constexpr double hair_of_size = 1e-9;    // nearer than that is on the surface
+inline constexpr double hair_of_size = 1e-11;   // nearer than that is on the surface
 inline constexpr double seam_of_size = 1.5e-5;  // faces that near hang together though no link says so
 
 /// Where a walk rests.
