@@ -84,6 +84,18 @@ TEST(WalkWithARadius, FastOnesDoNotTunnel) {
     }
 }
 
+TEST(WalkWithARadius, OneThatIsNoneIsAPoint) {
+    const auto mesh = build(plane_grid());
+    for (const double none : {-1.0, double{NAN}}) {
+        Finger finger(*mesh, none);
+        EXPECT_FALSE(finger.to(0.0013, -0.0007, 0.001));
+        for (int i = 0; i < 3; ++i) {
+            ASSERT_TRUE(finger.to(0.0013 + 1e-5 * i, -0.0007, -0.001));
+            EXPECT_NEAR(finger.foot.depth, 0.001, 1e-14);
+        }
+    }
+}
+
 // A radius that changes while an empty box is known: the box holds for the radius that it was made for.
 TEST(WalkWithARadius, MayChangeFromCycleToCycle) {
     const auto mesh = build(plane_grid());

@@ -29,7 +29,7 @@ class Cycle {
           proxy_(proxy),
           hand_(hand),
           h_(hand - origin),
-          radius_(radius),
+          radius_(radius > 0 ? radius : 0),
           foot_(foot),
           work_(work) {}
 
@@ -44,7 +44,6 @@ class Cycle {
             proxy_ = Proxy{};
             return false;
         }
-        if (!(radius_ > 0)) radius_ = 0;
         // Of the coordinates' own rounding too, where the hand is far away.
         hair_ =
             std::max(hair_of_size * s_.size(), 64 * std::numeric_limits<double>::epsilon() * h_.largest());
@@ -83,7 +82,7 @@ class Cycle {
             return false;
         const double inverse = 1 / normal.norm(), depth = -height * inverse;
         const Vec n = normal * inverse;
-        return touch(f, h_ + n * depth, n, depth + std::max(radius_, 0.0));
+        return touch(f, h_ + n * depth, n, depth + radius_);
     }
 
     Vec map(const double (&p)[3]) const noexcept {
@@ -262,7 +261,8 @@ class Cycle {
     Proxy& proxy_;
     const Vec hand_;
     const Vec h_;
-    double radius_, hair_ = 0;
+    const double radius_;
+    double hair_ = 0;
     Foot& foot_;
     Work& work_;
     Rest rest_;
