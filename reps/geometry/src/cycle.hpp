@@ -233,11 +233,13 @@ class Cycle {
         const Nearest& near = rest_.near;
         const Vec d = h_ - near.point;
         const double distance = d.norm();
-        Vec normal = d * ((rest_.outward ? 1 : -1) / distance);
+        Vec normal;
         if (near.place == within || !(distance > 1e-12 * s_.size())) {
             normal = unit_or_zero(pseudonormal(s_, rest_.face, near));
             if (!(normal.squaredNorm() > 0.5))
                 normal = unit_or_zero(near.normal);  // a knife's edge: whichever
+        } else {
+            normal = d * ((rest_.outward ? 1 : -1) / distance);
         }
         return touch(rest_.face, near.point, normal, depth);
     }
