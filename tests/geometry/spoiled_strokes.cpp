@@ -195,6 +195,32 @@ TEST(NoManifold, AMoebiusStripIsHeldToItsSurfaceOrRefused) {
     }
 }
 
+/// Whatever holds the proxy: such a hand feels nothing, and the next one begins anew.
+TEST(NoManifold, AHandThatIsNotANumberFeelsNothing) {
+    const Mesh mesh(given(crossing_sheets()));
+    for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300}) {
+        for (int axis = 0; axis < 3; ++axis) {
+            for (const bool corner : {false, true}) {  // on the floor; between floor and wall
+                Proxy proxy;
+                Foot foot;
+                Work work;
+                const double to = corner ? -0.001 : 0.05;
+                for (int i = 0; i <= 200; ++i) {
+                    const double x = 0.08 + i * (to - 0.08) / 200;
+                    follow(mesh, proxy, {x, 0.001, i == 0 ? 0.001 : -0.001}, 0, foot, work);
+                }
+                Eigen::Vector3d hand(to, 0.001, -0.001);
+                EXPECT_TRUE(follow(mesh, proxy, hand, 0, foot, work));
+                hand[axis] = bad;
+                EXPECT_FALSE(follow(mesh, proxy, hand, 0, foot, work))
+                    << bad << " axis " << axis << " corner " << corner;
+                EXPECT_FALSE(follow(mesh, proxy, {to, 0.001, 0.002}, 0, foot, work));
+                EXPECT_TRUE(follow(mesh, proxy, {0.05, 0.001, -0.001}, 0, foot, work) || corner);
+            }
+        }
+    }
+}
+
 TEST(NoManifold, SheetsThatCrossAreFoundAndOthersAreNot) {
     EXPECT_GT(Mesh(given(crossing_sheets())).notes().faces_crossed, 0U);
     for (const Shape& shape : clean_shapes(seed()))
