@@ -40,7 +40,7 @@ class Cycle {
         } else if (proxy_.phase == Phase::free && in_room()) {
             return stay_free();
         }
-        if (!(h_.largest() < 1e12)) {  // not a number, or nowhere
+        if (!(h_.sum_of_sizes() < 1e12)) {  // not a number, or nowhere
             proxy_ = Proxy{};
             return false;
         }

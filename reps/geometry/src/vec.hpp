@@ -19,6 +19,8 @@ struct Vec {
     }
     double squaredNorm() const noexcept { return dot(*this); }
     double norm() const noexcept { return std::sqrt(dot(*this)); }
+    /// Not a number if one of them is none, which `largest` may overlook.
+    double sum_of_sizes() const noexcept { return std::abs(x) + std::abs(y) + std::abs(z); }
     double largest() const noexcept { return std::max(std::max(std::abs(x), std::abs(y)), std::abs(z)); }
 };
 
