@@ -104,10 +104,10 @@ class Doctor {
         for (int round = 0; round < rounds; ++round) {
             progress(fmt::format("{:g} Hz, {} of {} turns", rate, round + 1, rounds));
             {
-                measure::PrivateServo servo(
-                    {"--device", "sim:cartesian3", "--rate", fmt::format("{:g}", rate), "--cpu",
-                     std::to_string(result_.servo_cpu), "--idle", arguments_.idle, "--spin",
-                     fmt::format("{:g}", arguments_.spin)});
+                measure::PrivateServo servo({"--device", "sim:cartesian3", "--rate",
+                                             fmt::format("{:g}", rate), "--cpu",
+                                             std::to_string(result_.servo_cpu), "--idle", arguments_.idle,
+                                             "--spin", fmt::format("{:g}", arguments_.spin)});
                 try {
                     append(of_servo, servo_loop(servo.address(), length));
                 } catch (const std::exception&) {

@@ -22,7 +22,7 @@ using knurl::test::Folder;
 using testing::AllOf;
 using testing::HasSubstr;
 
-using Made = knurl::test::Shape;
+using Made = knurl::test::MadeMesh;
 
 std::string as_obj(const Made& mesh) {
     std::ostringstream out;

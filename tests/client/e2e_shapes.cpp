@@ -30,7 +30,7 @@ using knurl::HandReport;
 using knurl::SentMesh;
 using knurl::Vec3;
 
-knurl::Triangles triangles_of(const knurl::test::Shape& shape) {
+knurl::Triangles triangles_of(const knurl::test::MadeMesh& shape) {
     return {.vertices = shape.vertices, .triangles = shape.triangles, .materials = {}};
 }
 
@@ -77,7 +77,7 @@ struct Sent : testing::Test {
 };
 
 TEST_F(Sent, a_mesh_is_felt) {
-    const knurl::test::Shape ball = knurl::test::icosphere(5, 0.1);
+    const knurl::test::MadeMesh ball = knurl::test::icosphere(5, 0.1);
     const SentMesh sent = hand->send(triangles_of(ball));
     EXPECT_EQ(sent.faces, ball.triangles.size());
     EXPECT_LE(static_cast<double>(sent.bytes), 96.0 * static_cast<double>(sent.faces) + 4096);
@@ -94,7 +94,7 @@ TEST_F(Sent, a_mesh_is_felt) {
 }
 
 TEST_F(Sent, begin_sending_lets_the_application_go_on) {
-    const knurl::test::Shape ball = knurl::test::icosphere(6, 0.1);
+    const knurl::test::MadeMesh ball = knurl::test::icosphere(6, 0.1);
     knurl::Sending sending = hand->begin_sending(triangles_of(ball));
     EXPECT_NE(refusal([&] { hand->add(knurl::Shape{.asset = 1}); }).find("asset 1"), std::string::npos)
         << "it is not there yet";
@@ -115,7 +115,7 @@ TEST_F(Sent, begin_sending_lets_the_application_go_on) {
 }
 
 TEST_F(Sent, what_is_no_mesh_is_refused_with_its_triangle_and_nothing_is_lost) {
-    knurl::test::Shape bad = knurl::test::icosphere(2, 0.1);
+    knurl::test::MadeMesh bad = knurl::test::icosphere(2, 0.1);
     bad.triangles[17][1] = 5000;
     const std::string why = refusal([&] { hand->send(triangles_of(bad)); });
     EXPECT_NE(why.find("17"), std::string::npos) << why;
@@ -123,7 +123,7 @@ TEST_F(Sent, what_is_no_mesh_is_refused_with_its_triangle_and_nothing_is_lost) {
     EXPECT_NE(refusal([&] { hand->send({}); }).find("no triangles"), std::string::npos);
     EXPECT_NE(refusal([&] { hand->send(triangles_of(bad), {.scale = 0}); }).find("scale"), std::string::npos);
     EXPECT_NE(refusal([&] { hand->send(triangles_of(bad), {.weld = -1}); }).find("weld"), std::string::npos);
-    const knurl::test::Shape good = knurl::test::icosphere(2, 0.1);
+    const knurl::test::MadeMesh good = knurl::test::icosphere(2, 0.1);
     EXPECT_NE(refusal([&] {
                   hand->send(triangles_of(good), {.materials = {{.stiffness = 2}}});
               }).find("material 0"),
@@ -133,7 +133,7 @@ TEST_F(Sent, what_is_no_mesh_is_refused_with_its_triangle_and_nothing_is_lost) {
 }
 
 TEST_F(Sent, numbers_are_given_back) {
-    const knurl::test::Shape ball = knurl::test::icosphere(1, 0.1);
+    const knurl::test::MadeMesh ball = knurl::test::icosphere(1, 0.1);
     const SentMesh sent = hand->send(triangles_of(ball));
     auto shape = hand->add(knurl::Shape{.asset = sent.asset, .position = at, .stiffness = 100});
     EXPECT_NE(refusal([&] { hand->forget(sent.asset); }).find("slot 0"), std::string::npos);
@@ -168,7 +168,7 @@ TEST_F(Sent, a_restarted_servo_gets_it_again) {
 
 TEST_F(Sent, more_than_a_claim_may_hold_is_refused_with_what_it_would_take) {
     // A grid of three million triangles, of which only the counts matter.
-    const knurl::test::Shape large = knurl::test::grid(1300, 1200, 1e-4, 1e-4);
+    const knurl::test::MadeMesh large = knurl::test::grid(1300, 1200, 1e-4, 1e-4);
     const std::string why = refusal([&] { hand->send(triangles_of(large)); });
     EXPECT_NE(why.find("bytes"), std::string::npos) << why;
     EXPECT_NE(why, "accepted");
@@ -178,7 +178,7 @@ TEST_F(Sent, more_than_a_claim_may_hold_is_refused_with_what_it_would_take) {
 
 // What the library would never do.
 struct ByHand : Sent {
-    static std::vector<std::byte> source(const knurl::test::Shape& shape) {
+    static std::vector<std::byte> source(const knurl::test::MadeMesh& shape) {
         knurl::protocol::AssetSource header;
         header.vertices = shape.vertices.size();
         header.triangles = shape.triangles.size();

@@ -88,7 +88,7 @@ double time_cycle(State& state, double clock, bool cold, Do&& cycle) {
     return best;
 }
 
-std::vector<test::Hand> hands_on(const test::Shape& shape, int strokes, int pokes) {
+std::vector<test::Hand> hands_on(const test::MadeMesh& shape, int strokes, int pokes) {
     test::Hands hands(shape, 7);
     std::vector<test::Hand> all;
     for (int i = 0; i < strokes; ++i) all.push_back(hands.stroke());
@@ -171,7 +171,7 @@ void hover_over(const Mesh& mesh, double clock) {
 }
 
 // The hand appears 20 mm from where it was in every cycle, about the surface.
-void throw_about(const Mesh& mesh, const test::Shape& shape, double clock) {
+void throw_about(const Mesh& mesh, const test::MadeMesh& shape, double clock) {
     Times thrown;
     test::Rng rng(5);
     Proxy proxy;
@@ -193,7 +193,8 @@ void throw_about(const Mesh& mesh, const test::Shape& shape, double clock) {
 #if defined(KNURL_EMBREE)
 class Embree {
   public:
-    explicit Embree(const test::Shape& shape) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+    explicit Embree(const test::MadeMesh& shape)
+        : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
         const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
         corners_.reserve(shape.vertices.size());
         auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
@@ -286,7 +287,7 @@ class Embree {
     std::vector<Triangle> triangles_;
 };
 
-void embree_on(const test::Shape& shape, const std::vector<test::Hand>& hands, double clock, bool cold) {
+void embree_on(const test::MadeMesh& shape, const std::vector<test::Hand>& hands, double clock, bool cold) {
     const Embree embree(shape);
     Times point, sweep;
     float sum = 0;
@@ -309,7 +310,7 @@ void height_field(double clock) {
     constexpr std::uint32_t columns = 403, rows = 344;
     constexpr double cell = 0.0005;
     std::vector<float> heights;
-    test::Shape shape;
+    test::MadeMesh shape;
     for (std::uint32_t j = 0; j < rows; ++j) {
         for (std::uint32_t i = 0; i < columns; ++i) {
             double z = 0;
@@ -351,7 +352,7 @@ int main(int argc, char** argv) {
     if (most >= 276'000) height_field(clock);
     for (const int subdivisions : {3, 5, 6, 7, 8}) {
         if ((std::size_t{20} << 2 * subdivisions) > most) break;
-        const test::Shape shape = test::noisy_sphere(subdivisions, 0.1, 3);
+        const test::MadeMesh shape = test::noisy_sphere(subdivisions, 0.1, 3);
         const auto hands = hands_on(shape, 40, 60);
         const Mesh mesh({.vertices = shape.vertices, .triangles = shape.triangles},
                         {.budget = std::size_t{1} << 30, .find_crossings = false});

@@ -17,7 +17,7 @@ using exact::Surface;
 using exact::to_exact;
 using exact::V;
 
-Surface surface_of(const Shape& s) {
+Surface surface_of(const MadeMesh& s) {
     return Surface(s.vertices, s.triangles);
 }
 
@@ -50,7 +50,7 @@ TEST(ExactSurface, WindingTellsInsideFromOutside) {
 
 TEST(ExactSurface, GridFindsWhatAllFacesHave) {
     Rng rng(2);
-    for (const Shape& shape : clean_shapes(7)) {
+    for (const MadeMesh& shape : clean_shapes(7)) {
         const Surface s = surface_of(shape);
         int hits = 0;
         for (int i = 0; i < 100; ++i) {
@@ -70,7 +70,7 @@ TEST(ExactSurface, GridFindsWhatAllFacesHave) {
 }
 
 TEST(ExactGodObject, OnAFloorItIsBelowNothing) {
-    const Shape shape = plane_grid();
+    const MadeMesh shape = plane_grid();
     const Surface s = surface_of(shape);
     Hands hands(shape, 3);
     int touched = 0;
@@ -91,7 +91,7 @@ TEST(ExactGodObject, OnAFloorItIsBelowNothing) {
 }
 
 TEST(ExactGodObject, InTheCornerOfABoxFromInside) {
-    Shape shape = cube(8, 0.2);
+    MadeMesh shape = cube(8, 0.2);
     for (auto& t : shape.triangles) std::swap(t[1], t[2]);
     const Surface s = surface_of(shape);
     Rng rng(4);
@@ -114,7 +114,7 @@ TEST(ExactGodObject, InTheCornerOfABoxFromInside) {
 TEST(ExactGodObject, AroundABoxNoFaceIsChangedButOverItsEdge) {
     // Inside of a box the nearest point of the face that one is held by; it changes where another one has one
     // nearer and the edge lies between: never while the hand stays within a face's prism.
-    const Shape shape = cube(8, 0.2);
+    const MadeMesh shape = cube(8, 0.2);
     const Surface s = surface_of(shape);
     GodObject god(s);
     god.step({0.11L, 0, 0});
@@ -134,7 +134,7 @@ TEST(ExactGodObject, AroundABoxNoFaceIsChangedButOverItsEdge) {
 }
 
 TEST(ExactGodObject, NoFaceOfASphereIsNearer) {
-    const Shape shape = icosphere(4);
+    const MadeMesh shape = icosphere(4);
     const Surface s = surface_of(shape);
     Hands hands(shape, 5);
     for (int path = 0; path < 20; ++path) {
@@ -154,7 +154,7 @@ TEST(ExactGodObject, NoFaceOfASphereIsNearer) {
 }
 
 TEST(ExactGodObject, HoldsAtTheFirstOfTwoSheetsBackToBack) {
-    const Shape shape = two_sided_sheet();
+    const MadeMesh shape = two_sided_sheet();
     const Surface s = surface_of(shape);
     EXPECT_EQ(s.open_edges(), 0U);
     for (const Real side : {1, -1}) {
@@ -187,7 +187,7 @@ TEST(ExactGodObject, AFinOnAFloorStopsItFromItsFrontAlone) {
 }
 
 TEST(ExactGodObject, SlipsOffARim) {
-    for (const Shape& shape : {plane_grid(), two_sided_sheet()}) {
+    for (const MadeMesh& shape : {plane_grid(), two_sided_sheet()}) {
         const Surface s = surface_of(shape);
         for (const V& way : {V{1, 0, 0}, V{0.6L, -0.8L, 0}, V{1, 1, 0}, V{0, 1, 0}}) {
             GodObject god(s);

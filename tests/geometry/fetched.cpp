@@ -8,7 +8,7 @@
 
 namespace knurl::test {
 
-std::optional<Shape> fetched(const std::string& name) {
+std::optional<MadeMesh> fetched(const std::string& name) {
     const char* folder = std::getenv("KNURL_MESHES");
     std::ifstream file(std::string(folder != nullptr ? folder : KNURL_MESHES) + "/" + name + ".mesh",
                        std::ios::binary);
@@ -16,7 +16,7 @@ std::optional<Shape> fetched(const std::string& name) {
     std::uint32_t counts[2];
     if (!file.read(magic, 8) || std::memcmp(magic, "KNURLMSH", 8) != 0) return {};
     file.read(reinterpret_cast<char*>(counts), sizeof counts);
-    Shape s{.name = name, .vertices = {}, .triangles = {}};
+    MadeMesh s{.name = name, .vertices = {}, .triangles = {}};
     s.vertices.resize(counts[0]);
     s.triangles.resize(counts[1]);
     file.read(reinterpret_cast<char*>(s.vertices.data()), static_cast<std::streamsize>(counts[0]) * 24);
@@ -25,14 +25,14 @@ std::optional<Shape> fetched(const std::string& name) {
     return s;
 }
 
-Shape subdivided(const Shape& s) {
+MadeMesh subdivided(const MadeMesh& s) {
     using exact::V;
     struct Edge {
         std::uint32_t vertex = 0;
         V opposite;
     };
     std::map<std::pair<std::uint32_t, std::uint32_t>, Edge> edges;
-    Shape out{.name = s.name, .vertices = s.vertices, .triangles = {}};
+    MadeMesh out{.name = s.name, .vertices = s.vertices, .triangles = {}};
     std::vector<V> around(s.vertices.size());
     std::vector<int> count(s.vertices.size());
     for (const auto& t : s.triangles) {

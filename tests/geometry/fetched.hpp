@@ -8,8 +8,8 @@
 namespace knurl::test {
 
 /// bunny, dragon_11k, dragon_48k, dragon_203k or dragon_871k; from KNURL_MESHES, or build/meshes.
-std::optional<Shape> fetched(const std::string& name);
+std::optional<MadeMesh> fetched(const std::string& name);
 /// Loop's subdivision (1987) of a closed mesh, once: four times the triangles, smoother.
-Shape subdivided(const Shape&);
+MadeMesh subdivided(const MadeMesh&);
 
 }  // namespace knurl::test

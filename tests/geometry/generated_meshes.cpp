@@ -13,7 +13,7 @@ using exact::Real;
 using exact::Surface;
 using exact::V;
 
-Real volume(const Shape& s) {
+Real volume(const MadeMesh& s) {
     Real sum = 0;
     for (std::size_t i = 0; i < s.triangles.size(); ++i) {
         sum += dot(s.corner(i, 0), cross(s.corner(i, 1), s.corner(i, 2))) / 6;
@@ -22,7 +22,7 @@ Real volume(const Shape& s) {
 }
 
 TEST(GeneratedMeshes, AreClosedAndTurnedOutwards) {
-    for (const Shape& s : clean_shapes(1)) {
+    for (const MadeMesh& s : clean_shapes(1)) {
         const Surface surface(s.vertices, s.triangles);
         EXPECT_EQ(surface.open_edges(), 0U) << s.name;
         EXPECT_EQ(surface.faces(), s.triangles.size()) << s.name;
@@ -38,15 +38,15 @@ TEST(GeneratedMeshes, AreClosedAndTurnedOutwards) {
 TEST(GeneratedMeshes, AreTheSameForTheSameSeed) {
     EXPECT_EQ(noisy_sphere(2, 0.3, 9).vertices, noisy_sphere(2, 0.3, 9).vertices);
     EXPECT_NE(noisy_sphere(2, 0.3, 9).vertices, noisy_sphere(2, 0.3, 8).vertices);
-    const Shape s = torus(20, 10);
+    const MadeMesh s = torus(20, 10);
     EXPECT_EQ(Hands(s, 4).stroke(), Hands(s, 4).stroke());
 }
 
 TEST(GeneratedMeshes, SpoiledOnesKeepTheSurface) {
     Rng rng(3);
-    const Shape s = icosphere(2);
-    for (const Shape& bad : {unwelded(s), duplicated(s, 0.3, rng), with_degenerate(s, 0.3, rng),
-                             with_t_junctions(s, 0.3, rng), shuffled(s, rng)}) {
+    const MadeMesh s = icosphere(2);
+    for (const MadeMesh& bad : {unwelded(s), duplicated(s, 0.3, rng), with_degenerate(s, 0.3, rng),
+                                with_t_junctions(s, 0.3, rng), shuffled(s, rng)}) {
         for (int i = 0; i < 50; ++i) {
             const V p{between(rng, -.2, .2), between(rng, -.2, .2), between(rng, -.2, .2)};
             const Surface good(s.vertices, s.triangles), spoiled(bad.vertices, bad.triangles);
@@ -59,7 +59,7 @@ TEST(GeneratedMeshes, SpoiledOnesKeepTheSurface) {
 }
 
 TEST(Hands, TouchWhatTheyShould) {
-    for (const Shape& s : clean_shapes(1)) {
+    for (const MadeMesh& s : clean_shapes(1)) {
         const Surface surface(s.vertices, s.triangles);
         Hands hands(s, 11);
         int touching = 0, cycles = 0;

@@ -9,13 +9,13 @@ namespace knurl::test {
 
 using exact::V;
 
-void Shape::append(const Shape& other) {
+void MadeMesh::append(const MadeMesh& other) {
     const auto first = static_cast<std::uint32_t>(vertices.size());
     vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end());
     for (const auto& t : other.triangles) triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
-double Shape::size() const {
+double MadeMesh::size() const {
     std::array<double, 3> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
     for (const auto& v : vertices) {
         for (std::size_t i = 0; i < 3; ++i) {
@@ -25,8 +25,8 @@ double Shape::size() const {
     return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
 }
 
-Shape icosphere(int subdivisions, double radius) {
-    Shape s{.name = "icosphere", .vertices = {}, .triangles = {}};
+MadeMesh icosphere(int subdivisions, double radius) {
+    MadeMesh s{.name = "icosphere", .vertices = {}, .triangles = {}};
     const exact::Real g = (1 + std::sqrt(exact::Real(5))) / 2;
     for (const V& v : {V{-1, g, 0}, V{1, g, 0}, V{-1, -g, 0}, V{1, -g, 0}, V{0, -1, g}, V{0, 1, g},
                        V{0, -1, -g}, V{0, 1, -g}, V{g, 0, -1}, V{g, 0, 1}, V{-g, 0, -1}, V{-g, 0, 1}}) {
@@ -56,8 +56,8 @@ Shape icosphere(int subdivisions, double radius) {
     return s;
 }
 
-Shape torus(int around, int across, double ring, double tube) {
-    Shape s{.name = "torus", .vertices = {}, .triangles = {}};
+MadeMesh torus(int around, int across, double ring, double tube) {
+    MadeMesh s{.name = "torus", .vertices = {}, .triangles = {}};
     for (int i = 0; i < around; ++i) {
         for (int j = 0; j < across; ++j) {
             const double u = 2 * M_PI * i / around, v = 2 * M_PI * j / across;
@@ -77,8 +77,8 @@ Shape torus(int around, int across, double ring, double tube) {
     return s;
 }
 
-Shape noisy_sphere(int subdivisions, double height, std::uint64_t seed, double radius) {
-    Shape s = icosphere(subdivisions, radius);
+MadeMesh noisy_sphere(int subdivisions, double height, std::uint64_t seed, double radius) {
+    MadeMesh s = icosphere(subdivisions, radius);
     s.name = "noisy sphere";
     Rng rng(seed);
     struct Wave {
@@ -104,17 +104,17 @@ Shape noisy_sphere(int subdivisions, double height, std::uint64_t seed, double r
     return s;
 }
 
-Shape hollow_sphere(int subdivisions) {
-    Shape s = icosphere(subdivisions, 0.1), inner = icosphere(subdivisions, 0.095);
+MadeMesh hollow_sphere(int subdivisions) {
+    MadeMesh s = icosphere(subdivisions, 0.1), inner = icosphere(subdivisions, 0.095);
     for (auto& t : inner.triangles) std::swap(t[1], t[2]);
     s.append(inner);
     s.name = "hollow sphere";
     return s;
 }
 
-Shape blocks(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z,
-             const Filled& filled) {
-    Shape s{.name = "blocks", .vertices = {}, .triangles = {}};
+MadeMesh blocks(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z,
+                const Filled& filled) {
+    MadeMesh s{.name = "blocks", .vertices = {}, .triangles = {}};
     const std::array<const std::vector<double>*, 3> lines{&x, &y, &z};
     const auto solid = [&](const std::array<int, 3>& c) {
         for (std::size_t i = 0; i < 3; ++i) {
@@ -167,25 +167,25 @@ std::vector<double> even(int divisions, double low, double high) {
     for (int i = 0; i <= divisions; ++i) at.push_back(low + (high - low) * i / divisions);
     return at;
 }
-Shape named(Shape s, const char* name) {
+MadeMesh named(MadeMesh s, const char* name) {
     s.name = name;
     return s;
 }
 
 }  // namespace
 
-Shape cube(int divisions, double side) {
+MadeMesh cube(int divisions, double side) {
     const std::vector<double> at = even(divisions, -side / 2, side / 2);
     return named(blocks(at, at, at, [](int, int, int) { return true; }), "cube");
 }
 
-Shape staircase() {
+MadeMesh staircase() {
     return named(blocks(even(20, -0.1, 0.1), even(10, -0.05, 0.05), even(20, -0.1, 0.1),
                         [](int i, int, int k) { return k <= i; }),
                  "staircase");
 }
 
-Shape comb() {
+MadeMesh comb() {
     std::vector<double> x;
     for (int tooth = 0; tooth <= 20; ++tooth) {
         x.push_back(-0.025 + 0.0025 * tooth);
@@ -196,20 +196,20 @@ Shape comb() {
                  "comb");
 }
 
-Shape thin_plate() {
+MadeMesh thin_plate() {
     return named(blocks(even(40, -0.07, 0.07), even(40, -0.07, 0.07), {-0.00005, 0.00005},
                         [](int, int, int) { return true; }),
                  "thin plate");
 }
 
-Shape needle_box() {
+MadeMesh needle_box() {
     return named(blocks(even(10, -0.05, 0.05), even(600, -0.003, 0.003), even(2, -0.01, 0.01),
                         [](int, int, int) { return true; }),
                  "needle box");
 }
 
-Shape grid(int nx, int ny, double dx, double dy) {
-    Shape s{.name = "grid", .vertices = {}, .triangles = {}};
+MadeMesh grid(int nx, int ny, double dx, double dy) {
+    MadeMesh s{.name = "grid", .vertices = {}, .triangles = {}};
     for (int j = 0; j <= ny; ++j) {
         for (int i = 0; i <= nx; ++i) s.vertices.push_back({(i - nx / 2.0) * dx, (j - ny / 2.0) * dy, 0});
     }
@@ -223,32 +223,32 @@ Shape grid(int nx, int ny, double dx, double dy) {
     return s;
 }
 
-Shape plane_grid() {
+MadeMesh plane_grid() {
     return named(grid(20, 20, 0.002, 0.002), "plane grid");
 }
-Shape needles() {
+MadeMesh needles() {
     return named(grid(4, 1000, 0.01, 1e-5), "needles");
 }
 
-Shape crossing_sheets() {
-    Shape s = grid(20, 20, 0.0101, 0.0103);
-    Shape wall = grid(20, 20, 0.0107, 0.0109);
+MadeMesh crossing_sheets() {
+    MadeMesh s = grid(20, 20, 0.0101, 0.0103);
+    MadeMesh wall = grid(20, 20, 0.0107, 0.0109);
     for (auto& v : wall.vertices) v = {0, v[0], v[1]};  // the normal z becomes x
     s.append(wall);
     s.name = "crossing sheets";
     return s;
 }
 
-Shape two_sided_sheet() {
-    Shape s = plane_grid();
+MadeMesh two_sided_sheet() {
+    MadeMesh s = plane_grid();
     const auto front = s.triangles;
     for (const auto& t : front) s.triangles.push_back({t[0], t[2], t[1]});
     s.name = "two-sided sheet";
     return s;
 }
 
-Shape three_sheets() {
-    Shape s = named(grid(10, 10, 0.01, 0.01), "three sheets");
+MadeMesh three_sheets() {
+    MadeMesh s = named(grid(10, 10, 0.01, 0.01), "three sheets");
     // A fin on the line x = 0, front to +x, whose lowest vertices are the floor's.
     std::array<std::array<std::uint32_t, 11>, 6> at;
     for (std::uint32_t j = 0; j <= 10; ++j) {
@@ -264,21 +264,21 @@ Shape three_sheets() {
     return s;
 }
 
-Shape cubes_at_an_edge() {
+MadeMesh cubes_at_an_edge() {
     const std::vector<double> at = even(8, -0.04, 0.04), high = even(4, -0.02, 0.02);
     return named(blocks(at, at, high, [](int i, int j, int) { return (i < 4) == (j < 4); }),
                  "cubes at an edge");
 }
 
-Shape cubes_at_a_corner() {
+MadeMesh cubes_at_a_corner() {
     const std::vector<double> at = even(8, -0.04, 0.04);
     return named(
         blocks(at, at, at, [](int i, int j, int k) { return (i < 4) == (j < 4) && (j < 4) == (k < 4); }),
         "cubes at a corner");
 }
 
-Shape moebius() {
-    Shape s{.name = "moebius", .vertices = {}, .triangles = {}};
+MadeMesh moebius() {
+    MadeMesh s{.name = "moebius", .vertices = {}, .triangles = {}};
     constexpr std::uint32_t around = 64, across = 4;
     for (std::uint32_t i = 0; i < around; ++i) {
         const double u = 2 * M_PI * i / around;
@@ -299,10 +299,10 @@ Shape moebius() {
     return s;
 }
 
-std::vector<Shape> clean_shapes(std::uint64_t seed) {
-    std::vector<Shape> all{icosphere(3),     torus(96, 48), noisy_sphere(5, 0.6, seed),
-                           hollow_sphere(4), cube(10),      staircase(),
-                           comb(),           thin_plate()};
+std::vector<MadeMesh> clean_shapes(std::uint64_t seed) {
+    std::vector<MadeMesh> all{icosphere(3),     torus(96, 48), noisy_sphere(5, 0.6, seed),
+                              hollow_sphere(4), cube(10),      staircase(),
+                              comb(),           thin_plate()};
     return all;
 }
 

@@ -22,7 +22,7 @@ inline std::size_t below(Rng& rng, std::size_t count) {
     return static_cast<std::size_t>(rng() % count);
 }
 
-struct Shape {
+struct MadeMesh {
     std::string name;
     std::vector<std::array<double, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -35,40 +35,40 @@ struct Shape {
         return {vertices[vertex][0], vertices[vertex][1], vertices[vertex][2]};
     }
     exact::V corner(std::size_t triangle, std::size_t i) const { return at(triangles[triangle][i]); }
-    void append(const Shape& other);
+    void append(const MadeMesh& other);
     double size() const;  // m, its box's diagonal
 };
 
 // Closed.
-Shape icosphere(int subdivisions, double radius = 0.1);  // 20 x 4^n triangles
-Shape torus(int around, int across, double ring = 0.07, double tube = 0.03);
+MadeMesh icosphere(int subdivisions, double radius = 0.1);  // 20 x 4^n triangles
+MadeMesh torus(int around, int across, double ring = 0.07, double tube = 0.03);
 /// An icosphere with bumps of many sizes, up to `height` of its radius.
-Shape noisy_sphere(int subdivisions, double height, std::uint64_t seed, double radius = 0.1);
-Shape hollow_sphere(int subdivisions);  // a wall of 5 mm
+MadeMesh noisy_sphere(int subdivisions, double height, std::uint64_t seed, double radius = 0.1);
+MadeMesh hollow_sphere(int subdivisions);  // a wall of 5 mm
 /// A solid of blocks between the given coordinates, without the walls between two of them.
 using Filled = std::function<bool(int i, int j, int k)>;
-Shape blocks(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z,
-             const Filled& filled);
-Shape cube(int divisions, double side = 0.1);
-Shape staircase();
-Shape comb();        // teeth of 0.5 mm, 2 mm apart, 20 mm deep
-Shape thin_plate();  // 0.1 mm
-Shape needle_box();  // of triangles of 10 mm by 10 um
+MadeMesh blocks(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z,
+                const Filled& filled);
+MadeMesh cube(int divisions, double side = 0.1);
+MadeMesh staircase();
+MadeMesh comb();        // teeth of 0.5 mm, 2 mm apart, 20 mm deep
+MadeMesh thin_plate();  // 0.1 mm
+MadeMesh needle_box();  // of triangles of 10 mm by 10 um
 
 // Open; in z = 0, front above, the middle in the origin.
-Shape grid(int nx, int ny, double dx, double dy);
-Shape plane_grid();  // 4 cm of 2 mm triangles
-Shape needles();     // 10 mm by 10 um
+MadeMesh grid(int nx, int ny, double dx, double dy);
+MadeMesh plane_grid();  // 4 cm of 2 mm triangles
+MadeMesh needles();     // 10 mm by 10 um
 
 // What is no manifold.
-Shape crossing_sheets();  // a floor and a wall (x = 0, front to +x) through it that share no vertex
-Shape two_sided_sheet();  // the same vertices, every triangle twice, one of them turned
-Shape three_sheets();     // at one edge
-Shape cubes_at_an_edge();
-Shape cubes_at_a_corner();  // a bow tie
-Shape moebius();
+MadeMesh crossing_sheets();  // a floor and a wall (x = 0, front to +x) through it that share no vertex
+MadeMesh two_sided_sheet();  // the same vertices, every triangle twice, one of them turned
+MadeMesh three_sheets();     // at one edge
+MadeMesh cubes_at_an_edge();
+MadeMesh cubes_at_a_corner();  // a bow tie
+MadeMesh moebius();
 
 /// Closed manifolds that nothing is wrong with.
-std::vector<Shape> clean_shapes(std::uint64_t seed);
+std::vector<MadeMesh> clean_shapes(std::uint64_t seed);
 
 }  // namespace knurl::test

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 struct Field {
     std::vector<float> heights;
     HeightGrid grid;
-    Shape shape;
+    MadeMesh shape;
 };
 
 Field terrain(std::uint32_t columns, std::uint32_t rows, std::uint64_t seed, double cell = 1e-3) {

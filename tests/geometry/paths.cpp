@@ -35,7 +35,7 @@ Hand along(const std::vector<V>& corners, double step) {
 
 }  // namespace
 
-Hands::Hands(const Shape& shape, std::uint64_t seed) : shape_(&shape), rng_(seed) {
+Hands::Hands(const MadeMesh& shape, std::uint64_t seed) : shape_(&shape), rng_(seed) {
     const std::size_t vertices = shape.vertices.size();
     vertex_normal_.resize(vertices);
     rise_.assign(vertices, -1e9L);

@@ -13,7 +13,7 @@ using Hand = std::vector<std::array<double, 3>>;
 class Hands {
   public:
     /// Of an open mesh, they keep 4 mm away from its rim.
-    Hands(const Shape& shape, std::uint64_t seed);
+    Hands(const MadeMesh& shape, std::uint64_t seed);
 
     Hand stroke() { return follow_surface(-0.003, -0.001); }  // 0.1 to 0.3 m/s, 1 to 3 mm deep
     Hand graze() { return follow_surface(-0.00005, 0.00005); }
@@ -29,7 +29,7 @@ class Hands {
     exact::V middle(std::size_t triangle) const;
     exact::V normal(std::size_t triangle) const;
 
-    const Shape* shape_;
+    const MadeMesh* shape_;
     Rng rng_;
     double unit_;                         // m, what a metre is on this mesh
     std::vector<std::size_t> triangles_;  // that may be touched

@@ -12,15 +12,15 @@ namespace {
 bool chosen(Rng& rng, double share) {
     return between(rng, 0, 1) < share;
 }
-Shape named(Shape s, const char* how) {
+MadeMesh named(MadeMesh s, const char* how) {
     s.name += std::string(", ") + how;
     return s;
 }
 
 }  // namespace
 
-Shape unwelded(const Shape& s) {
-    Shape out{.name = s.name + ", unwelded", .vertices = {}, .triangles = {}};
+MadeMesh unwelded(const MadeMesh& s) {
+    MadeMesh out{.name = s.name + ", unwelded", .vertices = {}, .triangles = {}};
     for (const auto& t : s.triangles) {
         const auto first = static_cast<std::uint32_t>(out.vertices.size());
         for (const std::uint32_t v : t) out.vertices.push_back(s.vertices[v]);
@@ -29,24 +29,24 @@ Shape unwelded(const Shape& s) {
     return out;
 }
 
-Shape jittered(const Shape& s, double by, Rng& rng) {
-    Shape out = named(s, "jittered");
+MadeMesh jittered(const MadeMesh& s, double by, Rng& rng) {
+    MadeMesh out = named(s, "jittered");
     for (auto& v : out.vertices) {
         for (double& x : v) x += between(rng, -by, by);
     }
     return out;
 }
 
-Shape duplicated(const Shape& s, double share, Rng& rng) {
-    Shape out = named(s, "faces twice");
+MadeMesh duplicated(const MadeMesh& s, double share, Rng& rng) {
+    MadeMesh out = named(s, "faces twice");
     for (const auto& t : s.triangles) {
         if (chosen(rng, share)) out.triangles.push_back({t[1], t[2], t[0]});
     }
     return out;
 }
 
-Shape with_degenerate(const Shape& s, double share, Rng& rng) {
-    Shape out = named(s, "degenerate faces");
+MadeMesh with_degenerate(const MadeMesh& s, double share, Rng& rng) {
+    MadeMesh out = named(s, "degenerate faces");
     for (const auto& t : s.triangles) {
         if (!chosen(rng, share)) continue;
         const exact::V a = s.at(t[0]), b = s.at(t[1]);
@@ -66,8 +66,8 @@ Shape with_degenerate(const Shape& s, double share, Rng& rng) {
     return out;
 }
 
-Shape with_t_junctions(const Shape& s, double share, Rng& rng) {
-    Shape out{.name = s.name + ", t-junctions", .vertices = s.vertices, .triangles = {}};
+MadeMesh with_t_junctions(const MadeMesh& s, double share, Rng& rng) {
+    MadeMesh out{.name = s.name + ", t-junctions", .vertices = s.vertices, .triangles = {}};
     for (const auto& t : s.triangles) {
         if (!chosen(rng, share)) {
             out.triangles.push_back(t);
@@ -82,16 +82,16 @@ Shape with_t_junctions(const Shape& s, double share, Rng& rng) {
     return out;
 }
 
-Shape flipped(const Shape& s, double share, Rng& rng) {
-    Shape out = named(s, "some turned");
+MadeMesh flipped(const MadeMesh& s, double share, Rng& rng) {
+    MadeMesh out = named(s, "some turned");
     for (auto& t : out.triangles) {
         if (chosen(rng, share)) std::swap(t[1], t[2]);
     }
     return out;
 }
 
-Shape shuffled(const Shape& s, Rng& rng) {
-    Shape out = named(s, "shuffled");
+MadeMesh shuffled(const MadeMesh& s, Rng& rng) {
+    MadeMesh out = named(s, "shuffled");
     std::vector<std::uint32_t> place(s.vertices.size());
     std::iota(place.begin(), place.end(), 0U);
     for (std::size_t i = place.size(); i > 1; --i) std::swap(place[i - 1], place[below(rng, i)]);
@@ -103,29 +103,29 @@ Shape shuffled(const Shape& s, Rng& rng) {
     return out;
 }
 
-Shape with_hole_of_nan(const Shape& s, std::uint32_t vertex) {
-    Shape out = named(s, "a vertex that is not a number");
+MadeMesh with_hole_of_nan(const MadeMesh& s, std::uint32_t vertex) {
+    MadeMesh out = named(s, "a vertex that is not a number");
     out.vertices[vertex][1] = std::numeric_limits<double>::quiet_NaN();
     return out;
 }
 
-Shape with_far_vertex(const Shape& s) {
-    Shape out = named(s, "a vertex at 1e30");
+MadeMesh with_far_vertex(const MadeMesh& s) {
+    MadeMesh out = named(s, "a vertex at 1e30");
     out.vertices.push_back({1e30, -1e30, 1e30});
     out.triangles.push_back({0, 1, static_cast<std::uint32_t>(out.vertices.size() - 1)});
     return out;
 }
 
-Shape without_vertex(const Shape& s, std::uint32_t vertex) {
-    Shape out{.name = s.name + ", a hole", .vertices = s.vertices, .triangles = {}};
+MadeMesh without_vertex(const MadeMesh& s, std::uint32_t vertex) {
+    MadeMesh out{.name = s.name + ", a hole", .vertices = s.vertices, .triangles = {}};
     for (const auto& t : s.triangles) {
         if (std::find(t.begin(), t.end(), vertex) == t.end()) out.triangles.push_back(t);
     }
     return out;
 }
 
-Shape scaled(const Shape& s, double by) {
-    Shape out = s;
+MadeMesh scaled(const MadeMesh& s, double by) {
+    MadeMesh out = s;
     out.name += " x " + std::to_string(by);
     for (auto& v : out.vertices) {
         for (double& x : v) x *= by;
@@ -133,8 +133,8 @@ Shape scaled(const Shape& s, double by) {
     return out;
 }
 
-Shape moved(const Shape& s, const exact::V& by) {
-    Shape out = s;
+MadeMesh moved(const MadeMesh& s, const exact::V& by) {
+    MadeMesh out = s;
     out.name += ", " + std::to_string(static_cast<double>(exact::length(by))) + " m away";
     for (auto& v : out.vertices) {
         v = {static_cast<double>(v[0] + by.x), static_cast<double>(v[1] + by.y),

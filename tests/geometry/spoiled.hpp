@@ -6,17 +6,18 @@
 
 namespace knurl::test {
 
-Shape unwelded(const Shape&);                              // each triangle has vertices of its own
-Shape jittered(const Shape&, double by, Rng&);             // m, each vertex in any direction
-Shape duplicated(const Shape&, double share, Rng&);        // faces told twice
-Shape with_degenerate(const Shape&, double share, Rng&);   // triangles that are lines and points added
-Shape with_t_junctions(const Shape&, double share, Rng&);  // a vertex on an edge that its other face has not
-Shape flipped(const Shape&, double share, Rng&);
-Shape shuffled(const Shape&, Rng&);                          // triangles and vertices in another order
-Shape with_hole_of_nan(const Shape&, std::uint32_t vertex);  // not a number: its faces are lost
-Shape with_far_vertex(const Shape&);                         // at 1e30 m, of one more face
-Shape without_vertex(const Shape&, std::uint32_t vertex);    // its faces left out
-Shape scaled(const Shape&, double by);
-Shape moved(const Shape&, const exact::V& by);
+MadeMesh unwelded(const MadeMesh&);                             // each triangle has vertices of its own
+MadeMesh jittered(const MadeMesh&, double by, Rng&);            // m, each vertex in any direction
+MadeMesh duplicated(const MadeMesh&, double share, Rng&);       // faces told twice
+MadeMesh with_degenerate(const MadeMesh&, double share, Rng&);  // triangles that are lines and points added
+MadeMesh with_t_junctions(const MadeMesh&, double share,
+                          Rng&);  // a vertex on an edge that its other face has not
+MadeMesh flipped(const MadeMesh&, double share, Rng&);
+MadeMesh shuffled(const MadeMesh&, Rng&);                          // triangles and vertices in another order
+MadeMesh with_hole_of_nan(const MadeMesh&, std::uint32_t vertex);  // not a number: its faces are lost
+MadeMesh with_far_vertex(const MadeMesh&);                         // at 1e30 m, of one more face
+MadeMesh without_vertex(const MadeMesh&, std::uint32_t vertex);    // its faces left out
+MadeMesh scaled(const MadeMesh&, double by);
+MadeMesh moved(const MadeMesh&, const exact::V& by);
 
 }  // namespace knurl::test

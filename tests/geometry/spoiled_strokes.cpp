@@ -15,7 +15,7 @@ using exact::Real;
 using exact::V;
 
 /// Felt like `good`, though `bad` was given.
-Verdict felt(const Shape& bad, const Shape& good, bool exact = true) {
+Verdict felt(const MadeMesh& bad, const MadeMesh& good, bool exact = true) {
     const Mesh mesh(given(bad), {.exact = exact});
     const exact::Surface truth = surface_of(good);
     const double weld = 1e-6 * good.size();
@@ -23,7 +23,7 @@ Verdict felt(const Shape& bad, const Shape& good, bool exact = true) {
     if (bad.name.find("jitter") != std::string::npos) allowed = {.same = 4 * weld};
     return judge_all(mesh, truth, good, allowed, seed(), long_form() ? 20 : 1);
 }
-void expect_right(const Shape& bad, const Shape& good) {
+void expect_right(const MadeMesh& bad, const MadeMesh& good) {
     SCOPED_TRACE(bad.name + ", KNURL_SEED=" + std::to_string(seed()));
     const Verdict v = felt(bad, good);
     std::cout << bad.name << ": " << v << '\n';
@@ -40,8 +40,8 @@ void expect_right(const Shape& bad, const Shape& good) {
 class Spoiled : public testing::TestWithParam<int> {
   protected:
     Rng rng{seed()};
-    const Shape good[3] = {plane_grid(), torus(48, 24), staircase()};
-    const Shape& shape() const { return good[GetParam()]; }
+    const MadeMesh good[3] = {plane_grid(), torus(48, 24), staircase()};
+    const MadeMesh& shape() const { return good[GetParam()]; }
 };
 TEST_P(Spoiled, Unwelded) {
     expect_right(unwelded(shape()), shape());
@@ -69,7 +69,7 @@ TEST_P(Spoiled, SomeFacesTurned) {
 }
 TEST_P(Spoiled, AVertexThatIsNotANumber) {
     const auto vertex = static_cast<std::uint32_t>(shape().vertices.size() / 2);
-    const Shape bad = with_hole_of_nan(shape(), vertex);
+    const MadeMesh bad = with_hole_of_nan(shape(), vertex);
     EXPECT_EQ(Mesh(given(bad)).notes().vertices_not_finite, 1U);
     expect_right(bad, without_vertex(shape(), vertex));
 }
@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Spoiled, testing::Range(0, 3), [](const auto& s
 
 /// Follows `hand` and asks where it should be.
 template <class Known>
-void expect_known(const Shape& shape, const Hand& hand, double tolerance, Known&& known) {
+void expect_known(const MadeMesh& shape, const Hand& hand, double tolerance, Known&& known) {
     SCOPED_TRACE(shape.name);
     const Mesh mesh(given(shape), {.exact = true});
     Proxy proxy;
@@ -116,7 +116,7 @@ V corner_of(const V& h) {  // of a floor z = 0 and a wall x = 0
 }
 
 TEST(NoManifold, AWallThatCrossesTheFloorStopsTheProxy) {
-    const Shape shape = crossing_sheets();
+    const MadeMesh shape = crossing_sheets();
     const double delta = 1e-6 * shape.size();
     for (const double y : {0.0, 0.0123, -0.031}) {
         for (const double depth : {0.0001, 0.002}) {
@@ -154,7 +154,7 @@ TEST(NoManifold, TwoSidedSheetHoldsFromBothSides) {
 /// As off the edge of a table; a thin plate lets go in the same way.
 TEST(NoManifold, ASheetWithTwoSidesLetsGoBeyondItsEdge) {
     for (const auto& way : {V{1, 0, 0}, V{0.6L, -0.8L, 0}, V{0, 1, 0}}) {
-        for (const Shape& shape : {plane_grid(), two_sided_sheet()}) {
+        for (const MadeMesh& shape : {plane_grid(), two_sided_sheet()}) {
             Hand hand{{0.00035, 0.00011, 0.001}};
             for (int i = 0; i < 300; ++i) {
                 const V h = V{0.00035L, 0.00011L, -0.001L} + 0.0001L * i * way;
@@ -168,12 +168,12 @@ TEST(NoManifold, ASheetWithTwoSidesLetsGoBeyondItsEdge) {
 }
 
 TEST(NoManifold, CubesThatShareAnEdgeOrACorner) {
-    for (const Shape& shape : {cubes_at_an_edge(), cubes_at_a_corner()}) expect_right(shape, shape);
+    for (const MadeMesh& shape : {cubes_at_an_edge(), cubes_at_a_corner()}) expect_right(shape, shape);
 }
 
 /// It has one side; whatever is made of it, it is known where it is, or refused in one line.
 TEST(NoManifold, AMoebiusStripIsHeldToItsSurfaceOrRefused) {
-    const Shape shape = moebius();
+    const MadeMesh shape = moebius();
     try {
         const Mesh mesh(given(shape), {.exact = true});
         const exact::Surface truth = surface_of(shape);
@@ -223,7 +223,7 @@ TEST(NoManifold, AHandThatIsNotANumberFeelsNothing) {
 
 TEST(NoManifold, SheetsThatCrossAreFoundAndOthersAreNot) {
     EXPECT_GT(Mesh(given(crossing_sheets())).notes().faces_crossed, 0U);
-    for (const Shape& shape : clean_shapes(seed()))
+    for (const MadeMesh& shape : clean_shapes(seed()))
         EXPECT_EQ(Mesh(given(shape)).notes().faces_crossed, 0U) << shape.name;
 }
 

@@ -27,13 +27,13 @@ void expect_right(Verdict& v, double p99) {
     EXPECT_LE(v.other_place, v.cycles / 200);
 }
 
-Verdict stroked(const Shape& shape, bool exact, int times) {
+Verdict stroked(const MadeMesh& shape, bool exact, int times) {
     const Mesh mesh(given(shape), {.exact = exact, .weld = exact ? 0 : 1e-6});
     const exact::Surface truth = surface_of(shape);
     return judge_all(mesh, truth, shape, allowed_of(truth, exact), seed(), times);
 }
 
-void judge_shape(const Shape& shape, int times) {
+void judge_shape(const MadeMesh& shape, int times) {
     const double size = shape.size();
     for (const bool exact : {true, false}) {
         SCOPED_TRACE(shape.name + (exact ? ", double" : ", float") +
@@ -67,7 +67,7 @@ TEST(CleanMesh, OfAnySize) {
 
 TEST(CleanMesh, FarFromTheOrigin) {
     for (const double far : {1e3, 1e6}) {
-        const Shape shape = moved(torus(96, 48), {far, -far / 3, far / 7});
+        const MadeMesh shape = moved(torus(96, 48), {far, -far / 3, far / 7});
         const exact::Surface truth = surface_of(shape);
         const Mesh mesh(given(shape), {.exact = true, .weld = 0});
         Verdict v = judge_all(mesh, truth, shape, allowed_of(truth, true), seed(), long_form() ? 20 : 1);
@@ -79,7 +79,7 @@ TEST(CleanMesh, FarFromTheOrigin) {
 /// Wherever a hand appears: when it has rested there a little, what is felt is a place of the surface that
 /// holds it, or nothing.
 TEST(CleanMesh, UnderAHandThatIsThrownAbout) {
-    for (const Shape& shape : {icosphere(4), noisy_sphere(5, 0.6, seed()), comb()}) {
+    for (const MadeMesh& shape : {icosphere(4), noisy_sphere(5, 0.6, seed()), comb()}) {
         const exact::Surface truth = surface_of(shape);
         const Mesh mesh(given(shape), {.exact = true, .weld = 0});
         const double size = shape.size();
@@ -115,7 +115,7 @@ TEST(CleanMesh, UnderAHandThatIsThrownAbout) {
 /// A ball touches what is nearer to its middle than its radius, there; pressed past its middle, as a point
 /// does.
 TEST(CleanMesh, UnderABall) {
-    for (const Shape& shape : {icosphere(3), torus(96, 48), cube(10)}) {
+    for (const MadeMesh& shape : {icosphere(3), torus(96, 48), cube(10)}) {
         const exact::Surface truth = surface_of(shape);
         const Mesh mesh(given(shape), {.exact = true, .weld = 0});
         const double radius = 0.002 * shape.size() / 0.2;
@@ -162,7 +162,7 @@ TEST_P(FetchedMesh, IsFeltAsTheReferenceFeelsIt) {
     if (name == "bunny") {
         judge_shape(*shape, long_form() ? 60 : 3);
         if (long_form()) {
-            Shape finer = *shape;
+            MadeMesh finer = *shape;
             for (int i = 0; i < 4; ++i) judge_shape(finer = subdivided(finer), 20);
         }
         return;

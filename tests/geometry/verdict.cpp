@@ -196,8 +196,8 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
     return v;
 }
 
-Verdict judge_all(const Mesh& mesh, const exact::Surface& truth, const Shape& shape, const Allowed& allowed,
-                  std::uint64_t seed, int times) {
+Verdict judge_all(const Mesh& mesh, const exact::Surface& truth, const MadeMesh& shape,
+                  const Allowed& allowed, std::uint64_t seed, int times) {
     Verdict all;
     Hands hands(shape, seed);
     for (int i = 0; i < times; ++i) {

@@ -47,15 +47,15 @@ Allowed allowed_of(const exact::Surface& surface, bool exact, bool crossed = fal
 Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, const Allowed& allowed);
 
 /// All kinds of hands, `times` of each.
-Verdict judge_all(const Mesh& mesh, const exact::Surface& truth, const Shape& shape, const Allowed& allowed,
-                  std::uint64_t seed, int times);
+Verdict judge_all(const Mesh& mesh, const exact::Surface& truth, const MadeMesh& shape,
+                  const Allowed& allowed, std::uint64_t seed, int times);
 
 std::uint64_t seed();  // KNURL_SEED, or 1
 bool long_form();      // KNURL_STROKES=long: minutes instead of seconds
-inline Triangles given(const Shape& s) {
+inline Triangles given(const MadeMesh& s) {
     return {.vertices = s.vertices, .triangles = s.triangles, .materials = {}};
 }
-inline exact::Surface surface_of(const Shape& s) {
+inline exact::Surface surface_of(const MadeMesh& s) {
     return exact::Surface(s.vertices, s.triangles);
 }
 inline bool within_limits(const Work& w) {

@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 
 constexpr double tiny = 1e-14;  // m, of double corners
 
-Shape tetrahedron() {
-    Shape shape;
+MadeMesh tetrahedron() {
+    MadeMesh shape;
     shape.name = "tetrahedron";
     shape.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}};
     shape.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
@@ -66,7 +66,7 @@ TEST(Walk, GoesOverABoxsEdgeWhenTheOtherSideIsNearer) {
 
 TEST(Walk, RestsInAnInnerCornerOnItsVertexAndEdge) {
     // A room's corner: three faces' fronts towards (+, +, +).
-    Shape room;
+    MadeMesh room;
     room.vertices = {{0, 0, 0},     {0.1, 0, 0},   {0, 0.1, 0},  {0, 0, 0.1},
                      {0.1, 0.1, 0}, {0, 0.1, 0.1}, {0.1, 0, 0.1}};
     room.triangles = {{0, 1, 4}, {0, 4, 2}, {0, 2, 5}, {0, 5, 3}, {0, 3, 6}, {0, 6, 1}};
@@ -201,9 +201,9 @@ TEST(Walk, ShadedNormalsAreContinuousAndThoseOfTheSphere) {
 class WalkInATangle : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(WallOnEdges, WalkInATangle, testing::Bool());
 TEST_P(WalkInATangle, AWallThatCrossesTheFloorIsNotPassedBelow) {
-    Shape sheets = crossing_sheets();
+    MadeMesh sheets = crossing_sheets();
     if (!GetParam()) {
-        const Shape wall = sheets;
+        const MadeMesh wall = sheets;
         sheets = grid(3, 3, 0.02, 0.02);
         sheets.append(wall);
         // The wall alone: its own floor is left out.
@@ -238,7 +238,7 @@ TEST_P(WalkInATangle, AWallThatCrossesTheFloorIsNotPassedBelow) {
 // face's normal alone would keep it at the edge for ever.
 TEST(Walk, LetsGoBeyondTheEdgeOfAKnife) {
     const double t = 0.1 * std::tan(M_PI / 6);
-    Shape wedge;
+    MadeMesh wedge;
     wedge.vertices = {{0, -0.1, 0},   {0, 0.1, 0},      {-0.1, -0.1, 0},
                       {-0.1, 0.1, 0}, {-0.1, -0.1, -t}, {-0.1, 0.1, -t}};
     wedge.triangles = {{0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1},
@@ -276,7 +276,7 @@ TEST(Walk, IsExactBesideAnEdge) {
 // Faces that only lie side by side: no link says so, the tree does.
 TEST(Walk, GoesOverSeamsThatAreNotWelded) {
     Rng rng(3);
-    for (const Shape& shape :
+    for (const MadeMesh& shape :
          {with_t_junctions(plane_grid(), 0.5, rng), jittered(unwelded(plane_grid()), 2e-7, rng)}) {
         const auto mesh = std::make_unique<Mesh>(view(shape), MeshBuild{.exact = true, .weld = 0});
         Finger finger(*mesh);

@@ -45,7 +45,7 @@ TEST(WalkWithARadius, RollsOverAConvexEdge) {
 // concave corner its direction does.
 TEST(WalkWithARadius, InFrontItsDepthIsThatOfTheNearestPoint) {
     const std::uint64_t seed = 5;
-    for (const Shape& shape : {noisy_sphere(4, 0.3, seed), staircase()}) {
+    for (const MadeMesh& shape : {noisy_sphere(4, 0.3, seed), staircase()}) {
         const exact::Surface surface(shape.vertices, shape.triangles);
         const auto mesh = build(shape);
         Hands hands(shape, seed);
@@ -112,7 +112,7 @@ TEST(WalkWithARadius, MayChangeFromCycleToCycle) {
 }
 
 TEST(WalkAdopts, AnotherMeshUnderTheHandKeepsItsPlace) {
-    const Shape coarse = icosphere(3), fine = icosphere(5);
+    const MadeMesh coarse = icosphere(3), fine = icosphere(5);
     const auto from = build(coarse), to = build(fine);
     Finger finger(*from);
     finger.to(0.02, 0.03, 0.11);

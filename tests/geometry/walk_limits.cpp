@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 // Finger checks every cycle against the limits.
 TEST(WalkWithinLimits, WhereverTheHandIsThrownTo) {
-    const Shape shape = noisy_sphere(6, 0.5, 11);
+    const MadeMesh shape = noisy_sphere(6, 0.5, 11);
     const auto mesh = build(shape, false);
     Hands hands(shape, 12);
     for (const double radius : {0.0, 0.004}) {
@@ -48,7 +48,7 @@ TEST(WalkWithinLimits, GoesOnInTheNextCycle) {
 // From behind through twenty thousand sheets, against the front of the last one: more boxes than a cycle may
 // look into. The rest of the way is looked at in the cycles that follow, and the last sheet holds.
 TEST(WalkWithinLimits, ASweepThatALimitCutsGoesOn) {
-    Shape shape;
+    MadeMesh shape;
     constexpr std::uint32_t sheets = 20000;
     for (std::uint32_t i = 0; i <= sheets; ++i) {
         const double x = double(i) / sheets;
@@ -71,7 +71,7 @@ TEST(WalkWithinLimits, ASweepThatALimitCutsGoesOn) {
 }
 
 TEST(WalkWithinLimits, AllocatesNothing) {
-    const Shape shape = noisy_sphere(4, 0.3, 3);
+    const MadeMesh shape = noisy_sphere(4, 0.3, 3);
     const auto mesh = build(shape), other = build(crossing_sheets());
     Hands hands(shape, 4);
     const Hand stroke = hands.stroke(), poke = hands.poke(), thrown = hands.teleports(50, 2);
@@ -98,7 +98,7 @@ TEST(WalkWithinLimits, AllocatesNothing) {
 
 // In and out by rounding, 240 000 times, on faces, edges and corners: never falls in.
 TEST(WalkWithinLimits, GrazingNeverFallsIn) {
-    const Shape shape = icosphere(3);
+    const MadeMesh shape = icosphere(3);
     for (const bool exact : {true, false}) {
         const auto mesh = build(shape, exact);
         Rng rng(17);

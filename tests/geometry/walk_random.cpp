@@ -17,7 +17,7 @@ V exact_of(const Eigen::Vector3d& p) {
 }
 
 /// The path of every kind, a few of each.
-std::vector<Hand> some_hands(const Shape& shape, std::uint64_t seed, int each) {
+std::vector<Hand> some_hands(const MadeMesh& shape, std::uint64_t seed, int each) {
     Hands hands(shape, seed);
     std::vector<Hand> all;
     for (int i = 0; i < each; ++i) {
@@ -36,7 +36,7 @@ struct Found {
 };
 
 /// Beside the exact god-object, which is put where the proxy is when both had the choice.
-Found beside_the_judge(const Shape& shape, const std::vector<Hand>& hands) {
+Found beside_the_judge(const MadeMesh& shape, const std::vector<Hand>& hands) {
     const exact::Surface surface(shape.vertices, shape.triangles);
     const auto mesh = build(shape);
     const double size = double(surface.size());
@@ -75,7 +75,7 @@ class EveryShape : public testing::TestWithParam<int> {};
 
 TEST(WalkAtRandom, RestsWhereNothingNearIsNearer) {
     const std::uint64_t seed = 20261123;
-    for (const Shape& shape : clean_shapes(seed)) {
+    for (const MadeMesh& shape : clean_shapes(seed)) {
         const Found found = beside_the_judge(shape, some_hands(shape, seed, 3));
         SCOPED_TRACE(shape.name + ", seed " + std::to_string(seed));
         EXPECT_LE(found.worst_gain, 1e-12);

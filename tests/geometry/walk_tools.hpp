@@ -14,10 +14,10 @@
 
 namespace knurl::test {
 
-inline Triangles view(const Shape& shape) {
+inline Triangles view(const MadeMesh& shape) {
     return {.vertices = shape.vertices, .triangles = shape.triangles};
 }
-inline std::unique_ptr<Mesh> build(const Shape& shape, bool exact = true) {
+inline std::unique_ptr<Mesh> build(const MadeMesh& shape, bool exact = true) {
     return std::make_unique<Mesh>(view(shape), MeshBuild{.exact = exact, .budget = std::size_t{1} << 30});
 }
 

@@ -27,7 +27,7 @@ using knurl::Wrench;
 using knurl::test::dt;
 using Vector = Eigen::Vector3d;
 
-std::unique_ptr<Mesh> mesh_of(const knurl::test::Shape& shape, std::vector<std::uint8_t> materials = {}) {
+std::unique_ptr<Mesh> mesh_of(const knurl::test::MadeMesh& shape, std::vector<std::uint8_t> materials = {}) {
     return std::make_unique<Mesh>(
         Triangles{.vertices = shape.vertices, .triangles = shape.triangles, .materials = materials},
         knurl::MeshBuild{.exact = true});
@@ -108,7 +108,9 @@ TEST_F(OnACube, ItIsFeltWhereItsPoseSays) {
     shape.orientation = {2 * turned.w(), 2 * turned.x(), 2 * turned.y(), 2 * turned.z()};
     ASSERT_TRUE(scene.add(handle, shape));
     const Vector up = turned * Vector::UnitZ();
-    const auto over = [&](double height) -> Vector { return place + turned * Vector(0.01, 0.02, 0.05 + height); };
+    const auto over = [&](double height) -> Vector {
+        return place + turned * Vector(0.01, 0.02, 0.05 + height);
+    };
     for (int i = 100; i >= -20; --i) scene.evaluate(at(over(1e-4 * i)), dt);
     expect_near(scene.evaluate(at(over(-0.002)), dt).force, 500 * 0.002 * up, 1e-11);
 }
@@ -194,7 +196,7 @@ TEST_F(OnACube, AnotherMeshInItsPlaceIsNoJumpEither) {
 }
 
 TEST_F(OnACube, AMaterialHasItsShareOfStiffnessAndFriction) {
-    const knurl::test::Shape shape_of = knurl::test::cube(8);
+    const knurl::test::MadeMesh shape_of = knurl::test::cube(8);
     std::vector<std::uint8_t> materials;
     for (std::size_t i = 0; i < shape_of.triangles.size(); ++i)
         materials.push_back(

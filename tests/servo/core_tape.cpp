@@ -39,7 +39,7 @@ Outcome replayed(const TapeRun& run, const std::vector<TapeRecord>& records) {
 TEST(Tape, ReplaysEveryByteOfEveryReport) {
     std::map<DeviceState, int> states;
     std::map<TapeType, int> types;
-    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         TapeRun run(seed, seed % 3 == 0 ? 3000 : 1000);
         std::vector<TapeRecord> records;
@@ -123,7 +123,7 @@ TEST(Tape, EveryInputMatters) {
              return true;
          }}};
     std::map<std::string, int> seen;
-    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
         TapeRun run(seed);
         for (int i = 0; i < 300; ++i) run.cycle();
         run.start();

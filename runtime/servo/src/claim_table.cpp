@@ -160,6 +160,7 @@ bool ClaimTable::collect() noexcept {
         if (row.stage == Stage::dropping && device_.servo.drop(row.claim.get())) row.stage = Stage::leaving;
     }
     while (const Claim* back = device_.servo.released()) {
+        take_back_assets();  // those that came before it: its address may be another claim's soon
         const auto found = std::find_if(rows_.begin(), rows_.end(),
                                         [back](const Row& row) { return row.claim.get() == back; });
         if (found == rows_.end()) continue;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -133,37 +132,6 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
             claims[c]->impl->dropping = true;
             rests[c].resting = false;
         }
-    }
-}
-
-// By address, as below: its claim may be on its way back already, and frees it.
-void Servo::Impl::take_asset(const Message& message) noexcept {
-    const auto end = claims.begin() + static_cast<std::ptrdiff_t>(claims_size);
-    const auto found = std::find(claims.begin(), end, message.claim);
-    if (found == end) return;
-    Claim::Impl& c = *(*found)->impl;
-    rests[static_cast<std::size_t>(found - claims.begin())].resting = false;
-    if (message.what == Message::What::forget) {
-        c.forgotten |= std::uint64_t{1} << (message.number - 1);
-        return;
-    }
-    c.assets[message.number - 1] = message.asset;
-    c.scene.set_asset(message.number, message.asset);
-    if (tape != nullptr)
-        tape->put(TapeType::asset, {as_bytes(c.number), as_bytes(std::uint64_t{message.number})});
-}
-
-/// Those that nothing is made of any more.
-void Servo::Impl::return_assets(Claim& claim) noexcept {
-    Claim::Impl& c = *claim.impl;
-    for (std::uint64_t rest = c.forgotten; rest != 0; rest &= rest - 1) {
-        const auto index = static_cast<std::uint32_t>(std::countr_zero(rest));
-        const Asset* asset = c.assets[index];
-        if (asset != nullptr && c.scene.refers_to(*asset)) continue;
-        if (!asset_outbox.post({.claim = &claim, .number = index + 1})) continue;
-        c.scene.set_asset(index + 1, nullptr);
-        c.assets[index] = nullptr;
-        c.forgotten &= ~(std::uint64_t{1} << index);
     }
 }
 
@@ -372,17 +340,6 @@ bool Servo::drop(Claim* claim) noexcept {
 }
 bool Servo::drop_all() noexcept {
     return impl_->inbox.post({.what = Message::What::drop_all});
-}
-bool Servo::give(Claim* claim, std::uint32_t number, const Asset* asset) noexcept {
-    return impl_->inbox.post(
-        {.what = Message::What::asset, .claim = claim, .asset = asset, .number = number});
-}
-bool Servo::forget(Claim* claim, std::uint32_t number) noexcept {
-    return impl_->inbox.post({.what = Message::What::forget, .claim = claim, .number = number});
-}
-std::optional<ReturnedAsset> Servo::returned() noexcept {
-    ReturnedAsset asset;
-    return impl_->asset_outbox.take(asset) ? std::optional(asset) : std::nullopt;
 }
 bool Servo::record(Tape* tape) noexcept {
     return impl_->inbox.post({.what = Message::What::tape, .tape = tape});
