@@ -118,8 +118,10 @@ TEST(Tape, EveryInputMatters) {
         {"guardian", cycles([](TapeCycle& c) { c.flags &= ~TapeCycle::guardian; })},
         {"jumped", cycles([](TapeCycle& c) { c.flags &= ~TapeCycle::jumped; })},
         {"keyframe", [](TapeRecord& record) {
-             // One word of it after the other would be better still; this is the hand's last position.
-             if (record.type == TapeType::keyframe) record.bytes[12 * 8] ^= std::byte{1};
+             // The last bit of each word of what it remembers of the hand: which of them still matter depends
+             // on how long the hand has moved since.
+             for (std::size_t word = 10; word < 35 && record.type == TapeType::keyframe; ++word)
+                 record.bytes[word * 8] ^= std::byte{1};
              return true;
          }}};
     std::map<std::string, int> seen;
