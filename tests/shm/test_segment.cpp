@@ -99,6 +99,29 @@ TEST(SegmentOpen, RefusesWhatIsNotSealedOrNotAMemfd) {
     EXPECT_NE(error_of([&] { Segment::open(-1, 4096, Segment::Access::read_only); }), "");
 }
 
+TEST(SealedSegment, IsReadByOthersAndWrittenByNobody) {
+    Segment written = Segment::create("knurl-test", 8192);
+    std::memcpy(written.data() + 5000, "for good", 8);
+    const UniqueFd fd = Segment::seal(std::move(written));
+    EXPECT_EQ(::mmap(nullptr, 8192, PROT_READ | PROT_WRITE, MAP_SHARED, fd.get(), 0), MAP_FAILED);
+    EXPECT_EQ(::pwrite(fd.get(), "x", 1, 0), -1);
+    EXPECT_NE(::ftruncate(fd.get(), 4096), 0);
+    Segment theirs = Segment::open_sealed(fd.get(), 8192);
+    EXPECT_EQ(std::memcmp(theirs.data() + 5000, "for good", 8), 0);
+    // What one of them writes into its own pages is its own.
+    theirs.data()[5000] = std::byte{'F'};
+    EXPECT_EQ(std::memcmp(Segment::open_sealed(fd.get(), 8192).data() + 5000, "for good", 8), 0);
+}
+
+TEST(SealedSegment, RefusesWhatCanStillBeWritten) {
+    const Segment open = Segment::create("knurl-test", 4096);
+    const std::string error = error_of([&] { Segment::open_sealed(open.fd(), 4096); });
+    EXPECT_NE(error.find("F_SEAL_WRITE"), std::string::npos) << error;
+    Segment written = Segment::create("knurl-test", 4096);
+    const UniqueFd fd = Segment::seal(std::move(written));
+    EXPECT_NE(error_of([&] { Segment::open_sealed(fd.get(), 8192); }), "");
+}
+
 TEST(SegmentOpen, LeavesTheCallersDescriptorAlone) {
     Segment segment = Segment::create("knurl-test", 4096);
     const int fd = ::dup(segment.fd());
