@@ -115,8 +115,7 @@ TEST_F(OnACube, ItIsFeltWhereItsPoseSays) {
     expect_near(scene.evaluate(at(over(-0.002)), dt).force, 500 * 0.002 * up, 1e-11);
 }
 
-// GEOMETRY's goal: 2 mm up and down at 1 to 20 Hz under a still hand, the force within 1 % of the closed
-// form.
+// 2 mm up and down at 1 to 20 Hz under a still hand: the force is within 1 % of the closed form.
 TEST_F(OnACube, OneThatMovesUnderAStillHandIsNeverLost) {
     for (const double frequency : {1.0, 5.0, 20.0}) {
         Scene fresh = knurl::test::make_scene();
