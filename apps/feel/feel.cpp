@@ -18,12 +18,6 @@ double seconds_since(Clock::time_point begin) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Half the diagonal of the box of the vertices that are numbers, and its middle (m).
-std::pair<Eigen::Vector3d, double> ball_of(const knurl::SentMesh& sent) {
-    const Eigen::Vector3d low = knurl::to_eigen(sent.low), high = knurl::to_eigen(sent.high);
-    return {(low + high) / 2, (high - low).norm() / 2};
-}
-
 void wait_until_slow(knurl::Claim& hand, const std::atomic<bool>& stop) {
     const auto begin = Clock::now();
     for (int slow = 0; slow < 100 && !stop;) {
@@ -63,7 +57,7 @@ Felt feel(knurl::Client& client, const MeshFile& file, const FeelOptions& option
     const Eigen::Vector3d centre = claim.workspace_radius > 0
                                        ? Eigen::Vector3d(Eigen::Vector3d::Zero())
                                        : knurl::to_eigen(hand.device().workspace_centre);
-    felt.position = centre - ball_of(*sent).first;
+    felt.position = centre - (knurl::to_eigen(sent->low) + knurl::to_eigen(sent->high)) / 2;
     knurl::Shape params = options.shape;
     params.asset = sent->asset;
     params.position = knurl::to_plain(felt.position);
@@ -76,10 +70,8 @@ Felt feel(knurl::Client& client, const MeshFile& file, const FeelOptions& option
     std::int64_t first = 0;
     while (!stop) {
         const auto report = hand.next_report(50ms);
-        if (Clock::now() - armed >
-            std::chrono::milliseconds(10) * static_cast<int>(1 + felt.cycles.size() / 10))
-            hand.commit();
         if (!report) {
+            hand.commit();
             if (!hand.connected()) throw std::runtime_error("the servo has gone; start it again");
             continue;
         }

@@ -98,6 +98,16 @@ class ReadingLimit {
     ReadingLimit& operator=(const ReadingLimit&) = delete;
 };
 
+/// The way of the simulated hand; gone with the program.
+struct TemporaryFile {
+    TemporaryFile() = default;
+    ~TemporaryFile() { unlink(name.c_str()); }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    const std::string name =
+        std::filesystem::temp_directory_path() / fmt::format("knurl-feel-{}.csv", getpid());
+};
+
 feel::MeshFile load(const std::string& path) {
     const ReadingLimit limit;
     return feel::load_mesh(path);
@@ -133,10 +143,10 @@ int run(Wishes& w) {
     w.feel.shape.friction.dynamic = w.friction;
     w.feel.shape.shading = w.smooth ? knurl::Shading::smooth : knurl::Shading::flat;
     w.feel.fit = !w.no_fit;
+    const TemporaryFile path;
     std::unique_ptr<knurl::measure::PrivateServo> servo;
     if (w.demo) {
-        const std::string stroke =
-            std::filesystem::temp_directory_path() / fmt::format("knurl-feel-{}.csv", getpid());
+        const std::string& stroke = path.name;
         // The premium15's workspace is about its origin; what is larger is made smaller, for its path as by
         // the claim.
         constexpr const char* device = "sim:premium15";

@@ -1,6 +1,7 @@
 // knurl-feel as a person runs it.
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -35,6 +36,9 @@ class FeelProgram : public testing::Test {
 
 TEST_F(FeelProgram, FeelsWithoutADeviceAndDrawsWhatItFelt) {
     const std::string picture = folder_.path("ball.png"), csv = folder_.path("ball.csv");
+    const std::filesystem::path temporary = folder_.path("tmp");
+    std::filesystem::create_directory(temporary);
+    ::setenv("TMPDIR", temporary.c_str(), 1);
     const auto felt =
         run({KNURL_FEEL_PROGRAM, mesh_, "--demo", "--seconds", "1.5", "--picture", picture, "--csv", csv});
     ASSERT_EQ(felt.code, 0) << felt.err;
@@ -50,6 +54,8 @@ TEST_F(FeelProgram, FeelsWithoutADeviceAndDrawsWhatItFelt) {
     std::size_t count = 0;
     for (std::string line; std::getline(rows, line);) ++count;
     EXPECT_GT(count, 500u);
+    EXPECT_TRUE(std::filesystem::is_empty(temporary)) << "it leaves nothing behind";
+    ::unsetenv("TMPDIR");
 }
 
 TEST_F(FeelProgram, SaysWhatIsWrong) {

@@ -21,8 +21,6 @@ namespace {
 AssetMemory source_of(const Triangles& mesh, const SendOptions& options) {
     if (!(options.scale > 0 && std::isfinite(options.scale)))
         bad(detail::format("scale = {}; give metres per unit of the vertices, above 0", options.scale));
-    if (!(options.weld >= 0 && options.weld <= 1))
-        bad(detail::format("weld = {}; give a share of the mesh's size, 0 to 1", options.weld));
     if (options.materials.size() > protocol::max_asset_materials)
         bad(detail::format("{} materials; at most {}", options.materials.size(),
                            protocol::max_asset_materials));

@@ -53,8 +53,6 @@ Source read(std::span<const std::byte> bytes) {
         (header.flags & ~AssetSource::all_flags) != 0)
         refuse(fmt::format("kind {} with flags {:#x} is not known here; build both from the same version",
                            header.kind, header.flags));
-    if (!(header.weld >= 0 && header.weld <= 1))
-        refuse(fmt::format("weld = {:g}; give a share of the mesh's size, 0 to 1", header.weld));
     const auto layout = protocol::layout_of(header);
     if (!layout || layout->total != bytes.size())
         refuse(fmt::format(
