@@ -10,6 +10,13 @@
 
 namespace knurl::servo {
 
+std::uint64_t ClaimTable::asset_bytes(const Row& row) noexcept {
+    std::uint64_t bytes = 0;
+    for (const RowAsset& one : row.assets)
+        if (one.asset) bytes += one.asset->bytes();
+    return bytes;
+}
+
 ClaimTable::Row* ClaimTable::row_of_key(std::uint64_t key) noexcept {
     const auto found = std::find_if(rows_.begin(), rows_.end(), [key](const Row& row) {
         return row.stage == Stage::held && !row.observer && row.key == key;
@@ -31,9 +38,7 @@ std::uint64_t ClaimTable::expect_asset(std::uint64_t key, std::uint32_t number, 
     if (place.stage != RowAsset::Stage::none)
         throw Refusal(
             fmt::format("asset: number {} is taken; forget it first, or give another number", number));
-    std::uint64_t held = 0;
-    for (const RowAsset& other : row->assets)
-        if (other.asset) held += other.asset->bytes();
+    const std::uint64_t held = asset_bytes(*row);
     if (bytes == 0 || bytes > protocol::max_asset_bytes || held >= protocol::max_asset_bytes)
         throw Refusal(fmt::format("asset: {} bytes, besides {} that the claim holds; a claim may hold {}",
                                   bytes, held, protocol::max_asset_bytes));
@@ -51,6 +56,12 @@ void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique
     Row* row = row_of_key(key);
     if (row == nullptr) throw Refusal("asset: its claim has gone");
     RowAsset& place = row->assets[number - 1];
+    // Several that were on their way at once had each been promised all that was free.
+    const std::uint64_t held = asset_bytes(*row);
+    if (held + asset->bytes() > protocol::max_asset_bytes)
+        throw Refusal(
+            fmt::format("asset: {} bytes, besides {} that the claim holds by now; a claim may hold {}",
+                        asset->bytes(), held, protocol::max_asset_bytes));
     if (!device_.servo.give(row->claim.get(), number, asset.get()))
         throw Refusal(fmt::format("asset: the servo of \"{}\" is busy; send it again", device_.name));
     place = {.stage = RowAsset::Stage::there, .asset = std::move(asset)};

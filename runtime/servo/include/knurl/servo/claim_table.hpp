@@ -112,6 +112,7 @@ class ClaimTable {
     void identify(std::uint32_t row, const Peer& peer, std::uint64_t role, bool shared) noexcept;
     void clear(std::uint32_t row) noexcept;
     Row* row_of_key(std::uint64_t key) noexcept;
+    static std::uint64_t asset_bytes(const Row& row) noexcept;
     void take_back_assets() noexcept;
 
     HostedDevice device_;
