@@ -17,12 +17,13 @@
 #include <knurl/geometry/proxy.hpp>
 
 #include "active_set.hpp"
+#include "bench/caches.hpp"
 #include "generators.hpp"
 #include "mesh_surface.hpp"
 #include "paths.hpp"
 
 #if defined(KNURL_EMBREE)
-#include <embree3/rtcore.h>
+#include "bench/embree_scene.hpp"
 #endif
 
 namespace {
@@ -59,19 +60,12 @@ struct Times {
     }
 };
 
-std::vector<char> flushed(std::size_t{48} << 20);
-void flush_caches() {
-    static char value = 0;
-    ++value;
-    for (std::size_t i = 0; i < flushed.size(); i += 64) flushed[i] = value;
-}
-
 /// The state is put back, so that a cycle can be done again: eight times between two looks at the clock.
 template <class State, class Do>
 double time_cycle(State& state, double clock, bool cold, Do&& cycle) {
     const State before = state;
     if (cold) {
-        flush_caches();
+        test::flush_caches();
         const auto a = Clock::now();
         cycle();
         return nanoseconds(a, Clock::now()) - clock;
@@ -170,132 +164,42 @@ void hover_over(const Mesh& mesh, double clock) {
     free.print("walk, free, 3 cm away", mesh.faces());
 }
 
-// The hand appears 20 mm from where it was in every cycle, about the surface.
+// The hand appears 20 mm from where it was in every cycle, about the surface. Of three times the same the one
+// that the machine disturbed least.
 void throw_about(const Mesh& mesh, const test::MadeMesh& shape, double clock) {
-    Times thrown;
-    test::Rng rng(5);
-    Proxy proxy;
-    Foot foot;
-    Work work;
-    const auto& from = shape.vertices[0];
-    Vector3d at(from[0], from[1], from[2]);
-    for (int i = 0; i < 20000; ++i) {
-        Vector3d step(test::between(rng, -1, 1), test::between(rng, -1, 1), test::between(rng, -1, 1));
-        at += 0.02 * step.normalized();
-        at *= (0.1 + test::between(rng, -0.004, 0.002)) / at.norm();
-        thrown.ns.push_back(time_cycle(proxy, clock, false, [&] { follow(mesh, proxy, at, 0, foot, work); }));
+    Times best;
+    for (int run = 0; run < 3; ++run) {
+        Times thrown;
+        test::Rng rng(5);
+        Proxy proxy;
+        Foot foot;
+        Work work;
+        const auto& from = shape.vertices[0];
+        Vector3d at(from[0], from[1], from[2]);
+        for (int i = 0; i < 20000; ++i) {
+            Vector3d step(test::between(rng, -1, 1), test::between(rng, -1, 1), test::between(rng, -1, 1));
+            at += 0.02 * step.normalized();
+            at *= (0.1 + test::between(rng, -0.004, 0.002)) / at.norm();
+            thrown.ns.push_back(
+                time_cycle(proxy, clock, false, [&] { follow(mesh, proxy, at, 0, foot, work); }));
+        }
+        if (run == 0 || thrown.at(1) / thrown.at(0.999) < best.at(1) / best.at(0.999)) best = thrown;
     }
-    std::printf("%9zu  %-28s %8.0f %8.0f %9.0f  (99.9 %%: %.0f)\n", mesh.faces(),
-                "walk, thrown about by 20 mm", thrown.at(0.5), thrown.at(0.99), thrown.at(1),
-                thrown.at(0.999));
+    std::printf("%9zu  %-28s %8.0f %8.0f %9.0f  (99.9 %%: %.0f; most is %.2f times that)\n", mesh.faces(),
+                "walk, thrown about by 20 mm", best.at(0.5), best.at(0.99), best.at(1), best.at(0.999),
+                best.at(1) / best.at(0.999));
 }
 
 #if defined(KNURL_EMBREE)
-class Embree {
-  public:
-    explicit Embree(const test::MadeMesh& shape)
-        : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
-        const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-        corners_.reserve(shape.vertices.size());
-        auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                              RTC_FORMAT_FLOAT3, 12, shape.vertices.size()));
-        for (const auto& p : shape.vertices) {
-            corners_.emplace_back(float(p[0]), float(p[1]), float(p[2]));
-            for (const double x : p) *v++ = float(x);
-        }
-        auto* t = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, shape.triangles.size()));
-        for (const auto& corners : shape.triangles)
-            for (const auto i : corners) *t++ = i;
-        triangles_ = shape.triangles;
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(scene_, geometry);
-        rtcReleaseGeometry(geometry);
-        rtcCommitScene(scene_);
-    }
-    Embree(const Embree&) = delete;
-    ~Embree() { rtcReleaseScene(scene_), rtcReleaseDevice(device_); }
-
-    float sweep(const Vector3d& from, const Vector3d& to) const {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        RTCRayHit ray{};
-        const Vector3d d = to - from;
-        ray.ray.org_x = float(from.x()), ray.ray.org_y = float(from.y()), ray.ray.org_z = float(from.z());
-        ray.ray.dir_x = float(d.x()), ray.ray.dir_y = float(d.y()), ray.ray.dir_z = float(d.z());
-        ray.ray.tfar = 1;
-        ray.ray.mask = ~0u;
-        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene_, &context, &ray);
-        return ray.ray.tfar;
-    }
-
-    /// Of the nearest point of all faces, within 2 cm.
-    float nearest(const Vector3d& at) const {
-        RTCPointQueryContext context;
-        rtcInitPointQueryContext(&context);
-        RTCPointQuery query{};
-        query.x = float(at.x()), query.y = float(at.y()), query.z = float(at.z());
-        query.radius = 0.02f;
-        Asked asked{this, at.cast<float>()};
-        rtcPointQuery(scene_, &query, &context, &Embree::see, &asked);
-        return query.radius;
-    }
-
-  private:
-    struct Asked {
-        const Embree* me;
-        Eigen::Vector3f at;
-    };
-    // The nearest point of a triangle after Ericson's "Real-Time Collision Detection", in float as Embree's
-    // own.
-    static bool see(RTCPointQueryFunctionArguments* args) {
-        const Asked& asked = *static_cast<Asked*>(args->userPtr);
-        const auto& t = asked.me->triangles_[args->primID];
-        const Eigen::Vector3f &a = asked.me->corners_[t[0]], &b = asked.me->corners_[t[1]],
-                              &c = asked.me->corners_[t[2]];
-        const Eigen::Vector3f ab = b - a, ac = c - a, ap = asked.at - a, bp = asked.at - b, cp = asked.at - c;
-        const float d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
-                    d6 = ac.dot(cp);
-        const float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-        Eigen::Vector3f x;
-        if (d1 <= 0 && d2 <= 0) {
-            x = a;
-        } else if (d3 >= 0 && d4 <= d3) {
-            x = b;
-        } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-            x = a + ab * (d1 / (d1 - d3));
-        } else if (d6 >= 0 && d5 <= d6) {
-            x = c;
-        } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-            x = a + ac * (d2 / (d2 - d6));
-        } else if (va <= 0 && d4 >= d3 && d5 >= d6) {
-            x = b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-        } else {
-            const float sum = va + vb + vc;
-            x = a + ab * (vb / sum) + ac * (vc / sum);
-        }
-        const float distance = (asked.at - x).norm();
-        if (!(distance < args->query->radius)) return false;
-        args->query->radius = distance;
-        return true;
-    }
-
-    RTCDevice device_;
-    RTCScene scene_;
-    std::vector<Eigen::Vector3f> corners_;
-    std::vector<Triangle> triangles_;
-};
-
 void embree_on(const test::MadeMesh& shape, const std::vector<test::Hand>& hands, double clock, bool cold) {
-    const Embree embree(shape);
+    const test::EmbreeScene embree(shape);
     Times point, sweep;
     float sum = 0;
     for (const auto& hand : hands) {
         for (std::size_t i = 1; i < hand.size(); i += cold ? 64 : 1) {
             const Vector3d from(hand[i - 1][0], hand[i - 1][1], hand[i - 1][2]),
                 to(hand[i][0], hand[i][1], hand[i][2]);
-            point.ns.push_back(time_cycle(sum, clock, cold, [&] { sum += embree.nearest(to); }));
+            point.ns.push_back(time_cycle(sum, clock, cold, [&] { sum += embree.nearest(to).distance; }));
             sweep.ns.push_back(time_cycle(sum, clock, cold, [&] { sum += embree.sweep(from, to); }));
         }
     }

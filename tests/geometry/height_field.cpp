@@ -1,5 +1,11 @@
 // A height field is felt as the mesh of the same triangles, in a fiftieth of the memory.
 
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include <malloc.h>
+
 #include <knurl/geometry/height_field.hpp>
 
 #include "paths.hpp"
@@ -95,6 +101,92 @@ TEST(HeightField, TakesTwoBytesATriangle) {
     const HeightField field(f.heights, f.grid);
     EXPECT_EQ(field.faces(), 402u * 343 * 2);
     EXPECT_LE(double(field.bytes()), 2.1 * double(field.faces()));
+    EXPECT_LE(double(field.block_bytes()), 2.1 * double(field.faces())) << "as the servo maps it";
+    const auto allocated = [] {  // 0 with a sanitizer's allocator
+        const struct mallinfo2 all = mallinfo2();
+        return all.uordblks + all.hblkhd;
+    };
+    const std::size_t before = allocated();
+    const HeightField counted(f.heights, f.grid);
+    EXPECT_LE(double(allocated() - before), 2.1 * double(field.faces()));
+}
+
+struct Block {
+    explicit Block(std::size_t bytes)
+        : memory(static_cast<std::byte*>(std::aligned_alloc(64, bytes)), &std::free), size(bytes) {}
+    std::shared_ptr<std::byte> memory;
+    std::size_t size;
+    std::span<std::byte> all() { return {memory.get(), size}; }
+};
+
+Block written(const HeightField& field) {
+    Block block(field.block_bytes());
+    field.write(block.all());
+    return block;
+}
+
+TEST(HeightField, IsTheSameInAnotherProcess) {
+    const std::uint64_t seed = 5;
+    const Field f = terrain(70, 50, seed);
+    const HeightField field(f.heights, f.grid, 3);
+    std::unique_ptr<Asset> again;
+    {
+        Block block = written(field);
+        again = asset_of(block.all(), block.memory);
+        EXPECT_EQ(block.memory.use_count(), 2) << "it lies where it was written";
+    }
+    ASSERT_EQ(again->kind, AssetKind::height_field);
+    EXPECT_EQ(again->faces(), field.faces());
+    EXPECT_EQ(again->bytes(), field.bytes());
+    EXPECT_EQ(again->low, field.low);
+    EXPECT_EQ(again->high, field.high);
+    Proxy one, other;
+    int touching = 0;
+    Hands hands(f.shape, seed);
+    for (int stroke = 0; stroke < 5; ++stroke) {
+        for (const auto& at : hands.stroke()) {
+            Foot a, b;
+            Work work;
+            const Vector3d hand(at.data());
+            const bool first = follow(field, one, hand, 0, a, work),
+                       second = follow(*again, other, hand, 0, b, work);
+            ASSERT_EQ(first, second);
+            ASSERT_EQ(std::memcmp(&one, &other, sizeof one), 0);
+            if (!first) continue;
+            ++touching;
+            EXPECT_EQ(a.depth, b.depth);
+            EXPECT_EQ(a.triangle, b.triangle);
+            EXPECT_EQ(b.material, 3);
+        }
+    }
+    EXPECT_GT(touching, 100) << "seed " << seed;
+}
+
+TEST(HeightField, ABlockOfAnotherSizeOrBuildIsRefused) {
+    const Field f = terrain(30, 20, 6);
+    const HeightField field(f.heights, f.grid);
+    Block block = written(field);
+    EXPECT_THROW(asset_of(block.all().first(block.size - 64), block.memory), HeightFieldError);
+    EXPECT_THROW(HeightField(block.all().first(16), block.memory), HeightFieldError);
+    EXPECT_THROW(asset_of(block.all().subspan(64), block.memory), MeshError);
+    EXPECT_THROW(field.write(block.all().first(128)), HeightFieldError);
+    for (std::size_t at = 0; at < 16; at += 4) {  // the magic word and the counts
+        Block spoiled = written(field);
+        spoiled.memory.get()[at + 2] ^= std::byte{0x40};
+        EXPECT_THROW(HeightField(spoiled.all(), spoiled.memory), HeightFieldError) << at;
+    }
+}
+
+TEST(HeightField, KeepsToItsBudget) {
+    const Field f = terrain(30, 20, 6);
+    const std::size_t need = HeightField(f.heights, f.grid).bytes();
+    EXPECT_NO_THROW(HeightField(f.heights, f.grid, 0, need));
+    try {
+        HeightField(f.heights, f.grid, 0, need - 1);
+        FAIL() << "it was built";
+    } catch (const HeightFieldError& error) {
+        EXPECT_NE(std::string(error.what()).find(std::to_string(need)), std::string::npos) << error.what();
+    }
 }
 
 TEST(HeightField, StaysWithinTheLimitsWhereverTheHandIsThrownTo) {
@@ -136,12 +228,17 @@ TEST(HeightField, SlipsOffItsRim) {
 
 TEST(HeightField, RefusesWhatIsNone) {
     const std::vector<float> four(4, 0.0f);
-    EXPECT_THROW(HeightField({}, {}), HeightFieldError);
+    EXPECT_THROW(HeightField({}, HeightGrid{}), HeightFieldError);
     EXPECT_THROW(HeightField(four, {1, 4, 1, 1, {0, 0, 0}}), HeightFieldError);
     EXPECT_THROW(HeightField(four, {2, 3, 1, 1, {0, 0, 0}}), HeightFieldError);
     EXPECT_THROW(HeightField(four, {2, 2, 0, 1, {0, 0, 0}}), HeightFieldError);
     EXPECT_THROW(HeightField(four, {2, 2, 1, NAN, {0, 0, 0}}), HeightFieldError);
     EXPECT_THROW(HeightField(four, {2, 2, 1, 1, {0, 0, INFINITY}}), HeightFieldError);
+    for (int k = 0; k < 3; ++k) {
+        HeightGrid nowhere{2, 2, 1, 1, {0, 0, 0}};
+        nowhere.corner[k] = NAN;
+        EXPECT_THROW(HeightField(four, nowhere), HeightFieldError) << k;
+    }
     EXPECT_THROW(HeightField(std::vector<float>{0, 0, NAN, 0}, {2, 2, 1, 1, {0, 0, 0}}), HeightFieldError);
     EXPECT_NO_THROW(HeightField(four, {2, 2, 1, 1, {0, 0, 0}}));
 }

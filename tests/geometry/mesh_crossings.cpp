@@ -198,4 +198,20 @@ TEST(MeshCrossings, AskedNotToNoneIsLookedFor) {
     EXPECT_EQ(crossed(Mesh(raw.given(), {.find_crossings = false})), 0);
 }
 
+/// Around a vertex the faces go once about and make a loop on the way, through each other. Those of the loop
+/// that nothing crosses lie behind the others, and the walk comes to them over the vertex alone.
+TEST(MeshCrossings, FacesOfAFanThatPassesThroughItselfAllSaySo) {
+    RawMesh raw;
+    raw.vertices = {{0, 0, 0},      {-2, -2, -1}, {2, -2, -1}, {2, 0.5, -1}, {-0.5, 0.5, -1},
+                    {-0.5, -1, -1}, {0, -1, -1},  {0, 2, -1},  {-2, 2, -1}};
+    for (std::uint32_t i = 1; i < 9; ++i) raw.triangles.push_back({0, i, i == 8 ? 1 : i + 1});
+    const Mesh mesh(raw.given());
+    EXPECT_EQ(mesh.notes().faces_crossed, 2U);
+    for (const Face& face : mesh.data().faces) {
+        EXPECT_NE(face.flags & face_knot, 0) << face.triangle;
+        EXPECT_EQ((face.flags & face_crossed) != 0, face.triangle == 2 || face.triangle == 5)
+            << face.triangle;
+    }
+}
+
 }  // namespace

@@ -185,6 +185,22 @@ INSTANTIATE_TEST_SUITE_P(Npm, FetchedMesh,
                          testing::Values("bunny", "dragon_11k", "dragon_48k", "dragon_203k", "dragon_871k"),
                          [](const auto& mesh) { return std::string(mesh.param); });
 
+/// Hands that once fell in where folds of the decimated dragons pass through each other from a common vertex.
+TEST(FetchedMeshes, HoldsHandsThatOnceFellThrough) {
+    const std::pair<const char*, std::vector<std::uint64_t>> hands[] = {{"dragon_11k", {8, 33, 45, 141}},
+                                                                        {"dragon_48k", {17}}};
+    for (const auto& [name, seeds] : hands) {
+        const auto shape = fetched(name);
+        if (!shape) GTEST_SKIP() << name << " is not there: scripts/fetch_meshes fetches it with npm";
+        const Mesh mesh(given(*shape), {.exact = true});
+        const exact::Surface truth = surface_of(*shape);
+        for (const std::uint64_t s : seeds) {
+            const Verdict v = judge_all(mesh, truth, *shape, allowed_of(truth, true, true), s, 4);
+            EXPECT_EQ(v.lost, 0U) << name << ", seed " << s << ": " << v.first_wrong;
+        }
+    }
+}
+
 TEST(CleanMesh, OfMoreThanAMillionTriangles) {
     if (!long_form()) GTEST_SKIP() << "in the long form: scripts/strokes";
     judge_shape(noisy_sphere(8, 0.6, seed()), 10);

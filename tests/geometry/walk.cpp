@@ -27,6 +27,31 @@ void expect_foot(const Finger& finger, const Vector3d& point, const Vector3d& no
     EXPECT_NEAR(finger.foot.depth, depth, within);
 }
 
+/// A fin without thickness, both sides of it told, on a floor of five triangles whose corners meet at the
+/// fin's foot. Which of its sides the walk meets first is a matter of their order.
+TEST(Walk, AHandDoesNotComeThroughAFinAroundItsFoot) {
+    for (const std::array<std::size_t, 2>& order : {std::array<std::size_t, 2>{5, 6}, {6, 5}}) {
+        for (const double side : {-1.0, 1.0}) {
+            MadeMesh shape;
+            shape.vertices = {{0, 0, 0},         {0, 0.02, 0},      {0, 0.02, 0.02}, {-0.02, -0.005, 0},
+                              {0.02, -0.005, 0}, {-0.02, -0.02, 0}, {0.02, -0.02, 0}};
+            const std::vector<Triangle> all = {{0, 1, 3}, {0, 4, 1}, {0, 3, 5}, {0, 6, 4},
+                                               {0, 5, 6}, {0, 1, 2}, {0, 2, 1}};
+            for (const std::size_t i : {order[0], std::size_t{0}, std::size_t{1}, std::size_t{2},
+                                        std::size_t{3}, std::size_t{4}, order[1]})
+                shape.triangles.push_back(all[i]);
+            const auto mesh = build(shape);
+            Finger finger(*mesh);
+            finger.to(side * 0.004, -0.002, 0.001);
+            ASSERT_TRUE(finger.to(side * 0.004, -0.002, -0.001));
+            ASSERT_TRUE(finger.to(-side * 0.0005, 0.012, 0.004)) << "through the fin from side " << side;
+            EXPECT_NEAR(finger.foot.point.x(), 0, tiny);
+            EXPECT_NEAR(finger.foot.depth, 0.0005, tiny);
+            EXPECT_NEAR(finger.foot.normal.x(), side, 1e-9);
+        }
+    }
+}
+
 TEST(Walk, PokesAndSlidesOnATetrahedron) {
     const auto mesh = build(tetrahedron());
     Finger finger(*mesh);

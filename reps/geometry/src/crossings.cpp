@@ -83,6 +83,13 @@ class Finder {
                 if (node.low[0][i] <= node.high[0][i] && is_leaf(node.child[i])) query(node, i, flags);
             }
         }
+        // From a vertex the walk goes to any face around it at once, over those that pass through each other
+        // too.
+        if (knots_.empty()) return;
+        for (std::uint32_t f = 0; f < flags.size(); ++f, slices_()) {
+            for (const std::uint32_t v : faces_.corners[f])
+                if (knots_[v]) flags[f] |= face_knot;
+        }
     }
 
   private:
@@ -166,6 +173,12 @@ class Finder {
             if (!crossed(f, own[i], g, other)) continue;
             flags[f] |= face_crossed;
             flags[g] |= face_crossed;
+            for (const std::uint32_t v : faces_.corners[f]) {
+                const Triangle& t = faces_.corners[g];
+                if (std::find(t.begin(), t.end(), v) == t.end()) continue;
+                knots_.resize(faces_.at.size());
+                knots_[v] = true;
+            }
         }
         return tests;
     }
@@ -231,7 +244,7 @@ class Finder {
     const double touch_, reach_;
     Slices& slices_;
     std::vector<Measures> measures_;
-    std::vector<bool> done_;
+    std::vector<bool> done_, knots_;  // of faces; of vertices: faces around it pass through each other
     std::vector<std::uint32_t> stack_;
     std::uint64_t spent_ = 0;
 };

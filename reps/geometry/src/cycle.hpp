@@ -140,8 +140,12 @@ class Cycle {
     }
 
     bool contact(Vec from) noexcept {
+        const Vec begin = from;
+        const std::uint32_t first = rest_.face;
+        bool crossed = false;
         for (;;) {
             walk(s_, h_, rest_, work_);
+            crossed = crossed || rest_.crossed || rest_.knotted;
             if (rest_.crossed && passes_below(from)) return tangle(lifted(from, rest_.visited[0]));
             const double distance = std::sqrt(rest_.near.square);
             if (!rest_.settled) return touch(rest_.near.height > 0 ? 0 : distance + radius_);
@@ -156,6 +160,7 @@ class Cycle {
                 });
             if (!hit.whole) return stay_free(hit.point);
             if (hit.face == no_face) {
+                if (crossed) return tangle(lifted(begin, first));  // it may have come out behind what crosses
                 if (reach()) return true;
                 no_room();
                 proxy_.since = patience;
@@ -196,6 +201,11 @@ class Cycle {
     bool tangle(const Vec& from) noexcept {
         const Held held = hold(s_, from, h_, work_);
         if (held.whole && held.faces == 0) {
+            // Where surfaces pass through each other at a small angle it may slip between them: the walk must
+            // agree.
+            if (rest_.visits == 0) walk(s_, h_, rest_, work_);
+            if (rest_.settled && !rest_.outward && !rest_.slipped)
+                return touch(std::sqrt(rest_.near.square) + radius_);
             if (reach()) return true;
             no_room();
             return stay_free();

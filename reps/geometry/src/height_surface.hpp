@@ -149,7 +149,7 @@ class HeightSurface {
             std::uint32_t level, x, y;
         } stack[stack_size];
         std::uint32_t depth = 0;
-        stack[depth++] = {static_cast<std::uint32_t>(d_.levels.size()) - 1, 0, 0};
+        stack[depth++] = {d_.level_count - 1, 0, 0};
         while (depth > 0) {
             if (work.nodes + 1 + 8 + 64 > max_nodes) return false;
             const Block block = stack[--depth];

@@ -29,6 +29,7 @@ inline constexpr std::uint32_t edge_of(Link link) noexcept {
 enum FaceFlag : std::uint8_t {
     face_crossed = 1,  // another face passes through it: the walk alone might pass under that
     face_rim = 2,  // an edge or a vertex of it has no neighbour: where the walk rests there the tree is asked
+    face_knot = 4,  // faces around a vertex of it pass through each other, and the walk goes around that
 };
 
 /// All that one step of the walk needs: one line of memory.

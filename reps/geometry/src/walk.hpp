@@ -35,6 +35,7 @@ struct Rest {
     bool outward = false;  // the hand is in front
     bool slipped = false;  // over a rim, beyond which nothing goes on
     bool crossed = false;  // it came over a face that another one passes through
+    bool knotted = false;  // or one around whose vertex faces pass through each other
     std::uint32_t visited[max_walk_faces + 1];
     std::uint32_t visits = 0, level = 0;
 
@@ -53,6 +54,16 @@ inline bool nearer(const Nearest& y, const Nearest& x, std::uint32_t& level, dou
     constexpr double moved = 1e-15;
     return y.square <= x.square && (y.point - x.point).squaredNorm() > moved * moved * size * size &&
            level++ < max_level_steps;
+}
+
+/// Which of two faces around a corner to go on to. The two sides of a sheet without thickness have one point
+/// between them and one distance, or two that rounding tells apart: the side that has the hand behind it
+/// holds it, and from the other one it would seem to be free.
+inline bool preferred(const Nearest& y, const Nearest& x, std::uint32_t& level, double size) noexcept {
+    const bool holds = !(y.height > 0);
+    if (holds == !(x.height > 0) || (y.point - x.point).squaredNorm() > std::pow(hair_of_size * size, 2))
+        return nearer(y, x, level, size);
+    return holds;
 }
 
 enum class Fan { closed, open, stopped };
@@ -192,7 +203,9 @@ std::uint32_t step(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
             ++work.fans;
             if (d.dot(to) > 0 || d.dot(from) > 0) {
                 const Nearest there = nearest_on(s.corners(q), h);
-                if (nearer(there, nearest, rest.level, s.size())) nearest = there, next = q;
+                if (next == no_face ? nearer(there, near, rest.level, s.size())
+                                    : preferred(there, nearest, rest.level, s.size()))
+                    nearest = there, next = q;
             }
             (d.dot(to.cross(from)) > 0 ? front : behind) = true;
             return work.fans < max_fans;
@@ -212,12 +225,13 @@ std::uint32_t step(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
 /// From rest.face on.
 template <class S>
 void walk(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
-    rest.outward = rest.slipped = rest.crossed = false;
+    rest.outward = rest.slipped = rest.crossed = rest.knotted = false;
     rest.visits = rest.level = 0;
     rest.near = nearest_on(s.corners(rest.face), h);
     for (;;) {
         rest.visited[rest.visits++] = rest.face;
         rest.crossed |= (s.flags(rest.face) & face_crossed) != 0;
+        rest.knotted |= (s.flags(rest.face) & face_knot) != 0;
         const std::uint32_t next = step(s, h, rest, work);
         if (next == no_face) return;
         rest.face = next;

@@ -10,9 +10,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include <knurl/geometry/asset.hpp>
 
@@ -33,15 +35,25 @@ struct HeightData;  // src/height_data.hpp
 
 class HeightField final : public Asset {
   public:
-    /// Heights (m) row by row, x first. Throws HeightFieldError, std::bad_alloc.
-    HeightField(std::span<const float> heights, const HeightGrid& grid, std::uint8_t material = 0);
+    /// Heights (m) row by row, x first. More memory than `budget` (bytes) is refused before it is taken.
+    /// Throws HeightFieldError, std::bad_alloc.
+    HeightField(std::span<const float> heights, const HeightGrid& grid, std::uint8_t material = 0,
+                std::size_t budget = std::numeric_limits<std::size_t>::max());
+    /// One that was written by write(): asset_of. Throws HeightFieldError.
+    HeightField(std::span<const std::byte> block, std::shared_ptr<const void> keeper);
     ~HeightField() override;
 
     std::size_t bytes() const noexcept override;
-    std::size_t faces() const noexcept;
+    std::size_t faces() const noexcept override;
+    std::size_t block_bytes() const noexcept override;
+    void write(std::span<std::byte> block) const override;
     const HeightData& data() const noexcept { return *data_; }
 
   private:
+    using Block = std::pair<std::span<const std::byte>, std::shared_ptr<const void>>;
+    explicit HeightField(Block block) : HeightField(block.first, std::move(block.second)) {}
+    static Block built(std::span<const float> heights, const HeightGrid& grid, std::uint8_t material,
+                       std::size_t budget);
     std::unique_ptr<HeightData> data_;
 };
 

@@ -68,17 +68,14 @@ class Mesh final : public Asset {
   public:
     /// Throws MeshError, std::bad_alloc.
     explicit Mesh(const Triangles& given, const MeshBuild& how = {});
-    /// One that was written by write() in a process of the same build, where it lies: `keeper` keeps it
-    /// there. Its counts are checked against `block`, its indices are not: take it from your own builder
-    /// alone. Throws MeshError.
+    /// One that was written by write(): asset_of. Throws MeshError.
     Mesh(std::span<const std::byte> block, std::shared_ptr<const void> keeper);
-    /// As one piece of memory of so many bytes, aligned to 64.
-    std::size_t block_bytes() const noexcept;
-    void write(std::span<std::byte> block) const;
     ~Mesh() override;
 
     std::size_t bytes() const noexcept override;
-    std::size_t faces() const noexcept;
+    std::size_t faces() const noexcept override;
+    std::size_t block_bytes() const noexcept override;
+    void write(std::span<std::byte> block) const override;
     const MeshNotes& notes() const noexcept;
     const MeshData& data() const noexcept { return *data_; }
 
