@@ -4,6 +4,9 @@
 #include <functional>
 #include <map>
 
+#include <knurl/servo/asset_build.hpp>
+#include <knurl/servo/asset_digest.hpp>
+
 #include "tape_run.hpp"
 
 namespace knurl::servo {
@@ -17,8 +20,8 @@ struct Outcome {
 };
 
 /// Replays the records and compares each report with the recorded one, every byte.
-Outcome replayed(const TapeRun& run, const std::vector<TapeRecord>& records) {
-    Replay replay(run.device, run.options);
+Outcome replayed(const TapeRun& run, const std::vector<TapeRecord>& records, Replay::Sources sources = {}) {
+    Replay replay(run.device, run.options, std::move(sources));
     Outcome outcome;
     try {
         for (const TapeRecord& record : records) {
@@ -75,6 +78,87 @@ TEST(Tape, TheEndOfAServoReplays) {
     const Outcome outcome = replayed(run, run.drain());
     EXPECT_EQ(outcome.first_difference, "");
     EXPECT_GT(outcome.replayed, 1500u);
+}
+
+/// A square metre as an application sends it.
+std::vector<std::uint64_t> square() {
+    const std::vector<Point3> vertices{{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}, {-0.5, 0.5, 0}};
+    const std::vector<Triangle> triangles{{0, 1, 2}, {0, 2, 3}};
+    protocol::AssetSource header;
+    header.vertices = vertices.size();
+    header.triangles = triangles.size();
+    const auto layout = *protocol::layout_of(header);
+    std::vector<std::uint64_t> words(layout.total / 8);
+    auto* bytes = reinterpret_cast<std::byte*>(words.data());
+    std::memcpy(bytes, &header, sizeof header);
+    std::memcpy(bytes + layout.vertices, vertices.data(), 24 * vertices.size());
+    std::memcpy(bytes + layout.triangles, triangles.data(), 12 * triangles.size());
+    return words;
+}
+
+/// An application's assets come and go; a second shape under a number that was forgotten is refused.
+TEST(Tape, AssetsReplayAndEachOfTheirRecordsMatters) {
+    const std::vector<std::uint64_t> words = square();
+    const std::span<const std::byte> source = std::as_bytes(std::span(words));
+    const BuiltAsset built = build_asset(source, 1 << 20);
+    TapeRun run(1);
+    run.start();
+    std::uint64_t n = 0;
+    double pushed = 0;
+    const auto go_on = [&](int cycles) {
+        for (int i = 0; i < cycles; ++i, ++n) {
+            const auto t = static_cast<double>(n);
+            run.device.tip = {3e-3 * std::sin(4e-3 * t), 0, 3e-3 * std::cos(5e-3 * t)};
+            run.clock.time += 990'000;
+            const Nanoseconds now = run.clock.now();
+            run.servo->step(now, now);
+            run.reports.push_back(run.servo->last());
+            pushed = std::max(pushed, run.servo->last().scene_force.z);
+            while (run.servo->returned()) {
+            }
+        }
+    };
+    go_on(10);
+    ClaimTerms terms;
+    terms.capacity = {.representations = 16, .batch_bytes = 16 * 512};
+    terms.frame = frame_for(run.device.link(), {});
+    terms.limits = limits_for(run.device.link(), run.options.rate, terms.frame);
+    OfflineClaim claim(terms);
+    run.servo->adopt(&claim.servo_side());
+    const auto add = [&](std::uint32_t slot) {
+        const Shape shape{.asset = 2, .stiffness = 300};
+        claim.add({slot, 1}, kind_of<Shape>, &shape, sizeof shape);
+    };
+    const protocol::AssetDigest digest = digest_of(source);
+    run.servo->give(&claim.servo_side(), 2, built.asset.get(), digest);
+    add(0);
+    claim.arm();
+    go_on(900);
+    EXPECT_GT(pushed, 0.1);
+    claim.remove({0, 1});
+    run.servo->forget(&claim.servo_side(), 2);
+    go_on(200);
+    add(1);  // of what is no more
+    go_on(600);
+    run.servo->give(&claim.servo_side(), 2, built.asset.get(), digest);
+    add(2);
+    go_on(700);
+    run.servo->drop(&claim.servo_side());
+    go_on(100);
+    const std::vector<TapeRecord> records = run.drain();
+    const Replay::Sources sources = [&](const protocol::AssetDigest& wanted) {
+        if (wanted != digest) throw TapeError("another one");
+        return source;
+    };
+    EXPECT_EQ(replayed(run, records, sources).first_difference, "");
+    EXPECT_GE(replayed(run, records, sources).replayed, run.reports.size() - 2);
+    EXPECT_NE(replayed(run, records).first_difference.find("was not recorded"), std::string::npos);
+    for (const TapeType type : {TapeType::asset, TapeType::asset_forgotten}) {
+        std::vector<TapeRecord> edited;
+        for (const TapeRecord& record : records)
+            if (record.type != type) edited.push_back(record);
+        EXPECT_NE(replayed(run, edited, sources).first_difference, "") << static_cast<int>(type);
+    }
 }
 
 /// Leave any one input out and the replay is another one: so each of them is recorded for a reason, and the

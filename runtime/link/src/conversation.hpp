@@ -24,6 +24,7 @@ class Conversation {
 
     int socket() const noexcept { return socket_.get(); }
     const std::string& servo() const noexcept { return servo_; }
+    std::chrono::milliseconds answer_time() const noexcept { return answer_time_; }
 
     /// A report segment for each device comes with it. Throws Error.
     std::pair<protocol::Welcome, std::vector<shm::UniqueFd>> greet(const std::string& client_name);

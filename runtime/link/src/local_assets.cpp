@@ -11,8 +11,6 @@ namespace knurl::detail {
 
 namespace {
 
-constexpr std::chrono::milliseconds answer_time{2000};  // until the broker says who it is
-
 class LocalTransfer final : public AssetTransfer {
   public:
     explicit LocalTransfer(std::unique_ptr<Conversation> with) : with_(std::move(with)) {}
@@ -39,8 +37,13 @@ class LocalTransfer final : public AssetTransfer {
 
 class LocalAssets final : public AssetDoor {
   public:
-    LocalAssets(std::string servo, std::string client, std::uint32_t device, std::uint64_t key)
-        : servo_(std::move(servo)), client_(std::move(client)), device_(device), key_(key) {}
+    LocalAssets(std::string servo, std::string client, std::uint32_t device, std::uint64_t key,
+                std::chrono::milliseconds answer_time)
+        : servo_(std::move(servo)),
+          client_(std::move(client)),
+          device_(device),
+          key_(key),
+          answer_time_(answer_time) {}
 
     std::unique_ptr<AssetTransfer> offer(std::uint32_t number, const shm::UniqueFd& source,
                                          std::uint64_t bytes) override {
@@ -64,20 +67,22 @@ class LocalAssets final : public AssetDoor {
 
   private:
     std::unique_ptr<Conversation> greeted() const {
-        auto with = std::make_unique<Conversation>(servo_, answer_time);
+        auto with = std::make_unique<Conversation>(servo_, answer_time_);
         with->greet(client_);
         return with;
     }
     std::string servo_, client_;
     std::uint32_t device_;
     std::uint64_t key_;
+    std::chrono::milliseconds answer_time_;  // until the broker says who it is
 };
 
 }  // namespace
 
 std::shared_ptr<AssetDoor> local_assets(const std::string& servo, const std::string& client_name,
-                                        std::uint32_t device, std::uint64_t key) {
-    return std::make_shared<LocalAssets>(servo, client_name, device, key);
+                                        std::uint32_t device, std::uint64_t key,
+                                        std::chrono::milliseconds answer_time) {
+    return std::make_shared<LocalAssets>(servo, client_name, device, key, answer_time);
 }
 
 }  // namespace knurl::detail

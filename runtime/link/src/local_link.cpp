@@ -61,7 +61,8 @@ class LocalLink final : public Link {
         result.reports = local_reports(segments_[device], segment, claimed.capacity, std::move(fds[1]));
         if (request.observe == 0) {
             result.channel = local_channel(segment, claimed.capacity);
-            result.assets = local_assets(with_.servo(), client_name_, device, claimed.key);
+            result.assets =
+                local_assets(with_.servo(), client_name_, device, claimed.key, with_.answer_time());
         }
         return result;
     }

@@ -2,8 +2,11 @@
 
 namespace knurl::protocol {
 
+namespace {
+constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of anything: no product overflows
+}
+
 std::optional<AssetSourceLayout> layout_of(const AssetSource& source) noexcept {
-    constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of anything: no product overflows
     if (source.vertices > most || source.triangles > most || source.materials > max_asset_materials)
         return std::nullopt;
     AssetSourceLayout layout;
@@ -20,6 +23,12 @@ std::optional<AssetSourceLayout> layout_of(const AssetSource& source) noexcept {
     layout.triangle_materials = part(marked ? source.triangles : 0, 1);
     layout.total = at;
     return layout;
+}
+
+std::optional<std::uint64_t> bytes_of(const HeightSource& source) noexcept {
+    const std::uint64_t heights = std::uint64_t{source.columns} * source.rows;
+    if (heights > most) return std::nullopt;
+    return sizeof(HeightSource) + heights * sizeof(float);
 }
 
 }  // namespace knurl::protocol

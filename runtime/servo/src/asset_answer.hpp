@@ -13,7 +13,8 @@ struct AssetAnswer {
     std::uint32_t material_count = 0;
     std::uint64_t block_bytes = 0;
     protocol::AssetReady ready;
-    char text[512] = {};  // refused: one line
+    protocol::AssetDigest digest = {};  // of the source
+    char text[512] = {};                // refused: one line
     std::array<AssetMaterial, protocol::max_asset_materials> materials = {};
 };
 

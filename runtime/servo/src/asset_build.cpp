@@ -1,71 +1,36 @@
-// The builder's own process (asset_workshop.hpp).
-
-#include <cmath>
-#include <csignal>
-#include <cstdlib>
 #include <cstring>
-#include <new>
+#include <stdexcept>
 
 #include <fmt/format.h>
-#include <sys/prctl.h>
-#include <unistd.h>
 
-#include <knurl/protocol/text.hpp>
-#include <knurl/shm/segment.hpp>
-#include <knurl/shm/socket.hpp>
-
-#include "asset_answer.hpp"
-#include "asset_workshop.hpp"
+#include <knurl/geometry/height_field.hpp>
+#include <knurl/geometry/mesh.hpp>
+#include <knurl/servo/asset_build.hpp>
 
 namespace knurl::servo {
 
 namespace {
 
+using protocol::AssetHead;
 using protocol::AssetSource;
-
-// The whole source, checked: nobody can change it any more.
-struct Source {
-    AssetSource header;
-    Triangles triangles;
-    std::span<const AssetMaterial> materials;
-};
+using protocol::HeightSource;
+using Bytes = std::span<const std::byte>;
 
 [[noreturn]] void refuse(const std::string& text) {
-    throw MeshError("asset: " + text);
+    throw std::runtime_error("asset: " + text);
+}
+
+template <class Header>
+Header header_of(Bytes bytes, const char* of) {
+    Header header;
+    if (bytes.size() < sizeof header) refuse(fmt::format("{} bytes are no {}; send one", bytes.size(), of));
+    std::memcpy(&header, bytes.data(), sizeof header);
+    return header;
 }
 
 template <class T>
-std::span<const T> part(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t count) {
+std::span<const T> part(Bytes bytes, std::uint64_t at, std::uint64_t count) {
     return {reinterpret_cast<const T*>(bytes.data() + at), count};
-}
-
-Source read(std::span<const std::byte> bytes) {
-    Source source;
-    if (bytes.size() < sizeof(AssetSource))
-        refuse(fmt::format("{} bytes are no mesh; send one", bytes.size()));
-    std::memcpy(&source.header, bytes.data(), sizeof(AssetSource));
-    const AssetSource& header = source.header;
-    if (header.magic != AssetSource::magic_word || header.version != 1)
-        refuse(
-            "not made by this version of the library; build the application and the servo from the same "
-            "version");
-    if (header.kind != static_cast<std::uint32_t>(AssetKind::mesh) ||
-        (header.flags & ~AssetSource::all_flags) != 0)
-        refuse(fmt::format("kind {} with flags {:#x} is not known here; build both from the same version",
-                           header.kind, header.flags));
-    const auto layout = protocol::layout_of(header);
-    if (!layout || layout->total != bytes.size())
-        refuse(fmt::format(
-            "{} vertices, {} triangles and {} materials do not make {} bytes; it is cut off, or its "
-            "counts are wrong",
-            header.vertices, header.triangles, header.materials, bytes.size()));
-    source.triangles.vertices = part<Point3>(bytes, layout->vertices, header.vertices);
-    source.triangles.triangles = part<Triangle>(bytes, layout->triangles, header.triangles);
-    if ((header.flags & AssetSource::materials_of_triangles) != 0)
-        source.triangles.materials = part<std::uint8_t>(bytes, layout->triangle_materials, header.triangles);
-    static_assert(sizeof(AssetSource) % 8 == 0 && sizeof(AssetMaterial) == 24);
-    source.materials = part<AssetMaterial>(bytes, layout->materials, header.materials);
-    return source;
 }
 
 void require_sane(AssetMaterial material, std::size_t index) {
@@ -79,54 +44,86 @@ void require_sane(AssetMaterial material, std::size_t index) {
     share(material.friction, "friction", 1e3);
 }
 
-shm::UniqueFd build(std::uint64_t bytes, std::uint64_t budget, AssetAnswer& answer) {
-    const shm::Segment memory = shm::Segment::open_sealed(STDIN_FILENO, bytes);
-    const Source source = read({memory.data(), memory.size()});
-    for (std::size_t i = 0; i < source.materials.size(); ++i) {
-        answer.materials[i] = source.materials[i];
-        require_sane(answer.materials[i], i);
-    }
-    answer.material_count = source.header.materials;
-    const MeshBuild how{.exact = (source.header.flags & AssetSource::exact) != 0,
-                        .weld = source.header.weld,
+BuiltAsset mesh_of(Bytes bytes, std::uint64_t budget) {
+    const auto header = header_of<AssetSource>(bytes, "mesh");
+    if ((header.flags & ~AssetSource::all_flags) != 0)
+        refuse(fmt::format("a mesh with flags {:#x} is not known here; build both from the same version",
+                           header.flags));
+    const auto layout = protocol::layout_of(header);
+    if (!layout || layout->total != bytes.size())
+        refuse(fmt::format(
+            "{} vertices, {} triangles and {} materials do not make {} bytes; it is cut off, or its "
+            "counts are wrong",
+            header.vertices, header.triangles, header.materials, bytes.size()));
+    Triangles triangles{.vertices = part<Point3>(bytes, layout->vertices, header.vertices),
+                        .triangles = part<Triangle>(bytes, layout->triangles, header.triangles)};
+    if ((header.flags & AssetSource::materials_of_triangles) != 0)
+        triangles.materials = part<std::uint8_t>(bytes, layout->triangle_materials, header.triangles);
+    const auto materials = part<AssetMaterial>(bytes, layout->materials, header.materials);
+    for (std::size_t i = 0; i < materials.size(); ++i) require_sane(materials[i], i);
+
+    const MeshBuild how{.exact = (header.flags & AssetSource::exact) != 0,
+                        .weld = header.weld,
                         .budget = budget,
-                        .find_crossings = (source.header.flags & AssetSource::no_crossings) == 0};
-    const Mesh mesh(source.triangles, how);
-    answer.ready.kind = source.header.kind;
-    answer.ready.bytes = mesh.bytes();
-    answer.ready.faces = mesh.faces();
-    for (int i = 0; i < 3; ++i) {
-        answer.ready.low[i] = mesh.low[i];
-        answer.ready.high[i] = mesh.high[i];
+                        .find_crossings = (header.flags & AssetSource::no_crossings) == 0};
+    auto mesh = std::make_unique<Mesh>(triangles, how);
+    mesh->materials.assign(materials.begin(), materials.end());
+    BuiltAsset built;
+    built.ready.notes = mesh->notes();
+    built.asset = std::move(mesh);
+    return built;
+}
+
+BuiltAsset field_of(Bytes bytes, std::uint64_t budget) {
+    const auto header = header_of<HeightSource>(bytes, "height field");
+    if (protocol::bytes_of(header) != bytes.size())
+        refuse(fmt::format("{} by {} heights do not make {} bytes; it is cut off, or its counts are wrong",
+                           header.columns, header.rows, bytes.size()));
+    require_sane(header.material, 0);
+    const HeightGrid grid{.columns = header.columns,
+                          .rows = header.rows,
+                          .dx = header.dx,
+                          .dy = header.dy,
+                          .corner = {header.corner[0], header.corner[1], header.corner[2]}};
+    const auto heights =
+        part<float>(bytes, sizeof(HeightSource), std::uint64_t{header.columns} * header.rows);
+    BuiltAsset built{.asset = std::make_unique<HeightField>(heights, grid, std::uint8_t{0}, budget),
+                     .ready = {}};
+    built.asset->materials = {header.material};
+    return built;
+}
+
+BuiltAsset of_kind(Bytes bytes, std::uint64_t budget) {
+    const auto head = header_of<AssetHead>(bytes, "shape");
+    if (head.magic != AssetHead::magic_word || head.version != 1)
+        refuse(
+            "not made by this version of the library; build the application and the servo from the same "
+            "version");
+    switch (head.kind) {
+        case static_cast<std::uint32_t>(AssetKind::mesh):
+            return mesh_of(bytes, budget);
+        case static_cast<std::uint32_t>(AssetKind::height_field):
+            return field_of(bytes, budget);
+        default:
+            refuse(fmt::format("kind {} is not known here; build both from the same version", head.kind));
     }
-    answer.ready.notes = mesh.notes();
-    answer.block_bytes = mesh.block_bytes();
-    shm::Segment block = shm::Segment::create("knurl-asset", mesh.block_bytes());
-    mesh.write({block.data(), block.size()});
-    return shm::Segment::seal(std::move(block));
 }
 
 }  // namespace
 
-int build_asset_main(int argc, const char* const* argv) {
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    AssetAnswer answer;
-    shm::UniqueFd block;
-    const auto fail = [&](const char* why) {
-        answer.refused = 1;
-        protocol::put_text(answer.text, why);
-    };
-    try {
-        if (argc != 4) refuse("its builder is called as knurld calls it, by nobody else");
-        block = build(std::strtoull(argv[2], nullptr, 10), std::strtoull(argv[3], nullptr, 10), answer);
-    } catch (const std::bad_alloc&) {
-        fail("asset: the machine has no memory to build it; send a smaller mesh");
-    } catch (const std::exception& error) {
-        fail(error.what());
+BuiltAsset build_asset(std::span<const std::byte> source, std::uint64_t budget) {
+    if (reinterpret_cast<std::uintptr_t>(source.data()) % alignof(AssetSource) != 0)
+        refuse("its source is not aligned to 8 bytes; copy it to memory that is");
+    BuiltAsset built = of_kind(source, budget);
+    const Asset& asset = *built.asset;
+    built.ready.kind = static_cast<std::uint32_t>(asset.kind);
+    built.ready.bytes = asset.bytes();
+    built.ready.faces = asset.faces();
+    for (int i = 0; i < 3; ++i) {
+        built.ready.low[i] = asset.low[i];
+        built.ready.high[i] = asset.high[i];
     }
-    const int fd = block.get();
-    const std::span<const int> fds = block ? std::span<const int>(&fd, 1) : std::span<const int>();
-    return shm::send_message(STDOUT_FILENO, std::as_bytes(std::span(&answer, 1)), fds) ? 0 : 1;
+    return built;
 }
 
 }  // namespace knurl::servo

@@ -1,24 +1,40 @@
 #include "asset_desk.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 namespace knurl::servo {
 
 void AssetDesk::offer(std::uint64_t connection, const protocol::AssetOffer& offer, shm::UniqueFd source,
                       Tables tables) {
-    if (waiting_.contains(connection))
+    const auto [place, first] = waiting_.try_emplace(connection);
+    if (!first)
         throw Refusal(
             "asset: one connection offers one asset at a time; wait for its answer, or connect once more");
-    if (offer.device >= tables.size())
-        throw Refusal(fmt::format("asset: device {} of {}", offer.device, tables.size()));
-    ClaimTable& table = *tables[offer.device];
-    const std::uint64_t budget = table.expect_asset(offer.key, offer.number, offer.bytes);
-    workshop_.start({.ticket = connection,
-                     .number = offer.number,
-                     .source = std::move(source),
-                     .bytes = offer.bytes,
-                     .budget = budget});
-    waiting_[connection] = {.device = offer.device, .number = offer.number, .key = offer.key};
+    ClaimTable* expecting = nullptr;
+    try {
+        if (offer.device >= tables.size())
+            throw Refusal(fmt::format("asset: device {} of {}", offer.device, tables.size()));
+        ClaimTable& table = *tables[offer.device];
+        shm::UniqueFd kept(::fcntl(source.get(), F_DUPFD_CLOEXEC, 0));
+        const std::uint64_t budget = table.expect_asset(offer.key, offer.number, offer.bytes);
+        expecting = &table;
+        place->second = {.device = offer.device,
+                         .number = offer.number,
+                         .key = offer.key,
+                         .bytes = offer.bytes,
+                         .source = std::move(kept)};
+        workshop_.start({.ticket = connection,
+                         .owner = offer.key,
+                         .number = offer.number,
+                         .source = std::move(source),
+                         .bytes = offer.bytes,
+                         .budget = budget});
+    } catch (...) {  // no memory for it, at the worst: the number must not be "being built" for ever
+        if (expecting != nullptr) expecting->expect_no_asset(offer.key, offer.number);
+        waiting_.erase(place);
+        throw;
+    }
 }
 
 void AssetDesk::forget(const protocol::AssetForget& message, Tables tables) {
@@ -35,18 +51,20 @@ void AssetDesk::cancel(std::uint64_t connection, Tables tables) noexcept {
     waiting_.erase(found);
 }
 
-std::vector<AssetReply> AssetDesk::answers(Tables tables) {
+std::vector<AssetReply> AssetDesk::answers(Tables tables, const Recorded& recorded) {
     std::vector<AssetReply> replies;
     while (auto result = workshop_.collect()) {
         const auto found = waiting_.find(result->ticket);
         if (found == waiting_.end()) continue;
-        const Waiting waiting = found->second;
+        const Waiting waiting = std::move(found->second);
         waiting_.erase(found);
         AssetReply reply{.connection = result->ticket, .refusal = result->refusal, .ready = result->ready};
         ClaimTable& table = *tables[waiting.device];
         if (result->asset) {
             try {
-                table.give_asset(waiting.key, waiting.number, std::move(result->asset));
+                recorded(waiting.device, {.bytes = waiting.bytes, .digest = result->digest},
+                         waiting.source.get());
+                table.give_asset(waiting.key, waiting.number, std::move(result->asset), result->digest);
             } catch (const Refusal& refusal) {
                 reply.refusal = refusal.what();
             }

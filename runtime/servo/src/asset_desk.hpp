@@ -2,6 +2,7 @@
 // The broker's part in assets: who may offer what, who waits for an answer, what the workshop has done.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -39,12 +40,17 @@ class AssetDesk {
     std::uint64_t builds() const noexcept {
         return workshop_.builds();
     }  // begun so far: each has its own event
-    std::vector<AssetReply> answers(Tables tables);
+    /// `recorded`: what a device's claim gets, before it does.
+    using Recorded =
+        std::function<void(std::uint32_t device, const protocol::RecordedAsset& message, int source)>;
+    std::vector<AssetReply> answers(Tables tables, const Recorded& recorded);
 
   private:
     struct Waiting {
         std::uint32_t device = 0, number = 0;
         std::uint64_t key = 0;  // of the claim: it may be gone when the asset is done
+        std::uint64_t bytes = 0;
+        shm::UniqueFd source;  // for whoever records
     };
     AssetWorkshop workshop_;
     std::unordered_map<std::uint64_t, Waiting> waiting_;  // by connection

@@ -53,17 +53,18 @@ AssetWorkshop::~AssetWorkshop() {
 
 void AssetWorkshop::start(Job job) {
     reap(false);
-    queue_.push_back(std::move(job));
+    const std::uint64_t owner = job.owner;
+    queue_.push(owner, std::move(job));
     next();
 }
 
 void AssetWorkshop::next() {
     while (!running_ && !queue_.empty()) {
-        Job job = std::move(queue_.front());
-        queue_.pop_front();
+        const Job job = *queue_.pop();
         std::array<int, 2> ends{};
         if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-            failed_.push_back({.ticket = job.ticket, .asset = {}, .ready = {}, .refusal = refused(errno)});
+            failed_.push_back(
+                {.ticket = job.ticket, .asset = {}, .ready = {}, .digest = {}, .refusal = refused(errno)});
             continue;
         }
         shm::UniqueFd ours(ends[0]), theirs(ends[1]);
@@ -85,7 +86,8 @@ void AssetWorkshop::next() {
         const int error = ::posix_spawn(&pid, program_.c_str(), &with.actions, &with.attributes,
                                         const_cast<char* const*>(arguments.data()), environ);
         if (error != 0) {
-            failed_.push_back({.ticket = job.ticket, .asset = {}, .ready = {}, .refusal = refused(error)});
+            failed_.push_back(
+                {.ticket = job.ticket, .asset = {}, .ready = {}, .digest = {}, .refusal = refused(error)});
             continue;
         }
         ++builds_;
@@ -106,7 +108,7 @@ void AssetWorkshop::reap(bool wait) noexcept {
 }
 
 void AssetWorkshop::cancel(std::uint64_t ticket) noexcept {
-    std::erase_if(queue_, [&](const Job& job) { return job.ticket == ticket; });
+    queue_.erase_if([&](const Job& job) { return job.ticket == ticket; });
     if (!running_ || running_->ticket != ticket) return;
     end_process();
     next();
@@ -123,13 +125,13 @@ std::optional<AssetWorkshop::Result> AssetWorkshop::collect() {
     const shm::Received received =
         shm::receive_message(running_->socket, std::as_writable_bytes(std::span(&answer, 1)), shm::Block::no);
     if (received.nothing) return std::nullopt;
-    Result result{.ticket = running_->ticket, .asset = {}, .ready = {}, .refusal = {}};
+    Result result{.ticket = running_->ticket, .asset = {}, .ready = {}, .digest = {}, .refusal = {}};
     const std::uint32_t number = running_->number;
     end_process();  // it has said all that it had to say
     next();
     if (received.closed || received.bytes != sizeof answer) {
         result.refusal =
-            "asset: its builder died; this is a fault of Knurl's: please report it, with the mesh";
+            "asset: its builder died; this is a fault of Knurl's: please report it, with the shape";
     } else if (answer.refused != 0) {
         result.refusal = protocol::text_of(answer.text);
     } else {
@@ -138,12 +140,13 @@ std::optional<AssetWorkshop::Result> AssetWorkshop::collect() {
             const auto memory = std::make_shared<shm::Segment>(
                 shm::Segment::open_sealed(received.fds.front().get(), answer.block_bytes));
             const std::span<const std::byte> block(memory->data(), memory->size());
-            auto mesh = std::make_unique<Mesh>(block, memory);
-            mesh->materials.assign(answer.materials.begin(),
-                                   answer.materials.begin() + answer.material_count);
-            result.asset = std::move(mesh);
+            auto asset = asset_of(block, memory);
+            asset->materials.assign(answer.materials.begin(),
+                                    answer.materials.begin() + answer.material_count);
+            result.asset = std::move(asset);
             result.ready = answer.ready;
             result.ready.number = number;
+            result.digest = answer.digest;
         } catch (const std::exception& error) {
             result.refusal =
                 fmt::format("asset: no memory for it ({}); see the limits of memory", error.what());

@@ -4,11 +4,10 @@
 // servo's, and a client that has gone takes it along. What comes back is memory that its own process has
 // written and sealed.
 //
-//   start ──> queue ──> spawn(program --build-asset) ══ socket ══> collect: the asset, or one line why not
+//   start ──> fair queue ──> spawn(program --build-asset) ══ socket ══> collect: the asset, or why not
 //                             └── cancel: killed
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,12 +18,15 @@
 #include <knurl/protocol/asset.hpp>
 #include <knurl/shm/fd.hpp>
 
+#include "fair_queue.hpp"
+
 namespace knurl::servo {
 
 class AssetWorkshop {
   public:
     struct Job {
         std::uint64_t ticket = 0;
+        std::uint64_t owner = 0;  // owners take turns
         std::uint32_t number = 0;
         shm::UniqueFd source;
         std::uint64_t bytes = 0;   // of the source
@@ -34,6 +36,7 @@ class AssetWorkshop {
         std::uint64_t ticket = 0;
         std::unique_ptr<Asset> asset;  // null: refused
         protocol::AssetReady ready;
+        protocol::AssetDigest digest = {};  // of the source
         std::string refusal;
     };
 
@@ -60,7 +63,7 @@ class AssetWorkshop {
     void reap(bool wait) noexcept;
 
     std::string program_;
-    std::deque<Job> queue_;
+    FairQueue<Job> queue_;
     std::optional<Running> running_;
     std::uint64_t builds_ = 0;
     std::deque<Result> failed_;  // that could not even be started

@@ -292,7 +292,13 @@ struct Broker::Impl {
     }
 
     void tell_builders() {
-        for (const AssetReply& reply : assets.answers(tables)) {
+        // A recorder that does not read misses it, and says so: the claim does not wait.
+        const auto record = [this](std::uint32_t device, const protocol::RecordedAsset& message, int source) {
+            for (const auto& [id, connection] : connections)
+                if (connection.recording == device)
+                    shm::send_message(connection.socket, bytes_of(message), {&source, 1});
+        };
+        for (const AssetReply& reply : assets.answers(tables, record)) {
             const auto found = connections.find(reply.connection);
             if (found == connections.end()) continue;
             const bool heard = reply.refusal.empty()

@@ -52,7 +52,8 @@ void ClaimTable::expect_no_asset(std::uint64_t key, std::uint32_t number) noexce
         row->assets[number - 1] = {};
 }
 
-void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset) {
+void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset,
+                            const protocol::AssetDigest& digest) {
     Row* row = row_of_key(key);
     if (row == nullptr) throw Refusal("asset: its claim has gone");
     RowAsset& place = row->assets[number - 1];
@@ -62,7 +63,7 @@ void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique
         throw Refusal(
             fmt::format("asset: {} bytes, besides {} that the claim holds by now; a claim may hold {}",
                         asset->bytes(), held, protocol::max_asset_bytes));
-    if (!device_.servo.give(row->claim.get(), number, asset.get()))
+    if (!device_.servo.give(row->claim.get(), number, asset.get(), digest))
         throw Refusal(fmt::format("asset: the servo of \"{}\" is busy; send it again", device_.name));
     place = {.stage = RowAsset::Stage::there, .asset = std::move(asset)};
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <knurl/servo/asset_build.hpp>
 #include <knurl/servo/replay.hpp>
 
 #include "servo_impl.hpp"
@@ -51,6 +52,7 @@ struct Replay::Held {
 
     protocol::ClaimLayout layout;
     OfflineMemory memory;
+    std::map<std::uint64_t, std::unique_ptr<Asset>> assets;  // by number; the claim refers to them
     Claim claim;
     shm::SpscProducer commands;
     shm::TripleWriter batches;
@@ -85,8 +87,11 @@ void require_sane(const TapeRecord& record, const ClaimTerms& terms) {
 
 }  // namespace
 
-Replay::Replay(const drivers::Device& like, const ServoOptions& options)
-    : played_(std::make_unique<Played>(like)), options_(options), segment_(protocol::device_layout().total) {}
+Replay::Replay(const drivers::Device& like, const ServoOptions& options, Sources sources)
+    : played_(std::make_unique<Played>(like)),
+      options_(options),
+      segment_(protocol::device_layout().total),
+      sources_(std::move(sources)) {}
 Replay::~Replay() = default;
 
 void Replay::gap() noexcept {
@@ -184,14 +189,39 @@ const Report* Replay::feed(const TapeRecord& record) {
             return step(cycle);
         }
         case TapeType::asset:
-            throw TapeError(
-                "an application sent a shape here, and what it is made of is not in the recording: it "
-                "replays up to "
-                "this place");
+            give(record);
+            return nullptr;
+        case TapeType::asset_forgotten: {
+            const auto number = part_of<std::uint64_t>(record, after_number);
+            Held& claim = *held(record);
+            if (!claim.assets.contains(number) ||
+                !servo_->forget(&claim.claim, static_cast<std::uint32_t>(number)))
+                nonsense(record, "forgets an asset that is not there");
+            return nullptr;
+        }
         case TapeType::keyframe:
             break;
     }
     nonsense(record, "is none of ours");
+}
+
+void Replay::give(const TapeRecord& record) {
+    const auto number = part_of<std::uint64_t>(record, after_number);
+    const auto digest = part_of<protocol::AssetDigest>(record, after_number + sizeof number);
+    Held& claim = *held(record);
+    if (number < 1 || number > max_assets || claim.assets.contains(number))
+        nonsense(record, "gives a claim an asset of a number that it cannot have");
+    if (!sources_) throw TapeError("an application sent a shape here, which was not recorded");
+    try {
+        auto& place = claim.assets[number];
+        place = build_asset(sources_(digest), protocol::max_asset_bytes).asset;
+        if (!servo_->give(&claim.claim, static_cast<std::uint32_t>(number), place.get(), digest))
+            nonsense(record, "is one message too many");
+    } catch (const TapeError&) {
+        throw;
+    } catch (const std::exception& error) {
+        throw TapeError(fmt::format("a recorded shape cannot be built again ({})", error.what()));
+    }
 }
 
 const Report* Replay::step(const TapeCycle& cycle) {
@@ -215,6 +245,9 @@ const Report* Replay::step(const TapeCycle& cycle) {
 }
 
 void Replay::free_released() {
+    while (const std::optional<ReturnedAsset> back = servo_->returned())
+        for (auto& [number, claim] : claims_)
+            if (&claim->claim == back->claim) claim->assets.erase(back->number);
     while (const Claim* back = servo_->released())
         std::erase_if(claims_, [back](const auto& entry) { return &entry.second->claim == back; });
 }

@@ -16,12 +16,16 @@ void Servo::Impl::take_asset(const Message& message) noexcept {
     rests[static_cast<std::size_t>(found - claims.begin())].resting = false;
     if (message.what == Message::What::forget) {
         c.forgotten |= std::uint64_t{1} << (message.number - 1);
+        if (tape != nullptr)
+            tape->put(TapeType::asset_forgotten,
+                      {as_bytes(c.number), as_bytes(std::uint64_t{message.number})});
         return;
     }
     c.assets[message.number - 1] = message.asset;
     c.scene.set_asset(message.number, message.asset);
     if (tape != nullptr)
-        tape->put(TapeType::asset, {as_bytes(c.number), as_bytes(std::uint64_t{message.number})});
+        tape->put(TapeType::asset,
+                  {as_bytes(c.number), as_bytes(std::uint64_t{message.number}), as_bytes(message.digest)});
 }
 
 /// Those that nothing is made of any more.
@@ -38,9 +42,10 @@ void Servo::Impl::return_assets(Claim& claim) noexcept {
     }
 }
 
-bool Servo::give(Claim* claim, std::uint32_t number, const Asset* asset) noexcept {
+bool Servo::give(Claim* claim, std::uint32_t number, const Asset* asset,
+                 const protocol::AssetDigest& digest) noexcept {
     return impl_->inbox.post(
-        {.what = Message::What::asset, .claim = claim, .asset = asset, .number = number});
+        {.what = Message::What::asset, .claim = claim, .asset = asset, .number = number, .digest = digest});
 }
 bool Servo::forget(Claim* claim, std::uint32_t number) noexcept {
     return impl_->inbox.post({.what = Message::What::forget, .claim = claim, .number = number});

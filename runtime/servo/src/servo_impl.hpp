@@ -24,7 +24,8 @@ struct Message {
     Claim* claim = nullptr;
     Tape* tape = nullptr;
     const Asset* asset = nullptr;
-    std::uint32_t number = 0;  // of the asset
+    std::uint32_t number = 0;           // of the asset
+    protocol::AssetDigest digest = {};  // of its source
 };
 
 /// The parts of the cycle, in the order in which `step` calls them, and what they remember.

@@ -31,7 +31,8 @@ std::uint64_t tape_layout() noexcept {
     for (const std::uint64_t value : {std::uint64_t{sizeof(TapeCycle)}, std::uint64_t{sizeof(TapeHeader)},
                                       std::uint64_t{sizeof(ClaimTerms)}, std::uint64_t{sizeof(ServoOptions)},
                                       std::uint64_t{tape_slot_bytes}, std::uint64_t{tape_slots},
-                                      static_cast<std::uint64_t>(TapeType::cycle)})
+                                      static_cast<std::uint64_t>(TapeType::asset_forgotten),
+                                      std::uint64_t{sizeof(protocol::AssetDigest)}})
         hash = mix(hash, value);
     return hash;
 }

@@ -16,7 +16,8 @@ std::unique_ptr<ClaimChannel> local_channel(std::shared_ptr<shm::Segment> claim,
 
 /// What a claim's assets go through: who knows the claim's key may give it some.
 std::shared_ptr<AssetDoor> local_assets(const std::string& servo, const std::string& client_name,
-                                        std::uint32_t device, std::uint64_t key);
+                                        std::uint32_t device, std::uint64_t key,
+                                        std::chrono::milliseconds answer_time);
 
 /// Reports in a device's segment, waited for by the flag in the claim's.
 std::shared_ptr<ReportSource> local_reports(std::shared_ptr<const shm::Segment> device,

@@ -76,7 +76,7 @@ class AssetDoor {
     virtual void forget(std::uint32_t number) = 0;
 };
 
-/// What an attach brings. `channel` is null for an observer, `assets` where nothing large can be sent.
+/// What an attach brings. `channel` and `assets` are null for an observer.
 struct Attachment {
     protocol::Claimed terms;
     DeviceDescription device;

@@ -11,6 +11,7 @@
 //   Release            ->      (or hang-up)
 //   RecordRequest      ->
 //                      <-      Recording + {tape}, or Refused; until the hang-up
+//                      <-      RecordedAsset + {source}, for each that a claim gets
 
 #include <cstdint>
 #include <string>
@@ -37,7 +38,8 @@ enum class MessageType : std::uint32_t {
     recording,
     asset_offer,  // asset.hpp
     asset_ready,
-    asset_forget
+    asset_forget,
+    recorded_asset
 };
 
 struct MessageHeader {

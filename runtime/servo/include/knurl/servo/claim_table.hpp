@@ -10,6 +10,7 @@
 
 #include <sys/types.h>
 
+#include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/servo/claim.hpp>
@@ -75,7 +76,8 @@ class ClaimTable {
     /// There will be none.
     void expect_no_asset(std::uint64_t key, std::uint32_t number) noexcept;
     /// Throws Refusal: the claim has gone, or the servo is busy.
-    void give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset);
+    void give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset,
+                    const protocol::AssetDigest& digest);
     /// It is freed once the servo has given it back. Throws Refusal.
     void forget_asset(std::uint64_t key, std::uint32_t number);
 

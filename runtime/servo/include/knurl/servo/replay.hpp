@@ -2,12 +2,15 @@
 // Feeds a tape through the very same Servo::step again: same build, same device, same bits.
 
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <knurl/protocol/asset.hpp>
 #include <knurl/servo/offline.hpp>
 #include <knurl/servo/tape.hpp>
 
@@ -21,8 +24,12 @@ class TapeError : public std::runtime_error {
 
 class Replay {
   public:
-    /// `like`: a device of the recorded one's figures; it is neither read nor written.
-    Replay(const drivers::Device& like, const ServoOptions& options);
+    /// What an asset of that digest was made of, aligned to 8. Throws TapeError: it is not to be had.
+    using Sources = std::function<std::span<const std::byte>(const protocol::AssetDigest&)>;
+
+    /// `like`: a device of the recorded one's figures; it is neither read nor written. `sources`: none, if no
+    /// asset is to be expected.
+    Replay(const drivers::Device& like, const ServoOptions& options, Sources sources = {});
     ~Replay();
 
     /// One record, in the tape's order. Returns the report if that completed a cycle; null: it did not, or
@@ -41,10 +48,12 @@ class Replay {
     void load(const TapeRecord& record);
     Held* held(const TapeRecord& record);
     void free_released();
+    void give(const TapeRecord& record);
 
     std::unique_ptr<Played> played_;
     ServoOptions options_;
     OfflineMemory segment_;
+    Sources sources_;
     std::unique_ptr<Servo> servo_;
     std::map<std::uint64_t, std::unique_ptr<Held>> claims_;  // by number
     bool exact_ = false;

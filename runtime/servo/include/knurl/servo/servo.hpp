@@ -7,6 +7,7 @@
 #include <span>
 
 #include <knurl/drivers/device.hpp>
+#include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/servo/claim.hpp>
 #include <knurl/servo/clock.hpp>
@@ -56,8 +57,10 @@ class Servo {
     bool drop_all() noexcept;           // ramp down the device: the servo is about to end
     Claim* released() noexcept;         // null: none; the broker frees it
     /// The claim's asset of that number from the next cycle on, before its commands are looked at. It
-    /// outlives the claim, or its return. False: the mailbox is full.
-    bool give(Claim* claim, std::uint32_t number, const Asset* asset) noexcept;
+    /// outlives the claim, or its return. `digest`: of what it was made of, for the tape. False: the mailbox
+    /// is full.
+    bool give(Claim* claim, std::uint32_t number, const Asset* asset,
+              const protocol::AssetDigest& digest = {}) noexcept;
     /// It comes back through `returned` once nothing that is felt, or still fades, is made of it.
     bool forget(Claim* claim, std::uint32_t number) noexcept;
     std::optional<ReturnedAsset> returned() noexcept;

@@ -33,7 +33,8 @@ enum class TapeType : std::uint16_t {
     batch,            // number, BatchHeader, entries
     batch_broken,     // number: its batches made no sense
     cycle,            // TapeCycle: ends the records of a cycle
-    asset,            // number of the claim, of the asset: what it is made of is not on the tape
+    asset,            // number of the claim, of the asset, digest of its source, which is elsewhere
+    asset_forgotten,  // number of the claim, of the asset
 };
 
 /// What a cycle was given besides what claims sent. Without the velocities where the device measures none.

@@ -1,0 +1,25 @@
+#pragma once
+// From what an application sent to what a servo feels. Takes the time that it takes, allocates, throws:
+// knurld does it in a process of its own (asset_workshop.hpp), a replay or a test where it is.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include <knurl/geometry/asset.hpp>
+#include <knurl/protocol/asset.hpp>
+
+namespace knurl::servo {
+
+struct BuiltAsset {
+    std::unique_ptr<Asset> asset;  // with its materials
+    protocol::AssetReady ready;    // all but the number
+};
+
+/// `source` is a protocol::AssetSource and its parts, aligned to 8, and is not needed afterwards; nothing of
+/// it is believed. `budget` (bytes) is what the result and building it may take. Throws one line that says
+/// what is wrong and what to do (std::runtime_error), std::bad_alloc.
+BuiltAsset build_asset(std::span<const std::byte> source, std::uint64_t budget);
+
+}  // namespace knurl::servo
