@@ -106,6 +106,7 @@ void Connection::run() noexcept {
 void Connection::tick(std::int64_t now) noexcept {
     for (const auto& stream : streams_)
         if (stream) stream->tick(now);
+    assets_.go_on();  // where there was no room for the next piece
     if (now >= next_ping_ns_) {
         ping(now);
         if (now >= next_probe_ns_) {
@@ -177,6 +178,12 @@ void Connection::take_frame(const Frame& frame) noexcept {
         case FrameType::feedback:
             if (Stream* stream = stream_of(frame.stream)) stream->take_feedback(payload);
             return;
+        case FrameType::asset_taken:
+            return assets_.taken(payload) ? void() : die(no_sense);
+        case FrameType::asset_ready:
+            return assets_.ready(payload) ? void() : die(no_sense);
+        case FrameType::asset_refused:
+            return assets_.refused(payload) ? void() : die(no_sense);
         case FrameType::gone:
             return die({reinterpret_cast<const char*>(payload.data()), payload.size()});
         default:
@@ -193,6 +200,7 @@ void Connection::die(std::string_view why) noexcept {
     answered_.notify_all();
     for (const auto& stream : streams_)
         if (stream) stream->wake();
+    assets_.wake();
 }
 
 std::string Connection::why_it_ended() {
@@ -260,6 +268,7 @@ void Connection::release(std::uint32_t id) noexcept {
     streams_[id - 1]->wake();
     streams_[id - 1].reset();
     give_back(id);
+    assets_.give_up(id);
 }
 
 /// A claim that cannot be given back ends with the connection.
@@ -267,6 +276,37 @@ void Connection::give_back(std::uint32_t id) noexcept {
     const Nothing nothing;
     const std::span<const std::byte> part = bytes_of(nothing);
     if (!dead_ && !send(FrameType::release, id, {&part, 1})) die();
+}
+
+// ------------------------------------------------------------------------------------------------- assets
+
+std::shared_ptr<Connection::Parcel> Connection::offer_asset(std::uint32_t stream, std::uint32_t number,
+                                                            const shm::UniqueFd& source,
+                                                            std::uint64_t bytes) {
+    const Lock held = lock();
+    if (dead_) throw Error(Error::Kind::disconnected, last_words());
+    return assets_.offer(stream, number, source, bytes);
+}
+
+std::optional<protocol::AssetReady> Connection::asset_answer(const Parcel& parcel) {
+    const Lock held = lock();
+    if (parcel.refused) throw refusal(*parcel.refused);
+    if (parcel.ready) return parcel.ready;
+    if (dead_) throw Error(Error::Kind::disconnected, last_words());
+    return std::nullopt;
+}
+
+void Connection::forget_asset(std::uint32_t stream, std::uint32_t number) {
+    const Lock held = lock();
+    const AssetForget message{.number = number};
+    const std::span<const std::byte> part = bytes_of(message);
+    if (!send(FrameType::asset_forget, stream, {&part, 1}))
+        throw Error(Error::Kind::disconnected, last_words());
+}
+
+void Connection::withdraw_asset(const Parcel& parcel) noexcept {
+    const Lock held = lock();
+    if (!dead_ && !assets_.withdraw(parcel)) die();
 }
 
 bool Connection::send(FrameType type, std::uint32_t stream,

@@ -19,6 +19,7 @@
 #include <knurl/shm/deadline.hpp>
 #include <knurl/shm/fd.hpp>
 
+#include "asset_sender.hpp"
 #include "clock_estimate.hpp"
 #include "frame_stream.hpp"
 #include "mailbag.hpp"
@@ -55,6 +56,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
     /// Throws Error. The stream is known here until release().
     Joined attach(std::uint32_t device, const protocol::ClaimRequest& request);
     void release(std::uint32_t stream) noexcept;
+
+    // Assets of a stream's claim. Throw Error.
+    using Parcel = AssetSender::Parcel;
+    std::shared_ptr<Parcel> offer_asset(std::uint32_t stream, std::uint32_t number,
+                                        const shm::UniqueFd& source, std::uint64_t bytes);
+    std::optional<protocol::AssetReady> asset_answer(const Parcel& parcel);  // none: not yet
+    void forget_asset(std::uint32_t stream, std::uint32_t number);
+    void withdraw_asset(const Parcel& parcel) noexcept;
 
     // By the streams. One lock for everything here and in them; nobody sleeps under it.
     Lock lock() const { return Lock(mutex_); }
@@ -127,6 +136,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     std::vector<DeviceDescription> devices_;
     pid_t servo_pid_ = 0;
     std::array<std::shared_ptr<Stream>, max_streams> streams_;  // of stream n at n - 1
+    AssetSender assets_{frames_};
     std::condition_variable answered_;
     std::optional<Answer> answer_;
     bool asked_ = false;  // attach() waits for an answer

@@ -66,7 +66,8 @@ Connection::Connection(const Endpoint& bridge, const RemoteOptions& options)
     : bridge_(bridge),
       answer_time_(options.answer_time),
       report_rate_(options.report_rate),
-      frames_(begin_to_connect(bridge), false, key_of(options.key_file)),
+      frames_(begin_to_connect(bridge), false, key_of(options.key_file),
+              {.payload = max_frame_bytes, .outgoing = 2 * max_frame_bytes + SendWindow::most}),
       frames_lost_in_child_(std::in_place, frames_.fd()),
       stop_(shm::make_event()) {
     const shm::Deadline deadline = shm::deadline_after(answer_time_);

@@ -87,6 +87,7 @@ bool Peer::take_frame(const Frame& frame, Desk& desk) {
         return type == FrameType::hello ? greet(frame.payload, desk) : fail("it did not say hello first");
     if (type == FrameType::attach) return attach(frame.payload, desk);
     PeerStream* stream = stream_of(frame.stream);
+    if (type == FrameType::asset_piece) return assets_.piece(frame.payload, why_);  // each is answered
     // Of one that was released meanwhile, or that never was: nobody is harmed by leaving it alone.
     if (stream == nullptr) return true;
     const char* why = "";
@@ -98,6 +99,12 @@ bool Peer::take_frame(const Frame& frame, Desk& desk) {
             return stream->commands(frame.payload, role(), why) || fail(why);
         case FrameType::batch:
             return stream->batch(frame.payload, why) || fail(why);
+        case FrameType::asset_offer:
+            return assets_.offer(frame.stream, stream->attachment().assets, frame.payload, why_);
+        case FrameType::asset_cancel:
+            return assets_.cancel(frame.payload, why_);
+        case FrameType::asset_forget:
+            return assets_.forget(frame.stream, frame.payload, why_);
         default:
             return fail(detail::format("a frame of type {}, which none of ours has", frame.type));
     }
@@ -217,6 +224,7 @@ void Peer::release(std::uint32_t id, Desk& desk) noexcept {
     if (stream == nullptr) return;
     desk.out.flush();  // what waits there points into it
     desk.pulse.leave(stream->device());
+    assets_.drop(id);
     link_->release(stream->attachment());
     streams_[id - 1].reset();
 }

@@ -9,6 +9,7 @@
 #include <knurl/bridge/endpoint.hpp>
 #include <knurl/link/transport.hpp>
 
+#include "asset_intake.hpp"
 #include "peer_stream.hpp"
 #include "pulse.hpp"
 
@@ -35,6 +36,7 @@ class Peer {
     int hang_up() const noexcept { return link_ ? link_->hang_up() : -1; }
     bool wants_write() const noexcept { return frames_.wants_write(); }
     bool greeted() const noexcept { return link_ != nullptr; }
+    int assets_event() const noexcept { return assets_.event(); }
     std::uint64_t session() const noexcept { return session_; }
     const sockaddr_storage& from() const noexcept { return from_; }
     const std::string& name() const noexcept { return name_; }  // name@host:port
@@ -47,6 +49,7 @@ class Peer {
 
     // Each false: it is to be closed, for why().
     bool serve(Desk& desk, std::int64_t now);  // its connection has something, or room
+    bool serve_assets() { return assets_.answers(why_); }
     bool cycle(std::uint32_t device, const Report& report, std::uint64_t unseen, std::int64_t now,
                Desk& desk) noexcept;
     void datagram(std::span<std::byte> datagram, const Correspondent& from, std::int64_t now,
@@ -84,6 +87,7 @@ class Peer {
     PathWidth width_;
     LongestLately longest_;  // of its datagrams
     std::array<std::unique_ptr<PeerStream>, max_streams> streams_;
+    AssetIntake assets_{frames_};
     std::size_t next_stream_ = 0;
     std::int64_t heard_ns_;
     std::uint64_t replayed_ = 0, forged_ = 0;  // datagrams

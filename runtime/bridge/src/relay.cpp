@@ -21,7 +21,16 @@ namespace knurl::bridge {
 namespace {
 
 // What epoll hands back: what it is, which one, and the place's use at that time.
-enum class Source : std::uint64_t { listener, signals, datagrams, servo, device, peer, peers_servo };
+enum class Source : std::uint64_t {
+    listener,
+    signals,
+    datagrams,
+    servo,
+    device,
+    peer,
+    peers_servo,
+    peers_assets
+};
 
 constexpr std::uint64_t source(Source what, std::size_t which = 0, std::uint32_t use = 0) {
     return static_cast<std::uint64_t>(what) << 56 | static_cast<std::uint64_t>(which) << 32 | use;
@@ -119,7 +128,7 @@ void Relay::accept_all(std::int64_t now) {
         ++accepts;
         free->peer = std::make_unique<Peer>(std::move(socket), from, new_session(place), tls_, now);
         ++free->use;
-        free->watches_hang_up = free->watches_writing = false;
+        free->watches_hang_up = free->watches_writing = free->watches_assets = false;
         watch(free->peer->fd(), EPOLLIN, source(Source::peer, place, free->use), EPOLL_CTL_ADD);
         serve_peer(place, now);  // most have spoken already, and need no place among those who have not
     }
@@ -178,12 +187,23 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
     follow(place);
 }
 
+void Relay::serve_assets(std::size_t place, std::int64_t now) {
+    Peer& peer = *places_[place].peer;
+    if (!peer.serve_assets()) return end(place, peer.why(), now);
+    follow(place);
+}
+
 void Relay::follow(std::size_t index) {
     Place& place = places_[index];
     if (!place.watches_hang_up && place.peer->greeted()) {
         watch(place.peer->hang_up(), EPOLLRDHUP, source(Source::peers_servo, index, place.use),
               EPOLL_CTL_ADD);
         place.watches_hang_up = true;
+    }
+    if (!place.watches_assets && place.peer->assets_event() >= 0) {
+        watch(place.peer->assets_event(), EPOLLIN, source(Source::peers_assets, index, place.use),
+              EPOLL_CTL_ADD);
+        place.watches_assets = true;
     }
     if (place.peer->wants_write() != place.watches_writing) {
         place.watches_writing = !place.watches_writing;
@@ -362,6 +382,9 @@ void Relay::run(int signals) {
                         detail::format("servo '{}' has gone, or has closed this connection; start it again",
                                        options_.servo));
                     close(which, Error::Kind::disconnected, "");
+                    break;
+                case Source::peers_assets:
+                    if (there) serve_assets(which, now);
                     break;
                 case Source::peer:
                     if (there) serve_peer(which, now);

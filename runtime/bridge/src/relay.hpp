@@ -51,6 +51,7 @@ class Relay {
         std::uint32_t use = 0;  // events of an earlier peer find nobody
         bool watches_hang_up = false;
         bool watches_writing = false;
+        bool watches_assets = false;
     };
 
     void watch(int fd, std::uint32_t events, std::uint64_t source, int operation);
@@ -58,6 +59,7 @@ class Relay {
     void accept_all(std::int64_t now);
     void take_datagrams(std::int64_t now);
     void serve_peer(std::size_t place, std::int64_t now);
+    void serve_assets(std::size_t place, std::int64_t now);
     void serve_device(std::size_t device, std::int64_t now);
     void follow(std::size_t place);  // what it wants to be woken for
     void follow_servo();

@@ -6,9 +6,12 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <poll.h>
 
 #include <knurl/bridge/remote.hpp>
+#include <knurl/link/fork_guard.hpp>
 #include <knurl/link/text.hpp>
+#include <knurl/shm/waiter.hpp>
 
 #include "connection.hpp"
 #include "stream.hpp"
@@ -58,6 +61,43 @@ class RemoteChannel final : public detail::ClaimChannel {
     std::shared_ptr<Stream> stream_;
 };
 
+class RemoteTransfer final : public detail::AssetTransfer {
+  public:
+    RemoteTransfer(std::shared_ptr<Connection> connection, std::shared_ptr<Connection::Parcel> parcel)
+        : connection_(std::move(connection)), parcel_(std::move(parcel)) {}
+    ~RemoteTransfer() override {
+        if (detail::fork_generation() == made_in_) connection_->withdraw_asset(*parcel_);
+    }
+    int event() const override { return parcel_->event.get(); }
+    std::optional<protocol::AssetReady> answer(std::chrono::nanoseconds timeout) override {
+        detail::require_own(made_in_);
+        pollfd raised{.fd = event(), .events = POLLIN, .revents = 0};
+        shm::poll_until({&raised, 1}, shm::deadline_after(timeout));
+        return connection_->asset_answer(*parcel_);
+    }
+
+  private:
+    const std::uint64_t made_in_ = detail::fork_generation();
+    std::shared_ptr<Connection> connection_;
+    std::shared_ptr<Connection::Parcel> parcel_;
+};
+
+class RemoteAssets final : public detail::AssetDoor {
+  public:
+    RemoteAssets(std::shared_ptr<Connection> connection, std::uint32_t stream)
+        : connection_(std::move(connection)), stream_(stream) {}
+    std::unique_ptr<detail::AssetTransfer> offer(std::uint32_t number, const shm::UniqueFd& source,
+                                                 std::uint64_t bytes) override {
+        return std::make_unique<RemoteTransfer>(connection_,
+                                                connection_->offer_asset(stream_, number, source, bytes));
+    }
+    void forget(std::uint32_t number) override { connection_->forget_asset(stream_, number); }
+
+  private:
+    std::shared_ptr<Connection> connection_;
+    std::uint32_t stream_;
+};
+
 class RemoteLink final : public detail::Link {
   public:
     RemoteLink(const Endpoint& bridge, const RemoteOptions& options)
@@ -80,7 +120,10 @@ class RemoteLink final : public detail::Link {
                                   .reports = std::make_shared<RemoteReports>(stream),
                                   .channel = {},
                                   .assets = {}};
-        if (request.observe == 0) result.channel = std::make_unique<RemoteChannel>(stream);
+        if (request.observe == 0) {
+            result.channel = std::make_unique<RemoteChannel>(stream);
+            result.assets = std::make_shared<RemoteAssets>(connection_, stream->id());
+        }
         return result;
     }
 

@@ -7,7 +7,11 @@
 #include <cstring>
 #include <string>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <knurl/link/local.hpp>
+#include <knurl/shm/waiter.hpp>
 
 #include "fake_claim.hpp"
 #include "peer.hpp"
@@ -19,8 +23,12 @@ using namespace knurl::bridge;
 namespace {
 
 constexpr unsigned good_hello = 1, good_device = 2, type_shift = 4;
-constexpr FrameType types[] = {FrameType::hello, FrameType::attach,  FrameType::release, FrameType::commands,
-                               FrameType::batch, FrameType::welcome, FrameType{0},       FrameType{999}};
+constexpr FrameType types[] = {FrameType::hello,       FrameType::attach,       FrameType::release,
+                               FrameType::commands,    FrameType::batch,        FrameType::welcome,
+                               FrameType{0},           FrameType{999},          FrameType::asset_offer,
+                               FrameType::asset_piece, FrameType::asset_cancel, FrameType::asset_forget,
+                               FrameType::asset_taken, FrameType::asset_ready,  FrameType::asset_refused,
+                               FrameType::asset_piece};
 constexpr std::uint32_t device_count = 2;
 std::size_t attached = 0;  // at the servo, of all connections
 
@@ -34,6 +42,24 @@ struct NoReports final : detail::ReportSource {
     void wait_cycle(std::chrono::nanoseconds) noexcept override {}
     int event() const noexcept override { return -1; }
     void rearm() noexcept override {}
+};
+
+/// Takes assets, which are whole and sealed, and never has them ready.
+struct FakeDoor final : detail::AssetDoor {
+    struct Transfer final : detail::AssetTransfer {
+        int event() const override { return never.get(); }
+        std::optional<protocol::AssetReady> answer(std::chrono::nanoseconds) override { return std::nullopt; }
+        shm::UniqueFd never = shm::make_event();
+    };
+    std::unique_ptr<detail::AssetTransfer> offer(std::uint32_t number, const shm::UniqueFd& source,
+                                                 std::uint64_t bytes) override {
+        fuzz::require(number >= 1 && number <= max_assets && bytes <= protocol::max_asset_bytes);
+        constexpr int sealed = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
+        fuzz::require(::fcntl(source.get(), F_GET_SEALS) == sealed &&
+                      static_cast<std::uint64_t>(::lseek(source.get(), 0, SEEK_END)) == bytes);
+        return std::make_unique<Transfer>();
+    }
+    void forget(std::uint32_t) override { fuzz::require(false); }
 };
 
 /// A servo that demands what a broker may rely on, and refuses what it refuses.
@@ -58,6 +84,7 @@ struct FakeServo final : detail::Link {
         } else {
             result.terms.capacity = asked;
             result.channel = std::make_unique<fuzz::FakeChannel>();
+            result.assets = std::make_shared<FakeDoor>();
         }
         return result;
     }
@@ -116,7 +143,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Heard heard;
     fuzz::Pieces frames({data, size});
     for (fuzz::Pieces::Piece piece; open && frames.next(piece);) {
-        const FrameType type = types[piece.control >> type_shift & 7];
+        const FrameType type = types[piece.control >> type_shift & 15];
         std::vector<std::byte>& bytes = piece.bytes;
         if (type == FrameType::hello && (piece.control & good_hello) && bytes.size() >= sizeof(Hello)) {
             Hello hello;

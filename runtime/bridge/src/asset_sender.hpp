@@ -1,0 +1,69 @@
+#pragma once
+// The application's end of assets: their sources in pieces, among the frames of its connection, as many at a
+// time as do not delay the others. All of it with the connection's lock held.
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <knurl/protocol/asset.hpp>
+#include <knurl/shm/fd.hpp>
+
+#include "frame_stream.hpp"
+#include "send_window.hpp"
+#include "wire.hpp"
+
+namespace knurl::bridge {
+
+class AssetSender {
+  public:
+    struct Parcel {
+        std::uint64_t ticket = 0, bytes = 0, sent = 0;
+        std::uint32_t stream = 0, number = 0;
+        bool offered = false;
+        shm::UniqueFd source;
+        shm::UniqueFd event;  // readable when one of the following is there, or the connection has ended
+        std::optional<protocol::AssetReady> ready;
+        std::optional<Refused> refused;
+    };
+
+    explicit AssetSender(FrameStream& frames) : frames_(frames) {}
+
+    /// `source` is duplicated. Throws Error.
+    std::shared_ptr<Parcel> offer(std::uint32_t stream, std::uint32_t number, const shm::UniqueFd& source,
+                                  std::uint64_t bytes);
+    /// Nobody waits for it any more. False: that cannot be said.
+    bool withdraw(const Parcel& parcel) noexcept;
+    /// Those of a stream that has ended.
+    void give_up(std::uint32_t stream) noexcept;
+    /// Sends on, if there is room; again and again.
+    void go_on() noexcept;
+    /// The connection has ended.
+    void wake() noexcept;
+
+    // What the bridge says; false: it makes no sense.
+    bool taken(std::span<const std::byte> payload) noexcept;
+    bool ready(std::span<const std::byte> payload) noexcept;
+    bool refused(std::span<const std::byte> payload) noexcept;
+
+  private:
+    struct Flight {
+        std::size_t bytes = 0;
+        std::int64_t sent_ns = 0;
+    };
+    bool send_piece(Parcel& parcel) noexcept;
+    std::shared_ptr<Parcel> take(std::uint64_t ticket) noexcept;  // out of the list
+    template <class T>
+    bool send(FrameType type, std::uint32_t stream, const T& body) noexcept;
+
+    FrameStream& frames_;
+    std::vector<std::shared_ptr<Parcel>> parcels_;  // that are not answered, in the order of their tickets
+    std::uint64_t last_ticket_ = 0;
+    std::deque<Flight> flights_;  // pieces that the bridge has not taken yet
+    std::size_t on_their_way_ = 0;
+    SendWindow window_;
+};
+
+}  // namespace knurl::bridge
