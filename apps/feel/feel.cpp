@@ -32,7 +32,7 @@ void wait_until_slow(knurl::Claim& hand, const std::atomic<bool>& stop) {
 
 }  // namespace
 
-Felt feel(knurl::Client& client, const MeshFile& file, const FeelOptions& options,
+Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptions& options,
           const std::atomic<bool>& stop, const std::function<void(const std::string&)>& told) {
     knurl::ClaimOptions claim{.update_interval = 20ms};
     // How large the thing is, and how large the device's world must be for it, is known before it is sent.
@@ -48,7 +48,7 @@ Felt feel(knurl::Client& client, const MeshFile& file, const FeelOptions& option
 
     const auto begin = Clock::now();
     knurl::Sending sending = hand.begin_sending(file.triangles_of(), options.send);
-    std::optional<knurl::SentMesh> sent;
+    std::optional<knurl::SentShape> sent;
     while (!stop && !(sent = sending.done(50ms))) hand.commit();
     if (!sent) return felt;
     felt.sent = *sent;
@@ -101,23 +101,6 @@ Felt feel(knurl::Client& client, const MeshFile& file, const FeelOptions& option
     felt.unread = hand.missed();
     hand.release();
     return felt;
-}
-
-std::vector<std::string> notes_of(const knurl::MeshNotes& n) {
-    std::vector<std::string> lines;
-    const auto note = [&](std::uint64_t count, const char* what) {
-        if (count > 0) lines.push_back(fmt::format("{} {}", count, what));
-    };
-    note(n.vertices_not_finite, "vertices are no numbers, or beyond 1e7 m: their triangles are left out");
-    note(n.vertices_far, "vertices lie far from all others: their triangles are left out");
-    note(n.vertices_welded, "vertices became one with a neighbour");
-    note(n.faces_degenerate, "triangles without an area are left out");
-    note(n.faces_duplicate, "triangles that were there twice are left out");
-    note(n.faces_turned, "triangles were wound against their neighbours and are turned");
-    note(n.edges_open, "edges are open: past them the hand slips off");
-    note(n.edges_non_manifold, "edges have more than two triangles");
-    note(n.faces_crossed, "triangles cross others");
-    return lines;
 }
 
 }  // namespace feel

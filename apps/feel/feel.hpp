@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <mesh_file.hpp>
+
 #include <knurl/client/client.hpp>
 
-#include "mesh_file.hpp"
 #include "record.hpp"
 
 namespace feel {
@@ -23,7 +24,7 @@ struct FeelOptions {
 };
 
 struct Felt {
-    knurl::SentMesh sent;
+    knurl::SentShape sent;
     double send_seconds = 0;                             // from the offer until the servo had it
     double stiffness = 0;                                // N/m as applied
     double scale = 1;                                    // m of the thing for a metre of the device
@@ -34,10 +35,7 @@ struct Felt {
 };
 
 /// `told` gets a line now and then. Throws knurl::Error.
-Felt feel(knurl::Client& client, const MeshFile& file, const FeelOptions& options,
+Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptions& options,
           const std::atomic<bool>& stop, const std::function<void(const std::string&)>& told);
-
-/// What the builder found and mended, a line each; none: nothing was wrong.
-std::vector<std::string> notes_of(const knurl::MeshNotes& notes);
 
 }  // namespace feel

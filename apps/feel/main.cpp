@@ -1,30 +1,28 @@
 // knurl-feel: a mesh from a file in the hand.
 
-#include <atomic>
-#include <csignal>
 #include <cstdio>
-#include <exception>
-#include <filesystem>
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <measure.hpp>
+#include <mesh_file.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>
-#include <unistd.h>
+#include <program_main.hpp>
+#include <unit.hpp>
 
 #include "feel.hpp"
+#include "material.hpp"
 #include "picture.hpp"
 #include "stroke.hpp"
-#include "unit.hpp"
 
 namespace {
 
-std::atomic<bool> stop{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "written by a signal handler");
+using knurl::measure::stop;
 
 struct Wishes {
+    std::vector<std::string> materials;
     std::string mesh, unit, connect = "knurl:default", picture, csv;
     bool demo = false, smooth = false, no_fit = false;
     double scale = 1, wait = 2;
@@ -50,6 +48,12 @@ void describe(CLI::App& app, Wishes& w) {
     app.add_option("--friction", w.friction, "Coulomb coefficient")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 100.0));
+    app.add_option(
+           "--material", w.materials,
+           "a material of the file, with its shares of stiffness, damping and friction, 0 to 1 of the "
+           "first; again for another")
+        ->type_name("NAME=SHARE[,SHARE[,SHARE]]")
+        ->allow_extra_args(false);
     app.add_flag("--smooth", w.smooth, "the force along interpolated normals; contact stays the facets'");
     app.add_option("--radius", w.feel.radius, "m, of the finger")
         ->capture_default_str()
@@ -60,7 +64,9 @@ void describe(CLI::App& app, Wishes& w) {
     app.add_option("--seconds", w.feel.seconds, "s to feel; 0: until Ctrl-C")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
-    app.add_option("--connect", w.connect, "knurl:NAME")->capture_default_str();
+    app.add_option("--connect", w.connect,
+                   "knurl:NAME, or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
+        ->capture_default_str();
     app.add_option("--device", w.feel.device, "the servo's device; may be left out if it has one");
     app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
         ->capture_default_str()
@@ -81,52 +87,30 @@ void describe(CLI::App& app, Wishes& w) {
         "  knurl-feel bunny.ply --demo --picture bunny.png  without a device\n");
 }
 
-/// A file that was damaged in its header can keep Assimp busy for ever.
-class ReadingLimit {
-  public:
-    ReadingLimit() {
-        std::signal(SIGALRM, [](int) {
-            constexpr char text[] =
-                "knurl-feel: the file takes more than a minute to read; it is damaged, or far too large\n";
-            [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
-            _exit(1);
-        });
-        alarm(60);
-    }
-    ~ReadingLimit() { alarm(0); }
-    ReadingLimit(const ReadingLimit&) = delete;
-    ReadingLimit& operator=(const ReadingLimit&) = delete;
-};
-
-/// The way of the simulated hand; gone with the program.
-struct TemporaryFile {
-    TemporaryFile() = default;
-    ~TemporaryFile() { unlink(name.c_str()); }
-    TemporaryFile(const TemporaryFile&) = delete;
-    TemporaryFile& operator=(const TemporaryFile&) = delete;
-    const std::string name =
-        std::filesystem::temp_directory_path() / fmt::format("knurl-feel-{}.csv", getpid());
-};
-
-feel::MeshFile load(const std::string& path) {
-    const ReadingLimit limit;
-    return feel::load_mesh(path);
+meshfile::MeshFile load(const std::string& path) {
+    const meshfile::ReadingLimit limit("knurl-feel");
+    return meshfile::load_mesh(path);
 }
 
-knurl::Mesh mesh_here(const feel::MeshFile& file, const knurl::SendOptions& send) {
+std::unique_ptr<knurl::Mesh> mesh_here(const meshfile::MeshFile& file, const knurl::SendOptions& send) {
     std::vector<knurl::Point3> vertices = file.vertices;
     for (knurl::Point3& vertex : vertices)
         for (double& x : vertex) x *= send.scale;
-    return knurl::Mesh({.vertices = vertices, .triangles = file.triangles, .materials = file.materials},
-                       {.exact = send.exact, .weld = send.weld});
+    auto mesh = std::make_unique<knurl::Mesh>(
+        knurl::Triangles{.vertices = vertices, .triangles = file.triangles, .materials = file.materials},
+        knurl::MeshBuild{.exact = send.exact, .weld = send.weld});
+    mesh->materials = send.materials;
+    return mesh;
 }
 
 int run(Wishes& w) {
     if (!w.picture.empty()) knurl::measure::require_writable(w.picture);
     if (!w.csv.empty()) knurl::measure::require_writable(w.csv);
-    const feel::MeshFile file = load(w.mesh);
-    const feel::Unit unit = w.unit.empty() ? feel::guessed_unit(file.size()) : feel::unit_of(w.unit);
+    const meshfile::MeshFile file = load(w.mesh);
+    const meshfile::Unit unit =
+        w.unit.empty() ? meshfile::guessed_unit(file.size()) : meshfile::unit_of(w.unit);
     knurl::SendOptions& send = w.feel.send;
+    send.materials = feel::materials_of(file.material_names, w.materials);
     send.scale = unit.metres * w.scale;
     const double size = send.scale * file.size();
     fmt::print("{}: {}, {} triangles, {} vertices\n", file.path, file.format, file.triangles.size(),
@@ -135,15 +119,16 @@ int run(Wishes& w) {
                unit.metres * file.size(),
                unit.guessed ? fmt::format("; the unit {} is a guess, --unit says another", unit.name) : "",
                w.scale != 1 ? fmt::format("; felt {:g} times as large, {:.4g} m", w.scale, size) : "");
-    if (const auto odd = feel::odd_size(size)) fmt::print("  {}\n", *odd);
+    if (const auto odd = meshfile::odd_size(size)) fmt::print("  {}\n", *odd);
     if (file.faces_of_other_kinds > 0)
         fmt::print("  {} points and lines are left out\n", file.faces_of_other_kinds);
+    if (file.material_names.size() > 1) fmt::print("  materials: {}\n", fmt::join(file.material_names, ", "));
     std::fflush(stdout);
 
     w.feel.shape.friction.dynamic = w.friction;
     w.feel.shape.shading = w.smooth ? knurl::Shading::smooth : knurl::Shading::flat;
     w.feel.fit = !w.no_fit;
-    const TemporaryFile path;
+    const knurl::measure::TemporaryFile path("knurl-feel");  // the way of the simulated hand
     std::unique_ptr<knurl::measure::PrivateServo> servo;
     if (w.demo) {
         const std::string& stroke = path.name;
@@ -154,9 +139,9 @@ int run(Wishes& w) {
         const double fits = std::max(1.0, size / 2 / reach);
         send.scale /= fits;
         if (fits > 1) fmt::print("  too large for the simulated device: felt at 1:{:.3g}\n", fits);
-        const knurl::Mesh small = mesh_here(file, send);
-        const auto rows = feel::make_stroke(small, w.stroke);
-        feel::write_stroke(stroke, rows, -(small.low + small.high) / 2);
+        const auto small = mesh_here(file, send);
+        const auto rows = feel::make_stroke(*small, w.stroke);
+        feel::write_stroke(stroke, rows, -(small->low + small->high) / 2);
         if (!(w.feel.seconds > 0)) w.feel.seconds = rows.back().t;
         servo = std::make_unique<knurl::measure::PrivateServo>(
             std::vector<std::string>{"--device", device, "--hand", stroke});
@@ -172,12 +157,12 @@ int run(Wishes& w) {
     if (felt.sent.asset == 0) return 130;
     fmt::print("\n  the servo took {:.2f} s and holds {:.1f} MB for {} faces\n", felt.send_seconds,
                static_cast<double>(felt.sent.bytes) * 1e-6, felt.sent.faces);
-    for (const std::string& line : feel::notes_of(felt.sent.notes)) fmt::print("  {}\n", line);
+    for (const std::string& line : meshfile::notes_of(felt.sent.notes)) fmt::print("  {}\n", line);
     if (felt.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", felt.scale);
     if (felt.faults != 0) fmt::print("  the device faulted (mask {:#x}); see `knurl ls`\n", felt.faults);
 
     const bool comparable = w.feel.radius == 0 && w.friction == 0 && w.feel.shape.damping == 0 && !w.smooth;
-    feel::expect(felt.cycles, mesh_here(file, send), felt.stiffness, 1e9);
+    feel::expect(felt.cycles, *mesh_here(file, send), felt.stiffness, 1e9);
     const feel::Judgement judged = feel::judge(felt.cycles);
     fmt::print("  {} cycles, {} of them touching; mean {:.2f} N, peak {:.2f} N, at {:.0f} N/m\n",
                judged.cycles, judged.touching, judged.mean_force, judged.peak_force, felt.stiffness);
@@ -205,20 +190,5 @@ int main(int argc, char** argv) {
     Wishes wishes;
     CLI::App app("knurl-feel: a mesh from a file in the hand.", "knurl-feel");
     describe(app, wishes);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success& wanted) {  // --help
-        return app.exit(wanted);
-    } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "knurl-feel: {}; see knurl-feel --help\n", error.what());
-        return 2;
-    }
-    std::signal(SIGINT, [](int) { stop = true; });
-    std::signal(SIGTERM, [](int) { stop = true; });
-    try {
-        return run(wishes);
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "knurl-feel: {}\n", error.what());
-        return 1;
-    }
+    return knurl::measure::program_main(app, argc, argv, [&] { return run(wishes); });
 }

@@ -58,13 +58,13 @@ class Eye {
     double scale_;
 };
 
-Vector3d vertex(const MeshFile& file, std::uint32_t i, double metres) {
+Vector3d vertex(const meshfile::MeshFile& file, std::uint32_t i, double metres) {
     return i < file.vertices.size() ? Vector3d(metres * Vector3d(file.vertices[i].data()))
                                     : Vector3d::Constant(NAN);
 }
 
 /// The farthest first: what is nearer is drawn over it.
-void draw_mesh(Canvas& canvas, const MeshFile& file, double metres, const Eye& eye) {
+void draw_mesh(Canvas& canvas, const meshfile::MeshFile& file, double metres, const Eye& eye) {
     struct Seen {
         Vector3d corner[3];
         double depth, light;
@@ -168,8 +168,8 @@ void draw_force(Canvas& canvas, const std::vector<Cycle>& cycles) {
 
 }  // namespace
 
-void draw(const std::string& path, const MeshFile& file, double metres, const std::vector<Cycle>& cycles,
-          const std::string& title, const std::string& machine) {
+void draw(const std::string& path, const meshfile::MeshFile& file, double metres,
+          const std::vector<Cycle>& cycles, const std::string& title, const std::string& machine) {
     Eigen::AlignedBox3d box;
     for (std::uint32_t i = 0; i < file.vertices.size(); ++i)
         if (const Vector3d p = vertex(file, i, metres); p.allFinite()) box.extend(p);

@@ -4,13 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "mesh_file.hpp"
+#include <mesh_file.hpp>
+
 #include "record.hpp"
 
 namespace feel {
 
 /// `metres` of a unit of the file. `title`: one line above, `machine`: one below. Throws std::runtime_error.
-void draw(const std::string& path, const MeshFile& file, double metres, const std::vector<Cycle>& cycles,
-          const std::string& title, const std::string& machine);
+void draw(const std::string& path, const meshfile::MeshFile& file, double metres,
+          const std::vector<Cycle>& cycles, const std::string& title, const std::string& machine);
 
 }  // namespace feel

@@ -16,7 +16,9 @@ void expect(std::vector<Cycle>& cycles, const knurl::Mesh& mesh, double stiffnes
         cycle.proxy = cycle.position;
         if (!cycle.touching) continue;
         cycle.proxy = cycle.position + foot.depth * foot.normal;
-        cycle.expected = std::min(stiffness * foot.depth, peak) * foot.normal;
+        const double share =
+            foot.material < mesh.materials.size() ? mesh.materials[foot.material].stiffness : 1;
+        cycle.expected = std::min(share * stiffness * foot.depth, peak) * foot.normal;
     }
 }
 

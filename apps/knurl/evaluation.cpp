@@ -14,6 +14,8 @@
 #include <knurl/reps/describe.hpp>
 #include <knurl/servo/offline.hpp>
 
+#include "scene_assets.hpp"
+
 namespace knurl::cli {
 
 namespace {
@@ -236,6 +238,7 @@ std::unique_ptr<drivers::Device> simulated(const EvaluationOptions& options) {
 Evaluation evaluate(const SceneFile& scene, const drivers::Motion& motion, const EvaluationOptions& options) {
     const CycleRange cycles = cycles_within(motion, options.rate);
     const bool limited = !options.device.empty();
+    SceneAssets built = build_assets(scene);
     drivers::MotionDevice exact(motion);
     const std::unique_ptr<drivers::Device> simulation = limited ? simulated(options) : nullptr;
     drivers::Device& device = limited ? *simulation : exact;
@@ -244,11 +247,14 @@ Evaluation evaluate(const SceneFile& scene, const drivers::Motion& motion, const
     servo_options.supervisor.off = !limited;
     servo::Offline servo(device, servo_options);
     servo::OfflineClaim& claim = servo.claim(terms_for(scene, device, limited, options.rate));
+    for (std::uint32_t i = 0; i < built.assets.size(); ++i)
+        servo.servo().give(&claim.servo_side(), i + 1, built.assets[i].get());
     Player player(scene, claim, limited);
 
     const ProbePlacement probe0 = scene.probes.empty() ? ProbePlacement{} : scene.probes.front();
 
     Evaluation result;
+    result.remarks = std::move(built.remarks);
     result.cycles.reserve(static_cast<std::size_t>(cycles.last - cycles.first + 1));
     for (std::int64_t i = cycles.first; i <= cycles.last; ++i) {
         const double t = static_cast<double>(i) / options.rate;

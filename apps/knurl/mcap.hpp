@@ -2,8 +2,8 @@
 // MCAP, the file format that Foxglove and PlotJuggler open (https://mcap.dev/spec): as much of it as a
 // recording needs.
 //
-//   magic Header Schema... Channel... Metadata { Chunk MessageIndex... }... DataEnd
-//   Schema... Channel... Statistics ChunkIndex... MetadataIndex... Footer magic
+//   magic Header Schema... Channel... Metadata { Attachment | Chunk MessageIndex... }... DataEnd
+//   Schema... Channel... Statistics ChunkIndex... AttachmentIndex... MetadataIndex... Footer magic
 //
 // Messages lie in chunks, each compressed by itself (zstd) and with a checksum of its own. Behind the last
 // one an index says where they are, so that a reader can seek; a file that was cut off has none, and its
@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -42,6 +43,10 @@ class McapWriter {
     std::uint16_t add_channel(const std::string& topic, const std::string& encoding,
                               const McapSchema* schema);
     void add_metadata(const std::string& name, const McapMetadata& values);
+    /// In front of the messages since the last flush. `between`: called after each MiB, since a disk takes
+    /// its time. False: it could not be written, as of flush().
+    bool attach(const std::string& name, const std::string& media_type, std::int64_t time_ns,
+                std::span<const std::byte> data, const std::function<void()>& between);
 
     void message(std::uint16_t channel, std::int64_t time_ns, std::span<const std::byte> head,
                  std::span<const std::byte> data);
@@ -61,6 +66,8 @@ class McapWriter {
         std::map<std::uint16_t, std::uint64_t> message_indexes;
     };
     bool write(std::string_view bytes);
+    bool write_on(std::string_view bytes);
+    void take_back(std::uint64_t at, std::uint32_t crc);
     std::string definitions() const;
 
     std::string path_;
@@ -68,8 +75,8 @@ class McapWriter {
     std::uint64_t at_ = 0;
     std::uint32_t crc_ = 0;  // of all bytes so far
     std::string problem_;
-    std::vector<std::string> schemas_, channels_;  // records
-    std::vector<std::string> metadata_index_;      // likewise
+    std::vector<std::string> schemas_, channels_;                 // records
+    std::vector<std::string> metadata_index_, attachment_index_;  // likewise
     std::string chunk_;
     std::map<std::uint16_t, std::string> chunk_messages_;  // time and place of each, by channel
     std::uint64_t first_ = 0, last_ = 0, pending_ = 0;     // of this chunk
@@ -93,6 +100,8 @@ class McapReader {
 
     const std::string& library() const noexcept { return library_; }
     const McapMetadata* metadata(const std::string& name) const;
+    /// As much of the file as was read may hold it. None: it does not.
+    std::optional<std::vector<std::byte>> attachment(const std::string& name);
     /// 0: there is none.
     std::uint16_t channel(const std::string& topic) const;
     /// Once next() has said false: the file ends in the middle; this many bytes of it are whole.
@@ -101,6 +110,7 @@ class McapReader {
   private:
     bool read_record();
     void open_chunk(std::span<const std::byte> content);
+    void note_attachment(std::span<const std::byte> content, std::uint64_t at);
     [[noreturn]] void fail(const std::string& what) const;
 
     std::string path_;
@@ -110,6 +120,10 @@ class McapReader {
     std::string library_;
     std::map<std::string, McapMetadata> metadata_;
     std::map<std::string, std::uint16_t> channels_;
+    struct Attachment {
+        std::uint64_t at = 0, bytes = 0;
+    };
+    std::map<std::string, Attachment> attachments_;
     std::vector<std::byte> record_, chunk_;
     std::size_t next_ = 0;  // in chunk_
     bool ended_ = false;

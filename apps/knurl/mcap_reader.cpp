@@ -15,7 +15,8 @@ using namespace mcap;
 
 namespace {
 
-constexpr std::uint64_t largest_record = 64u << 20;  // bytes; ours are of one or two MiB
+constexpr std::uint64_t largest_record = 64u << 20;       // bytes; ours are of one or two MiB,
+constexpr std::uint64_t largest_attachment = 512u << 20;  // but for what is attached
 
 struct TooShort {};
 
@@ -127,7 +128,7 @@ bool McapReader::read_record() {
     const auto op = static_cast<Op>(parts.take<std::uint8_t>());
     const auto length = parts.take<std::uint64_t>();
     if (length > size_ - at_ - sizeof head) return cut();
-    if (length > largest_record)
+    if (length > (op == Op::attachment ? largest_attachment : largest_record))
         fail(fmt::format("the record at byte {} is too long to be one of ours", at_));
     record_.resize(length);
     if (!file_.read(reinterpret_cast<char*>(record_.data()), static_cast<std::streamsize>(length)))
@@ -154,6 +155,9 @@ bool McapReader::read_record() {
             metadata_[name] = content.map();
             break;
         }
+        case Op::attachment:
+            note_attachment(record_, begin + sizeof head);
+            break;
         case Op::chunk:
             try {
                 open_chunk(record_);
@@ -171,6 +175,39 @@ bool McapReader::read_record() {
             break;
     }
     return true;
+}
+
+/// Where it lies; it is read again when it is needed.
+void McapReader::note_attachment(std::span<const std::byte> content, std::uint64_t at) {
+    if (content.size() < sizeof(std::uint32_t)) throw TooShort();
+    const auto checked = content.first(content.size() - sizeof(std::uint32_t));
+    Parts parts(content);
+    parts.take<std::uint64_t>();
+    parts.take<std::uint64_t>();
+    const std::string name = parts.text();
+    parts.text();
+    const auto bytes = parts.take<std::uint64_t>();
+    const std::uint64_t begin = content.size() - parts.rest().size();
+    parts.bytes(bytes);
+    const auto crc = parts.take<std::uint32_t>();
+    if (crc != 0 && crc_of(text_of(checked)) != crc)
+        fail(
+            fmt::format("attachment {} does not match its checksum: the file was changed after it was "
+                        "recorded",
+                        name));
+    attachments_[name] = {.at = at + begin, .bytes = bytes};
+}
+
+std::optional<std::vector<std::byte>> McapReader::attachment(const std::string& name) {
+    const auto found = attachments_.find(name);
+    if (found == attachments_.end()) return std::nullopt;
+    std::vector<std::byte> bytes(found->second.bytes);
+    const auto back = file_.tellg();
+    if (!file_.seekg(static_cast<std::streamoff>(found->second.at)) ||
+        !file_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())) ||
+        !file_.seekg(back))
+        fail("cannot be read: " + std::string(std::strerror(errno)));
+    return bytes;
 }
 
 void McapReader::open_chunk(std::span<const std::byte> content) {

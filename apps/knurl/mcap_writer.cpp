@@ -67,6 +67,14 @@ McapWriter::~McapWriter() = default;
 
 /// All of it or nothing.
 bool McapWriter::write(std::string_view bytes) {
+    const std::uint64_t at = at_;
+    const std::uint32_t crc = crc_;
+    if (write_on(bytes)) return true;
+    take_back(at, crc);
+    return false;
+}
+
+bool McapWriter::write_on(std::string_view bytes) {
     for (std::size_t done = 0; done < bytes.size();) {
         const ssize_t n = ::write(file_.get(), bytes.data() + done, bytes.size() - done);
         if (n < 0 && errno == EINTR) continue;
@@ -75,14 +83,57 @@ bool McapWriter::write(std::string_view bytes) {
             continue;
         }
         problem_ = fmt::format("{}: cannot be written: {}", path_, std::strerror(n < 0 ? errno : ENOSPC));
-        // Half a chunk would look like a file that was cut off.
-        const auto end = static_cast<off_t>(at_);
-        if (::ftruncate(file_.get(), end) != 0 || ::lseek(file_.get(), end, SEEK_SET) != end)
-            problem_ += fmt::format("; behind byte {} it is not whole", at_);
         return false;
     }
     at_ += bytes.size();
     crc_ = crc_of(bytes, crc_);
+    return true;
+}
+
+/// Half a chunk would look like a file that was cut off.
+void McapWriter::take_back(std::uint64_t at, std::uint32_t crc) {
+    at_ = at;
+    crc_ = crc;
+    const auto end = static_cast<off_t>(at);
+    if (::ftruncate(file_.get(), end) != 0 || ::lseek(file_.get(), end, SEEK_SET) != end)
+        problem_ += fmt::format("; behind byte {} it is not whole", at_);
+}
+
+bool McapWriter::attach(const std::string& name, const std::string& media_type, std::int64_t time_ns,
+                        std::span<const std::byte> data, const std::function<void()>& between) {
+    constexpr std::size_t slice = 1 << 20;
+    const auto time = static_cast<std::uint64_t>(time_ns);
+    std::string front;
+    put(front, time);
+    put(front, time);
+    put_string(front, name);
+    put_string(front, media_type);
+    put(front, std::uint64_t{data.size()});
+    std::string head;
+    put(head, static_cast<std::uint8_t>(Op::attachment));
+    put(head, std::uint64_t{front.size() + data.size() + sizeof(std::uint32_t)});
+    const std::uint64_t at = at_;
+    const std::uint32_t crc = crc_;
+    std::uint32_t own = crc_of(front);
+    bool written = write_on(head + front);
+    for (std::size_t done = 0; written && done < data.size(); done += slice) {
+        const std::string_view part = text_of(data.subspan(done, std::min(slice, data.size() - done)));
+        own = crc_of(part, own);
+        written = write_on(part);
+        between();
+    }
+    std::string tail;
+    put(tail, own);
+    if (!written || !write_on(tail)) {
+        take_back(at, crc);
+        return false;
+    }
+    std::string index;
+    for (const std::uint64_t value : {at, at_ - at, time, time, std::uint64_t{data.size()}})
+        put(index, value);
+    put_string(index, name);
+    put_string(index, media_type);
+    attachment_index_.push_back(record(Op::attachment_index, index));
     return true;
 }
 
@@ -205,7 +256,8 @@ bool McapWriter::finish() {
     }
     put(statistics, messages);
     put(statistics, static_cast<std::uint16_t>(schemas_.size()));
-    for (const std::size_t n : {channels_.size(), std::size_t{0}, metadata_index_.size(), chunks_.size()})
+    for (const std::size_t n :
+         {channels_.size(), attachment_index_.size(), metadata_index_.size(), chunks_.size()})
         put(statistics, static_cast<std::uint32_t>(n));
     put(statistics, first);
     put(statistics, last);
@@ -221,7 +273,8 @@ bool McapWriter::finish() {
         put(index, chunk.plain);
         summary += record(Op::chunk_index, index);
     }
-    for (const std::string& one : metadata_index_) summary += one;
+    for (const auto* group : {&attachment_index_, &metadata_index_})
+        for (const std::string& one : *group) summary += one;
 
     std::string footer;
     put(footer, at_);

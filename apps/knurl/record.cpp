@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -15,6 +16,7 @@
 #include <sys/signalfd.h>
 #include <time.h>
 
+#include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/text.hpp>
 #include <knurl/shm/socket.hpp>
@@ -87,6 +89,34 @@ class Source {
         info.realtime_offset_ns = clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC);
         return info;
     }
+    struct Sent {
+        shm::UniqueFd source;
+        std::uint64_t bytes = 0;
+    };
+    /// The source of an asset that a claim has: the servo told of it before. None: it could not.
+    std::optional<Sent> sent(const protocol::AssetDigest& digest) {
+        listen();
+        const auto found = sent_.find(digest);
+        if (found == sent_.end()) return std::nullopt;
+        Sent result = std::move(found->second);
+        sent_.erase(found);
+        return result;
+    }
+    /// Takes what the servo says. False: it has ended.
+    bool listen() {
+        for (;;) {
+            protocol::RecordedAsset message;
+            shm::Received received = shm::receive_message(
+                connection_, std::as_writable_bytes(std::span(&message, 1)), shm::Block::no);
+            if (received.nothing) return true;
+            if (received.closed) return false;
+            if (received.bytes != sizeof message || received.fds.size() != 1 ||
+                message.header.type != protocol::MessageType::recorded_asset)
+                continue;
+            if (sent_.size() >= most_unclaimed) sent_.erase(sent_.begin());
+            sent_[message.digest] = {.source = std::move(received.fds.front()), .bytes = message.bytes};
+        }
+    }
     servo::TapeReader& inputs() { return *inputs_; }
     shm::BroadcastReader& reports() { return *reader_; }
     int socket() const { return connection_.get(); }
@@ -107,7 +137,9 @@ class Source {
                 : fmt::format("servo '{}' has no device '{}'; it has: {}", servo, wanted, names));
     }
 
+    static constexpr std::size_t most_unclaimed = 64;  // told of, but not on the tape yet
     shm::UniqueFd connection_;
+    std::map<protocol::AssetDigest, Sent> sent_;
     shm::Segment reports_, tape_;
     protocol::DeviceInfo device_;
     std::optional<shm::BroadcastReader> reader_;
@@ -134,14 +166,7 @@ class Recorder {
 
     void drain() {
         // Reports first: the inputs of those that are there are there already.
-        Report report;
-        for (std::uint32_t n = 0; n < protocol::report_slots && source_.reports().next(&report); ++n) {
-            file_.report(report);
-            ++reports_;
-            first_ns_ = reports_ == 1 ? report.read_ns : first_ns_;
-            last_ns_ = report.read_ns;
-            if (file_.full()) flush();
-        }
+        drain_reports(true);
         for (auto next = source_.inputs().next(record_); next != servo::TapeReader::Next::nothing;
              next = source_.inputs().next(record_)) {
             next == servo::TapeReader::Next::gap ? gap() : take();
@@ -154,9 +179,7 @@ class Recorder {
             exact_cycles_ += exact;
             return;
         }
-        exact_ = false;
-        if (std::exchange(lost_, true)) return;
-        fmt::print(stderr, "knurl record: {}; dropping what does not fit\n", file_.problem());
+        say_lost();
     }
     /// The device is in somebody's hands: said once.
     void say_when_exact() {
@@ -179,11 +202,52 @@ class Recorder {
             text += "; does not replay: somebody held the device from the first cycle on";
         else
             text += fmt::format("; {} cycles replay exactly, from cycle {} on", exact_cycles_, first_exact_);
+        if (file_.missing() > 0)
+            text += fmt::format(", {} shape{} that {} felt {} missing", file_.missing(),
+                                file_.missing() == 1 ? "" : "s", file_.missing() == 1 ? "was" : "were",
+                                file_.missing() == 1 ? "is" : "are");
         if (gaps_ > 0) text += fmt::format(", with {} gap{}", gaps_, gaps_ == 1 ? "" : "s");
         return text;
     }
 
   private:
+    void drain_reports(bool flushing) {
+        Report report;
+        for (std::uint32_t n = 0; n < protocol::report_slots && source_.reports().next(&report); ++n) {
+            file_.report(report);
+            ++reports_;
+            first_ns_ = reports_ == 1 ? report.read_ns : first_ns_;
+            last_ns_ = report.read_ns;
+            if (flushing && file_.full()) flush();
+        }
+    }
+    void say_lost() {
+        exact_ = false;
+        if (std::exchange(lost_, true)) return;
+        fmt::print(stderr, "knurl record: {}; dropping what does not fit\n", file_.problem());
+    }
+    /// Of an application's asset: in front of the input that tells of it.
+    void take_asset() {
+        protocol::AssetDigest digest;
+        constexpr std::size_t at = 2 * sizeof(std::uint64_t);
+        if (record_.bytes.size() != at + sizeof digest) return;
+        std::memcpy(digest.data(), record_.bytes.data() + at, sizeof digest);
+        const auto sent = source_.sent(digest);
+        if (file_.has(digest) || (sent && keep(digest, *sent))) return;
+        file_.missing(digest);
+        gap();  // nothing from here to the next keyframe can be replayed
+    }
+    bool keep(const protocol::AssetDigest& digest, const Source::Sent& sent) {
+        try {
+            const shm::Segment memory = shm::Segment::open_sealed(sent.source.get(), sent.bytes);
+            if (file_.asset(digest, {memory.data(), memory.size()}, [this] { drain_reports(false); }))
+                return true;
+            say_lost();
+        } catch (const std::runtime_error& error) {
+            fmt::print(stderr, "knurl record: {}\n", error.what());
+        }
+        return false;
+    }
     void gap() {
         file_.gap();
         ++gaps_;
@@ -197,6 +261,7 @@ class Recorder {
             if (exact_ && first_exact_ == 0)
                 std::memcpy(&first_exact_, record_.bytes.data(), sizeof first_exact_);
         }
+        if (record_.type == servo::TapeType::asset) take_asset();
         file_.input(record_);
     }
 
@@ -230,8 +295,9 @@ int record(const Arguments& arguments) {
                                     {.fd = signals.get(), .events = POLLIN, .revents = 0}}};
         ::poll(wait.data(), wait.size(), look_every);
         const auto now = Clock::now();
-        if (wait[0].revents != 0) ended = "; the servo has ended";
-        on = wait[0].revents == 0 && wait[1].revents == 0 &&
+        const bool there = wait[0].revents == 0 || source.listen();
+        if (!there) ended = "; the servo has ended";
+        on = there && wait[1].revents == 0 &&
              (arguments.seconds == 0 ||
               std::chrono::duration<double>(now - begin).count() < arguments.seconds);
         recorder.drain();
@@ -273,7 +339,9 @@ void add_record(CLI::App& program, Run& run) {
         "holds the\n"
         "device replays to the last bit, so start the recording before the application. The servo waits for "
         "nothing:\n"
-        "what a slow or full disk does not take is dropped and counted. Less than 1 GB an hour at 1 kHz.");
+        "what a slow or full disk does not take is dropped and counted. Less than 1 GB an hour at 1 kHz, and "
+        "once\n"
+        "each mesh that an application sends.");
     verb->callback([&run, arguments] { run = [arguments] { return record(*arguments); }; });
 }
 

@@ -95,8 +95,8 @@ std::string salvage(const std::string& from, const std::string& to) {
         if (out.full()) out.flush();
     }
     if (!out.finish()) throw std::runtime_error(out.problem());
-    return fmt::format("{}: {} reports of {}, device '{}' ({}): {}", to, reports, path, info.device,
-                       info.address, info.cause);
+    return fmt::format("{}: {} reports of {}, device '{}' ({}): {}; shapes that were felt are not in it", to,
+                       reports, path, info.device, info.address, info.cause);
 }
 
 }  // namespace knurl::cli

@@ -6,8 +6,10 @@
 #include <cstring>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <knurl/protocol/attach.hpp>
+#include <knurl/servo/asset_digest.hpp>
 #include <knurl/servo/config.hpp>
 
 namespace knurl::cli {
@@ -17,6 +19,12 @@ namespace {
 constexpr const char* report_topic = "/knurl/report";
 constexpr const char* inputs_topic = "/knurl/inputs";
 constexpr const char* metadata_name = "knurl";
+constexpr const char* missing_name = "knurl missing";
+constexpr const char* asset_media_type = "application/x-knurl-asset";
+
+std::string asset_name(const protocol::AssetDigest& digest) {
+    return fmt::format("asset-{:02x}", fmt::join(digest, ""));
+}
 
 // CDR puts these fields one behind the other, each on a multiple of its size, as the compiler does: a
 // report's bytes are its encoding, behind four bytes that say so.
@@ -107,7 +115,10 @@ McapMetadata metadata_of(RecordingInfo info) {
                      {"address", info.address},
                      {"profile", info.profile},
                      {"realtime_offset_ns", std::to_string(info.realtime_offset_ns)}};
-    if (!info.cause.empty()) all["cause"] = info.cause;
+    if (!info.cause.empty()) {
+        all["cause"] = info.cause;
+        all["assets"] = "of a flight record: reports alone, shapes that were felt are not in it";
+    }
     // 17 digits: every double comes back to the bit.
     each_option(info.options, [&](const char* name, auto& value) {
         if constexpr (std::is_same_v<decltype(value), bool&>)
@@ -202,8 +213,28 @@ bool RecordingWriter::flush() {
     return false;
 }
 
+bool RecordingWriter::asset(const protocol::AssetDigest& digest, std::span<const std::byte> source,
+                            const std::function<void()>& between) {
+    if (has(digest)) return true;
+    if (!file_.attach(asset_name(digest), asset_media_type, last_ + offset_, source, between)) {
+        ++dropped_;
+        return false;
+    }
+    assets_.insert(digest);
+    return true;
+}
+
 bool RecordingWriter::finish() {
-    return flush() && file_.finish();
+    bool whole = flush();
+    McapMetadata gone;
+    for (const protocol::AssetDigest& digest : missing_)
+        if (!has(digest)) gone[asset_name(digest)] = "was felt, and is not in this file";
+    try {
+        if (whole && !gone.empty()) file_.add_metadata(missing_name, gone);
+    } catch (const std::runtime_error&) {  // the disk is full
+        whole = false;
+    }
+    return whole && file_.finish();
 }
 
 RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(path) {
@@ -221,6 +252,19 @@ RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(p
     if (file_.library() != "Knurl " + info_.version)
         throw std::runtime_error(path +
                                  ": its header and its metadata name two versions: the file was changed");
+}
+
+std::vector<std::byte> RecordingReader::asset(const protocol::AssetDigest& digest) {
+    auto source = file_.attachment(asset_name(digest));
+    if (!source)
+        throw std::runtime_error(fmt::format(
+            "{}: an application sent a shape here, {}, which is not in the recording: it replays up to "
+            "this place",
+            path_, asset_name(digest)));
+    if (servo::digest_of(*source) != digest)
+        throw std::runtime_error(
+            fmt::format("{}: {} is not what its name says: the file was changed", path_, asset_name(digest)));
+    return *std::move(source);
 }
 
 void RecordingReader::require_this_build() const {

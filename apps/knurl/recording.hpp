@@ -5,14 +5,21 @@
 //   PlotJuggler plot it /knurl/inputs   every input of Servo::step (knurl/servo/tape.hpp): u16 type, six zero
 //   bytes, the record's bytes;
 //                   type 0: records are missing here. For `knurl replay` alone
+//   attachment "asset-DIGEST"  what an application sent (protocol/asset.hpp), by its SHA-256, once each
 //   metadata "knurl"  build, servo, device, and what the servo was configured with
+//   metadata "knurl missing"  digests of assets that were felt and are not in the file
 //
 // Times are CLOCK_REALTIME; `realtime_offset_ns` in the metadata is what was added to the servo's
 // CLOCK_MONOTONIC.
 
 #include <cstdint>
+#include <functional>
+#include <set>
+#include <span>
 #include <string>
+#include <vector>
 
+#include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/report.hpp>
 #include <knurl/servo/servo.hpp>
 #include <knurl/servo/tape.hpp>
@@ -39,6 +46,13 @@ class RecordingWriter {
     void report(const Report& report);
     void input(const servo::TapeRecord& record);
     void gap();
+    /// An asset of which the next inputs may tell. `between`: called now and then, to read on; it must not
+    /// flush. False: the disk is full, it was dropped and counted.
+    bool asset(const protocol::AssetDigest& digest, std::span<const std::byte> source,
+               const std::function<void()>& between);
+    bool has(const protocol::AssetDigest& digest) const { return assets_.contains(digest); }
+    void missing(const protocol::AssetDigest& digest) { missing_.insert(digest); }
+    std::size_t missing() const { return missing_.size(); }
     /// What was put in so far goes into the file; false: the disk is full, it was dropped and counted.
     bool flush();
     bool full() const noexcept { return file_.full(); }
@@ -54,6 +68,7 @@ class RecordingWriter {
     std::int64_t offset_, last_ = 0;  // ns
     std::uint16_t reports_ = 0, inputs_ = 0;
     std::uint64_t dropped_ = 0;
+    std::set<protocol::AssetDigest> assets_, missing_;
 };
 
 class RecordingReader {
@@ -62,6 +77,8 @@ class RecordingReader {
     explicit RecordingReader(const std::string& path);
 
     const RecordingInfo& info() const noexcept { return info_; }
+    /// Of those that are in what was read so far. Throws std::runtime_error.
+    std::vector<std::byte> asset(const protocol::AssetDigest& digest);
     /// Throws std::runtime_error unless this build made it: only then it replays.
     void require_this_build() const;
 

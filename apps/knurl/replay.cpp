@@ -176,11 +176,19 @@ class Again {
 /// Through the servo's cycle, as far as that is possible.
 class Replaying {
   public:
-    explicit Replaying(const RecordingReader& recording) {
+    explicit Replaying(RecordingReader& recording) {
         try {
             recording.require_this_build();
             device_ = device_of(recording.info());
-            again_.emplace(*device_, recording.info().options);
+            again_.emplace(*device_, recording.info().options,
+                           [this, &recording](const protocol::AssetDigest& digest) {
+                               try {
+                                   source_ = recording.asset(digest);
+                               } catch (const std::runtime_error& error) {
+                                   throw servo::TapeError(error.what());
+                               }
+                               return std::span<const std::byte>(source_);
+                           });
         } catch (const std::runtime_error& error) {
             why_not_ = error.what();
         }
@@ -212,6 +220,7 @@ class Replaying {
   private:
     std::unique_ptr<drivers::Device> device_;
     std::optional<servo::Replay> again_;
+    std::vector<std::byte> source_;
     Comparison comparison_;
     std::uint64_t gaps_ = 0;
     std::string why_not_;

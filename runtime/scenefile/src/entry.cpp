@@ -21,26 +21,6 @@ std::string joined(const std::vector<std::string_view>& words) {
     return text;
 }
 
-[[noreturn]] void fail_unknown_key(const std::string& path, const Value& value, const std::string& called,
-                                   const std::vector<std::string_view>& known) {
-    std::vector<std::string_view> inside;  // "friction" alone: a table, not a value
-    for (const auto word : known) {
-        if (word.starts_with(fmt::format("{}.", value.key))) inside.push_back(word);
-    }
-    if (!inside.empty()) {
-        fail(path, value.key_at,
-             fmt::format("{} in {} is a table, not {}; it has {}", value.key, called, type_name(*value.node),
-                         joined(inside)));
-    }
-    auto meant = nearest(value.key, known);
-    for (const auto word : known) {  // the last part alone, of a name with dots
-        if (meant.empty() && word.ends_with(fmt::format(".{}", value.key))) meant = word;
-    }
-    fail(path, value.key_at,
-         fmt::format("unknown key '{}' in {}; {}", value.key, called,
-                     meant.empty() ? "it takes " + joined(known) : fmt::format("did you mean '{}'?", meant)));
-}
-
 std::uint32_t choice(const std::string& path, const Value& value, const std::string& what,
                      std::span<const std::string_view> names) {
     const std::string chosen = word(path, value, what);
@@ -128,6 +108,26 @@ void make_of(const Material& material, Kind kind, std::vector<std::byte>& params
 }
 
 }  // namespace
+
+void fail_unknown_key(const std::string& path, const Value& value, const std::string& called,
+                      const std::vector<std::string_view>& known) {
+    std::vector<std::string_view> inside;  // "friction" alone: a table, not a value
+    for (const auto word : known) {
+        if (word.starts_with(fmt::format("{}.", value.key))) inside.push_back(word);
+    }
+    if (!inside.empty()) {
+        fail(path, value.key_at,
+             fmt::format("{} in {} is a table, not {}; it has {}", value.key, called, type_name(*value.node),
+                         joined(inside)));
+    }
+    auto meant = nearest(value.key, known);
+    for (const auto word : known) {  // the last part alone, of a name with dots
+        if (meant.empty() && word.ends_with(fmt::format(".{}", value.key))) meant = word;
+    }
+    fail(path, value.key_at,
+         fmt::format("unknown key '{}' in {}; {}", value.key, called,
+                     meant.empty() ? "it takes " + joined(known) : fmt::format("did you mean '{}'?", meant)));
+}
 
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
     const KindInfo& info = kinds()[kind];

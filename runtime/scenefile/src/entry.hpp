@@ -34,6 +34,10 @@ struct Entry {
 
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table);
 ProbePlacement read_probe(const std::string& path, std::size_t index, const toml::table& table);
+AssetEntry read_asset(const std::string& path, std::size_t number, const toml::table& table);
+
+[[noreturn]] void fail_unknown_key(const std::string& path, const Value& value, const std::string& called,
+                                   const std::vector<std::string_view>& known);
 
 /// Writes the settings into a kind's parameters and checks the result; throws SceneError at the setting to
 /// blame.

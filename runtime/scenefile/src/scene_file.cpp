@@ -39,7 +39,7 @@ void reset_what_describes_a_change(Kind kind, std::vector<std::byte>& params) {
 
 [[noreturn]] void fail_unknown_table(const std::string& path, std::string_view name,
                                      const toml::source_position& where) {
-    std::vector<std::string_view> known{"probe"};
+    std::vector<std::string_view> known{"probe", "asset"};
     for (const KindInfo& info : kinds()) known.push_back(info.name);
     std::string all;
     for (const auto word : known) all += (all.empty() ? "[[" : ", [[") + std::string(word) + "]]";
@@ -160,7 +160,21 @@ class Resolver {
                          kinds()[newest.change.kind].name, newest.change.line));
     }
 
+    /// A shape is made of what the scene has.
+    void check_asset(const Entry& entry, const Change& change) const {
+        if (change.kind != kind_of<Shape>) return;
+        Shape shape;
+        std::memcpy(&shape, change.params.data(), sizeof shape);
+        if (shape.asset <= scene_.assets.size()) return;
+        fail(
+            scene_.path, entry.where,
+            fmt::format("{} is made of asset {}, but the scene has {}; they are numbered from 1 in the order "
+                        "of their [[asset]]",
+                        entry.called, shape.asset, scene_.assets.size()));
+    }
+
     void keep(const Entry& entry, Change change, Newest& newest, bool present) {
+        check_asset(entry, change);
         change.id = entry.id;
         change.line = entry.where.line;
         newest.change = change;
@@ -195,6 +209,16 @@ SceneFile parse_scene(std::string_view text, const std::string& path) {
                          fmt::format("too many probes; a scene has at most {}", Scene::max_probes));
                 }
                 scene.probes.push_back(read_probe(path, scene.probes.size(), *table));
+            }
+            continue;
+        }
+        if (name.str() == "asset") {
+            for (const auto* table : tables_of(path, name, node)) {
+                if (scene.assets.size() == max_assets) {
+                    fail(path, table->source().begin,
+                         fmt::format("too many assets; a scene has at most {}", max_assets));
+                }
+                scene.assets.push_back(read_asset(path, scene.assets.size() + 1, *table));
             }
             continue;
         }

@@ -22,6 +22,8 @@
 #include <string_view>
 #include <vector>
 
+#include <knurl/geometry/height_field.hpp>
+#include <knurl/geometry/triangles.hpp>
 #include <knurl/reps/all.hpp>
 #include <knurl/reps/probe.hpp>
 #include <knurl/reps/scene.hpp>
@@ -49,8 +51,22 @@ struct Change {
     std::uint32_t line = 0;
 };
 
+/// A surface that shapes are made of, in one of three forms. Only read: whoever plays the scene builds it,
+/// and reads a file.
+struct AssetEntry {
+    std::uint32_t line = 0;
+    std::string mesh;              // a file, seen from the folder of the scene file
+    std::string unit;              //   of its numbers: "mm"
+    std::vector<Point3> vertices;  // or these; m
+    std::vector<Triangle> triangles;
+    bool exact = false;          // of both
+    std::vector<float> heights;  // or these; m
+    HeightGrid grid;
+};
+
 struct SceneFile {
     std::string path;
+    std::vector<AssetEntry> assets;      // 1, 2, ...
     std::vector<ProbePlacement> probes;  // of probes 0, 1, ...; the rest sit at the tip, with no radius
     std::vector<Change> changes;         // in order of time, then of the file
     std::uint32_t items = 0;             // representations that are ever added

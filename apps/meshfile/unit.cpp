@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace feel {
+namespace meshfile {
 
 namespace {
 
@@ -47,4 +47,4 @@ std::optional<std::string> odd_size(double metres) {
     return std::nullopt;
 }
 
-}  // namespace feel
+}  // namespace meshfile

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace feel {
+namespace meshfile {
 
 struct Unit {
     std::string name;   // "mm"
@@ -22,4 +22,4 @@ Unit guessed_unit(double size);
 /// What to tell of a thing that is surely not meant to be so large, or so small. None: it is a sensible size.
 std::optional<std::string> odd_size(double metres);
 
-}  // namespace feel
+}  // namespace meshfile

@@ -1,6 +1,7 @@
 #include "mesh_file.hpp"
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <stdexcept>
 
@@ -9,8 +10,9 @@
 #include <assimp/importerdesc.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
-namespace feel {
+namespace meshfile {
 
 namespace {
 
@@ -89,4 +91,37 @@ MeshFile load_mesh(const std::string& path) {
     return file;
 }
 
-}  // namespace feel
+std::vector<std::string> notes_of(const knurl::MeshNotes& n) {
+    std::vector<std::string> lines;
+    const auto note = [&](std::uint64_t count, const char* what) {
+        if (count > 0) lines.push_back(fmt::format("{} {}", count, what));
+    };
+    note(n.vertices_not_finite, "vertices are no numbers, or beyond 1e7 m: their triangles are left out");
+    note(n.vertices_far, "vertices lie far from all others: their triangles are left out");
+    note(n.vertices_welded, "vertices became one with a neighbour");
+    note(n.faces_degenerate, "triangles without an area are left out");
+    note(n.faces_duplicate, "triangles that were there twice are left out");
+    note(n.faces_turned, "triangles were wound against their neighbours and are turned");
+    note(n.edges_open, "edges are open: past them the hand slips off");
+    note(n.edges_non_manifold, "edges have more than two triangles");
+    note(n.faces_crossed, "triangles cross others");
+    return lines;
+}
+
+namespace {
+std::string too_long;  // what the signal's handler writes
+}
+
+ReadingLimit::ReadingLimit(const std::string& program) {
+    too_long = program + ": the file takes more than a minute to read; it is damaged, or far too large\n";
+    std::signal(SIGALRM, [](int) {
+        [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, too_long.data(), too_long.size());
+        _exit(1);
+    });
+    alarm(60);
+}
+ReadingLimit::~ReadingLimit() {
+    alarm(0);
+}
+
+}  // namespace meshfile

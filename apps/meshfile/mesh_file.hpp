@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <knurl/geometry/triangles.hpp>
+#include <knurl/geometry/mesh.hpp>
 
-namespace feel {
+namespace meshfile {
 
 /// As it stands in the file, in the file's own unit.
 struct MeshFile {
@@ -28,4 +28,17 @@ struct MeshFile {
 /// Throws std::runtime_error: one line with the path, what is wrong with it and what to do.
 MeshFile load_mesh(const std::string& path);
 
-}  // namespace feel
+/// What a builder found and mended, a line each; none: nothing was wrong.
+std::vector<std::string> notes_of(const knurl::MeshNotes& notes);
+
+/// While it is there a program that takes more than a minute ends with one line: a file that was damaged in
+/// its header can keep Assimp busy for ever. One at a time; uses SIGALRM.
+class ReadingLimit {
+  public:
+    explicit ReadingLimit(const std::string& program);
+    ~ReadingLimit();
+    ReadingLimit(const ReadingLimit&) = delete;
+    ReadingLimit& operator=(const ReadingLimit&) = delete;
+};
+
+}  // namespace meshfile
