@@ -56,9 +56,8 @@ struct Judgement {
     double kick = 0, kick_at = 0;  // m/s, s
     double force_error = 0;        // N, root mean square of |felt - true| over the judged cycles
     double mean_force = 0;         // N, of the true force
-    std::optional<double>
-        own_force_error;       // N, the same against the surface that was sent, where that is another
-    double contact_share = 0;  // of the judged cycles with the probe below the surface
+    std::optional<double> own_force_error;  // N, the same against the surface that was sent; none: none was
+    double contact_share = 0;               // of the judged cycles with the probe below the surface
     std::optional<double>
         limit_cycle;                 // m, half of peak to peak of the height at rest; none: it never rested
     std::optional<double> fault_at;  // s

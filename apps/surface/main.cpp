@@ -1,15 +1,13 @@
 // knurl-surface: lets a hand stroke a real relief through an application of 20 Hz, in several ways, and
 // judges them.
 
-#include <atomic>
-#include <csignal>
 #include <cstdio>
-#include <exception>
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <output_file.hpp>
+#include <program_main.hpp>
 
 #include "outcome.hpp"
 #include "relief.hpp"
@@ -18,14 +16,13 @@
 
 namespace {
 
-std::atomic<bool> stop{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "written by a signal handler");
+using knurl::measure::stop;
 
 struct Wishes {
     std::string model, connect = "knurl:default", device;
     double wait = 2;  // s
     std::string write_stroke, json, csv, relief_file;
-    std::vector<std::string> ways = {"force", "planes", "paper", "knurl", "mesh"};
+    std::vector<std::string> ways = {"force", "planes", "paper", "knurl", "caps", "mesh", "field"};
     surface::ReliefOptions relief;
     surface::StrokeOptions stroke;
     surface::StrokeRun run;
@@ -41,7 +38,7 @@ void describe(CLI::App& app, Wishes& w) {
     app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 3600.0));
-    app.add_option("--ways", w.ways, "which of force, planes, paper, knurl, caps, mesh")
+    app.add_option("--ways", w.ways, "which of force, planes, paper, knurl, caps, mesh, field")
         ->delimiter(',')
         ->capture_default_str();
     app.add_option("--rate", w.run.rate, "Hz of this application's updates")
@@ -148,20 +145,5 @@ int main(int argc, char** argv) {
         "knurl-surface: a hand strokes a real relief through an application of 20 Hz, in several ways.",
         "knurl-surface");
     describe(app, wishes);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success& wanted) {  // --help
-        return app.exit(wanted);
-    } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "knurl-surface: {}; see knurl-surface --help\n", error.what());
-        return 2;
-    }
-    std::signal(SIGINT, [](int) { stop = true; });
-    std::signal(SIGTERM, [](int) { stop = true; });
-    try {
-        return run(wishes);
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "knurl-surface: {}\n", error.what());
-        return 1;
-    }
+    return knurl::measure::program_main(app, argc, argv, [&] { return run(wishes); });
 }

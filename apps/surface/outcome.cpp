@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <limits>
 
 #include <fmt/format.h>
 #include <output_file.hpp>
@@ -12,13 +13,14 @@ namespace surface {
 
 namespace {
 
-/// Root mean square over the cycles in which what was sent was touched. N.
+/// Root mean square over the cycles in which what was sent was touched, or something was felt. N.
 std::optional<double> own_error(const Recording& r, const Span& span) {
     double squares = 0;
     std::size_t n = 0;
     for (std::size_t i = 0; i < r.own_force.size() && r.cycles[i].t <= span.end && r.cycles[i].faults == 0;
          ++i) {
-        if (!(r.own_force[i].norm() > 0)) continue;
+        if (!r.own_force[i].allFinite() || (r.own_force[i].isZero(0) && r.cycles[i].force.isZero(0)))
+            continue;
         squares += (r.cycles[i].force - r.own_force[i]).squaredNorm();
         ++n;
     }
@@ -72,6 +74,8 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
                 return {"caps, predicted", "+ faded (Knurl)"};
             case Way::mesh:
                 return {"a mesh, sent", "once (Knurl)"};
+            case Way::field:
+                return {"a height field,", "sent once (Knurl)"};
         }
         return {"", ""};
     };
@@ -122,7 +126,9 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text) {
 
 void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& outcomes,
                const Terrain& terrain) {
-    std::string out = "way,t,x,y,z,vx,vy,vz,fx,fy,fz,true_fx,true_fy,true_fz,surface_z,height,faults\n";
+    std::string out =
+        "way,t,x,y,z,vx,vy,vz,fx,fy,fz,true_fx,true_fy,true_fz,sent_fx,sent_fy,sent_fz,surface_z,height,"
+        "faults\n";
     for (const Outcome& outcome : outcomes) {
         const std::string way = key_of(outcome.recording.way);
         const Ideal ideal{outcome.recording.stiffness, outcome.recording.greatest_force};
@@ -132,7 +138,11 @@ void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& ou
             const Eigen::Vector3d wanted = true_force(foot, ideal);
             const auto end = std::back_inserter(out);
             fmt::format_to(end, "{},{:.6f}", way, c.t);
-            for (const auto& v : {c.position, c.velocity, c.force, wanted})
+            const Eigen::Vector3d sent =
+                outcome.recording.own_force.empty()
+                    ? Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN())
+                    : outcome.recording.own_force[i];
+            for (const auto& v : {c.position, c.velocity, c.force, wanted, sent})
                 fmt::format_to(end, ",{:.7g},{:.7g},{:.7g}", v.x(), v.y(), v.z());
             fmt::format_to(end, ",{:.7g},{:.7g},{}\n", terrain.height(c.position.x(), c.position.y()),
                            foot.distance, c.faults);

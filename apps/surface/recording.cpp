@@ -20,6 +20,8 @@ std::string key_of(Way way) {
             return "caps";
         case Way::mesh:
             return "mesh";
+        case Way::field:
+            return "field";
     }
     return {};
 }
@@ -38,6 +40,8 @@ std::string title_of(Way way, double rate) {
             return fmt::format("caps at {:g} Hz, predicted and cross-faded (Knurl)", rate);
         case Way::mesh:
             return "the relief as a mesh, sent once (Knurl)";
+        case Way::field:
+            return "the relief as a height field, sent once (Knurl)";
     }
     return {};
 }
@@ -45,7 +49,9 @@ std::string title_of(Way way, double rate) {
 Way way_of(const std::string& key) {
     for (const Way way : all_ways)
         if (key_of(way) == key) return way;
-    throw std::runtime_error("--ways: \"" + key + "\" is none of force, planes, paper, knurl, caps, mesh");
+    throw std::runtime_error("--ways: \"" + key +
+                             "\" is none of force, planes, paper, knurl, caps, mesh, "
+                             "field");
 }
 
 std::vector<double> ages_at_use(const Recording& recording) {

@@ -17,9 +17,11 @@ enum class Way {
     knurl,   // planes asked for where the hand will be, cross-faded: Knurl's default
     caps,    // the same with caps, which curve as the surface does there
     mesh,    // the whole relief as triangles, sent once
+    field,   // the same as heights over a grid
 };
 
-inline constexpr Way all_ways[] = {Way::force, Way::planes, Way::paper, Way::knurl, Way::caps, Way::mesh};
+inline constexpr Way all_ways[] = {Way::force, Way::planes, Way::paper, Way::knurl,
+                                   Way::caps,  Way::mesh,   Way::field};
 
 std::string key_of(Way way);                 // "force"
 std::string title_of(Way way, double rate);  // "force from the application, 20 Hz"
@@ -43,8 +45,8 @@ struct Recording {
     std::vector<Update> updates;                  // committed in that time
     std::uint64_t unread = 0;                     // reports overwritten before they were read
     bool interrupted = false;
-    // N, of each cycle: what the surface that this way has sent gives there. Empty: it has sent the relief
-    // itself, or what touches it.
+    // N, of each cycle: what the surface that this way had sent by then gives there (stated.hpp). Empty: it
+    // has sent none.
     std::vector<Eigen::Vector3d> own_force;
 };
 

@@ -8,10 +8,11 @@
 
 #include <fmt/format.h>
 
+#include <knurl/geometry/height_field.hpp>
 #include <knurl/geometry/mesh.hpp>
-#include <knurl/geometry/proxy.hpp>
 
-#include "terrain_mesh.hpp"
+#include "stated.hpp"
+#include "terrain_whole.hpp"
 
 namespace surface {
 namespace {
@@ -52,68 +53,82 @@ class Session {
         switch (recording_.way) {
             case Way::force: {
                 auto push = hand_.add(knurl::ConstantForce{.recovery = 0});
-                loop([&] { push.set({.force = knurl::to_plain(force_here()), .recovery = 0}); });
+                loop([&] {
+                    push.set({.force = knurl::to_plain(force_here()), .recovery = 0});
+                    return Pieces{};
+                });
                 break;
             }
             case Way::planes:
-                follow_with([&](auto& floor) { floor.set(plane_here({.recovery = 0})); }, {.recovery = 0});
+                set_planes({.recovery = 0});
                 break;
-            case Way::paper: {
-                const knurl::Plane paper{.recovery = 0.05, .update = knurl::PlaneUpdate::paper};
-                follow_with([&](auto& floor) { floor.set(plane_here(paper)); }, paper);
+            case Way::paper:
+                set_planes({.recovery = 0.05, .update = knurl::PlaneUpdate::paper});
                 break;
-            }
             case Way::knurl:
-                follow_with(
-                    [&](auto& floor) {
-                        floor.follow([&](const knurl::Vec3& near) {
-                            const auto foot = terrain_.foot(knurl::to_eigen(near));
-                            return knurl::SurfacePoint{knurl::to_plain(foot.point),
-                                                       knurl::to_plain(foot.normal)};
-                        });
-                    },
-                    {});
+                follow_with(plane_here({}), [&](const knurl::Vec3& near) { return surface_at(near); });
                 break;
-            case Way::caps: {
-                const auto model = knurl::curved([&](const knurl::Vec3& near) {
-                    const auto foot = terrain_.foot(knurl::to_eigen(near));
-                    return knurl::SurfacePoint{knurl::to_plain(foot.point), knurl::to_plain(foot.normal)};
-                });
-                auto floor = hand_.add(cap_here());
-                loop([&] { floor.follow(model); });
+            case Way::caps:
+                follow_with(cap_here(),
+                            knurl::curved([&](const knurl::Vec3& near) { return surface_at(near); }));
+                break;
+            case Way::mesh: {
+                const TerrainMesh relief(terrain_);
+                feel_whole(hand_.send(relief.triangles()));
+                state_whole(knurl::Mesh(relief.triangles()));
                 break;
             }
-            case Way::mesh:
-                feel_mesh();
+            case Way::field: {
+                const TerrainField relief(terrain_);
+                feel_whole(hand_.send(knurl::Heights{.grid = relief.grid, .heights = relief.heights}));
+                state_whole(knurl::HeightField(relief.heights, relief.grid));
                 break;
+            }
         }
+        // Through a network nobody here knows when an update came to be felt.
+        if (recording_.own_force.empty() && hand_.network().round_trip == 0ns)
+            recording_.own_force = stated_.force(recording_, hand_.limits());
         hand_.release();
         return std::move(recording_);
     }
 
   private:
-    template <class Answer>
-    void follow_with(Answer&& answer, const knurl::Plane& like) {
+    using Pieces = std::vector<Stated::Piece>;  // none: what was sent before goes on
+
+    /// Planes that are set; without their recovery each is the plane that it is.
+    void set_planes(const knurl::Plane& like) {
         auto floor = hand_.add(plane_here(like));
-        loop([&] { answer(floor); });
+        stated_.say(0, 0, {plane_here({})});
+        loop([&]() -> Pieces {
+            floor.set(plane_here(like));
+            return {plane_here({})};
+        });
     }
 
-    /// The relief's heights as triangles: after that the application has nothing to say.
-    void feel_mesh() {
-        const TerrainMesh relief(terrain_);
-        const knurl::SentMesh sent = hand_.send(relief.triangles());
-        const auto whole = hand_.add(knurl::Shape{.asset = sent.asset, .stiffness = recording_.stiffness});
-        loop([] {});
-        const knurl::Mesh here(relief.triangles());
-        knurl::Proxy proxy;
-        for (const Cycle& cycle : recording_.cycles) {
-            knurl::Foot foot;
-            knurl::Work work;
-            const bool touched = knurl::follow(here, proxy, cycle.position, 0, foot, work);
-            double push = touched ? recording_.stiffness * foot.depth : 0;
-            if (recording_.greatest_force > 0) push = std::min(push, recording_.greatest_force);
-            recording_.own_force.push_back(push * foot.normal);
-        }
+    template <class Face>
+    void follow_with(const Face& first, const knurl::SurfaceModel& model) {
+        auto floor = hand_.add(first);
+        stated_.say(0, 0, {first});
+        loop([&] {
+            Pieces pieces;
+            for (const knurl::SurfacePoint& face : floor.follow(model).faces.all()) {
+                Face placed = first;
+                knurl::place(placed, face);
+                pieces.emplace_back(placed);
+            }
+            return pieces;
+        });
+    }
+
+    /// After it was sent the application has nothing to say.
+    void feel_whole(const knurl::SentShape& sent) {
+        const knurl::Shape whole{.asset = sent.asset, .stiffness = recording_.stiffness};
+        const auto felt = hand_.add(whole);
+        loop([] { return Pieces{}; });
+    }
+    void state_whole(const knurl::Asset& here) {
+        stated_.say(0, 0, {knurl::Shape{.asset = 1, .stiffness = recording_.stiffness}});
+        recording_.own_force = stated_.force(recording_, hand_.limits(), &here);
     }
 
     /// The loop of an application: at fixed times read the hand, think, answer; nothing of it at 1 kHz.
@@ -132,11 +147,13 @@ class Session {
                 throw std::runtime_error(
                     "the device did not become active; look at `knurl devices` and the servo's log");
             const Update read{.report_cycle = newest_.cycle, .report_read_ns = newest_.read_ns};
-            answer();
+            Pieces pieces = answer();
             std::this_thread::sleep_until(tick + seconds(run_.think));
+            const std::int64_t begin_ns = now_ns();
             hand_.commit();
             Update update = read;
             update.commit_ns = now_ns();
+            if (!pieces.empty()) stated_.say(begin_ns, update.commit_ns, std::move(pieces));
             if (begun_ != 0) recording_.updates.push_back(update);
         }
         recording_.unread = hand_.missed();
@@ -197,6 +214,11 @@ class Session {
                           {.stiffness = recording_.stiffness, .greatest_force = recording_.greatest_force});
     }
 
+    knurl::SurfacePoint surface_at(const knurl::Vec3& near) const {
+        const auto foot = terrain_.foot(knurl::to_eigen(near));
+        return {knurl::to_plain(foot.point), knurl::to_plain(foot.normal)};
+    }
+
     /// The surface's tangent plane at the hand, otherwise as `plane`.
     knurl::Plane plane_here(knurl::Plane plane) const {
         const auto foot = terrain_.foot(knurl::to_eigen(newest_.position));
@@ -218,6 +240,7 @@ class Session {
     const std::atomic<bool>& stop_;
     knurl::Claim hand_;
     Recording recording_;
+    Stated stated_;
     knurl::HandReport newest_;
     std::int64_t begun_ = 0;  // deadline of the first active cycle
 };
