@@ -13,9 +13,12 @@ namespace knurl::detail {
 
 namespace {
 
-constexpr std::chrono::seconds rebuild_time{60};  // after a restart
+/// After a restart: to build it, and to carry it over a network of 10 Mbit/s.
+std::chrono::nanoseconds rebuild_time(std::uint64_t bytes) {
+    return std::chrono::seconds(60) + std::chrono::microseconds(bytes);
+}
 
-SentMesh told(const protocol::AssetReady& ready) {
+SentShape told(const protocol::AssetReady& ready) {
     return {.asset = ready.number,
             .faces = ready.faces,
             .bytes = ready.bytes,
@@ -29,11 +32,6 @@ SentMesh told(const protocol::AssetReady& ready) {
 std::pair<std::uint32_t, std::unique_ptr<AssetTransfer>> ClaimState::begin_sending(AssetMemory source) {
     const Lock lock = enter();
     if (channel() == nullptr) throw_disconnected();
-    if (!attachment_->assets)
-        throw Error(Error::Kind::refused,
-                    "send: shapes cannot be sent through a bridge yet; run this application on the servo's "
-                    "machine, or "
-                    "send planes and caps");
     std::uint32_t number = 1;
     while (number <= max_assets && assets_.contains(number)) ++number;
     if (number > max_assets)
@@ -63,7 +61,7 @@ void ClaimState::forget(std::uint32_t number) {
                             "forget: asset {} is what the representation in slot {} is made of; remove that "
                             "first",
                             number, handle.slot));
-    if (attachment_ && attachment_->assets) attachment_->assets->forget(number);
+    if (attachment_) attachment_->assets->forget(number);
     assets_.erase(number);
 }
 
@@ -91,8 +89,8 @@ void ClaimState::require_asset(Kind kind, const void* params) const {
 void ClaimState::resend_assets(Attachment& attachment) {
     for (auto& [number, asset] : assets_) {
         if (!asset.there) continue;
-        if (!attachment.assets ||
-            !attachment.assets->offer(number, asset.source.memory, asset.source.bytes)->answer(rebuild_time))
+        if (!attachment.assets->offer(number, asset.source.memory, asset.source.bytes)
+                 ->answer(rebuild_time(asset.source.bytes)))
             throw Error(Error::Kind::refused,
                         detail::format("device '{}': the servo is back, but does not take shape {} again",
                                        device_name(), number));
@@ -107,7 +105,7 @@ SendingState::~SendingState() {
     if (!over_) claim_->sent(number_, false);
 }
 
-std::optional<SentMesh> SendingState::done(std::chrono::nanoseconds wait) {
+std::optional<SentShape> SendingState::done(std::chrono::nanoseconds wait) {
     if (over_) return sent_;
     try {
         const std::optional<protocol::AssetReady> ready = transfer_->answer(wait);

@@ -64,7 +64,7 @@ class ClaimState final : public Reader {
         Kind kind = 0;
     };
 
-    struct SentAsset {
+    struct KeptAsset {
         AssetMemory source;
         bool there = false;
     };
@@ -109,7 +109,7 @@ class ClaimState final : public Reader {
 
     Table table_;
     std::map<std::uint32_t, ProbePlacement> probes_;
-    std::map<std::uint32_t, SentAsset> assets_;  // by number
+    std::map<std::uint32_t, KeptAsset> assets_;  // by number
     Limits limits_;
 
     int depth_ = 0;  // of together()

@@ -41,6 +41,16 @@ protocol::ClaimRequest request_of(const ClaimOptions& options) {
     return request;
 }
 
+Sending sending(const std::shared_ptr<detail::ClaimState>& claim, detail::AssetMemory source) {
+    auto [number, transfer] = claim->begin_sending(std::move(source));
+    return Sending(std::make_shared<detail::SendingState>(claim, number, std::move(transfer)));
+}
+
+SentShape sent(Sending sending) {
+    for (;;)
+        if (const std::optional<SentShape> sent = sending.done(std::chrono::hours(1))) return *sent;
+}
+
 }  // namespace
 
 Observer::Observer(std::shared_ptr<detail::Reader> reader) : reader_(std::move(reader)) {}
@@ -97,13 +107,16 @@ void Claim::place_probe(std::uint32_t probe, const ProbePlacement& placement) {
     state_->place_probe(probe, placement);
 }
 Sending Claim::begin_sending(const Triangles& mesh, const SendOptions& options) {
-    auto [number, transfer] = state_->begin_sending(detail::source_of(mesh, options));
-    return Sending(std::make_shared<detail::SendingState>(state_, number, std::move(transfer)));
+    return sending(state_, detail::source_of(mesh, options));
 }
-SentMesh Claim::send(const Triangles& mesh, const SendOptions& options) {
-    Sending sending = begin_sending(mesh, options);
-    for (;;)
-        if (const std::optional<SentMesh> sent = sending.done(std::chrono::hours(1))) return *sent;
+Sending Claim::begin_sending(const Heights& field) {
+    return sending(state_, detail::source_of(field));
+}
+SentShape Claim::send(const Triangles& mesh, const SendOptions& options) {
+    return sent(begin_sending(mesh, options));
+}
+SentShape Claim::send(const Heights& field) {
+    return sent(begin_sending(field));
 }
 void Claim::forget(std::uint32_t asset) {
     state_->forget(asset);
@@ -111,7 +124,7 @@ void Claim::forget(std::uint32_t asset) {
 
 Sending::Sending(std::shared_ptr<detail::SendingState> state) : state_(std::move(state)) {}
 Sending::~Sending() = default;
-std::optional<SentMesh> Sending::done(std::chrono::nanoseconds wait) {
+std::optional<SentShape> Sending::done(std::chrono::nanoseconds wait) {
     return state_->done(wait);
 }
 int Sending::fd() const {

@@ -19,14 +19,14 @@ class SendingState {
     SendingState(const SendingState&) = delete;
     SendingState& operator=(const SendingState&) = delete;
 
-    std::optional<SentMesh> done(std::chrono::nanoseconds wait);
+    std::optional<SentShape> done(std::chrono::nanoseconds wait);
     int fd() const { return transfer_->event(); }
 
   private:
     std::shared_ptr<ClaimState> claim_;
     std::uint32_t number_;
     std::unique_ptr<AssetTransfer> transfer_;
-    std::optional<SentMesh> sent_;
+    std::optional<SentShape> sent_;
     bool over_ = false;  // sent, or refused
 };
 

@@ -145,8 +145,10 @@ class Claim : public Observer {
     /// Sends the surface of a solid, once; it is felt as Shape{.asset = sent.asset} says. Waits until the
     /// servo has it, and throws with the reason if it is refused. Meanwhile the claim is silent: to go on
     /// committing, begin_sending.
-    SentMesh send(const Triangles& mesh, const SendOptions& options = {});
+    SentShape send(const Triangles& mesh, const SendOptions& options = {});
+    SentShape send(const Heights& field);
     Sending begin_sending(const Triangles& mesh, const SendOptions& options = {});
+    Sending begin_sending(const Heights& field);
     /// What no representation is made of any more; its number and memory are free again.
     void forget(std::uint32_t asset);
 

@@ -1,0 +1,103 @@
+#include "hold.hpp"
+
+#include <cmath>
+
+namespace bodies {
+
+Vector3d Hold::arm(std::size_t spring) const {
+    static const Vector3d corners[springs] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+    return options_.arm / std::sqrt(3.0) * corners[spring];
+}
+
+void Hold::take(const World& world, std::size_t body) {
+    body_ = body;
+    fades_from_ = -1;
+    const Pose pose = world.after(body);
+    for (std::size_t i = 0; i < springs; ++i) {
+        ends_[i] = position_ + orientation_ * arm(i);
+        on_body_[i] = pose.orientation.conjugate() * (ends_[i] - pose.position);
+    }
+    first_ = true;
+    share_ = 1;
+}
+
+void Hold::let_go(double now) {
+    body_.reset();
+    fades_from_ = now;
+    account_.lost += account_.spring;  // it fades
+    account_.spring = 0;
+}
+
+void Hold::feel(const knurl::Report& report, const Felts& felts) {
+    position_ = knurl::to_eigen(report.position);
+    orientation_ = knurl::to_eigen(report.orientation);
+    velocity_ = knurl::to_eigen(report.velocity);
+    spin_ = knurl::to_eigen(report.angular_velocity);
+    account_.spring = 0;
+    for (std::size_t i = 0; i < springs; ++i) {
+        const Vector3d point = position_ + orientation_ * arm(i);
+        const Vector3d force = felts[i] && body_ ? knurl::to_eigen(felts[i]->force) : Vector3d::Zero();
+        // The trapezium is exact for a spring.
+        if (felt_ && body_) account_.put_in(-0.5 * (force + forces_[i]).dot(point - points_[i]));
+        if (felts[i] && felts[i]->stiffness > 0)
+            account_.spring += force.squaredNorm() / (2 * felts[i]->stiffness);
+        points_[i] = point;
+        forces_[i] = force;
+    }
+    felt_ = true;
+    account_.settle();
+}
+
+std::vector<Pull> Hold::pulls(const World& world, double dt, double interval) {
+    if (!body_) return {};
+    account_.keep(options_.credit);
+    const double share = share_ = std::clamp(2 + account_.left() / options_.credit, 0.0, 1.0);
+    ++account_.frames;
+    account_.short_of += share < 1;
+    const double mass = world.bodies()[*body_].mass;
+    std::vector<Pull> all;
+    for (std::size_t i = 0; i < springs; ++i) {
+        const Vector3d lever = orientation_ * arm(i);
+        all.push_back(
+            {.body = *body_,
+             .on_body = on_body_[i],
+             .towards = position_ + lever,
+             .velocity = interval / dt * (velocity_ + spin_.cross(lever)),  // in the simulation's time
+             .stiffness = share * options_.stiffness,
+             .damping = share * options_.damping * 2 * std::sqrt(options_.stiffness * mass / springs)});
+    }
+    return all;
+}
+
+void Hold::stepped(const World& world, double interval, double now) {
+    stepped_ = now;
+    if (!body_) return;
+    account_.body += world.pulled();
+    account_.settle();
+    const Pose pose = world.after(*body_);
+    for (std::size_t i = 0; i < springs; ++i) ends_[i] = pose.position + pose.orientation * on_body_[i];
+    move_ = first_ ? 0 : interval;
+    first_ = false;
+}
+
+double Hold::faded(double now) const {
+    const double from = body_ ? stepped_ + options_.patience : fades_from_;
+    return from < 0 && !body_ ? 0 : std::clamp(1 - (now - from) / options_.fade, 0.0, 1.0);
+}
+
+std::array<knurl::Spring, Hold::springs> Hold::told(double now) {
+    std::array<knurl::Spring, springs> all;
+    // What was let go comes to the hand as it fades, so that the hand is not drawn back to where that was.
+    if (!body_) {
+        ends_ = points_;
+        move_ = options_.fade / 4;
+    }
+    for (std::size_t i = 0; i < springs; ++i)
+        all[i] = {.anchor = knurl::to_plain(ends_[i]),
+                  .attach = knurl::to_plain(arm(i)),
+                  .stiffness = share_ * faded(now) * options_.stiffness,
+                  .duration = move_};
+    return all;
+}
+
+}  // namespace bodies

@@ -1,0 +1,153 @@
+// knurl-bodies: a rigid-body scene in the hand.
+
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <measure.hpp>
+#include <output_file.hpp>
+#include <private_servo.hpp>
+#include <program_main.hpp>
+
+#include "compare.hpp"
+#include "picture.hpp"
+#include "play.hpp"
+
+namespace {
+
+using knurl::measure::stop;
+
+struct Wishes {
+    std::string connect = "knurl:default", picture, csv;
+    bool demo = false, compare = false;
+    int fingers = 1;
+    double wait = 2;
+    bodies::PlayOptions play;
+};
+
+void describe(CLI::App& app, Wishes& w) {
+    auto& touch = w.play.coupled.touch;
+    auto& hold = w.play.coupled.hold;
+    app.add_option("--rate", w.play.rate, "Hz of the simulation's frames")
+        ->capture_default_str()
+        ->check(CLI::Range(20.0, 500.0));
+    app.add_option("--stiffness", touch.stiffness,
+                   "N/m of the bodies' surfaces, or what device and body admit if that is less")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    app.add_option("--damping", touch.damping, "N s/m of the bodies' surfaces")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--friction", touch.friction, "Coulomb coefficient of finger on body")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 10.0));
+    app.add_option("--spring", hold.stiffness, "N/m of each of the four springs that hold a body")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    app.add_option("--fingers", w.fingers, "1: the hand; 3: two more, 12 mm to its left and right")
+        ->capture_default_str()
+        ->check(CLI::IsMember({1, 3}));
+    app.add_option("--slow", w.play.slow, "s that each step of the simulation takes longer")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 10.0));
+    app.add_option("--seconds", w.play.seconds, "s to play; 0: until Ctrl-C")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--connect", w.connect, "knurl:NAME")->capture_default_str();
+    app.add_option("--device", w.play.device, "the servo's device; may be left out if it has one");
+    app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 3600.0));
+    app.add_flag("--demo", w.demo,
+                 "a servo of its own with a simulated device, whose hand pushes a box, takes it and sets it "
+                 "on another");
+    app.add_flag(
+        "--compare", w.compare,
+        "instead: the stiffest stable contact at --rate, with forces from the engine's loop and with "
+        "surfaces, on a virtual clock");
+    app.add_option("--picture", w.picture, "PNG of the tray, the bodies' ways and the force");
+    app.add_option("--csv", w.csv, "FILE for every cycle");
+    app.footer(
+        "A body within 15 mm is taken while the device's first button is pressed.\n"
+        "Examples:\n"
+        "  knurl-bodies --rate 120                    on the device of knurl:default\n"
+        "  knurl-bodies --demo --picture bodies.png   without a device\n");
+}
+
+void say(const bodies::World& world, const bodies::Played& played) {
+    for (std::size_t i = 0; i < world.bodies().size(); ++i) {
+        const Eigen::Vector3d from = world.bodies()[i].position, to = world.after(i).position;
+        if ((to - from).norm() > 1e-3)
+            fmt::print("  {}: from ({:+.0f}, {:+.0f}, {:+.0f}) to ({:+.0f}, {:+.0f}, {:+.0f}) mm\n",
+                       world.bodies()[i].name, 1e3 * from.x(), 1e3 * from.y(), 1e3 * from.z(), 1e3 * to.x(),
+                       1e3 * to.y(), 1e3 * to.z());
+    }
+    const auto& a = played.account;
+    const double gained = played.frames.empty() ? 0 : played.frames.back().gained;
+    fmt::print("  {} cycles, {} reports missed; largest change of the force in a cycle {:.2f} N\n",
+               played.cycles.size(), played.unread, played.jump);
+    fmt::print(
+        "  {} frames, {} of them late; of {} with a force on a body {} were made smaller by the account\n",
+        played.frames.size(), played.late, a.frames, a.short_of);
+    fmt::print("  the hand put in {:.1f} mJ, the bodies got {:.1f} and have {:.1f} more than before\n",
+               1e3 * a.hand, 1e3 * a.body, 1e3 * gained);
+    if (played.faults != 0) fmt::print("  the device faulted (mask {:#x}); see `knurl ls`\n", played.faults);
+}
+
+int run_compare(double rate) {
+    fmt::print("the stiffest stable contact at {:g} frames a second, N/m, in steps of 1.4\n", rate);
+    fmt::print("{:50} {:>14} {:>14} {:>14}\n", "", "force sent", "surface", "as admitted");
+    const auto figure = [](double stable, double most) {
+        return stable >= most ? fmt::format("{:.0f} or more", stable) : fmt::format("{:.0f}", stable);
+    };
+    for (const bodies::Stiffest& row : bodies::compare(rate))
+        fmt::print("{:50} {:>14} {:>14} {:>14}\n", row.what, figure(row.in_loop, row.most),
+                   figure(row.as_wished, row.most), figure(row.held_to, row.most));
+    return 0;
+}
+
+int run(Wishes& w) {
+    if (w.compare) return run_compare(w.play.rate);
+    if (!w.picture.empty()) knurl::measure::require_writable(w.picture);
+    if (!w.csv.empty()) knurl::measure::require_writable(w.csv);
+    if (w.fingers == 3) w.play.coupled.fingers = {{0, 0, 0}, {0, 0.012, 0}, {0, -0.012, 0}};
+    bodies::World world(bodies::usual_bodies());
+    const bodies::Script script = bodies::push_take_and_stack();
+    const knurl::measure::TemporaryFile path("knurl-bodies");  // the way of the simulated hand
+    std::unique_ptr<knurl::measure::PrivateServo> servo;
+    if (w.demo) {
+        script.write(path.name);
+        w.play.script = &script;
+        if (!(w.play.seconds > 0)) w.play.seconds = script.end();
+        servo = std::make_unique<knurl::measure::PrivateServo>(
+            std::vector<std::string>{"--device", "sim:premium15", "--hand", path.name});
+        w.connect = servo->address();
+        w.wait = 10;
+    }
+    auto client = knurl::Client::connect(
+        w.connect,
+        {.name = "knurl-bodies", .wait = std::chrono::milliseconds(static_cast<int>(w.wait * 1e3))});
+    const bodies::Played played = bodies::play(client, world, w.play, stop, [](const std::string& line) {
+        fmt::print("  {}\n", line);
+        std::fflush(stdout);
+    });
+    say(world, played);
+    if (!w.csv.empty()) bodies::write_csv(w.csv, world, played);
+    if (!w.picture.empty()) {
+        const knurl::measure::Machine machine = knurl::measure::this_machine();
+        bodies::draw(w.picture, world, played,
+                     fmt::format("rigid bodies at {:g} Hz, from the side (first place pale)", w.play.rate),
+                     fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
+        fmt::print("  {}\n", w.picture);
+    }
+    return played.faults != 0 ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Wishes wishes;
+    CLI::App app("knurl-bodies: a rigid-body scene in the hand.", "knurl-bodies");
+    describe(app, wishes);
+    return knurl::measure::program_main(app, argc, argv, [&] { return run(wishes); });
+}

@@ -1,0 +1,54 @@
+#pragma once
+// A servo, its simulated device and hand in this process, on a virtual clock, with a claim that looks like an
+// application's: the coupling runs in it as it does in a program, twice the same to the last bit.
+
+#include <functional>
+#include <memory>
+
+#include <knurl/drivers/sim_device.hpp>
+#include <knurl/geometry/mesh.hpp>
+#include <knurl/servo/offline.hpp>
+
+#include "coupled.hpp"
+
+namespace bodies {
+
+class OfflineHand {
+  public:
+    /// `address`: a profile with options, as in "sim:premium15,grip=0.5" without the scheme.
+    OfflineHand(const std::string& address, const knurl::drivers::Motion& motion, bool clamp = true);
+
+    template <class R>
+    struct There {
+        OfflineHand* hand;
+        knurl::Handle handle;
+        void set(const R& params) { hand->claim_->update(handle, params); }
+        std::optional<knurl::Felt> felt() const { return hand->felt(handle); }
+    };
+    template <class R>
+    There<R> add(const R& params, const knurl::Use& use = {}) {
+        return {this, claim_->add(params, use)};
+    }
+    std::uint32_t send(const Skin& skin);
+    void place_probe(std::uint32_t probe, const knurl::ProbePlacement& placement) {
+        claim_->place_probe(probe, placement);
+    }
+    void arm() { claim_->arm(); }
+    void commit() { claim_->commit(); }
+    /// One cycle of a millisecond.
+    const knurl::Report& step();
+    double now() const { return static_cast<double>(cycles_) * 1e-3; }  // s
+    const knurl::drivers::SimState& truth() const { return device_.state(); }
+
+  private:
+    std::optional<knurl::Felt> felt(knurl::Handle handle) const;
+
+    knurl::drivers::SimDevice device_;
+    std::vector<std::unique_ptr<knurl::Mesh>> meshes_;
+    knurl::servo::Offline servo_;
+    knurl::servo::OfflineClaim* claim_;
+    const knurl::servo::OfflineClaim::Felt* felt_ = nullptr;
+    std::uint64_t cycles_ = 0;
+};
+
+}  // namespace bodies

@@ -1,0 +1,44 @@
+#pragma once
+// An application that lets a hand play with bodies, on any servo.
+
+#include <atomic>
+#include <functional>
+
+#include "coupled.hpp"
+#include "script.hpp"
+
+namespace bodies {
+
+struct PlayOptions {
+    std::string device;              // empty: the only one
+    double rate = 60;                // Hz of the simulation's frames
+    double slow = 0;                 // s that each step takes longer
+    double seconds = 0;              // 0: until `stop`
+    const Script* script = nullptr;  // takes and lets go by it; else by the device's first button
+    CoupledOptions coupled = {};
+};
+
+struct Played {
+    struct Cycle {
+        double t;  // s since the device was active
+        Vector3d hand, force;
+    };
+    struct Frame {
+        double t;
+        std::vector<Vector3d> bodies;  // m, their middles
+        double gained, hand;           // J, by the bodies; put in by the hand
+    };
+    std::vector<Cycle> cycles;
+    std::vector<Frame> frames;
+    Account account;
+    double jump = 0;         // N, the largest change of the force between cycles that follow each other
+    std::uint64_t late = 0;  // frames that came more than half a frame too late
+    std::uint64_t unread = 0;
+    std::uint32_t faults = 0;
+};
+
+/// `told` gets a line where something is to be said. Throws knurl::Error.
+Played play(knurl::Client& client, World& world, const PlayOptions& options, const std::atomic<bool>& stop,
+            const std::function<void(const std::string&)>& told);
+
+}  // namespace bodies

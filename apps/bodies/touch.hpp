@@ -1,0 +1,82 @@
+#pragma once
+// A finger that pushes a body: the servo has the body's surface and the contact, the simulation has the body.
+//
+// The simulation is one step ahead: what it has computed is played while the next frame is felt, so the
+// surface moves without a jump from where the step began to where it ended. The body answers a frame later
+// than it was pushed, and such a delay makes energy out of nothing: a body of mass m that is pushed at
+// stiffness k in frames of T is shaken off from k T^2 / m of about 1 on. Two things are done about it.
+//
+//   Softer.   The stiffness is at most what the body, with all that it leans on, admits at that place and in
+//   that
+//             direction (World::give): the wish for a box that is pressed on the floor, less for one that is
+//             free.
+//   Account.  What the hand has put in by this contact, less what the body has got and what the contact's
+//   spring
+//             holds. The body gets no more than that: its push is made smaller. What is left over beyond a
+//             small reserve is thrown away, so that no more than that can ever come back at a bad moment.
+
+#include <knurl/client/client.hpp>
+
+#include "account.hpp"
+#include "world.hpp"
+
+namespace bodies {
+
+struct TouchOptions {
+    double stiffness = 600;  // N/m
+    double damping = 2;      // N s/m, of the skin
+    double friction = 0.4;   // of the skin
+    double softness =
+        0.5;  // stiffness times what the body gives way in a frame, at most; 0: as stiff as wished
+    bool keep_account = true;
+    double reserve = 1e-3;  // J
+};
+
+class Touch {
+  public:
+    Touch(std::size_t body, std::uint32_t asset, const TouchOptions& options);
+
+    /// A cycle of the servo, `dt` s after the last one that was seen: the finger, and what it felt.
+    void feel(const Vector3d& finger, const Vector3d& velocity, const std::optional<knurl::Felt>& felt,
+              double dt);
+    /// Before the simulation's next step of `dt` s, which will be played in `interval` s.
+    Push push(const World& world, double dt);
+    /// After it: what the servo is told.
+    knurl::Shape stepped(const World& world, double interval);
+    /// The next step is late: where the last one ended, at rest.
+    knurl::Shape rest() const;
+    /// Not felt while it is held by springs.
+    void felt_at_all(bool so) { there_ = so; }
+
+    std::size_t body() const { return body_; }
+    bool touches() const { return force_.squaredNorm() > 0; }
+    const Account& account() const { return account_; }
+    Vector3d force() const { return force_; }  // N, on the hand, in the newest cycle
+
+  private:
+    void settle();
+    knurl::Shape shown(knurl::Shape shape) const;
+    double admitted(const World& world, double dt) const;
+    double affordable(const Vector3d& force, double give, double dt, const Vector3d& speed) const;
+
+    std::size_t body_;
+    TouchOptions options_;
+    knurl::Shape shape_;
+    Pose end_;
+    Account account_;
+    bool there_ = true;
+    double gone_ = 0;  // s, for which it was not
+    // Of the newest cycle.
+    Vector3d finger_ = Vector3d::Zero(), velocity_ = Vector3d::Zero(), force_ = Vector3d::Zero();
+    double depth_ = 0;                     // m
+    Vector3d contact_ = Vector3d::Zero();  // m, and which way it pushes: of the newest cycle that touched
+    Vector3d normal_ = Vector3d::UnitZ();
+    double stiffness_;  // N/m, as applied
+    bool felt_ = false;
+    // Since the last frame.
+    Vector3d impulse_ = Vector3d::Zero();  // N s, on the hand
+    double time_ = 0;
+    Push push_;  // of the step that is played
+};
+
+}  // namespace bodies

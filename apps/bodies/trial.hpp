@@ -1,0 +1,43 @@
+#pragma once
+// A script played on a virtual clock: servo, device, hand, coupling and engine in step, twice the same to the
+// last bit. What tests and --compare run.
+
+#include <functional>
+
+#include "coupled.hpp"
+#include "offline_hand.hpp"
+#include "script.hpp"
+
+namespace bodies {
+
+struct TrialOptions {
+    double rate = 60;  // Hz of the simulation's frames
+    CoupledOptions coupled = {};
+    std::string device = "premium15";
+    bool clamp = true;                  // at what the device allows
+    double stop_at = -1, stop_for = 0;  // s: the simulation stands still
+    double force_in_loop = 0;           // N/m: instead of all that, a force computed in each frame and sent
+    double seconds = 0;                 // 0: the script's
+};
+
+/// A cycle of the servo.
+struct Moment {
+    double t = 0;  // s
+    const knurl::Report& report;
+    const knurl::drivers::SimState& truth;
+    double put_in = 0;  // J, by the hand since the beginning, less what it got back
+};
+
+struct Trial {
+    Account account;
+    double gained = 0;      // J, by the bodies
+    double jump = 0;        // N, the largest change of the force in a cycle of a millisecond
+    double motor_work = 0;  // J, by the device's motors on the hand
+    std::uint32_t faults = 0;
+    std::uint64_t frames = 0;
+};
+
+Trial run_trial(World& world, const Script& script, const TrialOptions& options,
+                const std::function<void(const Moment&)>& each = {});
+
+}  // namespace bodies

@@ -1,0 +1,155 @@
+// knurl-dock: an atom of a running simulation in the hand.
+
+#include <cstdio>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <measure.hpp>
+#include <output_file.hpp>
+#include <private_servo.hpp>
+#include <program_main.hpp>
+#include <unistd.h>
+
+#include "dock.hpp"
+#include "hand_path.hpp"
+#include "keys.hpp"
+#include "picture.hpp"
+#include "summary.hpp"
+
+namespace {
+
+using knurl::measure::stop;
+
+struct Wishes {
+    std::string simulation, connect = "knurl:default", picture, csv, json;
+    bool demo = false, no_account = false, kill = false;
+    double wait = 5;
+    dock::DockOptions dock;
+    dock::HandPath path;
+};
+
+void describe(CLI::App& app, Wishes& w) {
+    dock::DockOptions& o = w.dock;
+    app.add_option("HOST:PORT", w.simulation, "of a simulation that speaks IMD, version 2")->required();
+    app.add_option("--atom", o.atom,
+                   "to hold, counted from 0 in the simulation's IMD group; else the nearest")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--rate", o.rate, "frames a second that the simulation shall send")
+        ->capture_default_str()
+        ->check(CLI::Range(1.0, 400.0));
+    app.add_option("--stiffness", o.stiffness, "N/m of the spring, in the hand")
+        ->capture_default_str()
+        ->check(CLI::Range(1.0, 5000.0));
+    app.add_option("--scale", o.scale, "mm in the hand for 1 nm")
+        ->capture_default_str()
+        ->check(CLI::Range(1.0, 1000.0));
+    app.add_option("--force-scale", o.force_scale, "mN in the hand for 1 pN")
+        ->capture_default_str()
+        ->check(CLI::Range(0.1, 1000.0));
+    app.add_option("--greatest-force", o.greatest_force,
+                   "kcal/mol/A on the atom; 58 is 4 nN, which breaks bonds")
+        ->capture_default_str()
+        ->check(CLI::Range(0.01, 30.0));
+    app.add_option("--greatest-temperature", o.greatest_temperature, "K; above it the atom is not pulled")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    app.add_option("--box", o.box,
+                   "nm, edge of the simulation's cubic box, if its atoms come in again opposite")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--seconds", o.seconds, "s; 0: until Ctrl-C")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    app.add_flag("--at-once", o.at_once, "holds an atom as soon as the device is active");
+    app.add_flag("--no-account", w.no_account,
+                 "the spring and nothing else: what the coupling's account is good for");
+    app.add_option("--connect", w.connect, "knurl:NAME or knurl://HOST:PORT")->capture_default_str();
+    app.add_option("--device", o.device, "the servo's device; may be left out if it has one");
+    app.add_option("--wait", w.wait, "s to wait for simulation and servo")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 3600.0));
+    app.add_flag("--demo", w.demo, "a servo of its own with a simulated device, whose hand pulls at random");
+    app.add_option("--seed", w.path.seed, "of that hand")->capture_default_str();
+    app.add_option("--reach", w.path.reach, "m from the middle that it goes")
+        ->capture_default_str()
+        ->check(CLI::Range(0.005, 0.08));
+    app.add_flag("--kill", w.kill, "ends the simulation as well (gmx mdrun -imdterm)");
+    app.add_option("--picture", w.picture, "PNG of force, length, the atom's way and the energies");
+    app.add_option("--csv", w.csv, "FILE for every cycle");
+    app.add_option("--json", w.json, "FILE for the figures");
+    app.footer(
+        "Space (or the device's first button, while pressed) takes the atom and lets go, q ends.\n"
+        "Examples:\n"
+        "  knurl-dock localhost:8889 --atom 0                  on the device of knurl:default\n"
+        "  knurl-dock localhost:8889 --demo --picture dock.png without a device\n"
+        "  scripts/dock                                        with GROMACS and a box of water\n");
+}
+
+int run(Wishes& w) {
+    dock::DockOptions& o = w.dock;
+    for (const std::string* file : {&w.picture, &w.csv, &w.json})
+        if (!file->empty()) knurl::measure::require_writable(*file);
+    if (const std::string why = dock::unfit(o); !why.empty()) throw std::runtime_error(why);
+    o.keep_account = !w.no_account;
+    const auto patience = std::chrono::milliseconds(static_cast<int>(w.wait * 1e3));
+
+    dock::Imd simulation(w.simulation, patience);            // first: it forks
+    const knurl::measure::TemporaryFile path("knurl-dock");  // the way of the simulated hand
+    std::unique_ptr<knurl::measure::PrivateServo> servo;
+    if (w.demo) {
+        if (!(o.seconds > 0)) o.seconds = 60;
+        w.path.seconds = o.seconds;
+        dock::write_path(path.name, w.path);
+        servo = std::make_unique<knurl::measure::PrivateServo>(
+            std::vector<std::string>{"--device", "sim:premium15", "--hand", path.name});
+        w.connect = servo->address();
+        o.at_once = true;
+        fmt::print("a simulated hand on a simulated device, seed {}\n", w.path.seed);
+    }
+    dock::Keys keys;
+    fmt::print(
+        "{}: 1 nm is {:g} mm in the hand, 1 pN {:g} mN: {:g} N/m are {:.3g} kcal/mol/A^2 on the atom\n",
+        w.simulation, o.scale, o.force_scale, o.stiffness, dock::stiffness_on_atom(o));
+    std::fflush(stdout);
+    auto client = knurl::Client::connect(w.connect, {.name = "knurl-dock", .wait = patience});
+    const bool terminal = isatty(STDOUT_FILENO) != 0;
+    const dock::Docked docked = dock::dock(
+        client, simulation, o, stop,
+        [&](const std::string& line) {
+            if (!terminal) return;
+            fmt::print("\r  {:<90}", line);
+            std::fflush(stdout);
+        },
+        [&keys] { return keys.next(); });
+    if (terminal) fmt::print("\n");
+    if (w.kill) simulation.kill();
+    fmt::print("  {} atoms, {} byte order; atom {}\n", docked.atoms,
+               docked.swapped ? "the other" : "this machine's", docked.atom);
+    const dock::Summary summary = dock::summarise(docked, o);
+    fmt::print("{}", dock::text_of(summary, docked, o));
+    if (!w.csv.empty()) dock::write_csv(w.csv, docked);
+    if (!w.json.empty()) knurl::measure::write_file(w.json, dock::json_of(summary, docked, o));
+    if (!w.picture.empty()) {
+        const knurl::measure::Machine machine = knurl::measure::this_machine();
+        dock::draw(
+            w.picture, docked, o,
+            fmt::format(
+                "atom {} of {} atoms at {}, {:.0f} frames/s, {:g} N/m; 1 nm is {:g} mm, 1 pN is {:g} mN",
+                docked.atom, docked.atoms, w.simulation, summary.frames_per_second, o.stiffness, o.scale,
+                o.force_scale),
+            fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
+        fmt::print("  {}\n", w.picture);
+    }
+    if (docked.ended.empty()) return 0;
+    fmt::print(stderr, "knurl-dock: {}\n", docked.ended);
+    return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Wishes wishes;
+    CLI::App app("knurl-dock: an atom of a running simulation in the hand.", "knurl-dock");
+    describe(app, wishes);
+    return knurl::measure::program_main(app, argc, argv, [&] { return run(wishes); });
+}

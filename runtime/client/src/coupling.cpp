@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <knurl/client/coupling.hpp>
+
+namespace knurl {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double forget = 0.97;        // of what was learnt of the body, in a frame
+constexpr double thrifty = 0.8;        // share of the hand's force that the body gets of an empty reserve
+constexpr double shortest_stop = 0.5;  // s
+constexpr double a_jump = 8;           // times the body's usual stray
+constexpr double least_jump = 0.01;    // m
+constexpr std::uint64_t learnt = 10;   // frames after which the usual is known
+
+Vector3d at_most(const Vector3d& v, double length) {
+    const double n = v.norm();
+    return n > length ? Vector3d(length / n * v) : v;
+}
+
+void require(bool so, const char* what, double value, const char* rule) {
+    if (!so)
+        throw Error(Error::Kind::bad_parameters,
+                    fmt::format("coupling: {} is {}, and must be {}", what, value, rule));
+}
+
+bool above_zero(double x) {
+    return std::isfinite(x) && x > 0;
+}
+
+}  // namespace
+
+Coupling::Coupling(const CouplingOptions& options)
+    : options_(options), stiffness_(options.stiffness), interval_(options.interval) {
+    require(above_zero(options.scale.length), "scale.length", options.scale.length, "above 0 m");
+    require(above_zero(options.scale.force), "scale.force", options.scale.force, "above 0 N");
+    require(above_zero(options.stiffness), "stiffness", options.stiffness, "above 0 N/m");
+    require(above_zero(options.interval), "interval", options.interval, "above 0 s");
+    require(options.frames_late >= 0 && options.frames_late <= 2, "frames_late", options.frames_late,
+            "0, 1 or 2");
+    require(above_zero(options.greatest_force), "greatest_force", options.greatest_force, "above 0");
+    require(above_zero(options.greatest_speed), "greatest_speed", options.greatest_speed, "above 0 m/s");
+    require(above_zero(options.longest_move), "longest_move", options.longest_move, "above 0 s");
+    require(above_zero(options.reserve), "reserve", options.reserve, "above 0 J");
+    require(options.patience >= 2, "patience", options.patience, "2 intervals or more");
+    require(above_zero(options.fade), "fade", options.fade, "above 0 s");
+}
+
+Vec3 Coupling::to_hand(const Vec3& body) const {
+    return to_plain(hand_origin_ + options_.scale.length * (to_eigen(body) - body_origin_));
+}
+
+Vec3 Coupling::to_simulation(const Vec3& hand) const {
+    return to_plain(body_origin_ + (to_eigen(hand) - hand_origin_) / options_.scale.length);
+}
+
+void Coupling::hold(const Vec3& body, const Vec3& hand) {
+    hand_origin_ = to_eigen(hand);
+    body_origin_ = to_eigen(body);
+    // Pessimistic until it is known: a frame's force takes the body all the way.
+    force_square_ = 0.25;
+    force_way_ = force_square_ / options_.stiffness;
+    compliance_ = 1 / options_.stiffness;
+    stray_ = 0;
+    hand_ = hand_origin_;
+    last_frame_ = -1;
+    begin();
+}
+
+/// From here on, with nothing in the spring.
+void Coupling::begin() {
+    account_.lost = account_.hand - account_.body;
+    account_.spring = 0;
+    state_ = State::holding;
+    fading_ = 1;
+    felt_ = false;
+    force_.setZero();
+    body_.reset();
+    for (Vector3d& force : sent_) force.setZero();
+    end_ = to_plain(hand_);
+    moved_from_ = hand_;
+    move_time_ = 0;
+}
+
+void Coupling::let_go(double now) {
+    if (state_ != State::idle && state_ != State::stopped) fade_from(now);
+    state_ = State::idle;
+}
+
+void Coupling::fade_from(double now) {
+    faded_from_ = now;
+    account_.lost = account_.hand - account_.body;  // what is in the spring goes with it
+    account_.spring = 0;
+    for (Vector3d& force : sent_) force.setZero();
+}
+
+void Coupling::feel(const Report& report, const std::optional<Felt>& felt, const Vec3& attach) {
+    const Vector3d here = to_eigen(report.position) + to_eigen(report.orientation) * to_eigen(attach);
+    if (felt && felt->cycle != report.cycle) return;
+    if (state_ == State::idle || state_ == State::stopped || !felt) {
+        hand_ = here;
+        felt_ = false;
+        return;
+    }
+    const Vector3d force = to_eigen(felt->force);
+    if (felt->stiffness > 0) stiffness_ = felt->stiffness;
+    if (felt_) {
+        // The trapezium is exact for a spring: hand and end together change its energy by just this.
+        const double work = -0.5 * (force + force_).dot(here - hand_);
+        account_.hand += work;
+        account_.hand_in += std::max(0.0, work);
+    }
+    felt_ = true;
+    hand_ = here;
+    force_ = force;
+    account_.spring = force.squaredNorm() / (2 * stiffness_);
+    account_.most_created = std::max(account_.most_created, created());
+}
+
+double Coupling::created() const {
+    return account_.body + account_.spring + account_.lost - account_.hand;
+}
+
+void Coupling::measure_interval(double now) {
+    if (last_frame_ >= 0 && now > last_frame_) {
+        const double gap = now - last_frame_;
+        if (state_ != State::stopped && ++intervals_ > 4)
+            interval_ += 0.1 * (std::min(gap, 3 * interval_) - interval_);
+    }
+    last_frame_ = now;
+}
+
+void Coupling::measure_compliance(const Vector3d& force, const Vector3d& way) {
+    force_square_ = forget * force_square_ + force.squaredNorm();
+    force_way_ = forget * force_way_ + force.dot(way);
+    compliance_ = force_square_ > 0 ? std::max(0.0, force_way_ / force_square_) : 0;
+    const double stray = (way - compliance_ * force).squaredNorm();
+    stray_ = stray_ > 0 ? std::sqrt(forget * stray_ * stray_ + (1 - forget) * stray) : std::sqrt(stray);
+}
+
+Vec3 Coupling::frame(const Vec3& body, double now) {
+    const Vector3d place = to_eigen(to_hand(body));
+    if (!place.allFinite())
+        throw Error(Error::Kind::bad_parameters, "coupling: the body's place is no number");
+    if (state_ == State::idle) return {};
+    measure_interval(now);
+    if (state_ == State::stopped) begin();
+    state_ = State::holding;
+    ++counts_.frames;
+    account_.created = created();
+    if (body_) {
+        const Vector3d way = place - *body_, &force = sent_[0];
+        const bool jumped = counts_.frames > learnt &&
+                            (way - compliance_ * force).norm() > std::max(least_jump, a_jump * stray_);
+        if (jumped) {
+            ++counts_.jumps;
+        } else {
+            account_.body += force.dot(way);
+            measure_compliance(force, way);
+        }
+    }
+    body_ = place;
+    Account& a = account_;
+    const double idle = a.hand - a.body - a.lost - a.spring - options_.reserve;
+    if (options_.keep_account) a.lost += std::max(0.0, idle);
+    account_.most_created = std::max(account_.most_created, created());
+    move_end(place, now);
+    return to_plain(answer(place) / options_.scale.force);
+}
+
+/// No farther from the hand than the account pays for.
+void Coupling::move_end(const Vector3d& body, double now) {
+    const double left = std::max(0.0, account_.hand - account_.body - account_.lost);
+    Vector3d stretch = body - hand_;
+    if (options_.keep_account) {
+        const double reach = std::sqrt(2 * left / stiffness_);
+        counts_.short_of += stretch.norm() > reach + 1e-4;
+        stretch = at_most(stretch, reach);
+    }
+    const Vector3d end = hand_ + stretch;
+    // Where it is now: as the force says, and, of a device that gives no more force, as it was sent.
+    const double share = move_time_ > 0 ? std::min(1.0, (now - moved_at_) / move_time_) : 1;
+    const Vector3d sent = moved_from_ + share * (to_eigen(end_) - moved_from_);
+    const double way = std::max((end - hand_ - force_ / stiffness_).norm(), (end - sent).norm());
+    moved_from_ = sent;
+    moved_at_ = now;
+    end_ = to_plain(end);
+    move_time_ = std::max(std::min(interval_, options_.longest_move), way / options_.greatest_speed);
+}
+
+/// The body will have moved by what it was sent already when this one begins to act, and while it acts it
+/// moves on: as in the implicit rule for a spring and a damper, the force is the one that is right half-way.
+Vector3d Coupling::answer(const Vector3d& body) {
+    const auto late = static_cast<std::size_t>(options_.frames_late);
+    for (std::size_t i = 0; i < late; ++i) sent_[i] = sent_[i + 1];
+    Vector3d there = body;
+    double left = account_.hand - account_.body - account_.lost;
+    for (std::size_t i = 0; i < late; ++i) {
+        there += compliance_ * sent_[i];
+        left -= compliance_ * sent_[i].squaredNorm();
+    }
+    Vector3d stretch = hand_ - there;
+    if (options_.keep_account) stretch = at_most(stretch, std::sqrt(2 * std::max(0.0, left) / stiffness_));
+    double share = 1;
+    if (options_.keep_account) {
+        // A little less than the hand feels while the reserve is low: what is kept back fills it.
+        const double kept = left - stiffness_ * stretch.squaredNorm() / 2;
+        share = thrifty + (1 - thrifty) * std::clamp(kept / options_.reserve, 0.0, 1.0);
+    }
+    Vector3d force = share * stiffness_ / (1 + stiffness_ * compliance_ / 2) * stretch;
+    const double most = options_.greatest_force * options_.scale.force;
+    counts_.bounded += force.norm() > most;
+    force = at_most(force, most);
+    sent_[late] = force;
+    return force;
+}
+
+Coupling::State Coupling::watch(double now) {
+    if (state_ == State::holding || state_ == State::late) {
+        if (last_frame_ < 0) last_frame_ = now;
+        const double silent = now - last_frame_;
+        state_ = silent > 2 * interval_ ? State::late : State::holding;
+        if (silent > std::max(options_.patience * interval_, shortest_stop)) {
+            state_ = State::stopped;
+            ++counts_.stops;
+            fade_from(now);
+        }
+    }
+    const bool fades = state_ == State::stopped || state_ == State::idle;
+    if (fades) fading_ = std::clamp(1 - (now - faded_from_) / options_.fade, 0.0, fading_);
+    return state_;
+}
+
+Spring Coupling::spring() const {
+    Spring spring{.anchor = end_, .stiffness = options_.stiffness, .duration = move_time_};
+    spring.stiffness *= fading_;
+    return spring;
+}
+
+}  // namespace knurl
