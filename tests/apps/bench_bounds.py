@@ -79,6 +79,12 @@ class BenchBounds(unittest.TestCase):
     def test_on_a_noisy_machine_what_is_far_too_slow_fails_all_the_same(self):
         self.assertEqual(self.judge(solve=10 * 2.9, noise=0.4, moods=0.8)[0], 1)
 
+    def test_a_goal_has_a_factor_of_its_own(self):
+        goal = dict(BOUNDS, ratios=[dict(BOUNDS["ratios"][0], factor=1)] + BOUNDS["ratios"][1:])
+        self.assertEqual(self.judge(solve=3.6)[0], 0)
+        self.assertEqual(self.judge(solve=3.6, bounds=goal)[0], 1)
+        self.assertEqual(self.judge(solve=2.8, bounds=goal)[0], 0)
+
     def test_above_the_bound_but_not_beyond_the_factor_is_said_alone(self):
         code, out, err = self.judge(solve=3.6)
         self.assertEqual((code, err), (0, ""))
@@ -113,7 +119,7 @@ class BenchBounds(unittest.TestCase):
         self.assertIn("30 are needed", err)
 
     def test_the_committed_bounds_are_read_and_every_one_says_why(self):
-        _, bounds = bb.read_bounds(SCRIPTS / "bench_bounds.json")
+        bounds = bb.read_bounds(SCRIPTS / "bench_bounds.json")
         for ratio in json.loads((SCRIPTS / "bench_bounds.json").read_text())["ratios"]:
             self.assertTrue(ratio["why"], ratio)
         chosen = re.compile(bb.filter_for(bounds, "scene"))

@@ -10,6 +10,7 @@
 
 #include <knurl/geometry/mesh.hpp>
 
+#include "material.hpp"
 #include "mesh_file.hpp"
 #include "program.hpp"
 #include "record.hpp"
@@ -61,7 +62,7 @@ std::string as_stl(const Made& mesh) {
 
 std::string refusal(const std::string& path) {
     try {
-        feel::load_mesh(path);
+        meshfile::load_mesh(path);
     } catch (const std::runtime_error& error) {
         return error.what();
     }
@@ -74,7 +75,7 @@ TEST(MeshFiles, TheSameThingComesOutOfEveryFormat) {
     for (const auto& [name, text] : {std::pair{"ball.obj", as_obj(ball)}, std::pair{"ball.ply", as_ply(ball)},
                                      std::pair{"ball.stl", as_stl(ball)}}) {
         SCOPED_TRACE(name);
-        const feel::MeshFile file = feel::load_mesh(folder.file(name, text));
+        const meshfile::MeshFile file = meshfile::load_mesh(folder.file(name, text));
         EXPECT_EQ(file.triangles.size(), ball.triangles.size());
         EXPECT_NEAR(file.size(), 0.2 * std::sqrt(3), 0.02);
         // Outside stays outside, and what shares an edge does so after welding.
@@ -87,13 +88,40 @@ TEST(MeshFiles, TheSameThingComesOutOfEveryFormat) {
 TEST(MeshFiles, MaterialsOfAnObjBecomeMaterialsOfItsTriangles) {
     const Folder folder;
     folder.file("m.mtl", "newmtl hard\nKd 1 0 0\nnewmtl soft\nKd 0 1 0\n");
-    const feel::MeshFile file = feel::load_mesh(folder.file(
+    const meshfile::MeshFile file = meshfile::load_mesh(folder.file(
         "m.obj",
         "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl hard\nf 1 2 3\nusemtl soft\nf 1 2 4\n"));
     ASSERT_EQ(file.triangles.size(), 2u);
     EXPECT_NE(file.materials[0], file.materials[1]);
     EXPECT_THAT(file.material_names, testing::Contains("hard"));
     EXPECT_THAT(file.material_names, testing::Contains("soft"));
+}
+
+std::string refused(const std::vector<std::string>& wishes) {
+    try {
+        feel::materials_of({"hard", "soft"}, wishes);
+    } catch (const std::runtime_error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(Materials, AreSharesByTheNamesOfTheFile) {
+    EXPECT_TRUE(feel::materials_of({"hard", "soft"}, {}).empty());
+    const auto materials = feel::materials_of({"hard", "soft", "a=b"}, {"soft=0.25", "a=b=0.5,2,3"});
+    ASSERT_EQ(materials.size(), 3u);
+    EXPECT_EQ(materials[0].stiffness, 1);
+    EXPECT_EQ(materials[1].stiffness, 0.25);
+    EXPECT_EQ(materials[1].friction, 1);
+    EXPECT_EQ(materials[2].stiffness, 0.5);
+    EXPECT_EQ(materials[2].damping, 2);
+    EXPECT_EQ(materials[2].friction, 3);
+    EXPECT_THAT(refused({"sofd=1"}), HasSubstr("it has hard, soft"));
+    EXPECT_THAT(refused({"soft=2"}), HasSubstr("\"2\" is no share of stiffness; give 0 to 1"));
+    EXPECT_THAT(refused({"soft=1,nan"}), HasSubstr("\"nan\" is no share of damping"));
+    EXPECT_THAT(refused({"soft=1,1,"}), HasSubstr("\"\" is no share of friction"));
+    EXPECT_THAT(refused({"soft=1,1,1,1"}), HasSubstr("more than three"));
+    EXPECT_THAT(refused({"soft"}), HasSubstr("NAME=STIFFNESS"));
 }
 
 TEST(MeshFiles, WhatIsNoMeshIsNamedWithTheRemedy) {
@@ -109,15 +137,15 @@ TEST(MeshFiles, WhatIsNoMeshIsNamedWithTheRemedy) {
 }
 
 TEST(Units, AreGuessedByWhatAHandCanHold) {
-    EXPECT_EQ(feel::guessed_unit(200).name, "mm");
-    EXPECT_EQ(feel::guessed_unit(15).name, "cm");
-    EXPECT_EQ(feel::guessed_unit(0.25).name, "m");
-    EXPECT_EQ(feel::guessed_unit(1e6).name, "mm") << "larger than anything: the smallest";
-    EXPECT_EQ(feel::unit_of("in").metres, 0.0254);
-    EXPECT_THROW(feel::unit_of("furlong"), std::runtime_error);
-    EXPECT_FALSE(feel::odd_size(0.3));
-    EXPECT_THAT(*feel::odd_size(200), HasSubstr("200 m large"));
-    EXPECT_THAT(*feel::odd_size(2e-6), HasSubstr("2 um small"));
+    EXPECT_EQ(meshfile::guessed_unit(200).name, "mm");
+    EXPECT_EQ(meshfile::guessed_unit(15).name, "cm");
+    EXPECT_EQ(meshfile::guessed_unit(0.25).name, "m");
+    EXPECT_EQ(meshfile::guessed_unit(1e6).name, "mm") << "larger than anything: the smallest";
+    EXPECT_EQ(meshfile::unit_of("in").metres, 0.0254);
+    EXPECT_THROW(meshfile::unit_of("furlong"), std::runtime_error);
+    EXPECT_FALSE(meshfile::odd_size(0.3));
+    EXPECT_THAT(*meshfile::odd_size(200), HasSubstr("200 m large"));
+    EXPECT_THAT(*meshfile::odd_size(2e-6), HasSubstr("2 um small"));
 }
 
 TEST(Stroke, GoesAroundWhatItDoesNotKnow) {

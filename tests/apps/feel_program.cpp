@@ -53,9 +53,31 @@ TEST_F(FeelProgram, FeelsWithoutADeviceAndDrawsWhatItFelt) {
     std::ifstream rows(csv);
     std::size_t count = 0;
     for (std::string line; std::getline(rows, line);) ++count;
-    EXPECT_GT(count, 500u);
+    EXPECT_THAT(felt.out, HasSubstr("\n  " + std::to_string(count - 1) + " cycles, "))
+        << "a row each, and a title";
     EXPECT_TRUE(std::filesystem::is_empty(temporary)) << "it leaves nothing behind";
     ::unsetenv("TMPDIR");
+}
+
+TEST_F(FeelProgram, AMaterialOfTheFileIsFeltAsSoftAsItIsWished) {
+    folder_.file("m.mtl", "newmtl felt\nKd 1 0 0\n");
+    const std::string soft =
+        folder_.file("soft.obj", "mtllib m.mtl\nusemtl felt\n" + knurl::test::text_of_file(mesh_));
+    const auto peak = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words = {KNURL_FEEL_PROGRAM, soft, "--demo", "--seconds", "1.5"};
+        words.insert(words.end(), more.begin(), more.end());
+        const auto felt = run(words);
+        EXPECT_EQ(felt.code, 0) << felt.err;
+        EXPECT_THAT(felt.out, testing::ContainsRegex("at most [0-9.e-]+e-1[0-9] N off"));
+        const auto at = felt.out.find("peak ");
+        return at == std::string::npos ? 0 : std::stod(felt.out.substr(at + 5));
+    };
+    const double hard = peak({});
+    EXPECT_GT(hard, 0.5);
+    const double softened = peak({"--material", "felt=0.25"});
+    EXPECT_GT(softened, 0);
+    // The hand is a spring too, and comes in further.
+    EXPECT_LT(softened, 0.6 * hard);
 }
 
 TEST_F(FeelProgram, SaysWhatIsWrong) {

@@ -15,8 +15,10 @@ const readable = {
   const stream = new McapStreamReader({ decompressHandlers, validateCrcs: true });
   stream.append(data);
   let streamed = 0, ended = false;
+  const attachments = {};
   for (let record; (record = stream.nextRecord()); ) {
     if (record.type === "Message") ++streamed;
+    if (record.type === "Attachment") attachments[record.name] = record.data.length;
     if (record.type === "Footer") ended = true;
   }
   const reader = await McapIndexedReader.Initialize({ readable, decompressHandlers });
@@ -27,5 +29,5 @@ const readable = {
     lastCycle = view.getBigUint64(4, true);
   }
   for (const [id, count] of reader.statistics.channelMessageCounts) topics[reader.channelsById.get(id).topic] = Number(count);
-  console.log(JSON.stringify({ library: reader.header.library, ended, streamed, topics, lastCycle: Number(lastCycle) }));
+  console.log(JSON.stringify({ library: reader.header.library, ended, streamed, topics, attachments, lastCycle: Number(lastCycle) }));
 })();

@@ -2,6 +2,7 @@
 """Reads a recording as the format's specification says, and none of our code: checks every checksum, every index, every
 message; prints what it found as JSON. Needs the program zstd."""
 
+import hashlib
 import json
 import struct
 import subprocess
@@ -10,7 +11,7 @@ import zlib
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
-STATISTICS, METADATA, METADATA_INDEX, DATA_END = 0x0B, 0x0C, 0x0D, 0x0F
+ATTACHMENT, ATTACHMENT_INDEX, STATISTICS, METADATA, METADATA_INDEX, DATA_END = 0x09, 0x0A, 0x0B, 0x0C, 0x0D, 0x0F
 
 
 class Parts:
@@ -60,6 +61,7 @@ def main(path):
 
     channels, counts, metadata, chunks, reports = {}, {}, {}, {}, []
     schemas, where = {}, {}
+    attachments, attached = {}, {}
 
     def define(op, content):
         p = Parts(content)
@@ -86,6 +88,12 @@ def main(path):
             where[at] = len(content) + 9
             name = p.text()
             metadata[name] = p.map(Parts.text, Parts.text)
+        elif op == ATTACHMENT:
+            times, name, media_type = p.take("QQ"), p.text(), p.text()
+            held = p.raw(p.take("Q"))
+            assert p.take("I") == zlib.crc32(content[:-4]) and p.rest() == b"" and name not in attachments
+            attachments[name] = {"media_type": media_type, "bytes": len(held), "sha256": hashlib.sha256(held).hexdigest()}
+            attached[name] = (at, len(content) + 9, *times, len(held), media_type)
         elif op == CHUNK:
             first, last, plain, crc = p.take("QQQI")
             compression, packed = p.text(), p.raw(p.take("Q"))
@@ -141,16 +149,21 @@ def main(path):
             seen[at_chunk] = {"first": first, "last": last, "bytes": length, "packed": packed, "plain": plain,
                               "indexes": indexes, "index_bytes": index_bytes}
             assert compression == "zstd"
+        elif op == ATTACHMENT_INDEX:
+            found = p.take("QQQQQ")
+            assert attached.pop(p.text()) == (*found, p.text())
         elif op == METADATA_INDEX:
             at_metadata, length = p.take("QQ")
             assert where[at_metadata] == length and p.text() in metadata
         else:
             raise AssertionError(f"op {op} in the summary")
     assert defined == (schemas, channels) and seen == chunks
+    assert not attached and statistics[3] == len(attachments)
     assert statistics[0] == sum(counts.values()) and statistics[5] == len(chunks)
     assert statistics[6] == min(c["first"] for c in chunks.values())
     print(json.dumps({"library": library, "metadata": metadata, "chunks": len(chunks), "schemas": list(schemas.values()),
-                      "messages": {channels[c][0]: n for c, n in counts.items()}, "reports": reports}))
+                      "messages": {channels[c][0]: n for c, n in counts.items()}, "reports": reports,
+                      "attachments": attachments}))
 
 
 main(sys.argv[1])

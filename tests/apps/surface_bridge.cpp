@@ -54,21 +54,26 @@ TEST(SurfaceOverABridge, StrokesAReliefOfAnotherHostAndIsJudgedStable) {
     const auto outcome = [&] {
         const TwoHosts::On on(hosts, TwoHosts::Host::client);
         return run({KNURL_SURFACE_PROGRAM, model, "--connect", bridge->address(), "--wait", "30", "--ways",
-                    "force,knurl", "--json", outcome_file});
+                    "force,knurl,mesh", "--json", outcome_file});
     }();
     ::unsetenv("KNURL_KEY");
     ASSERT_EQ(outcome.code, 0) << outcome.err << knurld.said();
     const auto json = nlohmann::json::parse(knurl::test::text_of_file(outcome_file));
     const auto &force = json.at("strokes").at(0), &knurl = json.at("strokes").at(1);
+    const auto& mesh = json.at("strokes").at(2);
     EXPECT_FALSE(force.at("stable")) << force;
     for (const auto* stroke_made : {&force, &knurl}) EXPECT_GT(stroke_made->at("updates"), 5) << *stroke_made;
-    EXPECT_GT(knurl.at("cycles"), 1000) << "to its end: " << knurl;
-    EXPECT_TRUE(knurl.at("fault_at").is_null()) << knurl;
-    EXPECT_GT(knurl.at("mean_force"), 0.5) << knurl;
-    EXPECT_GT(knurl.at("contact_share"), 0.5) << knurl;
-    // A machine that stands still loses reports and updates: that is the machine's, and the judge counts it.
-    if (knurl.at("stalls") == 0 && knurl.at("missed") == 0) {
-        EXPECT_TRUE(knurl.at("stable")) << knurl;
+    for (const auto* felt : {&knurl, &mesh}) {
+        EXPECT_GT(felt->at("cycles"), 1000) << "to its end: " << *felt;
+        EXPECT_TRUE(felt->at("fault_at").is_null()) << *felt;
+        EXPECT_GT(felt->at("mean_force"), 0.5) << *felt;
+        EXPECT_GT(felt->at("contact_share"), 0.5) << *felt;
+        // A machine that stands still loses reports, and updates come late: that is the machine's, and the
+        // judge counts it.
+        const double late = felt->at("age_max").get<double>() - felt->at("age_p50").get<double>();
+        if (felt->at("stalls") == 0 && felt->at("missed") == 0 && late < 0.01) {
+            EXPECT_TRUE(felt->at("stable")) << *felt;
+        }
     }
     EXPECT_EQ(knurld.end(SIGTERM), 0);
 }

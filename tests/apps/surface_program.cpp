@@ -62,6 +62,25 @@ TEST_F(SurfaceProgram, StrokesOncePerWayAndSaysHowItWent) {
     EXPECT_EQ(knurld.end(SIGTERM), 0);
 }
 
+TEST_F(SurfaceProgram, EachIsJudgedAgainstWhatItSentToo) {
+    Background knurld(servo());
+    const auto outcome = run({KNURL_SURFACE_PROGRAM, model_, "--wait", "30", "--ways", "planes,field",
+                              "--json", folder_.path("out.json"), "--csv", folder_.path("out.csv")});
+    ASSERT_EQ(outcome.code, 0) << outcome.err << knurld.said();
+    EXPECT_THAT(outcome.out, HasSubstr("as a height field"));
+    const auto json = nlohmann::json::parse(knurl::test::text_of_file(folder_.path("out.json")));
+    ASSERT_EQ(json.at("strokes").size(), 2u);
+    for (const auto& stroke : json.at("strokes")) {
+        ASSERT_TRUE(stroke.at("own_force_error").is_number()) << stroke;
+        // The servo feels what was sent, whatever that was.
+        EXPECT_LT(stroke.at("own_force_error"), stroke.at("force_error")) << stroke;
+    }
+    // Of what was sent once nothing fades, and nothing comes late.
+    EXPECT_LT(json.at("strokes").at(1).at("own_force_error"), 1e-6);
+    EXPECT_THAT(knurl::test::text_of_file(folder_.path("out.csv")), HasSubstr("sent_fx"));
+    EXPECT_EQ(knurld.end(SIGTERM), 0);
+}
+
 TEST_F(SurfaceProgram, AnInterruptReleasesTheDeviceAndSaysWhatWasSeen) {
     Background knurld(servo());
     ASSERT_TRUE(knurld.says("ready"));

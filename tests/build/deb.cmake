@@ -7,7 +7,7 @@ get_filename_component(programs ${CMAKE_COMMAND} DIRECTORY)
 run("cpack" ${programs}/cpack -G DEB -B ${WORK} --config ${BUILD}/CPackConfig.cmake)
 file(GLOB package ${WORK}/knurl_*.deb)
 run("list" dpkg-deb --contents ${package})
-foreach(file bin/knurld bin/knurl bin/knurl-bridge bin/knurl-surface bin/knurl-feel lib/systemd/system/knurld.service
+foreach(file bin/knurld bin/knurl bin/knurl-bridge bin/knurl-surface bin/knurl-feel bin/knurl-dock lib/systemd/system/knurld.service
              lib/systemd/system/knurl-bridge.service lib/udev/rules.d/70-knurl.rules lib/sysusers.d/knurl.conf
              include/knurl/client/client.hpp)
     if(NOT output MATCHES "\\./usr/${file}\n")

@@ -5,6 +5,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include <knurl/geometry/mesh.hpp>
+
 #include "scene_tools.hpp"
 
 using namespace knurl;
@@ -88,6 +90,46 @@ void planes_out_of_reach(benchmark::State& state) {
         (void)scene.add({i, 1}, Plane{.offset = -0.1, .stiffness = 1000});
     }
     run(state, scene);
+}
+
+/// N shapes of 2 cm, of as many assets as a scene has, 12 cm and more from a hand at 0.1 m/s. What this takes
+/// beside 0 of them is theirs.
+void meshes_apart(benchmark::State& state, double spin) {
+    const auto n = static_cast<std::uint32_t>(state.range(0));
+    const std::array<std::array<double, 3>, 4> corners{{{0, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}}};
+    const std::array<Triangle, 4> faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+    const Mesh mesh({.vertices = corners, .triangles = faces, .materials = {}});
+    Scene scene({.representations = 1024, .probes = 1}, {});
+    for (std::uint32_t i = 0; i < max_assets; ++i) scene.set_asset(i + 1, &mesh);
+    Rng rng(1);
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const Vector to(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1));
+        const Vec3 place = to_plain(Vector(to.normalized() * uniform(rng, 0.2, 0.4)));
+        (void)scene.add({i, 1}, Shape{.asset = i % max_assets + 1,
+                                      .position = place,
+                                      .angular_velocity = {0, 0, spin},
+                                      .stiffness = 500});
+    }
+    scene.settle();
+    double t = 0;
+    const auto next = [&] {
+        t += 2e-3;  // rad: 0.1 m/s on a circle of 5 cm
+        return at({0.05 * std::sin(t), 0.05 * std::cos(t), 0}, {0.1 * std::cos(t), -0.1 * std::sin(t), 0});
+    };
+    scene.evaluate(next(), dt);
+    std::uint64_t asked = 0;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(scene.evaluate(next(), dt));
+        asked += scene.evaluated();
+    }
+    state.counters["asked"] = static_cast<double>(asked) / static_cast<double>(state.iterations());
+}
+void meshes_out_of_reach(benchmark::State& state) {
+    meshes_apart(state, 0);
+}
+/// What moves has no place that could be sorted: each is asked in each cycle.
+void turning_meshes_out_of_reach(benchmark::State& state) {
+    meshes_apart(state, 1);
 }
 
 void springs(benchmark::State& state) {
@@ -176,6 +218,8 @@ BENCHMARK(corner_of_two_stiffnesses);
 BENCHMARK(plane_while_fading);
 BENCHMARK(plane_updated_every_cycle);
 BENCHMARK(planes_out_of_reach)->Arg(16)->Arg(64)->Arg(256)->Arg(1000);
+BENCHMARK(meshes_out_of_reach)->Arg(0)->Arg(1)->Arg(100)->Arg(1000);
+BENCHMARK(turning_meshes_out_of_reach)->Arg(1)->Arg(100);
 BENCHMARK(springs)->Arg(1)->Arg(6)->Arg(64)->Arg(1000);
 BENCHMARK(two_probes_three_planes_four_springs);
 BENCHMARK(batch_of_updates)->Arg(10)->Arg(100)->Arg(1000);

@@ -1,0 +1,153 @@
+// Pushing, holding and stacking on a virtual clock: servo, hand and engine in step.
+
+#include <random>
+
+#include <compare.hpp>
+#include <gtest/gtest.h>
+#include <trial.hpp>
+
+namespace {
+
+using namespace bodies;
+
+constexpr std::size_t slab = 0, cube = 1;
+
+struct AtRate : testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Frames, AtRate, testing::Values(60, 120, 250, 500));
+
+TEST_P(AtRate, ABoxIsPushedAlongTheFloorTakenAndSetOnAnother) {
+    World world(usual_bodies());
+    const Vector3d at_first = world.after(cube).position;
+    double pushed = 0, highest = 0;
+    const Trial trial =
+        run_trial(world, push_take_and_stack(), {.rate = GetParam()}, [&](const Moment& moment) {
+            const Vector3d here = world.after(cube).position;
+            if (moment.t < 4) pushed = here.x() - at_first.x();
+            highest = std::max(highest, here.z());
+        });
+    EXPECT_EQ(trial.faults, 0u);
+    EXPECT_GT(pushed, 0.01) << "along the floor";
+    EXPECT_GT(highest, 0) << "it was lifted";
+    const Vector3d end = world.after(cube).position;
+    const double on_top =
+        world.after(slab).position.z() + world.bodies()[slab].half.z() + world.bodies()[cube].half.z();
+    EXPECT_NEAR(end.z(), on_top, 1e-3);
+    EXPECT_LT((end - world.after(slab).position).head<2>().norm(), 0.015);
+    EXPECT_LT(trial.jump, 1);
+    EXPECT_NEAR(trial.gained, world.bodies()[cube].mass * 9.81 * (end.z() - at_first.z()), 1e-3);
+    EXPECT_LE(trial.gained, trial.account.hand);
+}
+
+TEST(BodiesTrial, TheSameTwiceToTheLastBit) {
+    Vector3d ends[2];
+    for (Vector3d& end : ends) {
+        World world(usual_bodies());
+        run_trial(world, push_take_and_stack(), {});
+        end = world.after(cube).position;
+    }
+    EXPECT_EQ(ends[0], ends[1]);
+}
+
+Script rough(unsigned seed, double seconds) {
+    std::mt19937 random(seed);
+    const auto in = [&](double low, double high) {
+        return std::uniform_real_distribution<>(low, high)(random);
+    };
+    Script script({0, 0, 0.02});
+    bool holds = false;
+    while (script.end() < seconds) {
+        script.to({in(-0.08, 0.08), in(-0.08, 0.08), in(-0.06, 0.02)}, in(0.1, 0.6));
+        if (in(0, 1) < 0.5) {
+            if (holds)
+                script.let_go();
+            else
+                script.take();
+            holds = !holds;
+        }
+    }
+    return script;
+}
+
+TEST_P(AtRate, RoughlyHandledBodiesHaveNoMoreEnergyThanTheHandPutIn) {
+    for (const unsigned seed : {1u, 2u}) {
+        World world(usual_bodies());
+        const Trial trial = run_trial(world, rough(seed, 15), {.rate = GetParam()});
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        EXPECT_EQ(trial.faults, 0u);
+        EXPECT_GT(trial.account.hand_in, 0.02) << "it was handled";
+        EXPECT_GT(trial.account.short_of, 0u) << "nothing was at stake";
+        EXPECT_LE(trial.gained, trial.account.hand);
+        EXPECT_LE(trial.account.body, trial.account.hand) << "given to the bodies, and put in by the hand, J";
+    }
+}
+
+/// The most that the bodies ever had more than the hand had put in by then, J, in light bodies that are
+/// pushed about at random, stiffly, at 60 frames a second.
+double most_from_nothing(unsigned seed, const CoupledOptions& coupled) {
+    World world({{.name = "box", .half = {0.02, 0.02, 0.02}, .mass = 0.05, .position = {0.02, 0, -0.03}},
+                 {.name = "other", .half = {0.02, 0.02, 0.02}, .mass = 0.1, .position = {-0.03, 0, -0.03}}});
+    std::mt19937 random(seed);
+    const auto in = [&](double low, double high) {
+        return std::uniform_real_distribution<>(low, high)(random);
+    };
+    Script script({0, 0, 0.02});
+    while (script.end() < 10) script.to({in(-0.06, 0.06), in(-0.05, 0.05), in(-0.035, 0)}, in(0.05, 0.3));
+    const double before = world.energy();
+    double most = 0;
+    run_trial(world, script, {.rate = 60, .coupled = coupled},
+              [&](const Moment& moment) { most = std::max(most, world.energy() - before - moment.put_in); });
+    return most;
+}
+
+TEST(BodiesTrial, ThereIsNeverMuchFromNothingAndWithoutTheAccountThereIs) {
+    for (const unsigned seed : {1u, 2u, 3u}) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        CoupledOptions kept;
+        kept.touch.stiffness = 2000;
+        EXPECT_LE(most_from_nothing(seed, kept), kept.touch.reserve);
+        CoupledOptions without = kept;
+        without.touch.softness = 0;
+        EXPECT_LE(most_from_nothing(seed, without), 3 * kept.touch.reserve) << "the account alone";
+        without.touch.keep_account = false;
+        EXPECT_GT(most_from_nothing(seed, without), 3 * kept.touch.reserve) << "nothing was at stake";
+    }
+}
+
+TEST(BodiesTrial, SurfacesStandMoreStiffnessThanForcesFromTheEnginesLoop) {
+    for (const Stiffest& row : compare(60)) {
+        SCOPED_TRACE(row.what);
+        EXPECT_GT(row.in_loop, 0);
+        EXPECT_GE(row.as_wished, 2 * row.in_loop);
+        EXPECT_EQ(row.held_to, row.most) << "whatever is wished";
+    }
+}
+
+TEST(BodiesTrial, WhatLiesOnTheFloorGivesWayOnlyWhereItCan) {
+    const World world({{.name = "box", .half = {0.02, 0.02, 0.02}, .mass = 0.2, .position = {0, 0, -0.03}}});
+    EXPECT_NEAR(world.mobility(0, {0, 0, -0.01}, {0, 0, -1}), 0, 1e-3) << "pressed on the floor";
+    EXPECT_NEAR(world.mobility(0, {0, 0, -0.03}, {0, 0, 1}), 5, 0.05) << "lifted: 1 / 0.2 kg";
+    EXPECT_NEAR(world.mobility(0, {-0.02, 0, -0.03}, {1, 0, 0}), 5, 0.05)
+        << "pushed: the floor has no friction here";
+    EXPECT_GT(world.mobility(0, {-0.02, 0.02, -0.03}, {1, 0, 0}), 8) << "beside its middle it turns as well";
+}
+
+TEST(BodiesTrial, ASimulationThatStopsIsFeltAsThingsAtRestAndGoesOn) {
+    for (const double stop_at : {2.2, 7.5}) {  // while it pushes, and while it carries
+        World world(usual_bodies());
+        double force = -1;
+        const Trial trial = run_trial(world, push_take_and_stack(), {.stop_at = stop_at, .stop_for = 1.2},
+                                      [&](const Moment& moment) {
+                                          if (moment.t < stop_at + 1.15)
+                                              force = knurl::to_eigen(moment.report.scene_force).norm();
+                                      });
+        EXPECT_EQ(trial.faults, 0u);
+        EXPECT_LT(trial.jump, 1) << "stopped at " << stop_at;
+        if (stop_at > 5) {
+            EXPECT_EQ(force, 0) << "springs let go of a simulation that does not answer";
+        }
+        EXPECT_GT(trial.frames, 300u);
+        EXPECT_LE(trial.gained, trial.account.hand + 0.005);
+    }
+}
+
+}  // namespace

@@ -1,0 +1,60 @@
+#pragma once
+// A claim that sends shapes to a servo of its own, and a hand that they are pressed against.
+
+#include <optional>
+#include <string>
+
+#include <generators.hpp>
+#include <gtest/gtest.h>
+
+#include "servo_process.hpp"
+
+namespace client_test {
+
+inline knurl::Triangles triangles_of(const knurl::test::MadeMesh& shape) {
+    return {.vertices = shape.vertices, .triangles = shape.triangles, .materials = {}};
+}
+
+inline std::string refusal(const auto& act) {
+    try {
+        act();
+    } catch (const knurl::Error& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+struct Sent : testing::Test {
+    void SetUp() override {
+        servo.emplace();
+        client.emplace(connect());
+        hand.emplace(client->claim());
+        at = hand->device().workspace_centre;  // where the simulated hand rests
+    }
+    /// A shape that rises from below until its top is `deep` m above the hand.
+    void press(auto& shape, knurl::Shape params, double half, double deep) {
+        params.position = {at.x, at.y, at.z - half - 0.005};
+        shape.set(params);
+        hand->wait_applied(hand->commit(), 10s);
+        read_until(*hand, [](const knurl::HandReport&) { return true; });
+        params.position.z = at.z - half + deep;
+        shape.set(params);
+        hand->commit();
+    }
+    knurl::Felt until_touched(const auto& shape) {
+        std::optional<knurl::Felt> felt;
+        read_until(*hand, [&](const knurl::HandReport& report) {
+            felt = shape.felt();
+            return is_on(report) && felt && (felt->flags & knurl::Feedback::touching) != 0 &&
+                   felt->force.z > 0.05;
+        });
+        return *felt;
+    }
+
+    std::optional<ServoProcess> servo;
+    std::optional<knurl::Client> client;
+    std::optional<knurl::Claim> hand;
+    knurl::Vec3 at;
+};
+
+}  // namespace client_test
