@@ -4,8 +4,8 @@ and the folder that scripts/bench --short wrote).
 
 The bounds are the largest multiples of its reference that a function took on the machines where they were set. How sure a
 multiple is comes from a bootstrap over the repetitions, drawn together with the reference's of the same moments. It fails
-only if the whole interval lies above the bound times the file's factor: neither noise nor another processor explains
-that. All ratios together fail one in a thousand times where nothing is wrong, by what repetitions show. Exit status 1:
+only if the whole interval lies above the bound times the factor (the file's, or the ratio's own: 1 where the bound is a
+goal): neither noise nor another processor explains that. All ratios together fail one in a thousand times where nothing is wrong, by what repetitions show. Exit status 1:
 something is too slow; 2: bounds and run do not belong together.
 
 bench_bounds.py --filter BOUNDS.json PROGRAM prints what of a Google Benchmark program the bounds need."""
@@ -23,14 +23,15 @@ FALSE_ALARMS = 0.001
 
 
 def read_bounds(path):
-    """(factor, [(program, what, beside, bound)])"""
+    """[(program, what, beside, bound, factor)]"""
     try:
         data = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
         factor = float(data["factor"])
-        bounds = [(b["program"], b["what"], b["beside"], float(b["bound"])) for b in data["ratios"]]
-        if not bounds or not math.isfinite(factor) or factor < 1:
+        bounds = [(b["program"], b["what"], b["beside"], float(b["bound"]), float(b.get("factor", factor)))
+                  for b in data["ratios"]]
+        if not bounds or not all(math.isfinite(times) and times >= 1 for times in [factor] + [b[4] for b in bounds]):
             raise ValueError("it needs ratios, and a factor of 1 or more")
-        for program, what, _, bound in bounds:
+        for program, what, _, bound, _ in bounds:
             if not (math.isfinite(bound) and bound > 0):
                 raise ValueError(f"the bound of {program} {what} is {bound}")
     except OSError as error:
@@ -39,11 +40,11 @@ def read_bounds(path):
         raise bc.Foreign(f"{path} lacks {error}; see scripts/bench_bounds.json") from error
     except (ValueError, TypeError) as error:
         raise bc.Foreign(f"{path}: {error}; see scripts/bench_bounds.json") from error
-    return factor, bounds
+    return bounds
 
 
 def filter_for(bounds, program):
-    names = {name for where, what, beside, _ in bounds if where == program for name in (what, beside)}
+    names = {name for where, what, beside, _, _ in bounds if where == program for name in (what, beside)}
     return "^(" + "|".join(re.escape(name) for name in sorted(names)) + ")$"
 
 
@@ -57,12 +58,12 @@ def interval(result, reference, confidence, seed=1):
     return tuple(float(np.exp(level + by)) for by in (0, -reach, reach))
 
 
-def judge(factor, bounds, programs):
+def judge(bounds, programs):
     """Prints a table; returns the lines of what fails. A program that did not run is left to the caller."""
     failed = []
     confidence = 1 - FALSE_ALARMS / len(bounds)
-    print(f"| program | what | beside | ratio | bound, times {factor:g} | |\n|---|---|---|---|---|---|")
-    for program, what, beside, bound in bounds:
+    print(f"| program | what | beside | ratio | bound, times its factor | |\n|---|---|---|---|---|---|")
+    for program, what, beside, bound, factor in bounds:
         if program not in programs:
             print(f"| {program} | {what} | {beside} | | | did not run |")
             continue
@@ -88,18 +89,18 @@ def judge(factor, bounds, programs):
 def main(arguments):
     try:
         if len(arguments) == 3 and arguments[0] == "--filter":
-            print(filter_for(read_bounds(arguments[1])[1], arguments[2]))
+            print(filter_for(read_bounds(arguments[1]), arguments[2]))
             return 0
         if len(arguments) != 2 or not pathlib.Path(arguments[1]).is_dir():
             print(__doc__, file=sys.stderr)
             return 2
-        factor, bounds = read_bounds(arguments[0])
+        bounds = read_bounds(arguments[0])
         folder = pathlib.Path(arguments[1])
         try:
             programs = bench_table.programs_of(folder, bench_table.this_machine(folder))
         except (ValueError, KeyError) as error:
             raise bc.Foreign(f"{folder} holds no results of scripts/bench --short ({error}); run it again") from error
-        failed = judge(factor, bounds, programs)
+        failed = judge(bounds, programs)
     except bc.Foreign as error:
         print(f"bench_bounds: {error}", file=sys.stderr)
         return 2

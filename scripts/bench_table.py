@@ -18,6 +18,8 @@ REFERENCES = [
     (r"(?:cold|warm|corner)/(\d+)", r"naive_sum/\1"),
     (r"(?:cartesian|three_axes|six_axes|seven_axes)", "three_sincos"),
     (r"cycle_.*", "read_and_kinematics"),
+    (r"build/\w+_(\w+)", r"sort_keys/\1"),
+    (r"(?:turning_)?meshes_out_of_reach/[1-9]\d*", "meshes_out_of_reach/0"),
 ]
 # Of `knurl latency` through a bridge: what is not in the local run, or means something else there.
 OF_THE_BRIDGE = re.compile(r"update\.remote_|report\.blocking_after|command\.|floor\.(udp|tcp|wake_and)_")

@@ -18,7 +18,7 @@ import pictures
 from pictures import FAINT, INK
 
 COLOURS = {"force": "#b3261e", "planes": "#c77700", "paper": "#7a4fa3", "knurl": "#00796b", "caps": "#4b6f9e",
-           "mesh": "#1a5fb4"}
+           "mesh": "#1a5fb4", "field": "#5f7d1c"}
 NAMES = {  # a title, and what is special about it
     "force": ("Force from the application", "held until the next one comes"),
     "planes": ("Planes, as they come", "the surface's tangent plane at the hand"),
@@ -26,8 +26,10 @@ NAMES = {  # a title, and what is special about it
     "knurl": ("Planes, Knurl's default", "for where the hand will be, cross-faded"),
     "caps": ("Caps, likewise", "curved as the surface is there"),
     "mesh": ("The whole relief, sent once", "as triangles, which the servo walks on"),
+    "field": ("The whole relief as heights", "a height field: 2 bytes a triangle"),
 }
-TIMES = {1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
+TIMES = {1: "once", 2: "twice", 3: "three times", 4: "four times", 5: "five times", 6: "six times",
+         7: "seven times"}
 TRUE = "#9aa0a6"
 GOOD, BAD = "#00796b", "#b3261e"
 LAND = LinearSegmentedColormap.from_list(
@@ -104,22 +106,29 @@ def draw_relief(axes, relief, cycles, reach):
         spine.set_visible(False)
 
 
+def row_height(strokes):
+    return max(0.42, min(0.59, 2.36 / len(strokes)))
+
+
 def draw_table(page, left, right, top, strokes):
-    heads = [(3.12, "largest\nforce jump", "\u2264 1 N"), (3.84, "force error\n(RMS)", ""),
-             (4.63, "speed off\nthe surface", "\u2264 0.3 m/s"), (5.36, "limit cycle\nat rest", "< 0.1 mm")]
+    heads = [(2.90, "largest\nforce jump", "\u2264 1 N"), (3.55, "off the true\nsurface", "RMS"),
+             (4.15, "off what\nwas sent", "RMS"), (4.85, "speed off\nthe surface", "\u2264 0.3 m/s"),
+             (5.54, "limit cycle\nat rest", "< 0.1 mm")]
     for x, name, bound in heads:
         page.text(left + x, top, name, fontsize=7.5, color=FAINT, ha="right", linespacing=1.2)
         page.text(left + x, top + 0.29, bound, fontsize=7, color=TRUE, ha="right")
-    row = min(0.59, 2.36 / len(strokes))
+    row = row_height(strokes)
     for i, s in enumerate(strokes):
         y = top + 0.56 + i * row
         page.rule(left, right, y - 0.10)
         title, detail = NAMES[s["way"]]
         page.text(left, y, str(i + 1), fontsize=16, color=COLOURS[s["way"]], fontweight="bold")
-        page.text(left + 0.25, y, title, fontsize=9, fontweight="bold")
-        page.text(left + 0.25, y + 0.20, detail, fontsize=7.5, color=FAINT)
+        page.text(left + 0.25, y - 0.02, title, fontsize=9, fontweight="bold")
+        page.text(left + 0.25, y + 0.16, detail, fontsize=7.5, color=FAINT)
         faulted = s["fault_at"] is not None
+        sent = s["own_force_error"]
         cells = [(f"{s['jump']:.2f} N", s["jump"] > 1), (f"{s['force_error']:.2f} N", None),
+                 ("" if sent is None else f"{sent:.2f} N", None),
                  (f"{s['kick']:.2f} m/s", s["kick"] > 0.3),
                  ("", None) if s["limit_cycle"] is None else
                  (f"{s['limit_cycle'] * 1e3:.2f} mm", s["limit_cycle"] >= 1e-4)]
@@ -149,6 +158,8 @@ def draw_way(page, top, number, s, c, end, window, force_top, heights, last):
     for axes in (whole, close):
         axes.plot(c["t"], size(c, "true_f"), color=TRUE, lw=1.5)
         axes.plot(c["t"], size(c, "f"), color=colour, lw=0.8 if axes is whole else 1.1)
+        if axes is close:
+            axes.plot(c["t"], size(c, "sent_f"), color=INK, lw=0.9, ls=(0, (1.2, 1.6)))
         axes.set_ylim(0, force_top)
     whole.axvspan(*window, color="#e8eaed", lw=0, zorder=0)
     close.set_facecolor("#f1f3f4")
@@ -177,20 +188,22 @@ def draw(outcome, cycles, relief, path):
     strokes = [s for s in outcome["strokes"] if s["way"] in cycles]
     run, machine = outcome["run"], outcome["machine"]
     plt.rcParams.update({"axes.linewidth": 0.8, "hatch.linewidth": 0.6})
-    page = Page(11, 5.30 + 1.42 * len(strokes))
+    # The table is longer than the relief is high when there are many.
+    more = max(0, len(strokes) * row_height(strokes) - 2.36)
+    page = Page(11, 5.30 + more + 1.42 * len(strokes))
     page.text(0.35, 0.20, f"Hills felt through an application that manages {run['application_rate']:g} Hz", fontsize=16,
               fontweight="bold")
-    page.text(0.35, 0.57, f"One hand strokes one relief {TIMES.get(len(strokes), len(strokes))} times at {strokes[0]['stiffness']:.0f} N/m: servo "
+    page.text(0.35, 0.57, f"One hand strokes one relief {TIMES.get(len(strokes), f'{len(strokes)} times')} at {strokes[0]['stiffness']:.0f} N/m: servo "
               f"{run['servo_rate']:g} Hz; the application answers {run['think'] * 1e3:g} ms after it has read the hand.",
               fontsize=9, color=FAINT)
     draw_relief(page.axes(0.55, 0.98, 3.5, 2.85), relief, cycles, 100)
     draw_table(page, 4.25, 10.7, 0.98, strokes)
-    page.text(4.25, 3.93, "Stable: no jump, no kick and no limit cycle above these bounds. Forces are those before the "
+    page.text(4.25, 3.93 + more, "Stable: no jump, no kick and no limit cycle above these bounds. Forces are those before the "
               "servo's safety gate.", fontsize=7.5, color=FAINT)
 
-    top = 4.30
+    top = 4.30 + more
     page.text(0.5, top, "force on the hand, N   (grey: what the true surface would push)", fontsize=8, color=FAINT)
-    page.text(5.1, top, "a closer look, 0.6 s", fontsize=8, color=FAINT)
+    page.text(5.1, top, "0.6 s; dots: what was sent", fontsize=8, color=FAINT)
     page.text(7.2, top, "height of the hand over the relief, mm", fontsize=8, color=FAINT)
     end = max(c["t"][-1] for c in cycles.values())
     rough = next((s for s in strokes if s["way"] == "planes" and s["fault_at"] is None), strokes[-1])
