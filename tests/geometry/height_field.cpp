@@ -170,6 +170,13 @@ TEST(HeightField, ABlockOfAnotherSizeOrBuildIsRefused) {
     EXPECT_THROW(HeightField(block.all().first(16), block.memory), HeightFieldError);
     EXPECT_THROW(asset_of(block.all().subspan(64), block.memory), MeshError);
     EXPECT_THROW(field.write(block.all().first(128)), HeightFieldError);
+    // Counts whose product, in 32 bits, is small again: the levels of such a grid would not fit anywhere.
+    for (const auto& [columns, rows] : {std::pair{0xfffffff0u, 0xffffffffu}, {0xffffffffu, 0xffffffffu}}) {
+        Block spoiled = written(field);
+        std::memcpy(spoiled.memory.get() + 8, &columns, 4);
+        std::memcpy(spoiled.memory.get() + 12, &rows, 4);
+        EXPECT_THROW(HeightField(spoiled.all(), spoiled.memory), HeightFieldError);
+    }
     for (std::size_t at = 0; at < 16; at += 4) {  // the magic word and the counts
         Block spoiled = written(field);
         spoiled.memory.get()[at + 2] ^= std::byte{0x40};

@@ -200,17 +200,38 @@ TEST(MeshCrossings, AskedNotToNoneIsLookedFor) {
 
 /// Around a vertex the faces go once about and make a loop on the way, through each other. Those of the loop
 /// that nothing crosses lie behind the others, and the walk comes to them over the vertex alone.
-TEST(MeshCrossings, FacesOfAFanThatPassesThroughItselfAllSaySo) {
+RawMesh looped_fan() {
     RawMesh raw;
     raw.vertices = {{0, 0, 0},      {-2, -2, -1}, {2, -2, -1}, {2, 0.5, -1}, {-0.5, 0.5, -1},
                     {-0.5, -1, -1}, {0, -1, -1},  {0, 2, -1},  {-2, 2, -1}};
     for (std::uint32_t i = 1; i < 9; ++i) raw.triangles.push_back({0, i, i == 8 ? 1 : i + 1});
-    const Mesh mesh(raw.given());
+    return raw;
+}
+
+TEST(MeshCrossings, FacesOfAFanThatPassesThroughItselfAllSaySo) {
+    const Mesh mesh(looped_fan().given());
     EXPECT_EQ(mesh.notes().faces_crossed, 2U);
     for (const Face& face : mesh.data().faces) {
         EXPECT_NE(face.flags & face_knot, 0) << face.triangle;
         EXPECT_EQ((face.flags & face_crossed) != 0, face.triangle == 2 || face.triangle == 5)
             << face.triangle;
+    }
+}
+
+/// Sheets that cross them all besides change nothing, wherever in the tree they come.
+TEST(MeshCrossings, AFanThatPassesThroughItselfSaysSoBehindSheetsToo) {
+    for (std::uint32_t sheets = 1; sheets < 7; ++sheets) {
+        RawMesh raw = looped_fan();
+        for (std::uint32_t i = 0; i < sheets; ++i) {
+            const double z = -0.3 - 0.1 * i;
+            const std::uint32_t first = static_cast<std::uint32_t>(raw.vertices.size());
+            raw.vertices.insert(raw.vertices.end(), {{-3, -3, z}, {3, -3, z}, {0, 4, z}});
+            raw.triangles.push_back({first, first + 1, first + 2});
+        }
+        const Mesh mesh(raw.given());
+        EXPECT_EQ(mesh.notes().faces_crossed, 8 + sheets);
+        for (const Face& face : mesh.data().faces)
+            EXPECT_EQ((face.flags & face_knot) != 0, face.triangle < 8) << face.triangle << ", " << sheets;
     }
 }
 

@@ -83,13 +83,7 @@ class Finder {
                 if (node.low[0][i] <= node.high[0][i] && is_leaf(node.child[i])) query(node, i, flags);
             }
         }
-        // From a vertex the walk goes to any face around it at once, over those that pass through each other
-        // too.
-        if (knots_.empty()) return;
-        for (std::uint32_t f = 0; f < flags.size(); ++f, slices_()) {
-            for (const std::uint32_t v : faces_.corners[f])
-                if (knots_[v]) flags[f] |= face_knot;
-        }
+        find_knots(flags);
     }
 
   private:
@@ -102,6 +96,44 @@ class Finder {
         }
         return c;
     }
+    /// From a vertex the walk goes to any face around it at once, over those that pass through each other
+    /// too: all around such a vertex say so. The pairs of a fan are asked for here alone, since the search
+    /// leaves out what is known to be crossed by something else.
+    void find_knots(std::vector<std::uint8_t>& flags) {
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // vertex, crossed face around it
+        for (std::uint32_t f = 0; f < flags.size(); ++f) {
+            if ((flags[f] & face_crossed) == 0) continue;
+            for (const std::uint32_t v : faces_.corners[f]) fans.emplace_back(v, f);
+        }
+        if (fans.empty()) return;
+        std::sort(fans.begin(), fans.end());
+        std::vector<bool> knots(faces_.at.size());
+        for (auto begin = fans.begin(), end = begin; begin != fans.end(); begin = end) {
+            end = std::find_if(begin, fans.end(), [&](const auto& one) { return one.first != begin->first; });
+            knots[begin->first] = is_knot({begin, end});
+        }
+        for (std::uint32_t f = 0; f < flags.size(); ++f, slices_()) {
+            for (const std::uint32_t v : faces_.corners[f])
+                if (knots[v]) flags[f] |= face_knot;
+        }
+    }
+
+    /// Two of these faces around one vertex pass through each other.
+    bool is_knot(std::span<const std::pair<std::uint32_t, std::uint32_t>> fan) {
+        constexpr std::size_t most = 64;  // as above: what is taken for one unseen costs time alone
+        if (fan.size() > most) return true;
+        for (std::size_t i = 0; i < fan.size(); ++i) {
+            const std::uint32_t f = fan[i].second;
+            const Corners own = corners(f);
+            slices_(static_cast<std::uint32_t>(fan.size()));
+            for (std::size_t k = i + 1; k < fan.size(); ++k) {
+                const Corners other = corners(fan[k].second);
+                if (own.meets(other) && crossed(f, own, fan[k].second, other)) return true;
+            }
+        }
+        return false;
+    }
+
     /// Tests the faces of a leaf against all whose boxes it meets. A face whose query came to its end is
     /// done: others need not ask about it again.
     void query(const MeshNode& leaf, std::uint32_t place, std::vector<std::uint8_t>& flags) {
@@ -173,12 +205,6 @@ class Finder {
             if (!crossed(f, own[i], g, other)) continue;
             flags[f] |= face_crossed;
             flags[g] |= face_crossed;
-            for (const std::uint32_t v : faces_.corners[f]) {
-                const Triangle& t = faces_.corners[g];
-                if (std::find(t.begin(), t.end(), v) == t.end()) continue;
-                knots_.resize(faces_.at.size());
-                knots_[v] = true;
-            }
         }
         return tests;
     }
@@ -244,7 +270,7 @@ class Finder {
     const double touch_, reach_;
     Slices& slices_;
     std::vector<Measures> measures_;
-    std::vector<bool> done_, knots_;  // of faces; of vertices: faces around it pass through each other
+    std::vector<bool> done_;  // of faces
     std::vector<std::uint32_t> stack_;
     std::uint64_t spent_ = 0;
 };

@@ -26,8 +26,9 @@ HeightField::HeightField(std::span<const std::byte> block, std::shared_ptr<const
     HeightHeader header;
     if (block.size() >= sizeof header) std::memcpy(&header, block.data(), sizeof header);
     if (block.size() < sizeof header || header.magic != HeightHeader::magic_word || header.columns == 0 ||
-        header.rows == 0 ||
-        (std::uint64_t{header.columns} + 1) * (header.rows + 1) > HeightData::most_heights ||
+        header.rows == 0 || header.columns >= HeightData::most_heights ||
+        header.rows >= HeightData::most_heights ||
+        (std::uint64_t{header.columns} + 1) * (std::uint64_t{header.rows} + 1) > HeightData::most_heights ||
         HeightLayout(header.columns, header.rows).total != block.size() ||
         reinterpret_cast<std::uintptr_t>(block.data()) % 64 != 0)
         throw HeightFieldError("the height field's block is not of this build; build it anew");
