@@ -1,7 +1,11 @@
 // Assets over a connection of their own (protocol/asset.hpp).
 
-#include <poll.h>
+#include <array>
 
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <knurl/link/fork_guard.hpp>
 #include <knurl/link/local.hpp>
 #include <knurl/shm/deadline.hpp>
 
@@ -13,7 +17,22 @@ namespace {
 
 class LocalTransfer final : public AssetTransfer {
   public:
-    explicit LocalTransfer(std::unique_ptr<Conversation> with) : with_(std::move(with)) {}
+    LocalTransfer(std::unique_ptr<Conversation> with, const protocol::AssetForget& undo)
+        : with_(std::move(with)), undo_(undo) {}
+    /// Calls it off, unless it is answered. The servo may just be saying that it is ready: so it hears, on
+    /// the same connection, that it is to forget it, and then that nobody listens. What has come is read,
+    /// since a close with something unread would drop what was said.
+    ~LocalTransfer() override {
+        if (answered_ || fork_generation() != made_in_) return;
+        try {
+            with_->send(undo_);
+            ::shutdown(with_->socket(), SHUT_RDWR);
+            std::array<std::byte, 4096> unread;
+            while (::recv(with_->socket(), unread.data(), unread.size(), MSG_DONTWAIT) > 0) {
+            }
+        } catch (const std::exception&) {  // it has gone first
+        }
+    }
     int event() const override { return with_->socket(); }
     std::optional<protocol::AssetReady> answer(std::chrono::nanoseconds timeout) override {
         const auto deadline = shm::deadline_after(timeout);
@@ -26,13 +45,17 @@ class LocalTransfer final : public AssetTransfer {
             if (answers > 0) break;
             if (left <= std::chrono::nanoseconds(0)) return std::nullopt;
         }
+        answered_ = true;
         return with_
             ->take<protocol::AssetReady>(protocol::MessageType::asset_ready, Error::Kind::bad_parameters)
             .first;
     }
 
   private:
+    const std::uint64_t made_in_ = fork_generation();
     std::unique_ptr<Conversation> with_;
+    const protocol::AssetForget undo_;
+    bool answered_ = false;
 };
 
 class LocalAssets final : public AssetDoor {
@@ -55,17 +78,18 @@ class LocalAssets final : public AssetDoor {
         message.bytes = bytes;
         const int fd = source.get();
         with->send(message, {&fd, 1});
-        return std::make_unique<LocalTransfer>(std::move(with));
+        return std::make_unique<LocalTransfer>(std::move(with), forgetting(number));
     }
-    void forget(std::uint32_t number) override {
+    void forget(std::uint32_t number) override { greeted()->send(forgetting(number)); }
+
+  private:
+    protocol::AssetForget forgetting(std::uint32_t number) const {
         protocol::AssetForget message;
         message.device = device_;
         message.number = number;
         message.key = key_;
-        greeted()->send(message);
+        return message;
     }
-
-  private:
     std::unique_ptr<Conversation> greeted() const {
         auto with = std::make_unique<Conversation>(servo_, answer_time_);
         with->greet(client_);

@@ -17,6 +17,7 @@ void AssetDesk::offer(std::uint64_t connection, const protocol::AssetOffer& offe
             throw Refusal(fmt::format("asset: device {} of {}", offer.device, tables.size()));
         ClaimTable& table = *tables[offer.device];
         shm::UniqueFd kept(::fcntl(source.get(), F_DUPFD_CLOEXEC, 0));
+        if (!kept) throw Refusal("asset: the servo has no descriptor left; see the limit of open files");
         const std::uint64_t budget = table.expect_asset(offer.key, offer.number, offer.bytes);
         expecting = &table;
         place->second = {.device = offer.device,
@@ -43,12 +44,13 @@ void AssetDesk::forget(const protocol::AssetForget& message, Tables tables) {
     tables[message.device]->forget_asset(message.key, message.number);
 }
 
-void AssetDesk::cancel(std::uint64_t connection, Tables tables) noexcept {
+bool AssetDesk::cancel(std::uint64_t connection, Tables tables) noexcept {
     const auto found = waiting_.find(connection);
-    if (found == waiting_.end()) return;
+    if (found == waiting_.end()) return false;
     workshop_.cancel(connection);
     tables[found->second.device]->expect_no_asset(found->second.key, found->second.number);
     waiting_.erase(found);
+    return true;
 }
 
 std::vector<AssetReply> AssetDesk::answers(Tables tables, const Recorded& recorded) {
@@ -58,7 +60,11 @@ std::vector<AssetReply> AssetDesk::answers(Tables tables, const Recorded& record
         if (found == waiting_.end()) continue;
         const Waiting waiting = std::move(found->second);
         waiting_.erase(found);
-        AssetReply reply{.connection = result->ticket, .refusal = result->refusal, .ready = result->ready};
+        AssetReply reply{
+            .connection = result->ticket, .refusal = result->refusal, .ready = result->ready, .undo = {}};
+        reply.undo.device = waiting.device;
+        reply.undo.number = waiting.number;
+        reply.undo.key = waiting.key;
         ClaimTable& table = *tables[waiting.device];
         if (result->asset) {
             try {

@@ -21,6 +21,7 @@ struct AssetReply {
     std::uint64_t connection = 0;
     std::string refusal;  // empty: ready
     protocol::AssetReady ready;
+    protocol::AssetForget undo;  // should nobody hear of it
 };
 
 class AssetDesk {
@@ -31,8 +32,8 @@ class AssetDesk {
     /// Throws Refusal; then nothing has begun. One offer a connection.
     void offer(std::uint64_t connection, const protocol::AssetOffer& offer, shm::UniqueFd source,
                Tables tables);
-    /// That connection has gone: what it waits for is not built.
-    void cancel(std::uint64_t connection, Tables tables) noexcept;
+    /// That connection has gone: what it waits for is not built. False: nothing.
+    bool cancel(std::uint64_t connection, Tables tables) noexcept;
     /// Throws Refusal.
     void forget(const protocol::AssetForget& message, Tables tables);
     /// Readable when answers() has something; -1: nothing is being built.

@@ -138,11 +138,11 @@ struct Broker::Impl {
         if (found == connections.end()) return;
         for (const Connection::Holding& holding : found->second.holdings)
             tables[holding.device]->let_go(holding.row);
-        assets.cancel(id, tables);
-        watch_build();
+        const bool built_for = assets.cancel(id, tables);
         if (const auto device = found->second.recording) tapes[*device].end(tables[*device]->device());
         if (!found->second.greeted) --half_open;
-        connections.erase(found);  // closing the socket takes it out of the epoll set
+        connections.erase(found);        // closing the socket takes it out of the epoll set
+        if (built_for) tell_builders();  // the next one's builder could not be started, say
     }
 
     /// Takes what one connection has sent. Anything that is not a message of ours ends it.
@@ -291,21 +291,39 @@ struct Broker::Impl {
         if (assets.event() >= 0) watch(assets.event(), built);
     }
 
+    void forget_quietly(const protocol::AssetForget& message) {
+        try {
+            assets.forget(message, tables);
+        } catch (const Refusal&) {  // the claim has gone too, and its assets with it
+        }
+    }
+
     void tell_builders() {
-        // A recorder that does not read misses it, and says so: the claim does not wait.
-        const auto record = [this](std::uint32_t device, const protocol::RecordedAsset& message, int source) {
-            for (const auto& [id, connection] : connections)
-                if (connection.recording == device)
-                    shm::send_message(connection.socket, bytes_of(message), {&source, 1});
+        // A recorder that does not read loses its connection: the claim does not wait, and what was sent to
+        // it would keep every source that ever came.
+        std::vector<std::uint64_t> lost;
+        const auto record = [&](std::uint32_t device, const protocol::RecordedAsset& message, int source) {
+            for (const auto& [id, connection] : connections) {
+                if (connection.recording != device) continue;
+                bool sent = false;
+                try {
+                    sent = shm::send_message(connection.socket, bytes_of(message), {&source, 1});
+                } catch (const std::runtime_error&) {  // too many descriptors are on their way
+                }
+                if (!sent) lost.push_back(id);
+            }
         };
         for (const AssetReply& reply : assets.answers(tables, record)) {
             const auto found = connections.find(reply.connection);
-            if (found == connections.end()) continue;
-            const bool heard = reply.refusal.empty()
-                                   ? shm::send_message(found->second.socket, bytes_of(reply.ready))
-                                   : refuse(found->second, Refusal(reply.refusal));
-            if (!heard) close(reply.connection);
+            const bool heard =
+                found != connections.end() &&
+                (reply.refusal.empty() ? shm::send_message(found->second.socket, bytes_of(reply.ready))
+                                       : refuse(found->second, Refusal(reply.refusal)));
+            if (heard) continue;
+            close(reply.connection);
+            if (reply.refusal.empty()) forget_quietly(reply.undo);
         }
+        for (const std::uint64_t id : lost) close(id);
         watch_build();
     }
 
