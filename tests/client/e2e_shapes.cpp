@@ -105,6 +105,39 @@ TEST_F(Sent, numbers_are_given_back) {
     EXPECT_EQ(again->asset, 1u);
 }
 
+TEST_F(Sent, one_that_is_called_off_when_it_is_ready_already_leaves_its_number_free) {
+    const knurl::test::MadeMesh ball = knurl::test::icosphere(1, 0.1);
+    for (int i = 0; i < 5; ++i) {
+        {
+            const knurl::Sending sending = hand->begin_sending(triangles_of(ball));
+            pollfd ready{.fd = sending.fd(), .events = POLLIN, .revents = 0};
+            ASSERT_EQ(::poll(&ready, 1, 30'000), 1);
+        }
+        std::optional<SentShape> sent;
+        ASSERT_TRUE(eventually([&] {
+            hand->commit();
+            const std::string why = refusal([&] { sent = hand->send(triangles_of(ball)); });
+            EXPECT_TRUE(sent || why.find("taken") != std::string::npos) << why;
+            return sent.has_value();
+        }));
+        EXPECT_EQ(sent->asset, 1u);
+        hand->forget(1);
+    }
+}
+
+TEST_F(Sent, one_that_was_ready_for_a_servo_that_has_gone_is_to_be_sent_again) {
+    const knurl::test::MadeMesh ball = knurl::test::icosphere(2, 0.1);
+    knurl::Sending sending = hand->begin_sending(triangles_of(ball));
+    pollfd ready{.fd = sending.fd(), .events = POLLIN, .revents = 0};
+    ASSERT_EQ(::poll(&ready, 1, 30'000), 1);
+    servo->end(SIGKILL);
+    servo->start();
+    ASSERT_TRUE(eventually([&] { return hand->reattachments() == 1 && hand->connected(); }));
+    EXPECT_NE(refusal([&] { sending.done(10s); }), "accepted");
+    EXPECT_NE(refusal([&] { hand->add(knurl::Shape{.asset = 1}); }).find("has sent none"), std::string::npos);
+    EXPECT_EQ(hand->send(triangles_of(ball)).asset, 1u);
+}
+
 TEST_F(Sent, a_restarted_servo_gets_it_again) {
     const SentShape sent = hand->send(triangles_of(knurl::test::icosphere(4, 0.1)));
     const knurl::Shape params{.asset = sent.asset, .position = {at.x, at.y, at.z - 0.2}, .stiffness = 200};

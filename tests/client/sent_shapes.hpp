@@ -28,7 +28,8 @@ struct Sent : testing::Test {
     void SetUp() override {
         servo.emplace();
         client.emplace(connect());
-        hand.emplace(client->claim());
+        // Not silent before minutes: a machine that stands still would fade what is judged.
+        hand.emplace(client->claim("", {.update_interval = std::chrono::minutes(1)}));
         at = hand->device().workspace_centre;  // where the simulated hand rests
     }
     /// A shape that rises from below until its top is `deep` m above the hand.

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include <fcntl.h>
+
 #include <knurl/client/error.hpp>
 #include <knurl/link/text.hpp>
 #include <knurl/shm/deadline.hpp>
@@ -38,16 +40,18 @@ std::pair<std::uint32_t, std::unique_ptr<AssetTransfer>> ClaimState::begin_sendi
         throw Error(Error::Kind::bad_parameters,
                     detail::format("send: a claim has up to {} shapes; forget one first", max_assets));
     auto transfer = attachment_->assets->offer(number, source.memory, source.bytes);
-    assets_[number] = {.source = std::move(source), .there = false};
+    assets_[number] = {.source = std::move(source), .there = false, .sent_to = attachments()};
     return {number, std::move(transfer)};
 }
 
-void ClaimState::sent(std::uint32_t number, bool there) noexcept {
+bool ClaimState::sent(std::uint32_t number, bool there) noexcept {
     const Lock lock(mutex_);
-    if (there)
-        assets_[number].there = true;
-    else
-        assets_.erase(number);
+    const auto found = assets_.find(number);
+    if (found == assets_.end()) return false;
+    found->second.there = there && found->second.sent_to == attachments();
+    if (found->second.there) return true;
+    assets_.erase(found);
+    return false;
 }
 
 void ClaimState::forget(std::uint32_t number) {
@@ -86,15 +90,41 @@ void ClaimState::require_asset(Kind kind, const void* params) const {
     if (number != 0) require_asset(number);
 }
 
-void ClaimState::resend_assets(Attachment& attachment) {
-    for (auto& [number, asset] : assets_) {
-        if (!asset.there) continue;
-        if (!attachment.assets->offer(number, asset.source.memory, asset.source.bytes)
-                 ->answer(rebuild_time(asset.source.bytes)))
+/// Without the lock: over a network it may take minutes, in which the application is to be answered.
+void ClaimState::bring(Attachment& attachment) {
+    constexpr std::chrono::milliseconds look_every{50};
+    struct Kept {
+        std::uint32_t number;
+        shm::UniqueFd memory;
+        std::uint64_t bytes;
+    };
+    std::vector<Kept> all;
+    {
+        const Lock lock(mutex_);
+        for (const auto& [number, asset] : assets_)
+            if (asset.there)
+                all.push_back({number, shm::UniqueFd(::fcntl(asset.source.memory.get(), F_DUPFD_CLOEXEC, 0)),
+                               asset.source.bytes});
+    }
+    for (const Kept& kept : all) {
+        const auto transfer = attachment.assets->offer(kept.number, kept.memory, kept.bytes);
+        const auto deadline = shm::deadline_after(rebuild_time(kept.bytes));
+        while (!transfer->answer(look_every)) {
+            if (!is_leaving() && std::chrono::steady_clock::now() < deadline) continue;
             throw Error(Error::Kind::refused,
                         detail::format("device '{}': the servo is back, but does not take shape {} again",
-                                       device_name(), number));
+                                       device_name(), kept.number));
+        }
     }
+    brought_.clear();
+    for (const Kept& kept : all) brought_.push_back(kept.number);
+}
+
+/// What the application has forgotten while it was brought.
+void ClaimState::leave_behind(Attachment& attachment) {
+    for (const std::uint32_t number : brought_)
+        if (!assets_.contains(number)) attachment.assets->forget(number);
+    brought_.clear();
 }
 
 SendingState::SendingState(std::shared_ptr<ClaimState> claim, std::uint32_t number,
@@ -117,7 +147,11 @@ std::optional<SentShape> SendingState::done(std::chrono::nanoseconds wait) {
         throw;
     }
     over_ = true;
-    claim_->sent(number_, true);
+    if (!claim_->sent(number_, true)) {
+        sent_.reset();
+        throw Error(Error::Kind::disconnected,
+                    "send: the servo that had taken it has gone before this was asked; send it again");
+    }
     return sent_;
 }
 

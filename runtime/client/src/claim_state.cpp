@@ -233,7 +233,7 @@ void ClaimState::on_attach(Attachment& attachment, bool again) {
     basis_cycle_ = 0;
     first_of_channel_ = sequence_;
     table_.restarted();
-    resend_assets(attachment);
+    leave_behind(attachment);
     for (const auto& [probe, placement] : probes_) {
         const protocol::PlaceProbeBody body{.probe = probe, .reserved = 0, .placement = placement};
         const auto bytes = std::as_bytes(std::span(&body, 1));

@@ -37,7 +37,8 @@ class ClaimState final : public Reader {
     void ask(protocol::CommandType type);
 
     std::pair<std::uint32_t, std::unique_ptr<AssetTransfer>> begin_sending(AssetMemory source);
-    void sent(std::uint32_t number, bool there) noexcept;  // it is there, or never will be
+    /// It is there, or never will be. False: it was, in a servo that has gone.
+    bool sent(std::uint32_t number, bool there) noexcept;
     void forget(std::uint32_t number);
 
     std::uint64_t commit();
@@ -67,8 +68,11 @@ class ClaimState final : public Reader {
     struct KeptAsset {
         AssetMemory source;
         bool there = false;
+        std::uint64_t sent_to = 0;  // which of the servos that this claim has had
     };
 
+    void bring(Attachment& attachment) override;
+    void leave_behind(Attachment& attachment);
     void on_attach(Attachment& attachment, bool again) override;
     void on_detach() override;
 
@@ -78,7 +82,6 @@ class ClaimState final : public Reader {
     static std::uint32_t asset_of(std::span<const std::byte> params);
     void require_asset(std::uint32_t number) const;  // throws Error
     void require_asset(Kind kind, const void* params) const;
-    void resend_assets(Attachment& attachment);
     ClaimChannel* channel() { return attachment_ ? attachment_->channel.get() : nullptr; }
     static Command add_command(Handle handle, const Entry& entry, std::span<const std::byte> params);
     void issue(Command command);  // alone, or into the open group; taken back if it throws
@@ -110,6 +113,7 @@ class ClaimState final : public Reader {
     Table table_;
     std::map<std::uint32_t, ProbePlacement> probes_;
     std::map<std::uint32_t, KeptAsset> assets_;  // by number
+    std::vector<std::uint32_t> brought_;         // to a servo that is back
     Limits limits_;
 
     int depth_ = 0;  // of together()

@@ -150,6 +150,11 @@ void ClientState::close() {
     ::pthread_join(watcher_, nullptr);
 }
 
+bool ClientState::stopping() const noexcept {
+    pollfd asked{.fd = stop_.get(), .events = POLLIN, .revents = 0};
+    return ::poll(&asked, 1, 0) > 0;
+}
+
 bool ClientState::sleep_on(int descriptor, milliseconds timeout) {
     pollfd events[] = {{.fd = stop_.get(), .events = POLLIN, .revents = 0},
                        {.fd = descriptor, .events = POLLRDHUP, .revents = 0}};

@@ -39,7 +39,8 @@ class ClientState {
     /// On return the watcher does not know it any more.
     void leave(Reader& reader);
 
-    void close();  // ends the watcher
+    void close();                    // ends the watcher
+    bool stopping() const noexcept;  // close() has begun
 
   private:
     using Lock = std::unique_lock<std::mutex>;

@@ -177,13 +177,19 @@ std::uint64_t Reader::reattachments() {
 
 void Reader::close() {
     if (made_in_ != fork_generation()) return;
+    leaving_ = true;
     client_->leave(*this);
     const Lock lock(mutex_);
     closed_ = true;
     changed_.notify_all();
 }
 
+bool Reader::is_leaving() const noexcept {
+    return leaving_ || client_->stopping();
+}
+
 void Reader::attach(Attachment& attachment) {
+    bring(attachment);
     const Lock lock(mutex_);
     const bool again = was_attached_;
     on_attach(attachment, again);  // may throw: then nothing has changed

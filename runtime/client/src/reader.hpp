@@ -57,10 +57,14 @@ class Reader {
     Lock enter();
     [[noreturn]] void throw_disconnected() const;
     /// The newest report in the world frame, without reading it. None: detached, or before the first cycle.
+    std::uint64_t attachments() const { return reattachments_; }  // `mutex_` held
     std::optional<Report> peek(const Lock& lock) const;
     /// After a wait on the event: the application's descriptor has to be ready for the next report again.
     void settle(const Lock& lock, bool waited);
 
+    /// Before on_attach(), and not with the lock: what takes time. Ends with an Error if is_leaving().
+    virtual void bring(Attachment&) {}
+    bool is_leaving() const noexcept;
     virtual void on_attach(Attachment& attachment, bool again);  // `mutex_` held
     virtual void on_detach() {}                                  // `mutex_` held
 
@@ -81,6 +85,7 @@ class Reader {
     const protocol::ClaimRequest request_;
     std::string given_up_;  // why
     std::string lost_;      // why it was away last
+    std::atomic<bool> leaving_{false};
     bool closed_ = false;
     bool was_attached_ = false;
     std::uint64_t missed_before_ = 0;  // of earlier sources
