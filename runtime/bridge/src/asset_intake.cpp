@@ -80,6 +80,8 @@ bool AssetIntake::offer(std::uint32_t stream, const std::shared_ptr<detail::Asse
         return false;
     }
     last_ticket_ = offer.ticket;
+    if (const auto left = held_.find({stream, offer.number}); left != held_.end() && left->second.forgotten)
+        let_go(left);
     try {
         require_place(stream, offer);
         parcels_[offer.ticket] = {.stream = stream,
@@ -164,7 +166,8 @@ bool AssetIntake::cancel(std::span<const std::byte> payload, std::string& why) {
     // Or the answer that it is ready was on its way.
     const auto found = std::find_if(held_.begin(), held_.end(),
                                     [&](const auto& each) { return each.second.ticket == message.ticket; });
-    return found == held_.end() || let_go(found, why);
+    if (found != held_.end()) let_go(found);
+    return true;
 }
 
 bool AssetIntake::forget(std::uint32_t stream, std::span<const std::byte> payload, std::string& why) {
@@ -172,19 +175,18 @@ bool AssetIntake::forget(std::uint32_t stream, std::span<const std::byte> payloa
     why = "an asset to be forgotten that it does not have";
     if (!take(payload, message)) return false;
     const auto found = held_.find({stream, message.number});
-    return found != held_.end() && let_go(found, why);
+    if (found == held_.end() || found->second.forgotten) return false;
+    let_go(found);
+    return true;
 }
 
-bool AssetIntake::let_go(HeldOnes::iterator which, std::string& why) {
-    const auto door = std::move(which->second.door);
-    const std::uint32_t number = which->first.second;
-    held_.erase(which);
+/// A servo that does not listen just now is told when its place is wanted again.
+void AssetIntake::let_go(HeldOnes::iterator which) {
     try {
-        door->forget(number);
-        return true;
-    } catch (const Error& error) {
-        why = error.what();
-        return false;
+        which->second.door->forget(which->first.second);
+        held_.erase(which);
+    } catch (const Error&) {
+        which->second.forgotten = true;
     }
 }
 

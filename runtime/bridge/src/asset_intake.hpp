@@ -1,7 +1,8 @@
 #pragma once
 // The servo's end of a peer's assets: what comes in pieces is put together in memory of the bridge's own,
-// sealed, and offered to the servo as any local client does. A peer's memory grows with what has come, and
-// only as far as its claims may hold; all of it goes with the peer.
+// sealed, and offered to the servo as any local client does. A peer's memory grows with what has come: at
+// most one claim's limit of what is incomplete, and for each that waits for the servo's builder its source;
+// all of it goes with the peer.
 
 #include <cstdint>
 #include <map>
@@ -46,13 +47,14 @@ class AssetIntake {
     struct Held {
         std::uint64_t bytes = 0, ticket = 0;
         std::shared_ptr<detail::AssetDoor> door;
+        bool forgotten = false;  // the peer has; the servo was too slow to hear it
     };
     using HeldOnes = std::map<std::pair<std::uint32_t, std::uint32_t>, Held>;  // by stream and number
 
     void require_place(std::uint32_t stream, const AssetOffer& offer) const;  // throws Error
     void pass_on(std::uint64_t ticket, Parcel& parcel);                       // throws Error
     bool refuse(std::uint64_t ticket, const Error& error, std::string& why);
-    bool let_go(HeldOnes::iterator which, std::string& why);
+    void let_go(HeldOnes::iterator which);
     template <class T>
     bool say(FrameType type, const T& body, std::string& why);
 

@@ -65,7 +65,7 @@ std::shared_ptr<AssetSender::Parcel> AssetSender::take(std::uint64_t ticket) noe
 }
 
 bool AssetSender::withdraw(const Parcel& parcel) noexcept {
-    if (!take(parcel.ticket)) return true;  // it is answered
+    if (!take(parcel.ticket) && (parcel.heard || !parcel.ready)) return true;  // it is answered
     const bool told =
         !parcel.offered || send(FrameType::asset_cancel, parcel.stream, AssetTicket{.ticket = parcel.ticket});
     go_on();

@@ -27,6 +27,7 @@ class AssetSender {
         shm::UniqueFd event;  // readable when one of the following is there, or the connection has ended
         std::optional<protocol::AssetReady> ready;
         std::optional<Refused> refused;
+        bool heard = false;  // the application has taken one of these
     };
 
     explicit AssetSender(FrameStream& frames) : frames_(frames) {}

@@ -288,8 +288,9 @@ std::shared_ptr<Connection::Parcel> Connection::offer_asset(std::uint32_t stream
     return assets_.offer(stream, number, source, bytes);
 }
 
-std::optional<protocol::AssetReady> Connection::asset_answer(const Parcel& parcel) {
+std::optional<protocol::AssetReady> Connection::asset_answer(Parcel& parcel) {
     const Lock held = lock();
+    parcel.heard = parcel.ready.has_value();
     if (parcel.refused) throw refusal(*parcel.refused);
     if (parcel.ready) return parcel.ready;
     if (dead_) throw Error(Error::Kind::disconnected, last_words());

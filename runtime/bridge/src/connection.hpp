@@ -61,7 +61,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     using Parcel = AssetSender::Parcel;
     std::shared_ptr<Parcel> offer_asset(std::uint32_t stream, std::uint32_t number,
                                         const shm::UniqueFd& source, std::uint64_t bytes);
-    std::optional<protocol::AssetReady> asset_answer(const Parcel& parcel);  // none: not yet
+    std::optional<protocol::AssetReady> asset_answer(Parcel& parcel);  // none: not yet
     void forget_asset(std::uint32_t stream, std::uint32_t number);
     void withdraw_asset(const Parcel& parcel) noexcept;
 

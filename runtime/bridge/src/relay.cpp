@@ -189,7 +189,11 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
 
 void Relay::serve_assets(std::size_t place, std::int64_t now) {
     Peer& peer = *places_[place].peer;
-    if (!peer.serve_assets()) return end(place, peer.why(), now);
+    try {
+        if (!peer.serve_assets()) return end(place, peer.why(), now);
+    } catch (const std::exception& error) {  // as above
+        return end(place, error.what(), now);
+    }
     follow(place);
 }
 
