@@ -54,6 +54,17 @@ std::chrono::milliseconds left(Clock::time_point deadline) {
     return std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
 }
 
+/// What was said before the other side is heard to its end gets there: a close with frames unread would reset
+/// the connection and take with it what is still on its way. Nothing here allocates.
+void hear_out(int socket, Clock::time_point deadline) {
+    ::shutdown(socket, SHUT_WR);
+    char bytes[4096];
+    while (poll_for(socket, POLLIN, left(deadline)) && left(deadline).count() > 0) {
+        const ssize_t got = ::recv(socket, bytes, sizeof bytes, MSG_DONTWAIT);
+        if (got == 0 || (got < 0 && errno != EINTR && errno != EAGAIN)) return;
+    }
+}
+
 UniqueFd connected(const std::string& address, std::chrono::milliseconds patience) {
     const HostAndPort parts = parts_of(address);
     const auto deadline = Clock::now() + patience;
@@ -95,7 +106,7 @@ LastWord::LastWord(int socket, const std::string& bytes) {
     if (pid_ > 0) return;
     // The child: holds the connection open for one word more. Nothing here allocates.
     ::setpgid(0, 0);  // Ctrl-C is not for it
-    ::prctl(PR_SET_NAME, "knurl-dock-last");
+    ::prctl(PR_SET_NAME, "imd-last-word");
     for (int fd = 0, last = static_cast<int>(::sysconf(_SC_OPEN_MAX)); fd < std::min(last, 1024); ++fd)
         if (fd != theirs.get() && fd != socket) ::close(fd);
     char byte;
@@ -105,6 +116,7 @@ LastWord::LastWord(int socket, const std::string& bytes) {
     if (got == 0) {
         poll_for(socket, POLLOUT, 1s);
         [[maybe_unused]] const ssize_t sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+        hear_out(socket, Clock::now() + 1s);
     }
     ::_exit(0);
 }
@@ -128,6 +140,7 @@ Imd::~Imd() {
             say(imd_header(ImdType::disconnect, 0));
             const auto deadline = Clock::now() + 1s;
             while (!ended_ && !unsent_.empty() && poll_for(socket_.get(), POLLOUT, left(deadline))) flush();
+            hear_out(socket_.get(), deadline);
         }
     } catch (const std::exception&) {  // it has gone first
     }
@@ -158,7 +171,7 @@ void Imd::shake_hands(std::chrono::milliseconds patience) {
 
 void Imd::receive() {
     std::array<std::byte, 65536> bytes;
-    for (;;) {
+    for (int reads = 0; reads < 16; ++reads) {  // a flood is left in the socket, where it holds its sender up
         const ssize_t got = ::recv(socket_.get(), bytes.data(), bytes.size(), 0);
         if (got > 0) {
             reader_.feed({bytes.data(), static_cast<std::size_t>(got)});
@@ -174,9 +187,12 @@ void Imd::receive() {
 
 std::optional<ImdFrame> Imd::next() {
     flush();
-    if (!ended_) receive();
     try {
         auto frame = reader_.next();
+        if (!frame && !ended_) {
+            receive();
+            frame = reader_.next();
+        }
         if (!frame && ended_ && reader_.within_message())
             throw ImdError("the connection ended within a message; was the simulation killed?");
         return frame;

@@ -38,6 +38,7 @@ void append(std::string& to, std::uint32_t word) {
 }  // namespace
 
 void ImdReader::feed(std::span<const std::byte> bytes) {
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(std::exchange(used_, 0)));
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
 }
 
@@ -71,14 +72,13 @@ std::optional<ImdFrame> ImdReader::coordinates(std::span<const std::byte> body) 
 }
 
 std::optional<ImdFrame> ImdReader::next() {
-    std::size_t used = 0;
     std::optional<ImdFrame> frame;
-    while (!frame && !ended_ && bytes_.size() - used >= header_bytes) {
-        const std::byte* at = bytes_.data() + used;
+    while (!frame && !ended_ && bytes_.size() - used_ >= header_bytes) {
+        const std::byte* at = bytes_.data() + used_;
         const std::int32_t type = big_endian(at), length = big_endian(at + 4);
         if (!greeted()) {
             greet(type, {at + 4, 4});
-            used += header_bytes;
+            used_ += header_bytes;
             continue;
         }
         std::size_t body = 0;
@@ -110,7 +110,7 @@ std::optional<ImdFrame> ImdReader::next() {
             default:
                 throw ImdError(fmt::format("a message of type {} makes no sense from a simulation", type));
         }
-        if (bytes_.size() - used < header_bytes + body) break;
+        if (bytes_.size() - used_ < header_bytes + body) break;
         if (static_cast<ImdType>(type) == ImdType::energies)
             energies_ = words<ImdEnergies>(at + header_bytes, swapped());
         if (static_cast<ImdType>(type) == ImdType::coordinates) {
@@ -118,9 +118,8 @@ std::optional<ImdFrame> ImdReader::next() {
             frame = coordinates({at + header_bytes, body});
             paused_ = false;
         }
-        used += header_bytes + body;
+        used_ += header_bytes + body;
     }
-    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(used));
     return frame;
 }
 

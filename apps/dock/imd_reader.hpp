@@ -64,13 +64,14 @@ class ImdReader {
     bool swapped() const { return swapped_.value_or(false); }
     bool ended() const { return ended_; }    // the server has said that it goes
     bool paused() const { return paused_; }  // it has said that it pauses, and sent nothing since
-    bool within_message() const { return !bytes_.empty() && !ended_; }
+    bool within_message() const { return used_ < bytes_.size() && !ended_; }
 
   private:
     void greet(std::int32_t type, std::span<const std::byte> length);
     std::optional<ImdFrame> coordinates(std::span<const std::byte> body);
 
     std::vector<std::byte> bytes_;
+    std::size_t used_ = 0;   // of them
     std::size_t atoms_ = 0;  // in each frame; 0: not known yet
     std::optional<ImdEnergies> energies_;
     std::optional<bool> swapped_;

@@ -35,7 +35,7 @@ std::string complaint(FakeImdOptions fault) {
     fault.steps_per_second = 100'000;
     FakeImd simulation(fault);
     try {
-        Imd imd(simulation.address(), 300ms);
+        Imd imd(simulation.address(), fault.greets ? patience : 300ms);
         while (await(imd)) {
         }
         return imd.ended() ? "ended" : "nothing";

@@ -69,8 +69,8 @@ FakeImd::FakeImd(FakeImdOptions options)
         if (!readable(listening_.get(), stop_.get())) return;
         const shm::UniqueFd fd(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC));
         serve(fd.get());
-        // What was said at the end is read as well.
-        while (readable(fd.get(), stop_.get(), 10) && read_orders(fd.get())) {
+        // What was said at the end is read as well, but not if a frame could not be sent: then it closes.
+        while (!unheard_ && readable(fd.get(), stop_.get(), 10) && read_orders(fd.get())) {
         }
         const std::lock_guard lock(mutex_);
         gone_ = true;
@@ -152,7 +152,8 @@ bool FakeImd::send_frame(int fd) {
         }
     if (number == options_.cut_at) bytes.resize(bytes.size() - 20);
     if (number == options_.goodbye_at) bytes += header(0, 0);
-    return send_all(fd, bytes) && number != options_.cut_at && number != options_.close_at;
+    unheard_ = !send_all(fd, bytes);
+    return !unheard_ && number != options_.cut_at && number != options_.close_at;
 }
 
 /// False: the other end has gone.

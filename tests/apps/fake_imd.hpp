@@ -74,7 +74,7 @@ class FakeImd {
     std::mutex mutex_;
     std::condition_variable changed_;
     Forces forces_;
-    bool gone_ = false;
+    bool gone_ = false, unheard_ = false;
     std::vector<std::array<double, 3>> places_;  // A
     std::string unread_;
     std::atomic<bool> was_pulled_{false}, said_goodbye_{false}, killed_{false};
