@@ -181,6 +181,11 @@ class Recorder {
         }
         say_lost();
     }
+    /// Once the servo's first cycle is there: whoever claims the device from now on is in a recording that
+    /// replays, which is not so for who does while the servo has not taken the tape yet.
+    void say_when_begun(const std::string& text) {
+        if (inputs_ > 0 && !std::exchange(begun_, true)) fmt::print(stderr, "knurl record: {}\n", text);
+    }
     /// The device is in somebody's hands: said once.
     void say_when_exact() {
         if (said_ || exact_ || inputs_ < cycles_to_a_keyframe || first_exact_ > 0) return;
@@ -212,8 +217,14 @@ class Recorder {
 
   private:
     void drain_reports(bool flushing) {
+        // While an asset is written nothing else can be: what does not fit into a chunk stays in the ring,
+        // which counts what it loses.
+        constexpr std::uint64_t most_waiting = 50'000;
         Report report;
-        for (std::uint32_t n = 0; n < protocol::report_slots && source_.reports().next(&report); ++n) {
+        for (std::uint32_t n = 0;
+             n < protocol::report_slots && (flushing || file_.pending() < most_waiting) &&
+             source_.reports().next(&report);
+             ++n) {
             file_.report(report);
             ++reports_;
             first_ns_ = reports_ == 1 ? report.read_ns : first_ns_;
@@ -271,7 +282,7 @@ class Recorder {
     std::uint64_t reports_ = 0, inputs_ = 0, gaps_ = 0, exact_cycles_ = 0, first_exact_ = 0;
     std::uint64_t unwritten_ = 0;  // exact cycles since the last flush
     std::int64_t first_ns_ = 0, last_ns_ = 0;
-    bool exact_ = false, said_ = false, lost_ = false;
+    bool exact_ = false, begun_ = false, said_ = false, lost_ = false;
 };
 
 int record(const Arguments& arguments) {
@@ -284,8 +295,6 @@ int record(const Arguments& arguments) {
     Source source(arguments.servo, arguments.device);
     RecordingWriter file(arguments.file, source.info());
     Recorder recorder(source, file);
-    fmt::print(stderr, "knurl record: recording device '{}' of servo '{}' into {}\n", source.info().device,
-               arguments.servo, arguments.file);
 
     const auto begin = Clock::now();
     auto flushed = begin;
@@ -301,6 +310,8 @@ int record(const Arguments& arguments) {
              (arguments.seconds == 0 ||
               std::chrono::duration<double>(now - begin).count() < arguments.seconds);
         recorder.drain();
+        recorder.say_when_begun(fmt::format("recording device '{}' of servo '{}' into {}",
+                                            source.info().device, arguments.servo, arguments.file));
         recorder.say_when_exact();
         if (now - flushed < flush_every) continue;
         recorder.flush();

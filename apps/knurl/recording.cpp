@@ -221,6 +221,7 @@ bool RecordingWriter::asset(const protocol::AssetDigest& digest, std::span<const
         return false;
     }
     assets_.insert(digest);
+    missing_.erase(digest);
     return true;
 }
 
@@ -228,7 +229,7 @@ bool RecordingWriter::finish() {
     bool whole = flush();
     McapMetadata gone;
     for (const protocol::AssetDigest& digest : missing_)
-        if (!has(digest)) gone[asset_name(digest)] = "was felt, and is not in this file";
+        gone[asset_name(digest)] = "was felt, and is not in this file";
     try {
         if (whole && !gone.empty()) file_.add_metadata(missing_name, gone);
     } catch (const std::runtime_error&) {  // the disk is full
@@ -257,13 +258,13 @@ RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(p
 std::vector<std::byte> RecordingReader::asset(const protocol::AssetDigest& digest) {
     auto source = file_.attachment(asset_name(digest));
     if (!source)
-        throw std::runtime_error(fmt::format(
-            "{}: an application sent a shape here, {}, which is not in the recording: it replays up to "
-            "this place",
-            path_, asset_name(digest)));
+        throw std::runtime_error(
+            fmt::format("an application sent a shape here, {}, which is not in the recording: it replays up "
+                        "to this place",
+                        asset_name(digest)));
     if (servo::digest_of(*source) != digest)
         throw std::runtime_error(
-            fmt::format("{}: {} is not what its name says: the file was changed", path_, asset_name(digest)));
+            fmt::format("{} is not what its name says: the file was changed", asset_name(digest)));
     return *std::move(source);
 }
 

@@ -52,10 +52,11 @@ class RecordingWriter {
                const std::function<void()>& between);
     bool has(const protocol::AssetDigest& digest) const { return assets_.contains(digest); }
     void missing(const protocol::AssetDigest& digest) { missing_.insert(digest); }
-    std::size_t missing() const { return missing_.size(); }
+    std::size_t missing() const { return missing_.size(); }  // for good so far
     /// What was put in so far goes into the file; false: the disk is full, it was dropped and counted.
     bool flush();
     bool full() const noexcept { return file_.full(); }
+    std::uint64_t pending() const noexcept { return file_.pending(); }  // messages since the last flush
     /// False: the disk is full, and the file has no index.
     bool finish();
 
@@ -77,7 +78,7 @@ class RecordingReader {
     explicit RecordingReader(const std::string& path);
 
     const RecordingInfo& info() const noexcept { return info_; }
-    /// Of those that are in what was read so far. Throws std::runtime_error.
+    /// Of those that are in what was read so far. Throws std::runtime_error, without the file's name.
     std::vector<std::byte> asset(const protocol::AssetDigest& digest);
     /// Throws std::runtime_error unless this build made it: only then it replays.
     void require_this_build() const;

@@ -176,7 +176,7 @@ class Again {
 /// Through the servo's cycle, as far as that is possible.
 class Replaying {
   public:
-    explicit Replaying(RecordingReader& recording) {
+    Replaying(RecordingReader& recording, const std::string& path) : path_(path) {
         try {
             recording.require_this_build();
             device_ = device_of(recording.info());
@@ -200,8 +200,12 @@ class Replaying {
             ++gaps_;
             if (again_) again_->gap();
         }
-        if (item == RecordingReader::Item::input && again_)
-            if (const Report* report = again_->feed(recording.input)) comparison_.replayed(*report);
+        if (item == RecordingReader::Item::input && again_) try {
+                if (const Report* report = again_->feed(recording.input)) comparison_.replayed(*report);
+            } catch (const servo::TapeError& error) {
+                why_not_ = path_ + ": " + error.what();
+                again_.reset();
+            }
     }
     bool possible() const { return again_.has_value(); }
     /// Empty: it has been replayed. Else why there was nothing to replay.
@@ -218,6 +222,7 @@ class Replaying {
     const std::optional<std::string>& first_difference() const { return comparison_.first_difference(); }
 
   private:
+    std::string path_;
     std::unique_ptr<drivers::Device> device_;
     std::optional<servo::Replay> again_;
     std::vector<std::byte> source_;
@@ -232,22 +237,19 @@ int replay(const Arguments& arguments) {
     std::optional<Again> other;
     if (!arguments.csv.empty()) csv.emplace(arguments.csv);
     if (!arguments.scene.empty()) other.emplace(arguments.scene, recording.info().options.rate);
-    Replaying replaying(recording);
+    Replaying replaying(recording, arguments.file);
     // What cannot be replayed can still be exported and felt.
     const bool required = !csv && !other;
     if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not());
 
     std::uint64_t reports = 0;
-    try {
-        for (auto item = recording.next(); item != RecordingReader::Item::end; item = recording.next()) {
-            replaying.take(recording, item);
-            if (item != RecordingReader::Item::report) continue;
-            ++reports;
-            if (csv) csv->put(servo::report_row(recording.report));
-            if (other) other->add(recording.report);
-        }
-    } catch (const servo::TapeError& error) {
-        throw std::runtime_error(arguments.file + ": " + error.what());
+    for (auto item = recording.next(); item != RecordingReader::Item::end; item = recording.next()) {
+        replaying.take(recording, item);
+        if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not());
+        if (item != RecordingReader::Item::report) continue;
+        ++reports;
+        if (csv) csv->put(servo::report_row(recording.report));
+        if (other) other->add(recording.report);
     }
     if (csv) csv->finish();
     if (const auto at = recording.cut_off_at())

@@ -31,7 +31,10 @@ int program_main(CLI::App& app, int argc, char** argv, Run&& run) {
         say(error.what(), ("; see " + app.get_name() + " --help").c_str());
         return 2;
     }
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { stop = true; });
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        // What nohup, or a shell for its background, has ignored stays so.
+        if (std::signal(signal, [](int) { stop = true; }) == SIG_IGN) std::signal(signal, SIG_IGN);
+    }
     try {
         return run();
     } catch (const std::exception& error) {

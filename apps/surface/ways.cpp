@@ -39,7 +39,10 @@ class Session {
         : terrain_(terrain),
           run_(run),
           stop_(stop),
-          hand_(client.claim(run.device, {.update_interval = seconds(1 / run.rate)})) {
+          // What was sent whole waits for no update.
+          hand_(client.claim(run.device, {.update_interval = way == Way::mesh || way == Way::field
+                                                                 ? std::chrono::nanoseconds(1s)
+                                                                 : seconds(1 / run.rate)})) {
         recording_.way = way;
         const knurl::Limits limits = hand_.limits();
         recording_.max_stiffness = limits.max_stiffness;

@@ -110,6 +110,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "vertices and triangles"},
         Mistake{"AssetWithoutSpacing", "[[asset]]\nheights = [[1, 2], [3, 4]]\n", "1:1",
                 "heights and their spacing"},
+        Mistake{"ExactHeights", "[[asset]]\nheights = [[1, 2], [3, 4]]\nspacing = [1, 1]\nexact = true\n",
+                "4:9", "a mesh has it"},
         Mistake{"UnknownAssetKey", "[[asset]]\nmess = 'a.stl'\n", "2:1", "did you mean 'mesh'?"},
         Mistake{
             "TriangleOfTwo",

@@ -29,7 +29,7 @@ class Ball {
     explicit Ball(int level = 4, double radius = 0.1)
         : client_(Client::connect("knurl:default")), claim_(client_.claim("premium15")), radius_(radius) {
         send(level);
-        claim_.arm();
+        EXPECT_TRUE(eventually([this] { return arm(); }));
     }
     /// Another one in its place, under the same number.
     void send_again(int level) {
@@ -53,11 +53,7 @@ class Ball {
             if (report->state == DeviceState::active && report->scene_force.z > 0) ++felt;
             if (report->cycle % 50 != 0) continue;
             // A busy machine that stood still has switched the device off.
-            if (report->state == DeviceState::idle || report->state == DeviceState::fault) try {
-                    if (report->state == DeviceState::fault) claim_.reset_fault();
-                    claim_.arm();
-                } catch (const Error&) {
-                }
+            if (report->state == DeviceState::idle || report->state == DeviceState::fault) arm();
             params_.position.z = -radius_ + (report->cycle % 100 == 0 ? 2e-3 : 3e-3);
             shape_->set(params_);
             claim_.commit();
@@ -65,6 +61,16 @@ class Ball {
     }
 
   private:
+    bool arm() {
+        try {
+            const auto report = claim_.latest();
+            if (report && report->state == DeviceState::fault) claim_.reset_fault();
+            claim_.arm();
+            return true;
+        } catch (const Error&) {  // a machine that stands still
+            return false;
+        }
+    }
     void send(int level) {
         const MadeMesh mesh = icosphere(level, radius_);
         params_ = {
@@ -73,7 +79,8 @@ class Ball {
             .position = {0, 0, -radius_ - 0.004},
             .stiffness = 500};
         shape_.emplace(claim_.add(params_));
-        claim_.commit();
+        // Below the hand it is felt first of all: a shape that began around the hand would push nobody out.
+        if (!claim_.wait_applied(claim_.commit(), 5s)) ADD_FAILURE() << "the ball is not there";
     }
 
     Client client_;

@@ -75,8 +75,12 @@ TEST_F(SurfaceProgram, EachIsJudgedAgainstWhatItSentToo) {
         // The servo feels what was sent, whatever that was.
         EXPECT_LT(stroke.at("own_force_error"), stroke.at("force_error")) << stroke;
     }
-    // Of what was sent once nothing fades, and nothing comes late.
-    EXPECT_LT(json.at("strokes").at(1).at("own_force_error"), 1e-6);
+    // Of what was sent once nothing fades, and nothing comes late, unless the machine stood still for
+    // seconds.
+    const auto& whole = json.at("strokes").at(1);
+    if (whole.at("stalls") == 0 && whole.at("missed") == 0) {
+        EXPECT_LT(whole.at("own_force_error"), 1e-6) << whole;
+    }
     EXPECT_THAT(knurl::test::text_of_file(folder_.path("out.csv")), HasSubstr("sent_fx"));
     EXPECT_EQ(knurld.end(SIGTERM), 0);
 }

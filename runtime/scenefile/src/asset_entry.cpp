@@ -85,6 +85,7 @@ AssetEntry read_asset(const std::string& path, std::size_t number, const toml::t
     const Value* of_mesh = nullptr;     // the last key that only a mesh has,
     const Value* of_file = nullptr;     // only one from a file,
     const Value* of_heights = nullptr;  // only a height field
+    const Value* exact = nullptr;       // of both meshes
     const auto values = values_of(table);
     for (const Value& value : values) {
         const std::string what = fmt::format("{} of {}", value.key, called);
@@ -105,6 +106,7 @@ AssetEntry read_asset(const std::string& path, std::size_t number, const toml::t
             of_mesh = &value;
         } else if (value.key == "exact") {
             asset.exact = boolean(path, value, what);
+            exact = &value;
         } else if (value.key == "heights") {
             read_heights(path, value, what, asset);
             of_heights = &value;
@@ -127,6 +129,8 @@ AssetEntry read_asset(const std::string& path, std::size_t number, const toml::t
     const bool whole = of_file != nullptr   ? !asset.mesh.empty()
                        : of_mesh != nullptr ? !asset.vertices.empty() && !asset.triangles.empty()
                                             : !asset.heights.empty() && spaced;
+    if (forms == 1 && whole && of_heights != nullptr && exact != nullptr)
+        fail(path, exact->at, fmt::format("exact of {}: a mesh has it, heights are always so", called));
     if (forms == 1 && whole) return asset;
     fail(
         path, table.source().begin,
