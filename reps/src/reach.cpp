@@ -20,7 +20,12 @@ constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
 }  // namespace
 
 Reach::Reach(std::uint32_t capacity)
-    : ball_(capacity), loose_(capacity), place_(capacity, nowhere), in_tree_(capacity, 0) {}
+    : ball_(capacity),
+      loose_(capacity),
+      place_(capacity, nowhere),
+      in_tree_(capacity, 0),
+      moving_(capacity),
+      moving_place_(capacity, nowhere) {}
 
 void Reach::drop(std::uint32_t slot) noexcept {
     if (place_[slot] != nowhere) {
@@ -30,6 +35,10 @@ void Reach::drop(std::uint32_t slot) noexcept {
         place_[slot] = nowhere;
     } else if (in_tree_[slot]) {
         in_tree_[slot] = 0;
+    } else if (moving_place_[slot] != nowhere) {
+        const Moving& last = moving_[moving_place_[slot]] = moving_[--moving_size_];
+        moving_place_[last.slot] = moving_place_[slot];
+        moving_place_[slot] = nowhere;
     } else {
         return;
     }
@@ -45,10 +54,28 @@ void Reach::put(std::uint32_t slot, const Eigen::Vector3d& center, double radius
     radii_ += radius;
 }
 
+void Reach::put_moving(std::uint32_t slot, const Eigen::Vector3d& center, double radius,
+                       const Eigen::Vector3d& velocity, double since, bool holds) noexcept {
+    drop(slot);
+    ball_[slot] = {center.x(), center.y(), center.z(), radius};
+    moving_place_[slot] = moving_size_;
+    moving_[moving_size_++] = {.ball = ball_[slot],
+                               .vx = velocity.x(),
+                               .vy = velocity.y(),
+                               .vz = velocity.z(),
+                               .speed = velocity.norm(),
+                               .since = since,
+                               .slot = slot,
+                               .holds = holds};
+    ++size_;
+    radii_ += radius;
+}
+
 void Reach::clear() noexcept {
     std::fill(place_.begin(), place_.end(), nowhere);
+    std::fill(moving_place_.begin(), moving_place_.end(), nowhere);
     std::fill(in_tree_.begin(), in_tree_.end(), std::uint8_t{0});
-    loose_size_ = size_ = 0;
+    loose_size_ = moving_size_ = size_ = 0;
     radii_ = 0;
     nodes_.clear();
     items_.clear();
@@ -209,6 +236,23 @@ std::uint32_t Reach::collect(const Eigen::Vector3d& p, double within,
         }
     }
     return n;
+}
+
+Reach::Coming Reach::collect_moving(const Eigen::Vector3d& p, double within, const SceneTime& now,
+                                    std::span<std::uint32_t> out) const noexcept {
+    Coming coming{.count = 0, .lasts = std::numeric_limits<double>::infinity()};
+    // One that has gone away by then is not asked for ever.
+    constexpr double looked_at_again = 0.1;  // s
+    for (std::uint32_t i = 0; i < moving_size_; ++i) {
+        const Moving& m = moving_[i];
+        const double time = std::max(0.0, now.of(m.holds) - m.since);
+        const Eigen::Vector3d at(m.ball.x + time * m.vx, m.ball.y + time * m.vy, m.ball.z + time * m.vz);
+        const double lost = rounding * (at.lpNorm<1>() + p.lpNorm<1>() + time * m.speed);
+        const double away = away_for((at - p).norm() - m.ball.r - within - lost, m.speed);
+        coming.lasts = std::min(coming.lasts, away > 0 ? away : looked_at_again);
+        if (!(away > 0) && coming.count < out.size()) out[coming.count++] = m.slot;
+    }
+    return coming;
 }
 
 }  // namespace knurl::detail

@@ -5,8 +5,10 @@
 //   put, drop ──> loose: scanned, 32 bytes each
 //   index()   ──> tree over all that are there (built outside the cycle); what moves later becomes loose
 //   again
+//   put_moving ──> moving: scanned where they are by now
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -15,12 +17,31 @@
 
 namespace knurl::detail {
 
+/// The time that a scene has been felt for.
+struct SceneTime {
+    double all = 0;   // s
+    double held = 0;  // s, without the silences, in which what is held stands still
+    double of(bool holds) const noexcept { return holds ? held : all; }
+};
+
+/// A ball that comes closer is a candidate two of these before it may be within reach, so a cycle may take as
+/// long.
+inline constexpr double soon = 16e-3;  // s
+/// So far away, at such a speed: it is no candidate for so long (s; 0: it is one now).
+inline double away_for(double gap, double speed) noexcept {
+    if (!(gap > 2 * soon * speed)) return 0;
+    return speed > 0 ? gap / speed - soon : std::numeric_limits<double>::infinity();
+}
+
 class Reach {
   public:
     explicit Reach(std::uint32_t capacity);
 
     /// The surface of `slot` lies within `radius` (m) of `center` (m) from now on. Allocates nothing.
     void put(std::uint32_t slot, const Eigen::Vector3d& center, double radius) noexcept;
+    /// Likewise, moving on with `velocity` (m/s) since it was there.
+    void put_moving(std::uint32_t slot, const Eigen::Vector3d& center, double radius,
+                    const Eigen::Vector3d& velocity, double since, bool holds) noexcept;
     void drop(std::uint32_t slot) noexcept;
     void clear() noexcept;
 
@@ -31,12 +52,27 @@ class Reach {
     std::uint32_t collect(const Eigen::Vector3d& p, double within,
                           std::span<std::uint32_t> out) const noexcept;
 
+    struct Coming {
+        std::uint32_t count = 0;
+        double lasts = 0;  // s, for which no other one comes as near
+    };
+    /// The same of those that move: all that may come as near soon.
+    Coming collect_moving(const Eigen::Vector3d& p, double within, const SceneTime& now,
+                          std::span<std::uint32_t> out) const noexcept;
+
     std::uint32_t size() const noexcept { return size_; }
     double mean_radius() const noexcept { return size_ > 0 ? radii_ / size_ : 0; }  // m
 
   private:
     struct Ball {
         double x = 0, y = 0, z = 0, r = 0;  // m
+    };
+    struct Moving {
+        Ball ball;
+        double vx = 0, vy = 0, vz = 0, speed = 0;  // m/s
+        double since = 0;                          // s
+        std::uint32_t slot = 0;
+        bool holds = false;
     };
     static constexpr std::uint32_t fan = 8;
     struct Box {
@@ -60,6 +96,9 @@ class Reach {
     std::vector<std::uint32_t> place_;   // by slot: in loose_; nowhere: in the tree or absent
     std::vector<std::uint8_t> in_tree_;  // by slot: the tree's ball is the present one
     std::uint32_t loose_size_ = 0;
+    std::vector<Moving> moving_;               // scanned
+    std::vector<std::uint32_t> moving_place_;  // by slot: in moving_
+    std::uint32_t moving_size_ = 0;
     std::uint32_t size_ = 0;
     double radii_ = 0;  // m, sum
     Eigen::Vector3d origin_ =

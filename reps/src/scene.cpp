@@ -157,6 +157,10 @@ Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     }
     if (!(dt > 0)) dt = 0;
     ++core.cycle_;
+    core.step_ = dt;
+    core.before_ = core.now_;
+    core.now_.all += dt;
+    if (!(core.silence_ > 0)) core.now_.held += dt;
     core.evaluated_ = 0;
     if (core.moved_) core.take_placements();
     core.place_probes(hand);

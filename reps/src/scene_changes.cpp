@@ -47,6 +47,11 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     }
     if (now.rough && !(previous && previous->rough)) rough(owner(i, false)).shift.setZero();
     ops.adopt(now, previous, groups_[now.probe].probe, assets_);
+    // It stands until the end of a cycle that takes time: if this one does not, of the next, a period long.
+    if (ops.turns && ops.motion(now)->placed != 0) {
+        const bool holds = now.use.on_silence == OnSilence::hold, stands = holds && silence_ > 0;
+        now.moved = now_.of(holds) + (step_ > 0 && !stands ? 0 : limits_.period);
+    }
     if (settle_) ops.settle(now);
 }
 

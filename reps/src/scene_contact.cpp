@@ -70,7 +70,10 @@ double SceneCore::ask_one(const ContactSet& set, const Group& group, double dt, 
     const KindOps& ops = kind_ops()[r.kind];
     const std::uint32_t count = ops.contact(r, group.probe, step, found_);
     const auto& found = found_;
-    if (ops.turns) r.velocity = found[0].velocity;
+    if (ops.turns) {
+        r.velocity = found[0].velocity;
+        if (step > 0) r.moved = now_.of(r.use.on_silence == OnSilence::hold);
+    }
     if (r.rough) rough(a.owner[i]).share = found[0].friction;
     if (r.textured) {
         Rough& feel = rough(a.owner[i]);

@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include <knurl/reps/motion.hpp>
 #include <knurl/reps/scene.hpp>
 
 #include "reach.hpp"
@@ -55,6 +56,7 @@ struct KindOps {
     bool (*carry)(Record& old, const Record& next) noexcept = nullptr;   // true: the rest is equal too
     std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;     // of a surface
     void (*out_of_reach)(Record&) noexcept = nullptr;                    // its path so far is forgotten
+    Motion* (*motion)(Record&) noexcept = nullptr;                       // of a surface that turns
     const Asset* (*asset)(const Record&) noexcept = nullptr;             // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
@@ -145,7 +147,9 @@ class SceneCore {
     void forget_surface(std::uint32_t slot) noexcept;  // from where it was
     void fetch(std::span<const std::uint32_t> slots) const noexcept;
     void collect_near(Group& group, std::uint32_t probe) noexcept;
-    bool near_left() noexcept;  // a probe has moved out of what its candidates cover
+    std::optional<Bound> ball_now(const Record& record) const noexcept;  // where it has moved on to
+    void catch_up(Record& record) noexcept;  // with the last cycle, having been out of reach
+    bool near_left() noexcept;               // a probe has moved out of what its candidates cover
 
     // scene_contact.cpp
     void evaluate_contacts(double dt, Wrench& sum) noexcept;
@@ -197,6 +201,8 @@ class SceneCore {
     bool settle_ = false;
     std::uint64_t cycle_ = 0;
     std::uint64_t last_timed_ = 0;  // the last cycle in which time passed
+    SceneTime now_, before_;        // at the end of this cycle, of the one before
+    double step_ = 0;               // s, of this cycle
     std::uint32_t evaluated_ = 0;
     std::uint32_t size_ = 0;
     std::array<std::uint32_t, Representations::size> counts_{};

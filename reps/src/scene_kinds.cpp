@@ -24,6 +24,12 @@ typename R::State& state_of(Record& r) noexcept {
 }
 
 template <class R>
+constexpr bool turns_of() {
+    if constexpr (requires { R::turns; }) return R::turns;
+    return false;
+}
+
+template <class R>
 struct Ops {
     static R& typed(std::byte* bytes) noexcept { return *std::launder(reinterpret_cast<R*>(bytes)); }
     static const R& typed(const std::byte* bytes) noexcept {
@@ -150,10 +156,11 @@ struct Ops {
         }
         return std::memcmp(old.params, next.params, sizeof(R)) == 0;
     }
-    // One that moves by itself is asked in every cycle: its ball would have to move along.
+    // One that moves by itself is asked in every cycle: its ball would have to move along, which that of one
+    // that turns does, but not its texture.
     static std::optional<Bound> bound_of(const Record& r) noexcept {
         if constexpr (requires(const R& p, const typename R::State& state) { bound(p, state); }) {
-            if (r.velocity != Eigen::Vector3d::Zero()) return std::nullopt;
+            if (r.velocity != Eigen::Vector3d::Zero() && (!turns_of<R>() || r.textured)) return std::nullopt;
             std::optional<Bound> ball =
                 bound(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)));
             if (ball && r.textured) ball->radius += params_of<R>(r).texture.amplitude;
@@ -165,6 +172,13 @@ struct Ops {
     static void forget_path(Record& r) noexcept {
         if constexpr (requires { out_of_reach(params_of<R>(r), state_of<R>(r)); })
             out_of_reach(params_of<R>(r), state_of<R>(r));
+    }
+    static Motion* motion_of([[maybe_unused]] Record& r) noexcept {
+        if constexpr (turns_of<R>()) {
+            return &state_of<R>(r).motion;
+        } else {
+            return nullptr;
+        }
     }
     static const Asset* asset_of([[maybe_unused]] const Record& r) noexcept {
         if constexpr (requires(const typename R::State& state) { state.asset; }) {
@@ -213,12 +227,6 @@ struct Ops {
 };
 
 template <class R>
-constexpr bool turns_of() {
-    if constexpr (requires { R::turns; }) return R::turns;
-    return false;
-}
-
-template <class R>
 constexpr std::uint32_t contacts_of() {
     if constexpr (requires { R::max_contacts; }) {
         static_assert(R::max_contacts <= max_contacts);
@@ -248,6 +256,7 @@ constexpr auto table(TypeList<R...>) {
                                                      .carry = &Ops<R>::carry,
                                                      .bound = &Ops<R>::bound_of,
                                                      .out_of_reach = &Ops<R>::forget_path,
+                                                     .motion = &Ops<R>::motion_of,
                                                      .asset = &Ops<R>::asset_of,
                                                      .contact = &Ops<R>::contact_at,
                                                      .evaluate = &Ops<R>::evaluate_at,

@@ -22,7 +22,12 @@ void SceneCore::place_surface(std::uint32_t i) noexcept {
     slot.near = slot.near && ball.has_value();
     slot.bounded = ball.has_value();
     if (!ball) return join(always_, always_size_, i, &Slot::always_place);
-    reach_.put(i, ball->center, ball->radius);
+    if (ball->velocity.isZero(0)) {
+        reach_.put(i, ball->center, ball->radius);
+    } else {
+        const bool holds = r.use.on_silence == OnSilence::hold;
+        reach_.put_moving(i, ball->center, ball->radius, ball->velocity, r.moved, holds);
+    }
     Group& group = groups_[r.probe];
     ++group.bounded;
     group.near.margin = -1;
@@ -51,23 +56,45 @@ bool SceneCore::near_left() noexcept {
         // After a deep contact the candidates are many: as soon as few will do, they are collected anew.
         const bool too_many = group.near.margin > group.near.wanted && 2 * deep <= group.near.wanted;
         const double within = too_many ? 0 : group.near.margin * near_rounding - deep;
-        if (within > 0 && (group.probe.position - group.near.at).squaredNorm() < within * within) continue;
+        if (within > 0 && now_.all < group.near.until &&
+            (group.probe.position - group.near.at).squaredNorm() < within * within)
+            continue;
         group.near.margin = -1;
         left = true;
     }
     return left;
 }
 
+std::optional<Bound> SceneCore::ball_now(const Record& r) const noexcept {
+    std::optional<Bound> ball = kind_ops()[r.kind].bound(r);
+    if (ball && !ball->velocity.isZero(0)) {
+        const double since = now_.of(r.use.on_silence == OnSilence::hold) - r.moved;
+        ball->center += std::max(0.0, since) * ball->velocity;
+    }
+    return ball;
+}
+
+// All steps since then at once.
+void SceneCore::catch_up(Record& r) noexcept {
+    const double then = before_.of(r.use.on_silence == OnSilence::hold);
+    if (!(then >= r.moved)) return;  // placed in this cycle
+    Motion& motion = *kind_ops()[r.kind].motion(r);
+    motion.time += then - r.moved;
+    motion.placed = 0;
+    r.moved = then;
+}
+
 // A surface that was not asked in the last cycle that took time was out of reach then. Its state is made what
 // it would be had it been asked: no path before that cycle, and the probe where it was in it.
 void SceneCore::prime(Record& r, const Group& group) noexcept {
     const KindOps& ops = kind_ops()[r.kind];
+    if (ops.turns) catch_up(r);
     if (!ops.bound(r)) return;  // not skipped, but without stiffness
     ops.out_of_reach(r);
     Probe then = group.probe;
     then.position = group.before;
     std::array<Contact, max_contacts> unused;
-    ops.contact(r, then, limits_.period, unused);
+    ops.contact(r, then, ops.turns ? 0 : limits_.period, unused);
     r.asked = last_timed_;
 }
 
@@ -95,10 +122,15 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     const double deep = std::max(group.now.slack, group.old.slack);
     // Twice what a contact needs, but of a deep one no more than lets its need double: there are many.
     near.margin = std::max(near.wanted, deep + std::min(deep, std::max(near.wanted, 0.6 * deep)));
-    const std::uint32_t found = reach_.collect(near.at, near.margin + group.placement.radius, near_);
-    fetch(std::span(near_.data(), found));
+    const double within = near.margin + group.placement.radius;
+    std::uint32_t found = reach_.collect(near.at, within, near_);
     if (found > many) near.wanted = std::max(1e-6, near.wanted / 2);
     if (found < few) near.wanted = std::min(typical, near.wanted * 2);
+    const Reach::Coming coming =
+        reach_.collect_moving(near.at, within, now_, std::span(near_).subspan(found));
+    found += coming.count;
+    near.until = now_.all + coming.lasts;
+    fetch(std::span(near_.data(), found));
 
     std::uint32_t size = 0;
     for (std::uint32_t k = 0; k < found; ++k) {

@@ -77,11 +77,15 @@ std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
         const std::uint32_t i = fading_olds_[f];
         if (slots_[i].old_surface_of != static_cast<std::int32_t>(probe) || takes_its_place(i)) continue;
         if (group.bounded > 0) {
-            const std::optional<Bound> ball = kind_ops()[faded(i).kind].bound(faded(i));
+            const std::optional<Bound> ball = ball_now(faded(i));
             const double within = group.near.margin + group.placement.radius;
             const double far = within + 1e-12 * (group.near.at.lpNorm<1>() + within);
-            if (ball && (ball->center - group.near.at).norm() > ball->radius * (1 + 1e-12) + far) {
+            const double gap =
+                !ball ? 0 : (ball->center - group.near.at).norm() - (ball->radius * (1 + 1e-12) + far);
+            const double away = gap > 0 ? away_for(gap, ball->velocity.norm()) : 0;
+            if (away > 0) {
                 group.olds_left_out = true;
+                group.near.until = std::min(group.near.until, now_.all + away);
                 continue;
             }
         }
@@ -225,7 +229,9 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         if (!stands) {
             Eigen::Vector3d center = Eigen::Vector3d::Zero();
             double reach = std::numeric_limits<double>::infinity();
-            if (const std::optional<Bound> ball = kind_ops()[record(o).kind].bound(record(o))) {
+            // One that moves may come near: it is asked while it is in a set.
+            const std::optional<Bound> ball = kind_ops()[record(o).kind].bound(record(o));
+            if (ball && ball->velocity.isZero(0)) {
                 center = ball->center;
                 reach = ball->radius + group.probe.radius;
                 reach += 1e-12 * (reach + center.lpNorm<1>());  // what the rounding of coordinates may hide

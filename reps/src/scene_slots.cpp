@@ -143,6 +143,7 @@ void SceneCore::clear() noexcept {
         0;
     counts_ = {};
     reach_.clear();
+    now_ = before_ = {};
     for (Group& group : groups_) {
         group.now = ContactSet{};
         group.old = ContactSet{};

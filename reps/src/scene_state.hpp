@@ -47,6 +47,7 @@ struct RecordHead : RecordLine {
     Use use;
     // The cycle in which it was asked, or as if it had been: again in the same one, it is with dt = 0.
     std::uint64_t asked = 0;
+    double moved = 0;  // s, of its scene's time: as far has it moved on, if it turns
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface
 };
 
@@ -163,6 +164,7 @@ struct Candidates {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();  // m
     double margin = -1;                            // m; negative: to be collected anew
     double wanted = 0;                             // m, the next margin
+    double until = 0;                              // s, of the scene's time: then others may have come near
 };
 
 inline constexpr double near_rounding = 1 - 5e-5;  // of the margin: what rounding of positions may not eat

@@ -114,15 +114,24 @@ Contact contact(const Shape& params, Shape::State& state, const Probe& probe, do
     return contact;
 }
 
-// While it holds the hand it may hold it from however deep; one that moves takes its ball along.
+// While it holds the hand it may hold it from however deep. About its own middle, or, where it turns, about
+// the point of the axis next to that, which goes straight on: so it holds wherever it has moved on to.
 std::optional<Bound> bound(const Shape& params, const Shape::State& state) noexcept {
-    if (touches(state.proxy) || !(params.velocity == Vec3{}) || !(params.angular_velocity == Vec3{}))
-        return std::nullopt;
+    if (touches(state.proxy)) return std::nullopt;
     if (!state.asset) return Bound{};
     const Pose pose(params, state.motion);
     const Vector3d middle = (state.asset->low + state.asset->high) / 2;
-    return Bound{.center = pose.turn * middle + pose.position,
-                 .radius = (state.asset->high - state.asset->low).norm() / 2};
+    Vector3d out = pose.turn * middle;
+    double radius = (state.asset->high - state.asset->low).norm() / 2;
+    const Vector3d spin = to_eigen(params.angular_velocity);
+    if (const double rate = spin.norm(); rate > 0) {
+        const Vector3d axis = spin / rate, along = axis.dot(out) * axis;
+        radius += (out - along).norm();
+        out = along;
+    }
+    // What the rounding of its pose may hide, where its origin lies far away.
+    radius += 1e-14 * (middle.lpNorm<1>() + pose.position.lpNorm<1>());
+    return Bound{.center = out + pose.position, .radius = radius, .velocity = to_eigen(params.velocity)};
 }
 
 void out_of_reach(const Shape&, Shape::State& state) noexcept {

@@ -92,15 +92,20 @@ void planes_out_of_reach(benchmark::State& state) {
     run(state, scene);
 }
 
+/// Of 2 cm.
+struct Tetrahedron {
+    const std::array<std::array<double, 3>, 4> corners{{{0, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}}};
+    const std::array<Triangle, 4> faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+    const Mesh mesh{{.vertices = corners, .triangles = faces, .materials = {}}};
+};
+
 /// N shapes of 2 cm, of as many assets as a scene has, 12 cm and more from a hand at 0.1 m/s. What this takes
 /// beside 0 of them is theirs.
 void meshes_apart(benchmark::State& state, double spin) {
     const auto n = static_cast<std::uint32_t>(state.range(0));
-    const std::array<std::array<double, 3>, 4> corners{{{0, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}}};
-    const std::array<Triangle, 4> faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
-    const Mesh mesh({.vertices = corners, .triangles = faces, .materials = {}});
+    const Tetrahedron mesh;
     Scene scene({.representations = 1024, .probes = 1}, {});
-    for (std::uint32_t i = 0; i < max_assets; ++i) scene.set_asset(i + 1, &mesh);
+    for (std::uint32_t i = 0; i < max_assets; ++i) scene.set_asset(i + 1, &mesh.mesh);
     Rng rng(1);
     for (std::uint32_t i = 0; i < n; ++i) {
         const Vector to(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1));
@@ -127,9 +132,47 @@ void meshes_apart(benchmark::State& state, double spin) {
 void meshes_out_of_reach(benchmark::State& state) {
     meshes_apart(state, 0);
 }
-/// What moves has no place that could be sorted: each is asked in each cycle.
 void turning_meshes_out_of_reach(benchmark::State& state) {
     meshes_apart(state, 1);
+}
+/// N that go round on circles at 0.2 m/s, of which an application tells pose and velocity 60 times a second,
+/// all at once. What the telling takes is in it.
+void carried_meshes_out_of_reach(benchmark::State& state) {
+    const auto n = static_cast<std::uint32_t>(state.range(0));
+    const auto every = static_cast<std::uint64_t>(state.range(1));  // cycles
+    const Tetrahedron mesh;
+    Scene scene({.representations = 1024, .probes = 1}, {});
+    for (std::uint32_t i = 0; i < max_assets; ++i) scene.set_asset(i + 1, &mesh.mesh);
+    Rng rng(1);
+    constexpr double circle = 0.05, speed = 0.2;  // m, m/s
+    std::vector<Vector> middles, arms;
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const Vector out = direction(rng);
+        middles.push_back(out * uniform(rng, 0.25, 0.45));
+        arms.push_back(circle * out.cross(direction(rng)).normalized());
+    }
+    double t = 0;
+    const auto shape = [&](std::uint32_t i) {
+        const Vector out = middles[i].normalized(), arm = arms[i], other = out.cross(arm);
+        const double angle = speed / circle * t;
+        return Shape{
+            .asset = i % max_assets + 1,
+            .position = to_plain(Vector(middles[i] + std::cos(angle) * arm + std::sin(angle) * other)),
+            .velocity = to_plain(Vector(speed / circle * (std::cos(angle) * other - std::sin(angle) * arm))),
+            .angular_velocity = {0, 0, 1},
+            .stiffness = 500};
+    };
+    for (std::uint32_t i = 0; i < n; ++i) (void)scene.add({i, 1}, shape(i));
+    scene.settle();
+    std::uint64_t cycle = 0, asked = 0;
+    for (auto _ : state) {
+        t += dt;
+        if (++cycle % every == 0)
+            for (std::uint32_t i = 0; i < n; ++i) (void)scene.update({i, 1}, shape(i));
+        benchmark::DoNotOptimize(scene.evaluate(at({0.05 * std::sin(2 * t), 0.05 * std::cos(2 * t), 0}), dt));
+        asked += scene.evaluated();
+    }
+    state.counters["asked"] = static_cast<double>(asked) / static_cast<double>(state.iterations());
 }
 
 void springs(benchmark::State& state) {
@@ -220,6 +263,7 @@ BENCHMARK(plane_updated_every_cycle);
 BENCHMARK(planes_out_of_reach)->Arg(16)->Arg(64)->Arg(256)->Arg(1000);
 BENCHMARK(meshes_out_of_reach)->Arg(0)->Arg(1)->Arg(100)->Arg(1000);
 BENCHMARK(turning_meshes_out_of_reach)->Arg(1)->Arg(100);
+BENCHMARK(carried_meshes_out_of_reach)->Args({100, 1'000'000'000})->Args({100, 17});
 BENCHMARK(springs)->Arg(1)->Arg(6)->Arg(64)->Arg(1000);
 BENCHMARK(two_probes_three_planes_four_springs);
 BENCHMARK(batch_of_updates)->Arg(10)->Arg(100)->Arg(1000);

@@ -279,3 +279,53 @@ TEST_F(OnACube, ACycleAllocatesNothing) {
             dt);
     EXPECT_EQ(knurl::test::allocations(), before);
 }
+
+// The mesh that holds the hand is named no more: that fades as removing it does, whatever comes after it.
+TEST_F(OnACube, NoMeshInItsPlaceIsNoJump) {
+    for (const std::uint32_t next : {0u, 7u}) {  // none, or one that was never sent
+        for (const bool removed : {false, true}) {
+            Scene fresh = knurl::test::make_scene();
+            fresh.set_asset(1, cube.get());
+            shape.asset = 1;
+            shape.recovery = 0.02;
+            ASSERT_TRUE(fresh.add(handle, shape));
+            const Vector where(0.01, 0.02, 0.048);
+            Vector last;
+            for (int i = 100; i >= 0; --i)
+                last = fresh.evaluate(at(where + Vector(0, 0, 1e-4 * i)), dt).force;
+            expect_near(last, {0, 0, 1}, 1e-12);
+            shape.asset = next;
+            if (removed) {
+                ASSERT_TRUE(fresh.remove(handle));
+            } else {
+                ASSERT_TRUE(fresh.update(handle, shape));
+            }
+            for (int i = 1; i <= 25; ++i) {
+                const Vector now = fresh.evaluate(at(where), dt).force;
+                expect_near(now, {0, 0, std::max(0.0, 1 - i * dt / 0.02)}, 1e-12);
+            }
+        }
+    }
+}
+
+// ... moving as it did, and taken away again in the middle of it.
+TEST_F(OnACube, WhatFadesMovesOnThoughItIsNamedNoMore) {
+    shape.recovery = 0.02;
+    shape.velocity = {0, 0, 0.1};
+    ASSERT_TRUE(scene.add(handle, shape));
+    const Vector where(0.01, 0.02, 0.055);
+    Vector last = stay(where, 100).force;  // it rises by 0.1 mm in each but the first: 4.9 mm deep
+    expect_near(last, {0, 0, 500 * 0.0049}, 1e-9);
+    shape.asset = 0;
+    ASSERT_TRUE(scene.update(handle, shape));
+    for (int i = 1; i < 10; ++i)
+        expect_near(stay(where, 1).force, {0, 0, 500 * (0.0049 + i * 1e-4) * (1 - i * dt / 0.02)}, 1e-9);
+    ASSERT_TRUE(scene.remove(handle));
+    last = stay(where, 1).force;
+    for (int i = 0; i < 25; ++i) {
+        const Vector now = stay(where, 1).force;
+        EXPECT_LE((now - last).norm(), 1.6 * dt / 0.02) << i;
+        last = now;
+    }
+    expect_near(last, Vector::Zero(), 0);
+}

@@ -72,7 +72,9 @@ class Cycle {
     /// Most cycles: still behind the face of the last one.
     bool still_there() noexcept {
         const std::uint32_t f = proxy_.face;
-        if ((s_.flags(f) & face_crossed) != 0) return false;
+        return (s_.flags(f) & face_crossed) == 0 && (behind(f) || next_door(f));
+    }
+    bool behind(std::uint32_t f) noexcept {
         const Corners face = s_.corners(f);
         const Vec ab = face.side(0), bc = face.side(1), ca = face.side(2), a = h_ - face.at[0];
         const Vec normal = ca.cross(ab);
@@ -83,6 +85,26 @@ class Cycle {
         const double inverse = 1 / normal.norm(), depth = -height * inverse;
         const Vec n = normal * inverse;
         return touch(f, h_ + n * depth, n, depth + radius_);
+    }
+    /// Where faces are so small that a hand leaves one in nearly every cycle: behind the next one, over an
+    /// edge and no corner. The walk would come to the same.
+    [[gnu::noinline]] bool next_door(std::uint32_t f) noexcept {
+        const Corners face = s_.corners(f);
+        const Vec normal = face.side(2).cross(face.side(0));
+        std::uint32_t out = 3;
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const Vec from = h_ - face.at[i], side = face.side(i);
+            if (normal.dot(side.cross(from)) > 0) continue;
+            const double along = side.dot(from);
+            if (out != 3 || !(along > 0 && along < side.squaredNorm())) return false;
+            out = i;
+        }
+        if (out == 3 || !(normal.dot(h_ - face.at[0]) <= 0)) return false;
+        const Link link = s_.over(f, out);
+        if (link == no_link || (s_.flags(face_of(link)) & face_crossed) != 0) return false;
+        if (!behind(face_of(link))) return false;
+        ++work_.faces;
+        return true;
     }
 
     Vec map(const double (&p)[3]) const noexcept {

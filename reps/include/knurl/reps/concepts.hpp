@@ -29,6 +29,8 @@ struct Contact {
 struct Bound {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();  // m, at the moment
     double radius = 0;                                 // m
+    Eigen::Vector3d velocity =
+        Eigen::Vector3d::Zero();  // m/s, with which it moves on (of a surface that turns)
 };
 
 /// The plane of a surface that stands still between changes; points with normal . x >= offset are free.
@@ -94,7 +96,9 @@ concept Effect = Representation<R> &&
 //       a surface with up to R::max_contacts tangent planes at once (the corner of a hollow box): fills in those
 //       that matter
 //   R::turns
-//       a surface whose material moves differently from place to place: Contact::velocity counts, not R's
+//       a surface whose material moves differently from place to place: Contact::velocity counts, not R's. Its state
+//       has a `motion` (motion.hpp), and its bound holds while it moves on: where it is out of reach it is not asked,
+//       and is put where it has come to before it is asked again
 //   bool recovers_itself(const R&)
 //       its own state brings a change in: left out of the cross-fade
 //   R carried(const R& old, const R& next)

@@ -1,0 +1,346 @@
+// Meshes that move and are out of reach are not asked, and nothing else changes: against the same scene in
+// which each is asked in every cycle. One with a texture that moves has no bound; a relief of 1e-300 m is
+// nothing.
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <generators.hpp>
+#include <gtest/gtest.h>
+
+#include <knurl/geometry/mesh.hpp>
+
+#include "../../reps/src/reach.hpp"
+#include "scene_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+std::unique_ptr<Mesh> mesh_at(MadeMesh shape, const Vector& middle) {
+    for (auto& v : shape.vertices)
+        for (int k = 0; k < 3; ++k) v[static_cast<std::size_t>(k)] += middle[k];
+    return std::make_unique<Mesh>(
+        Triangles{.vertices = shape.vertices, .triangles = shape.triangles, .materials = {}},
+        MeshBuild{.exact = true});
+}
+
+/// The scene as it is, and the one in which nothing is out of reach.
+struct Pair {
+    Scene skipping = make_scene({.max_force = 20}), asking = make_scene({.max_force = 20});
+
+    static Shape asked_always(Shape shape) {
+        shape.texture.amplitude = 1e-300;
+        shape.velocity.x += 1e-300;
+        return shape;
+    }
+    void set_asset(std::uint32_t number, const Asset* asset) {
+        for (Scene* scene : {&skipping, &asking}) scene->set_asset(number, asset);
+    }
+    bool add(Handle h, const Shape& shape, const Use& use) {
+        return bool(skipping.add(h, shape, use)) && bool(asking.add(h, asked_always(shape), use));
+    }
+    bool update(Handle h, const Shape& shape) {
+        return bool(skipping.update(h, shape)) && bool(asking.update(h, asked_always(shape)));
+    }
+    bool remove(Handle h) { return bool(skipping.remove(h)) && bool(asking.remove(h)); }
+};
+
+struct Seen {
+    std::uint64_t cycles = 0, felt = 0, begun = 0, asked = 0, instead_of = 0;
+};
+
+/// Some shapes of 1 to 10 cm that come from everywhere, most of them towards the hand, told anew now and then
+/// (off from where they have come to by up to 5 mm), given another form, none, or removed; silences; steps of
+/// other lengths and of none.
+class Flight {
+  public:
+    Flight(std::uint64_t seed, double offset)
+        : rng_(seed), origin_(offset, -offset, offset / 3), far_(offset > 0) {
+        // Forms about their origin, beside it, and far from it.
+        for (const double middle : {0.0, 0.02, 0.3, offset}) {
+            meshes_.push_back(mesh_at(icosphere(2, uniform(rng_, 0.005, 0.05)), middle * direction(rng_)));
+            meshes_.push_back(
+                mesh_at(knurl::test::cube(3, uniform(rng_, 0.01, 0.1)), middle * direction(rng_)));
+        }
+        for (std::uint32_t i = 0; i < meshes_.size(); ++i) pair_.set_asset(i + 1, meshes_[i].get());
+        if (between(rng_, 0, 1)) {
+            const ProbePlacement finger{.offset = {}, .radius = uniform(rng_, 0, 0.008)};
+            (void)pair_.skipping.place_probe(0, finger);
+            (void)pair_.asking.place_probe(0, finger);
+        }
+        hand_ = at(origin_);
+        for (std::uint32_t i = 0; i < slots; ++i) add(i);
+    }
+
+    void fly(int cycles, Seen& seen) {
+        bool before = false, silent = false;
+        double step = 0;
+        for (int i = 0; i < cycles; ++i) {
+            change();
+            move_hand();
+            // After one of none, or of silence, a period: that is what the scene takes the first step of what
+            // was placed in it for.
+            const bool other = between(rng_, 0, 30) == 0 && step > 0 && !silent && silent_ <= 0;
+            silent = silent_ > 0;
+            step = !other ? dt : between(rng_, 0, 1) ? 0 : uniform(rng_, 0, 0.01);
+            const Vector want = pair_.asking.evaluate(hand_, step).force,
+                         got = pair_.skipping.evaluate(hand_, step).force;
+            // Where one is 1000 km away, 1e-10 m is one bit.
+            ASSERT_LE((got - want).norm(), (far_ ? 1e-5 : 1e-9) * (1 + want.norm()))
+                << "cycle " << i << ": " << got.transpose() << " instead of " << want.transpose();
+            for (std::uint32_t k = 0; k < slots; ++k)
+                if (!(silent_ > 0 && holds_[k])) since_[k] += step;
+            ++seen.cycles;
+            const bool felt = want.norm() > 0;
+            seen.felt += felt;
+            seen.begun += felt && !before;
+            before = felt;
+            seen.asked += pair_.skipping.evaluated();
+            seen.instead_of += pair_.asking.evaluated();
+        }
+    }
+
+  private:
+    static constexpr std::uint32_t slots = 12;
+
+    /// In a place so far away that it comes, if at all, in a second or so.
+    Shape any() {
+        Shape shape;
+        const auto which = static_cast<std::uint32_t>(between(rng_, 0, static_cast<int>(meshes_.size()) - 1));
+        shape.asset = which + 1;
+        const Eigen::Quaterniond turn(Eigen::AngleAxisd(uniform(rng_, 0, 3), direction(rng_)));
+        shape.orientation = {turn.w(), turn.x(), turn.y(), turn.z()};
+        const Mesh& mesh = *meshes_[which];
+        const Vector middle = (mesh.low + mesh.high) / 2;
+        const bool by_the_hand = between(rng_, 0, 1);
+        const double speed = between(rng_, 0, 4) == 0 ? 0 : scale(rng_, 0.01, 2);
+        const Vector out = direction(rng_), place = hand_.position + uniform(rng_, 0.1, 0.5) * out;
+        // What lies far from its origin cannot be turned about that and stay here.
+        const bool turns = middle.norm() < 1 && between(rng_, 0, 1);
+        shape.position = to_plain(Vector(place - turn * middle));
+        // By it, not with its very middle over it, where all faces are equally near.
+        const Vector goal = hand_.position + uniform(rng_, 0.001, 0.02) * direction(rng_);
+        const Vector way = by_the_hand ? Vector((goal - place).normalized()) : direction(rng_);
+        shape.velocity = to_plain(Vector(speed * way));
+        if (turns) shape.angular_velocity = to_plain(Vector(scale(rng_, 0.1, 20) * direction(rng_)));
+        shape.stiffness = between(rng_, 0, 1) ? 500 : 900;
+        const double recoveries[] = {automatic, 0, 0.002, 0.03};
+        shape.recovery = recoveries[between(rng_, 0, 3)];
+        return shape;
+    }
+    void add(std::uint32_t i) {
+        told_[i] = any();
+        since_[i] = 0;
+        holds_[i] = between(rng_, 0, 1) != 0;
+        // None that fades away in a silence: what a bridge stands for depends on who is weighed beside it,
+        // and one that has faded away forgets its path only where it may be out of reach.
+        ASSERT_TRUE(
+            pair_.add({i, ++generation_[i]}, told_[i],
+                      {.on_silence = holds_[i] ? OnSilence::hold : OnSilence::move, .silence_time = 10}));
+        there_[i] = true;
+    }
+    void change() {
+        if (between(rng_, 0, 400) == 0) silent_ = silent_ > 0 ? 0 : 1e-3;
+        if (silent_ > 0) silent_ += dt;
+        for (Scene* scene : {&pair_.skipping, &pair_.asking}) scene->set_silence(silent_);
+        if (between(rng_, 0, 15) != 0) return;
+        const auto i = static_cast<std::uint32_t>(between(rng_, 0, static_cast<int>(slots) - 1));
+        if (!there_[i]) return add(i);
+        Shape& shape = told_[i];
+        switch (between(rng_, 0, 6)) {
+            case 0:
+                there_[i] = false;
+                ASSERT_TRUE(pair_.remove({i, generation_[i]}));
+                return;
+            case 1:
+                shape.stiffness = shape.stiffness < 600 ? 900 : 500;  // goes on as it moves
+                break;
+            case 2:
+                shape.asset = shape.asset > 0 ? 0 : 1;
+                break;
+            case 3:
+                shape.asset = static_cast<std::uint32_t>(between(rng_, 1, 4));
+                break;
+            default: {  // about where it has come to: from farther away it is led past the hand, not through
+                        // it
+                const Vector velocity = to_eigen(shape.velocity);
+                shape.position = to_plain(Vector(to_eigen(shape.position) + since_[i] * velocity +
+                                                 uniform(rng_, 0, 0.005) * direction(rng_)));
+                shape.velocity = to_plain(Vector(velocity + 0.05 * velocity.norm() * direction(rng_)));
+                const Vector spin = to_eigen(shape.angular_velocity);
+                if (const double rate = spin.norm(); rate > 0)
+                    shape.orientation = to_plain(Eigen::Quaterniond(
+                        Eigen::AngleAxisd(rate * since_[i] + uniform(rng_, 0, 0.01), spin / rate) *
+                        to_eigen(shape.orientation)));
+                since_[i] = 0;
+            }
+        }
+        ASSERT_TRUE(pair_.update({i, generation_[i]}, shape));
+    }
+    void move_hand() {
+        if (between(rng_, 0, 60) == 0) velocity_ = scale(rng_, 1e-3, 0.5) * direction(rng_);
+        if ((hand_.position - origin_).norm() > 0.2)
+            velocity_ = 0.2 * (origin_ - hand_.position).normalized();
+        hand_.position += dt * velocity_;
+        hand_.velocity = hand_.smooth_velocity = velocity_;
+    }
+
+    knurl::test::Rng rng_;
+    Pair pair_;
+    std::vector<std::unique_ptr<Mesh>> meshes_;
+    const Vector origin_;
+    const bool far_;
+    Probe hand_;
+    Vector velocity_ = Vector::Zero();
+    double silent_ = 0;
+    std::array<Shape, slots> told_;
+    std::array<double, slots> since_{};
+    std::array<std::uint32_t, slots> generation_{};
+    std::array<bool, slots> there_{}, holds_{};
+};
+
+}  // namespace
+
+TEST(MovingShapes, AnswerAsIfEachWereAskedInEveryCycle) {
+    Seen seen;
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        Flight flight(seed, seed % 3 == 0 ? 1e6 : 0);
+        ASSERT_NO_FATAL_FAILURE(flight.fly(2000, seen));
+        if (HasFailure()) return;
+    }
+    std::printf("%llu cycles, felt in %llu, contacts begun %llu; asked %.2f a cycle instead of %.2f\n",
+                static_cast<unsigned long long>(seen.cycles), static_cast<unsigned long long>(seen.felt),
+                static_cast<unsigned long long>(seen.begun), double(seen.asked) / double(seen.cycles),
+                double(seen.instead_of) / double(seen.cycles));
+    EXPECT_GT(seen.felt * 20, seen.cycles) << "a test that hardly touches anything";
+    EXPECT_GT(seen.begun, 200u);
+    EXPECT_LT(seen.asked * 2, seen.instead_of) << "a test in which hardly anything is skipped";
+}
+
+TEST(MovingShapes, OutOfReachTheyAreNotAskedNorWhileTheyFade) {
+    const std::unique_ptr<Mesh> mesh = mesh_at(icosphere(2, 0.02), {0.01, 0, 0});
+    Scene scene = make_scene();
+    scene.set_asset(1, mesh.get());
+    knurl::test::Rng rng(3);
+    const auto shape = [&] {
+        return Shape{.asset = 1,
+                     .position = to_plain(Vector(uniform(rng, 0.2, 0.4) * direction(rng))),
+                     .velocity = to_plain(Vector(0.3 * direction(rng))),
+                     .angular_velocity = {0, 5, 0},
+                     .stiffness = 500,
+                     .recovery = 0.02};
+    };
+    for (std::uint32_t i = 0; i < 64; ++i) ASSERT_TRUE(scene.add({i, 1}, shape()));
+    std::uint64_t asked = 0;
+    for (int cycle = 0; cycle < 4000; ++cycle) {
+        for (std::uint32_t i = 0; i < 64 && cycle % 17 == 0; ++i) {
+            ASSERT_TRUE(scene.update({i, 1}, shape()));
+        }
+        scene.evaluate(at({0.03 * std::sin(cycle * 1e-3), 0, 0}), dt);
+        asked += scene.evaluated();
+    }
+    EXPECT_EQ(asked, 0u);
+}
+
+// 0.5 m away at 1 m/s: not asked for four tenths of a second, and then there in the cycle that it should be.
+TEST(MovingShapes, OneThatComesIsThereInTime) {
+    const std::unique_ptr<Mesh> cube = mesh_at(knurl::test::cube(2, 0.1), Vector::Zero());
+    for (const double turn : {0.0, 7.0}) {
+        Scene scene = make_scene();
+        scene.set_asset(1, cube.get());
+        ASSERT_TRUE(scene.add({0, 1}, Shape{.asset = 1,
+                                            .position = {0, 0, -0.55},
+                                            .velocity = {0, 0, 1},
+                                            .angular_velocity = {0, 0, turn},
+                                            .stiffness = 500}));
+        scene.settle();
+        for (int cycle = 0; cycle < 520; ++cycle) {
+            const double depth = cycle * dt - 0.5, force = scene.evaluate(at(Vector::Zero()), dt).force.z();
+            ASSERT_NEAR(force, 500 * std::max(0.0, depth), 1e-9) << cycle;
+            if (cycle < 400) {
+                ASSERT_EQ(scene.evaluated(), 0u) << cycle;
+            }
+        }
+    }
+}
+
+TEST(MovingShapes, WhatIsHeldInASilenceGoesOnFromThereAfterIt) {
+    const std::unique_ptr<Mesh> cube = mesh_at(knurl::test::cube(2, 0.1), Vector::Zero());
+    Scene scene = make_scene();
+    scene.set_asset(1, cube.get());
+    ASSERT_TRUE(scene.add(
+        {0, 1}, Shape{.asset = 1, .position = {0, 0, -0.55}, .velocity = {0, 0, 1}, .stiffness = 500},
+        {.on_silence = OnSilence::hold}));
+    scene.settle();
+    double told = 0;  // s, not in the silence
+    for (int cycle = 0; cycle < 2000; ++cycle) {
+        const bool silent = cycle >= 300 && cycle < 1300;
+        scene.set_silence(silent ? (cycle - 299) * dt : 0);
+        if (cycle > 0 && !silent) told += dt;
+        const double force = scene.evaluate(at(Vector::Zero()), dt).force.z();
+        ASSERT_NEAR(force, 500 * std::max(0.0, told - 0.5), 1e-9) << cycle;
+        if (told > 0.52) return;
+    }
+    FAIL() << "it never came";
+}
+
+TEST(Reach, UntilItSaysNothingThatMovesComesNearerUnseen) {
+    const std::uint64_t seed = 78;
+    knurl::test::Rng rng(seed);
+    std::uint64_t seen = 0, unseen = 0;
+    for (int round = 0; round < 300; ++round) {
+        constexpr std::uint32_t n = 40;
+        detail::Reach reach(n);
+        struct Ball {
+            Vector center, velocity;
+            double radius, since;
+            bool holds, there;
+        };
+        std::array<Ball, n> balls{};
+        const double offset = round % 4 == 0 ? 1e6 : 0;
+        const Vector origin(offset, 0, -offset);
+        for (int i = 0; i < 100; ++i) {
+            const auto slot = static_cast<std::uint32_t>(between(rng, 0, n - 1));
+            Ball& b = balls[slot];
+            if (between(rng, 0, 3) == 0) {
+                b.there = false;
+                reach.drop(slot);
+                continue;
+            }
+            b = {origin + uniform(rng, 0, 0.5) * direction(rng),
+                 scale(rng, 1e-3, 2) * direction(rng),
+                 uniform(rng, 0, 0.1),
+                 uniform(rng, 1.8, 2),
+                 between(rng, 0, 1) != 0,
+                 true};
+            reach.put_moving(slot, b.center, b.radius, b.velocity, b.since, b.holds);
+        }
+        const detail::SceneTime now{.all = uniform(rng, 2, 2.5), .held = uniform(rng, 1.8, 2)};
+        const Vector p = origin + 0.1 * direction(rng);
+        const double within = scale(rng, 1e-6, 0.05);
+        std::array<std::uint32_t, n> found;
+        const detail::Reach::Coming coming = reach.collect_moving(p, within, now, found);
+        ASSERT_GT(coming.lasts, 0) << "seed " << seed << " round " << round;
+        for (std::uint32_t s = 0; s < n; ++s) {
+            if (!balls[s].there) continue;
+            if (std::find(found.begin(), found.begin() + coming.count, s) != found.begin() + coming.count) {
+                ++seen;
+                continue;
+            }
+            ++unseen;
+            const double moved = std::max(0.0, now.of(balls[s].holds) - balls[s].since);
+            for (int k = 0; k <= 20; ++k) {  // one that is held may stand, or not
+                const double t = moved + k * 0.05 * std::min(coming.lasts, 10.0);
+                ASSERT_GE((balls[s].center + t * balls[s].velocity - p).norm() - balls[s].radius, within)
+                    << "seed " << seed << " round " << round << " slot " << s;
+            }
+        }
+    }
+    EXPECT_GT(seen, 150u);
+    EXPECT_GT(unseen, 500u);
+}
