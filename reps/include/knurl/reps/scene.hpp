@@ -38,7 +38,10 @@ struct FadePolicy {
 /// What the application learns of one representation each cycle.
 struct Feedback {
     Handle handle;
-    Wrench wrench;  // on the hand; the application's end feels the opposite; zero where it is not touched
+    // On the hand; the application's end feels the opposite; zero where it is not touched. Of a surface while
+    // `fading` is set: its share in the new set, weighed as that is, though it be in the old one unchanged;
+    // the force of the whole hand has no such gap. Of an effect it is all of it.
+    Wrench wrench;
     // m, world; where it is not touched, the probe (see Scene::feedback for when)
     Eigen::Vector3d contact_point = Eigen::Vector3d::Zero();
     double stiffness = 0;             // N/m as applied, after clamping

@@ -76,7 +76,11 @@ struct Timing {
 
 /// What the hand and the application's end feel of one representation.
 struct Felt {
-    Vec3 force, torque;    // on the hand, N and N m; the application's end feels the opposite
+    // On the hand, N and N m; the application's end feels the opposite. Of a surface while a change on its
+    // probe (any surface's) is cross-faded, Feedback::fading: its share in what is faded in, from nothing to
+    // all of it; what fades out is told of nobody. A simulation that is pushed by it sends `recovery = 0`, or
+    // does without while the flag is set. An effect's is whole.
+    Vec3 force, torque;
     Vec3 contact_point;    // m; of what is not touched: the probe, when the rest last changed
     double stiffness = 0;  // N/m applied: less than asked for if Feedback::stiffness_clamped is set
     double tangential_stiffness = 0;  // N/m of its friction, as applied; 0: it has none
