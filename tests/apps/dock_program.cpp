@@ -130,6 +130,22 @@ TEST_F(DockProgram, LeavesAHotSimulationAlone) {
     EXPECT_FALSE(simulation.was_pulled());
 }
 
+TEST_F(DockProgram, RoughHandlingNeitherKicksNorMakesEnergyAtTheStiffestScaleThatItTakes) {
+    for (const char* rate : {"60", "2"}) {
+        SCOPED_TRACE(rate);
+        FakeImd simulation({.atoms = 300});
+        const Outcome docked =
+            dock(simulation, {"--rough", "--seed", "3", "--rate", rate, "--seconds", "6", "--force-scale",
+                              "0.5", "--greatest-force", "30", "--json", folder_.path("f.json")});
+        ASSERT_EQ(docked.code, 0) << docked.err;
+        const nlohmann::json of = figures();
+        EXPECT_GT(of["hand_in"], 0.01) << "J: it was pulled";
+        EXPECT_TRUE(simulation.was_pulled());
+        EXPECT_LE(of["created_share"], 0.01);
+        EXPECT_LE(of["end_step"], 0.1) << "N in a cycle, beside what the hand does by moving";
+    }
+}
+
 TEST_F(DockProgram, RefusesWhatMakesNoSense) {
     FakeImd simulation;
     const Outcome range = dock(simulation, {"--atom", "9", "--seconds", "1"});

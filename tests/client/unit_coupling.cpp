@@ -281,6 +281,31 @@ TEST(Coupling, TakesHoldAgainAsIfForTheFirstTime) {
         << "a simulation that stands still when it is taken hold of";
 }
 
+TEST(Coupling, LeavesWhatFadesItsTimeWhenItTakesHoldAgainOrTheSimulationComesBack) {
+    Coupling coupling = drawn();
+    const double end = coupling.spring().anchor.x;
+    coupling.let_go(0.3);
+    coupling.watch(0.4);
+    coupling.hold({7, 0, 0}, {0.01, 0, 0});
+    EXPECT_NEAR(coupling.spring().stiffness, 160, 1e-9);
+    EXPECT_EQ(coupling.frame({7, 0, 0}, 0.45), Vec3{});
+    coupling.watch(0.5);
+    EXPECT_NEAR(coupling.spring().stiffness, 120, 1e-9) << "no step";
+    EXPECT_EQ(coupling.spring().anchor.x, end);
+    coupling.watch(0.85);
+    coupling.frame({7, 0, 0}, 0.86);
+    EXPECT_EQ(coupling.watch(0.87), Coupling::State::holding);
+    EXPECT_EQ(coupling.spring().stiffness, 200);
+    EXPECT_NEAR(coupling.spring().anchor.x, 0.01, 1e-12) << "without a force";
+
+    Coupling paused = drawn();
+    paused.watch(0.75);
+    paused.watch(0.85);
+    EXPECT_EQ(paused.frame({}, 0.9), Vec3{});
+    paused.watch(0.95);
+    EXPECT_NEAR(paused.spring().stiffness, 120, 1e-9);
+}
+
 TEST(Coupling, RefusesWhatMakesNoSense) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(Coupling({.scale = {.length = 0}}), Error);

@@ -69,7 +69,12 @@ void Coupling::hold(const Vec3& body, const Vec3& hand) {
     stray_ = 0;
     hand_ = hand_origin_;
     last_frame_ = -1;
-    begin();
+    // What still fades of the hold before would be gone at once, which is a step: it is waited for.
+    const bool fades = (state_ == State::idle || state_ == State::stopped) && fading_ > 0;
+    if (fades)
+        state_ = State::stopped;
+    else
+        begin();
 }
 
 /// From here on, with nothing in the spring.
@@ -107,8 +112,8 @@ void Coupling::feel(const Report& report, const std::optional<Felt>& felt, const
         felt_ = false;
         return;
     }
-    const Vector3d force = to_eigen(felt->force);
-    if (felt->stiffness > 0) stiffness_ = felt->stiffness;
+    const Vector3d force = felt->share * to_eigen(felt->force);
+    if (felt->share * felt->stiffness > 0) stiffness_ = felt->share * felt->stiffness;
     if (felt_) {
         // The trapezium is exact for a spring: hand and end together change its energy by just this.
         const double work = -0.5 * (force + force_).dot(here - hand_);
@@ -149,6 +154,7 @@ Vec3 Coupling::frame(const Vec3& body, double now) {
         throw Error(Error::Kind::bad_parameters, "coupling: the body's place is no number");
     if (state_ == State::idle) return {};
     measure_interval(now);
+    if (state_ == State::stopped && fading_ > 0) return {};
     if (state_ == State::stopped) begin();
     state_ = State::holding;
     ++counts_.frames;
