@@ -126,6 +126,11 @@ class Session {
             coupling_.feel(*report, felt);
             record(*report, felt);
         }
+        // By the newest report: an older one says where the hand was.
+        if (pressed_ != button_) {
+            button_ = pressed_;
+            button_ ? take() : release();
+        }
     }
 
     void answer(const ImdFrame& frame) {
@@ -208,9 +213,7 @@ class Session {
 
     void record(const knurl::HandReport& report, const std::optional<knurl::Felt>& felt) {
         docked_.faults |= report.faults;
-        const bool pressed = (report.buttons & 1) != 0;
-        if (pressed != button_) pressed ? take() : release();
-        button_ = pressed;
+        pressed_ = (report.buttons & 1) != 0;
         if (report.state != knurl::DeviceState::active) return;
         // The report has the sum of all who share the device; what is the spring's is told of the newest
         // cycle.
@@ -244,6 +247,7 @@ class Session {
             throw ImdError(fmt::format("there is no atom {}: the simulation sends {}, counted from 0",
                                        options_.atom, newest_.atoms.size()));
         docked_.atoms = newest_.atoms.size();
+        hand_.latest();  // those that came meanwhile say nothing of now
         for (int slow = 0; slow < 100 && !stop_;) {
             const auto report = hand_.next_report(100ms);
             keep_up();
@@ -254,7 +258,9 @@ class Session {
         }
         hand_.arm();
         while (!stop_) {
-            const auto report = hand_.next_report(100ms);
+            // Where it is shared it may have been active for long.
+            auto report = hand_.next_report(100ms);
+            if (const auto newest = hand_.latest()) report = newest;
             keep_up();
             if (report && report->state == knurl::DeviceState::active) {
                 begin_ = report->deadline_ns;
@@ -338,7 +344,7 @@ class Session {
     Vector3d middle_ = Vector3d::Zero();  // A, of all atoms
     Vector3d atom_ = Vector3d::Zero(), push_ = Vector3d::Zero();
     Vector3d own_ = Vector3d::Zero();  // N, of the spring on the hand
-    bool button_ = false, hot_ = false;
+    bool button_ = false, pressed_ = false, hot_ = false;
 };
 
 }  // namespace

@@ -142,7 +142,8 @@ TEST_F(DockProgram, RoughHandlingNeitherKicksNorMakesEnergyAtTheStiffestScaleTha
         EXPECT_GT(of["hand_in"], 0.01) << "J: it was pulled";
         EXPECT_TRUE(simulation.was_pulled());
         EXPECT_LE(of["created_share"], 0.01);
-        EXPECT_LE(of["end_step"], 0.1) << "N in a cycle, beside what the hand does by moving";
+        // Taken hold of by a hand that moves, the spring is faded in within 50 ms; a kick was 2 N and more.
+        EXPECT_LE(of["end_step"], 0.5) << "N in a cycle, beside what the hand does by moving";
     }
 }
 

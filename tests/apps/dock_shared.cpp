@@ -115,7 +115,8 @@ class DockShared : public testing::Test {
     }
 
     const Home home_;
-    FakeImd simulation_{{.mobility = 1e-6}};
+    FakeImd simulation_{
+        {.mobility = 1e-6, .pause_at = 0}};  // the hand has gone on when its first frame comes
     std::optional<Servo> servo_;
 };
 
@@ -135,6 +136,8 @@ TEST_F(DockShared, TheHandFeelsTheSumOfBoth) {
         return both >= 2000;
     })) << program.said();
     EXPECT_EQ(program.end(SIGINT), 0) << program.said();
+    const auto figures = nlohmann::json::parse(knurl::test::text_of_file(home_.path("dock.json")));
+    EXPECT_LE(figures["end_step"], 0.2) << "N in a cycle, from the first on";
     // What knurl-dock says of its own spring, cycle by cycle.
     std::ifstream csv(home_.path("dock.csv"));
     std::string line;

@@ -275,8 +275,8 @@ int run(const Options& options) {
     const unsigned servo_cpu = cpus.back(), other = cpus.front();
     measure::Run run{.machine = measure::this_machine(), .results = {}};
     Engine one(options.one, options.one_address), all(options.all, options.all_address);  // first: they fork
-    measure::pin_this_thread(other);
     Bench bench(one, all, servo_cpu, other);
+    measure::pin_this_thread(other);  // only now: the servo would have inherited it
     std::vector<Placement> placements{
         {"none", Simulation::none, false},
         {"one thread on the other core", Simulation::beside, false},

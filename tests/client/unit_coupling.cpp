@@ -158,7 +158,7 @@ TEST_P(CouplingRates, AMinuteOfRandomPullingMakesNoEnergyAndNoSteps) {
 }
 
 TEST(Coupling, StaysSoThroughTenMinutesOfRoughHandling) {
-    for (const double rate : {400.0, 20.0, 1.0}) {
+    for (const double rate : {400.0, 60.0, 20.0, 10.0, 4.0, 2.0, 1.0}) {
         SCOPED_TRACE(rate);
         const Outcome outcome =
             pull(rate, true, 3, {.reach = 0.09, .least = 0.15, .more = 0.3, .cycles = 600'000});
@@ -212,6 +212,19 @@ TEST(Coupling, TurnsUnitsIntoTheSimulationsOwn) {
     EXPECT_NEAR(coupling.to_simulation({0.01, 0, 0}).x, 2, 1e-12);
     EXPECT_NEAR(coupling.to_hand({2, 0, 0}).x, 0.01, 1e-12);
     EXPECT_NEAR(coupling.energy_scale(), 1 / 0.0025, 1e-9);
+}
+
+TEST(Coupling, CountsOfAForceWhatReachesTheHand) {
+    Coupling coupling({});
+    coupling.hold({}, {});
+    for (int i = 0; i <= 10; ++i) {
+        Felt felt = felt_as({-0.2 * i, 0, 0});
+        felt.share = 0.5;  // the device cannot be as stiff as this spring and another's wall together
+        coupling.feel(report_at({0.001 * i, 0, 0}), felt);
+    }
+    EXPECT_NEAR(coupling.account().hand, 0.25 * 200 * 0.01 * 0.01, 1e-12);
+    EXPECT_NEAR(coupling.account().spring, 0.25 * 200 * 0.01 * 0.01, 1e-12);
+    EXPECT_LE(coupling.account().created, 1e-12);
 }
 
 TEST(Coupling, BoundsTheForceOnTheBodyAndSaysHowOften) {
