@@ -281,6 +281,7 @@ TEST(Coupling, TakesHoldAgainAsIfForTheFirstTime) {
     Coupling coupling = drawn();
     coupling.let_go(0.3);
     coupling.watch(5);
+    coupling.feel(report_at({0.01, 0, 0}), felt_as({}));
     coupling.hold({7, 0, 0}, {0.01, 0, 0});
     EXPECT_EQ(coupling.watch(20), Coupling::State::holding) << "no frame is due yet";
     EXPECT_EQ(coupling.spring().stiffness, 200);
@@ -306,6 +307,10 @@ TEST(Coupling, LeavesWhatFadesItsTimeWhenItTakesHoldAgainOrTheSimulationComesBac
     EXPECT_NEAR(coupling.spring().stiffness, 120, 1e-9) << "no step";
     EXPECT_EQ(coupling.spring().anchor.x, end);
     coupling.watch(0.85);
+    coupling.feel(report_at({0.01, 0, 0}), felt_as({-0.3, 0, 0}));
+    EXPECT_EQ(coupling.frame({7, 0, 0}, 0.855), Vec3{});
+    EXPECT_EQ(coupling.watch(0.856), Coupling::State::stopped) << "sent, but not yet felt";
+    coupling.feel(report_at({0.01, 0, 0}), felt_as({}));
     coupling.frame({7, 0, 0}, 0.86);
     EXPECT_EQ(coupling.watch(0.87), Coupling::State::holding);
     EXPECT_EQ(coupling.spring().stiffness, 200);

@@ -114,6 +114,7 @@ class Coupling {
   private:
     void begin();
     void fade_from(double now);
+    bool still_fades() const;
     void measure_interval(double now);
     void measure_compliance(const Eigen::Vector3d& force, const Eigen::Vector3d& way);
     double created() const;
