@@ -232,7 +232,7 @@ class Bench {
 };
 
 std::string number(const std::optional<double>& value) {
-    return value ? fmt::format("{:.3g}", *value) : "?";
+    return !value ? "?" : *value < 100 ? fmt::format("{:.3g}", *value) : fmt::format("{:.0f}", *value);
 }
 
 std::string percentiles(const measure::Blocks& blocks, bool with_most) {
