@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "heat.hpp"
+
 namespace dock {
 
 namespace {
@@ -15,6 +17,7 @@ using Eigen::Vector3d;
 
 constexpr auto patience = 15s;  // for a first frame, a hand at rest, a device that becomes active
 constexpr double pn_per_kcal_per_angstrom = 69.48;  // 1 kcal/mol/A in pN
+constexpr double longest_look = 5e-3;               // s between two of them
 constexpr double cooled = 0.95;                     // of the greatest temperature: then it is pulled again
 
 double seconds_since(Clock::time_point begin) {
@@ -79,13 +82,14 @@ class Session {
           key_(key),
           pace_(simulation, options.rate),
           unwrapped_(10 * options.box),
+          heat_(options.greatest_temperature),
           coupling_({.scale = scale_of(options),
                      .stiffness = options.stiffness,
                      .interval = 1 / options.rate,
                      .frames_late = 1,  // what a frame is answered with is read at the next one
                      .greatest_force = options.greatest_force,
                      .keep_account = options.keep_account}),
-          hand_(client.claim(options.device, {.update_interval = 10ms})),
+          hand_(client.claim(options.device, {.shared = options.share, .update_interval = 10ms})),
           spring_(hand_.add(coupling_.spring())) {}
 
     Docked run(const std::function<void(const std::string&)>& told) {
@@ -110,11 +114,22 @@ class Session {
     // The coupling, whole: what is felt, what is answered, what is watched.
     void feel() {
         auto report = hand_.next_report(1ms);
+        // What fades goes on where it was when this process was held up, and a simulation is not late for
+        // that.
+        const double looked = seconds_since(started_);
+        own_time_ += std::min(looked - looked_, longest_look);
+        looked_ = looked;
         for (; report; report = hand_.next_report(0ms)) {
             report_ = *report;
             now_ = static_cast<double>(report->deadline_ns - begin_) * 1e-9;
-            coupling_.feel(*report, spring_.felt());
-            record(*report);
+            const auto felt = spring_.felt();
+            coupling_.feel(*report, felt);
+            record(*report, felt);
+        }
+        // By the newest report: an older one says where the hand was.
+        if (pressed_ != button_) {
+            button_ = pressed_;
+            button_ ? take() : release();
         }
     }
 
@@ -126,10 +141,20 @@ class Session {
         if (frame.energies)
             hot_ = frame.energies->temperature > (hot_ ? cooled : 1) * options_.greatest_temperature;
         docked_.hot += hot_;
-        coupling_.bound(hot_ ? 0 : options_.greatest_force);
+        coupling_.bound(hot_ ? 0 : std::min(options_.greatest_force, coolest_force(frame)));
         push_ = knurl::to_eigen(coupling_.frame(knurl::to_plain(place), clock()));
         simulation_.pull(static_cast<std::int32_t>(docked_.atom), push_);
         atom_ = knurl::to_eigen(coupling_.to_hand(knurl::to_plain(place)));
+    }
+
+    double coolest_force(const ImdFrame& frame) {
+        if (!frame.energies) return options_.greatest_force;
+        return heat_.force(
+            {.temperature = frame.energies->temperature,
+             .atoms = frame.atoms.size(),
+             .steps = pace_.steps(),
+             .way = coupling_.compliance() * scale_of(options_).force / scale_of(options_).length,
+             .pushed = push_.norm()});
     }
 
     void watch() {
@@ -156,6 +181,7 @@ class Session {
                 if (away < nearest) nearest = away, docked_.atom = static_cast<long>(i);
             }
         }
+        heat_.hold();
         unwrapped_.forget();
         const Vector3d place = unwrapped_(newest_.atoms[static_cast<std::size_t>(docked_.atom)]);
         coupling_.hold(knurl::to_plain(place), report_.position);
@@ -176,7 +202,7 @@ class Session {
         for (const auto& atom : frame.atoms) box.extend(atom);
         middle_ = box.center().cast<double>();
         const std::int64_t step = frame.energies ? frame.energies->step : -1;
-        pace_.frame(step, clock());
+        pace_.frame(step, seconds_since(started_));
         if (!holds()) return;
         docked_.frames.push_back({.t = now_,
                                   .step = step,
@@ -185,17 +211,22 @@ class Session {
                                   .account = coupling_.account()});
     }
 
-    void record(const knurl::HandReport& report) {
+    void record(const knurl::HandReport& report, const std::optional<knurl::Felt>& felt) {
         docked_.faults |= report.faults;
-        const bool pressed = (report.buttons & 1) != 0;
-        if (pressed != button_) pressed ? take() : release();
-        button_ = pressed;
+        pressed_ = (report.buttons & 1) != 0;
         if (report.state != knurl::DeviceState::active) return;
+        // The report has the sum of all who share the device; what is the spring's is told of the newest
+        // cycle.
+        const bool told = !options_.share || (felt && felt->cycle == report.cycle);
+        if (told)
+            own_ = options_.share ? felt->share * knurl::to_eigen(felt->force)
+                                  : knurl::to_eigen(report.scene_force);
         docked_.cycles.push_back({.number = report.cycle,
                                   .t = now_,
-                                  .on_time = report.read_ns - read_ns_ < 2'000'000,
+                                  .on_time = report.read_ns - read_ns_ < 1'500'000,
+                                  .told = told,
                                   .hand = knurl::to_eigen(report.position),
-                                  .force = knurl::to_eigen(report.scene_force),
+                                  .force = own_,
                                   .atom = atom_,
                                   .atom_force = push_,
                                   .frame = holds() ? frames_ : 0});
@@ -216,6 +247,7 @@ class Session {
             throw ImdError(fmt::format("there is no atom {}: the simulation sends {}, counted from 0",
                                        options_.atom, newest_.atoms.size()));
         docked_.atoms = newest_.atoms.size();
+        hand_.latest();  // those that came meanwhile say nothing of now
         for (int slow = 0; slow < 100 && !stop_;) {
             const auto report = hand_.next_report(100ms);
             keep_up();
@@ -226,7 +258,9 @@ class Session {
         }
         hand_.arm();
         while (!stop_) {
-            const auto report = hand_.next_report(100ms);
+            // Where it is shared it may have been active for long.
+            auto report = hand_.next_report(100ms);
+            if (const auto newest = hand_.latest()) report = newest;
             keep_up();
             if (report && report->state == knurl::DeviceState::active) {
                 begin_ = report->deadline_ns;
@@ -277,7 +311,7 @@ class Session {
     }
 
     Vector3d centre() const { return knurl::to_eigen(hand_.device().workspace_centre); }
-    double clock() const { return seconds_since(started_); }
+    double clock() const { return own_time_; }
 
     std::string line() const {
         const char* state[] = {"free", "held", "held; the simulation is late",
@@ -296,18 +330,21 @@ class Session {
     const Clock::time_point started_ = Clock::now();
     Pace pace_;
     Unwrapped unwrapped_;
+    HeatBound heat_;
     knurl::Coupling coupling_;
     knurl::Claim hand_;
     knurl::Representing<knurl::Spring> spring_;
     Docked docked_;
     knurl::HandReport report_;
     std::int64_t begin_ = 0, read_ns_ = 0;
-    double now_ = 0;  // s since the device was active
+    double now_ = 0;                    // s since the device was active
+    double own_time_ = 0, looked_ = 0;  // s: stands still while this process does; s since it started
     ImdFrame newest_;
     std::uint64_t frames_ = 0;
     Vector3d middle_ = Vector3d::Zero();  // A, of all atoms
     Vector3d atom_ = Vector3d::Zero(), push_ = Vector3d::Zero();
-    bool button_ = false, hot_ = false;
+    Vector3d own_ = Vector3d::Zero();  // N, of the spring on the hand
+    bool button_ = false, pressed_ = false, hot_ = false;
 };
 
 }  // namespace

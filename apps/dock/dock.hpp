@@ -15,6 +15,7 @@ namespace dock {
 
 struct DockOptions {
     std::string device;                 // empty: the only one
+    bool share = false;                 // others may hold it as well
     double scale = 50;                  // mm in the hand for 1 nm
     double force_scale = 10;            // mN in the hand for 1 pN
     double stiffness = 200;             // N/m in the hand
@@ -30,12 +31,13 @@ struct DockOptions {
 
 /// One of the servo's, in the hand's frame.
 struct Cycle {
-    std::uint64_t number = 0;                              // of the servo's
-    double t = 0;                                          // s since the device was active
-    bool on_time = false;                                  // read within two periods of the one before
-    Eigen::Vector3d hand = Eigen::Vector3d::Zero();        // m
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();       // N, of the spring on the hand
-    Eigen::Vector3d atom = Eigen::Vector3d::Zero();        // m, in the newest frame
+    std::uint64_t number = 0;                         // of the servo's
+    double t = 0;                                     // s since the device was active
+    bool on_time = false;                             // read within one and a half periods of the one before
+    bool told = false;                                // what is felt is known of just this cycle
+    Eigen::Vector3d hand = Eigen::Vector3d::Zero();   // m
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, of the spring on the hand
+    Eigen::Vector3d atom = Eigen::Vector3d::Zero();   // m, in the newest frame
     Eigen::Vector3d atom_force = Eigen::Vector3d::Zero();  // kcal/mol/A, as sent last
     std::uint64_t frame = 0;                               // number of that frame; 0: holds nothing
 };

@@ -33,7 +33,7 @@ void write_path(const std::string& file, const HandPath& path) {
         if (t >= begin + time) {
             from = to;
             begin = t;
-            time = 0.5 + 0.8 * uniform(random);
+            time = path.rough ? 0.2 + 0.4 * uniform(random) : 0.5 + 0.8 * uniform(random);
             do {
                 for (double& x : to) x = path.reach * (2 * uniform(random) - 1);
             } while (to.norm() > path.reach);
@@ -44,6 +44,15 @@ void write_path(const std::string& file, const HandPath& path) {
         fmt::format_to(out, "{:.3f},{:.9g},{:.9g},{:.9g}\n", t, at.x(), at.y(), at.z());
     }
     knurl::measure::write_file(file, fmt::to_string(text));
+}
+
+bool Restless::changes_its_mind(double now) {
+    const auto hold = [this] { return 1 + 5 * uniform(random_); };
+    if (next_ == 0) next_ = now + hold();
+    if (now < next_) return false;
+    holds_ = !holds_;
+    next_ = now + (holds_ ? hold() : 0.2 + 0.8 * uniform(random_));
+    return true;
 }
 
 }  // namespace dock

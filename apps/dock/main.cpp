@@ -9,6 +9,7 @@
 #include <output_file.hpp>
 #include <private_servo.hpp>
 #include <program_main.hpp>
+#include <sleeper.hpp>
 #include <unistd.h>
 
 #include "dock.hpp"
@@ -65,6 +66,7 @@ void describe(CLI::App& app, Wishes& w) {
                  "the spring and nothing else: what the coupling's account is good for");
     app.add_option("--connect", w.connect, "knurl:NAME or knurl://HOST:PORT")->capture_default_str();
     app.add_option("--device", o.device, "the servo's device; may be left out if it has one");
+    app.add_flag("--share", o.share, "other programs that share may hold the device as well");
     app.add_option("--wait", w.wait, "s to wait for simulation and servo")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 3600.0));
@@ -73,6 +75,8 @@ void describe(CLI::App& app, Wishes& w) {
     app.add_option("--reach", w.path.reach, "m from the middle that it goes")
         ->capture_default_str()
         ->check(CLI::Range(0.005, 0.08));
+    app.add_flag("--rough", w.path.rough,
+                 "that hand is quick, and lets go and takes hold again, by its seed");
     app.add_flag("--kill", w.kill, "ends the simulation as well (gmx mdrun -imdterm)");
     app.add_option("--picture", w.picture, "PNG of force, length, the atom's way and the energies");
     app.add_option("--csv", w.csv, "FILE for every cycle");
@@ -107,6 +111,7 @@ int run(Wishes& w) {
         fmt::print("a simulated hand on a simulated device, seed {}\n", w.path.seed);
     }
     dock::Keys keys;
+    dock::Restless restless(w.path.seed);
     fmt::print(
         "{}: 1 nm is {:g} mm in the hand, 1 pN {:g} mN: {:g} N/m are {:.3g} kcal/mol/A^2 on the atom\n",
         w.simulation, o.scale, o.force_scale, o.stiffness, dock::stiffness_on_atom(o));
@@ -120,7 +125,10 @@ int run(Wishes& w) {
             fmt::print("\r  {:<90}", line);
             std::fflush(stdout);
         },
-        [&keys] { return keys.next(); });
+        [&] {
+            const double now = 1e-9 * static_cast<double>(knurl::measure::now_ns());
+            return w.path.rough && restless.changes_its_mind(now) ? ' ' : keys.next();
+        });
     if (terminal) fmt::print("\n");
     if (w.kill) simulation.kill();
     fmt::print("  {} atoms, {} byte order; atom {}\n", docked.atoms,

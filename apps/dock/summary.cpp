@@ -21,8 +21,12 @@ Summary summarise(const Docked& docked, const DockOptions& options) {
     const Cycle *before = nullptr, *first = nullptr;
     for (const Cycle& cycle : docked.cycles) {
         // A servo that was held up for long has let the hand go on meanwhile: that is no step of its making.
-        if (before != nullptr && cycle.number == before->number + 1 && cycle.on_time)
-            s.step = std::max(s.step, (cycle.force - before->force).norm());
+        if (before != nullptr && cycle.number == before->number + 1 && cycle.on_time && cycle.told &&
+            before->told) {
+            const double step = (cycle.force - before->force).norm();
+            s.step = std::max(s.step, step);
+            s.end_step = std::max(s.end_step, step - options.stiffness * (cycle.hand - before->hand).norm());
+        }
         before = &cycle;
         s.peak_force = std::max(s.peak_force, cycle.force.norm());
         if (cycle.frame == 0) continue;
@@ -100,8 +104,10 @@ std::string text_of(const Summary& s, const Docked& d, const DockOptions& o) {
     const auto note = [&](std::uint64_t count, const std::string& what) {
         if (count > 0) line("in {} of {} frames {}", count, d.counts.frames, what);
     };
-    note(d.counts.bounded,
-         fmt::format("the force on the atom was bounded to {:g} kcal/mol/A", o.greatest_force));
+    note(
+        d.counts.bounded,
+        fmt::format("the force on the atom was bounded: to {:g} kcal/mol/A, or so that it stays below {:g} K",
+                    o.greatest_force, o.greatest_temperature));
     note(d.hot, fmt::format("the atom was not pulled: above {:g} K", o.greatest_temperature));
     note(d.counts.short_of,
          "the spring was shorter than the way to the atom: its account could not pay for more");
@@ -127,6 +133,7 @@ std::string json_of(const Summary& s, const Docked& d, const DockOptions& o) {
         {"rms_force", s.rms_force},
         {"peak_force", s.peak_force},
         {"step", s.step},
+        {"end_step", s.end_step},
         {"rms_length", s.rms_length},
         {"moved_nm", s.moved},
         {"hand_in", s.hand_in},
@@ -157,13 +164,15 @@ std::string json_of(const Summary& s, const Docked& d, const DockOptions& o) {
 void write_csv(const std::string& path, const Docked& docked) {
     fmt::memory_buffer text;
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "t,hand_x,hand_y,hand_z,fx,fy,fz,atom_x,atom_y,atom_z,push_x,push_y,push_z,frame\n");
+    fmt::format_to(
+        out, "t,hand_x,hand_y,hand_z,fx,fy,fz,atom_x,atom_y,atom_z,push_x,push_y,push_z,frame,cycle,told\n");
     for (const Cycle& c : docked.cycles)
-        fmt::format_to(
-            out,
-            "{:.6f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n",
-            c.t, c.hand.x(), c.hand.y(), c.hand.z(), c.force.x(), c.force.y(), c.force.z(), c.atom.x(),
-            c.atom.y(), c.atom.z(), c.atom_force.x(), c.atom_force.y(), c.atom_force.z(), c.frame);
+        fmt::format_to(out,
+                       "{:.6f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{"
+                       ":.9g},{},{},{}\n",
+                       c.t, c.hand.x(), c.hand.y(), c.hand.z(), c.force.x(), c.force.y(), c.force.z(),
+                       c.atom.x(), c.atom.y(), c.atom.z(), c.atom_force.x(), c.atom_force.y(),
+                       c.atom_force.z(), c.frame, c.number, c.told ? 1 : 0);
     knurl::measure::write_file(path, fmt::to_string(text));
 }
 

@@ -13,6 +13,7 @@ struct Summary {
     double frames_per_second = 0;
     double rms_force = 0, peak_force = 0;
     double step = 0;                               // N, largest in a cycle
+    double end_step = 0;                           // N, of it what the hand did not do by moving
     double rms_length = 0;                         // m, of the spring: hand to atom
     double moved = 0;                              // nm, farthest that the atom got from where it was taken
     double temperature = 0, peak_temperature = 0;  // K; mean

@@ -129,6 +129,26 @@ TEST_F(DockProgram, LeavesAHotSimulationAlone) {
     EXPECT_FALSE(simulation.was_pulled());
 }
 
+TEST_F(DockProgram, RoughHandlingAtTheStiffestScaleThatItTakesIsNoKick) {
+    for (const char* rate : {"60", "2"}) {
+        SCOPED_TRACE(rate);
+        double step = 0;  // N in a cycle, beside what the hand does by moving
+        // A program that is held up takes hold where the hand was: another try then.
+        for (int tries = 0; tries < 4 && (tries == 0 || step > 0.5); ++tries) {
+            FakeImd simulation({.atoms = 300});
+            const Outcome docked =
+                dock(simulation, {"--rough", "--seed", "3", "--rate", rate, "--seconds", "6", "--force-scale",
+                                  "0.5", "--greatest-force", "30", "--json", folder_.path("f.json")});
+            ASSERT_EQ(docked.code, 0) << docked.err;
+            EXPECT_GT(figures()["hand_in"], 0.01) << "J: it was pulled";
+            EXPECT_TRUE(simulation.was_pulled());
+            step = figures()["end_step"];
+        }
+        EXPECT_LE(step, 0.5)
+            << "taken hold of under way it is faded in within 50 ms; a kick was 2 N and more";
+    }
+}
+
 TEST_F(DockProgram, RefusesWhatMakesNoSense) {
     FakeImd simulation;
     const Outcome range = dock(simulation, {"--atom", "9", "--seconds", "1"});

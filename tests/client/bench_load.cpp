@@ -2,9 +2,6 @@
 // same cycle while nobody does anything and while somebody else uses the caches. Thread CPU time of single
 // cycles, in blocks by turns, at least 30 of each for a verdict.
 //   knurl_bench_load [--blocks N] [--triangles N] [--json FILE]
-//
-// Of a thread that sleeps the kernel knows exactly how long it has run, and how often (proc(5), schedstat):
-// between two looks in the middle of two sleeps lies one cycle, wake-up and all.
 
 #include <algorithm>
 #include <atomic>
@@ -22,6 +19,7 @@
 #include <sched.h>
 #include <sleeper.hpp>
 
+#include "cycle_reader.hpp"
 #include "servo_process.hpp"
 
 namespace {
@@ -30,79 +28,8 @@ using namespace client_test;
 namespace fs = std::filesystem;
 namespace measure = knurl::measure;
 
-constexpr measure::Nanoseconds period = 1'000'000;
-constexpr double most = 1.1;  // times the quiet servo's 99 %
-constexpr int reader_priority = 85;
+constexpr double most = 1.1;         // times the quiet servo's 99 %
 constexpr auto block_time = 1100ms;  // a percentile of 99 needs a thousand cycles; a load takes longer
-
-fs::path servo_thread(pid_t pid) {
-    for (const auto& task : fs::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
-        std::ifstream file(task.path() / "comm");
-        std::string name;
-        std::getline(file, name);
-        if (name == "knurl-servo") return task.path();
-    }
-    throw std::runtime_error("knurld has no servo thread");
-}
-
-/// Looks at the servo's thread once in each of its sleeps, from another CPU, above everybody's priority.
-class Reader {
-  public:
-    Reader(pid_t servo, unsigned cpu) : file_(servo_thread(servo) / "schedstat") {
-        thread_ = std::thread([this, cpu] {
-            measure::settle_on(cpu, reader_priority);
-            run();
-        });
-    }
-    ~Reader() {
-        stop_ = true;
-        thread_.join();
-    }
-    /// When its cycles begin (ns, CLOCK_MONOTONIC), of any of them.
-    void keep_time(measure::Nanoseconds deadline) { deadline_ = deadline; }
-    /// The cycles' CPU time from now on, us, until collect().
-    void begin() {
-        const std::lock_guard lock(mutex_);
-        cycles_.clear();
-    }
-    std::vector<double> collect() {
-        const std::lock_guard lock(mutex_);
-        return cycles_;
-    }
-
-  private:
-    struct Look {
-        std::uint64_t ran = 0, times = 0;
-    };
-    Look look() {
-        Look now;
-        std::uint64_t waited;
-        std::ifstream file(file_);
-        file >> now.ran >> waited >> now.times;
-        return now;
-    }
-    void run() {
-        Look last = look();
-        while (!stop_) {
-            const measure::Nanoseconds now = measure::now_ns(), phase = (now - deadline_) % period;
-            measure::sleep_until(now - phase + period + period / 2);
-            const Look here = look();
-            // Else it was not looked at in time, or was pushed aside within a cycle.
-            if (here.times == last.times + 1) {
-                const std::lock_guard lock(mutex_);
-                cycles_.push_back(static_cast<double>(here.ran - last.ran) * 1e-3);
-            }
-            last = here;
-        }
-    }
-
-    fs::path file_;
-    std::atomic<bool> stop_ = false;
-    std::atomic<measure::Nanoseconds> deadline_ = 0;
-    std::mutex mutex_;
-    std::vector<double> cycles_;
-    std::thread thread_;
-};
 
 /// Somebody else: at idle priority, as the builder has it, through 32 MiB to and fro.
 class OtherWork {
@@ -188,7 +115,7 @@ class Bench {
     ServoProcess servo_;
     knurl::Client client_;
     knurl::Claim hand_;
-    Reader reader_;
+    CycleReader reader_;
     knurl::test::MadeMesh shape_;
     std::chrono::nanoseconds load_time_{};
 };

@@ -158,7 +158,7 @@ TEST_P(CouplingRates, AMinuteOfRandomPullingMakesNoEnergyAndNoSteps) {
 }
 
 TEST(Coupling, StaysSoThroughTenMinutesOfRoughHandling) {
-    for (const double rate : {400.0, 20.0, 1.0}) {
+    for (const double rate : {400.0, 60.0, 20.0, 10.0, 4.0, 2.0, 1.0}) {
         SCOPED_TRACE(rate);
         const Outcome outcome =
             pull(rate, true, 3, {.reach = 0.09, .least = 0.15, .more = 0.3, .cycles = 600'000});
@@ -212,6 +212,19 @@ TEST(Coupling, TurnsUnitsIntoTheSimulationsOwn) {
     EXPECT_NEAR(coupling.to_simulation({0.01, 0, 0}).x, 2, 1e-12);
     EXPECT_NEAR(coupling.to_hand({2, 0, 0}).x, 0.01, 1e-12);
     EXPECT_NEAR(coupling.energy_scale(), 1 / 0.0025, 1e-9);
+}
+
+TEST(Coupling, CountsOfAForceWhatReachesTheHand) {
+    Coupling coupling({});
+    coupling.hold({}, {});
+    for (int i = 0; i <= 10; ++i) {
+        Felt felt = felt_as({-0.2 * i, 0, 0});
+        felt.share = 0.5;  // the device cannot be as stiff as this spring and another's wall together
+        coupling.feel(report_at({0.001 * i, 0, 0}), felt);
+    }
+    EXPECT_NEAR(coupling.account().hand, 0.25 * 200 * 0.01 * 0.01, 1e-12);
+    EXPECT_NEAR(coupling.account().spring, 0.25 * 200 * 0.01 * 0.01, 1e-12);
+    EXPECT_LE(coupling.account().created, 1e-12);
 }
 
 TEST(Coupling, BoundsTheForceOnTheBodyAndSaysHowOften) {
@@ -268,6 +281,7 @@ TEST(Coupling, TakesHoldAgainAsIfForTheFirstTime) {
     Coupling coupling = drawn();
     coupling.let_go(0.3);
     coupling.watch(5);
+    coupling.feel(report_at({0.01, 0, 0}), felt_as({}));
     coupling.hold({7, 0, 0}, {0.01, 0, 0});
     EXPECT_EQ(coupling.watch(20), Coupling::State::holding) << "no frame is due yet";
     EXPECT_EQ(coupling.spring().stiffness, 200);
@@ -279,6 +293,35 @@ TEST(Coupling, TakesHoldAgainAsIfForTheFirstTime) {
     coupling.watch(22);
     EXPECT_EQ(coupling.watch(23), Coupling::State::stopped)
         << "a simulation that stands still when it is taken hold of";
+}
+
+TEST(Coupling, LeavesWhatFadesItsTimeWhenItTakesHoldAgainOrTheSimulationComesBack) {
+    Coupling coupling = drawn();
+    const double end = coupling.spring().anchor.x;
+    coupling.let_go(0.3);
+    coupling.watch(0.4);
+    coupling.hold({7, 0, 0}, {0.01, 0, 0});
+    EXPECT_NEAR(coupling.spring().stiffness, 160, 1e-9);
+    EXPECT_EQ(coupling.frame({7, 0, 0}, 0.45), Vec3{});
+    coupling.watch(0.5);
+    EXPECT_NEAR(coupling.spring().stiffness, 120, 1e-9) << "no step";
+    EXPECT_EQ(coupling.spring().anchor.x, end);
+    coupling.watch(0.85);
+    coupling.feel(report_at({0.01, 0, 0}), felt_as({-0.3, 0, 0}));
+    EXPECT_EQ(coupling.frame({7, 0, 0}, 0.855), Vec3{});
+    EXPECT_EQ(coupling.watch(0.856), Coupling::State::stopped) << "sent, but not yet felt";
+    coupling.feel(report_at({0.01, 0, 0}), felt_as({}));
+    coupling.frame({7, 0, 0}, 0.86);
+    EXPECT_EQ(coupling.watch(0.87), Coupling::State::holding);
+    EXPECT_EQ(coupling.spring().stiffness, 200);
+    EXPECT_NEAR(coupling.spring().anchor.x, 0.01, 1e-12) << "without a force";
+
+    Coupling paused = drawn();
+    paused.watch(0.75);
+    paused.watch(0.85);
+    EXPECT_EQ(paused.frame({}, 0.9), Vec3{});
+    paused.watch(0.95);
+    EXPECT_NEAR(paused.spring().stiffness, 120, 1e-9);
 }
 
 TEST(Coupling, RefusesWhatMakesNoSense) {

@@ -16,6 +16,7 @@ constexpr double thrifty = 0.8;        // share of the hand's force that the bod
 constexpr double shortest_stop = 0.5;  // s
 constexpr double a_jump = 8;           // times the body's usual stray
 constexpr double least_jump = 0.01;    // m
+constexpr double all_gone = 0.02;      // N that are still felt of a spring that has faded
 constexpr std::uint64_t learnt = 10;   // frames after which the usual is known
 
 Vector3d at_most(const Vector3d& v, double length) {
@@ -69,7 +70,16 @@ void Coupling::hold(const Vec3& body, const Vec3& hand) {
     stray_ = 0;
     hand_ = hand_origin_;
     last_frame_ = -1;
-    begin();
+    // What still fades of the hold before would be gone at once, which is a step: it is waited for.
+    if ((state_ == State::idle || state_ == State::stopped) && still_fades())
+        state_ = State::stopped;
+    else
+        begin();
+}
+
+/// As sent, and as felt: a stiffness that is sent anew in each cycle is cross-faded again and again.
+bool Coupling::still_fades() const {
+    return fading_ > 0 || force_.norm() > all_gone;
 }
 
 /// From here on, with nothing in the spring.
@@ -104,11 +114,12 @@ void Coupling::feel(const Report& report, const std::optional<Felt>& felt, const
     if (felt && felt->cycle != report.cycle) return;
     if (state_ == State::idle || state_ == State::stopped || !felt) {
         hand_ = here;
+        force_ = felt ? Vector3d(felt->share * to_eigen(felt->force)) : Vector3d::Zero();
         felt_ = false;
         return;
     }
-    const Vector3d force = to_eigen(felt->force);
-    if (felt->stiffness > 0) stiffness_ = felt->stiffness;
+    const Vector3d force = felt->share * to_eigen(felt->force);
+    if (felt->share * felt->stiffness > 0) stiffness_ = felt->share * felt->stiffness;
     if (felt_) {
         // The trapezium is exact for a spring: hand and end together change its energy by just this.
         const double work = -0.5 * (force + force_).dot(here - hand_);
@@ -149,6 +160,7 @@ Vec3 Coupling::frame(const Vec3& body, double now) {
         throw Error(Error::Kind::bad_parameters, "coupling: the body's place is no number");
     if (state_ == State::idle) return {};
     measure_interval(now);
+    if (state_ == State::stopped && still_fades()) return {};
     if (state_ == State::stopped) begin();
     state_ = State::holding;
     ++counts_.frames;

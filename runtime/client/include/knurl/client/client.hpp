@@ -86,6 +86,9 @@ struct Felt {
     double tangential_stiffness = 0;  // N/m of its friction, as applied; 0: it has none
     std::uint32_t flags = 0;          // Feedback::touching, ...
     std::uint64_t cycle = 0;          // in which it was so: equal for representations felt in the same cycle
+    // Of the force, that reached the hand: the claim's gain, less where claims share a device that cannot be
+    // as stiff as all of them together.
+    double share = 1;
 };
 
 namespace detail {

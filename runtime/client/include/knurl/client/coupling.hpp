@@ -58,7 +58,7 @@ class Coupling {
         idle,     // holds nothing (any more: the spring fades)
         holding,  // frames come as they should
         late,     // the next frame is overdue: the end has arrived and waits
-        stopped,  // nothing comes: the spring fades, and comes back with the next frame
+        stopped,  // nothing comes: the spring fades, and comes back with the first frame after that
     };
 
     /// J in the hand's units, of all that was ever held.
@@ -84,7 +84,7 @@ class Coupling {
     explicit Coupling(const CouplingOptions& options);
 
     /// The body is where the hand is, from now on, as far as the hand can tell: no force until one of them
-    /// moves.
+    /// moves. What fades of a hold before fades first: meanwhile it is `stopped`.
     void hold(const Vec3& body, const Vec3& hand);
     void let_go(double now);  // the spring fades
 
@@ -114,6 +114,7 @@ class Coupling {
   private:
     void begin();
     void fade_from(double now);
+    bool still_fades() const;
     void measure_interval(double now);
     void measure_compliance(const Eigen::Vector3d& force, const Eigen::Vector3d& way);
     double created() const;
