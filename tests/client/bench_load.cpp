@@ -138,8 +138,8 @@ int run(const Options& options) {
     measure::Run run{.machine = measure::this_machine(), .results = {}};
     const auto cpus = measure::allowed_cpus();
     if (cpus.size() < 2) throw std::runtime_error("it needs a CPU beside the servo's; this process has one");
-    measure::pin_this_thread(cpus.front());
     Bench bench(options, cpus.front());
+    measure::pin_this_thread(cpus.front());  // only now: the servo would have inherited it
     bench.loading();  // how long that takes, and all memory touched once
     measure::Blocks quiet, other, loading;
     for (int i = 0; i < options.blocks; ++i) {
