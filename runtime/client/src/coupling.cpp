@@ -11,12 +11,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double forget = 0.97;        // of what was learnt of the body, in a frame
-constexpr double thrifty = 0.8;        // share of the hand's force that the body gets of an empty reserve
-constexpr double shortest_stop = 0.5;  // s
-constexpr double a_jump = 8;           // times the body's usual stray
-constexpr double least_jump = 0.01;    // m
-constexpr std::uint64_t learnt = 10;   // frames after which the usual is known
+constexpr double forget = 0.97;       // of what was learnt of the body, in a frame
+constexpr double thrifty = 0.8;       // share of the hand's force that the body gets of an empty reserve
+constexpr double a_jump = 8;          // times the body's usual stray
+constexpr double least_jump = 0.01;   // m
+constexpr std::uint64_t learnt = 10;  // frames after which the usual is known
 
 Vector3d at_most(const Vector3d& v, double length) {
     const double n = v.norm();
@@ -36,7 +35,7 @@ bool above_zero(double x) {
 }  // namespace
 
 Coupling::Coupling(const CouplingOptions& options)
-    : options_(options), stiffness_(options.stiffness), interval_(options.interval) {
+    : options_(options), stiffness_(options.stiffness), frames_(options.interval, options.patience) {
     require(above_zero(options.scale.length), "scale.length", options.scale.length, "above 0 m");
     require(above_zero(options.scale.force), "scale.force", options.scale.force, "above 0 N");
     require(above_zero(options.stiffness), "stiffness", options.stiffness, "above 0 N/m");
@@ -68,7 +67,7 @@ void Coupling::hold(const Vec3& body, const Vec3& hand) {
     compliance_ = 1 / options_.stiffness;
     stray_ = 0;
     hand_ = hand_origin_;
-    last_frame_ = -1;
+    frames_.begin();
     begin();
 }
 
@@ -112,27 +111,13 @@ void Coupling::feel(const Report& report, const std::optional<Felt>& felt, const
     if (felt_) {
         // The trapezium is exact for a spring: hand and end together change its energy by just this.
         const double work = -0.5 * (force + force_).dot(here - hand_);
-        account_.hand += work;
-        account_.hand_in += std::max(0.0, work);
+        account_.put_in(work);
     }
     felt_ = true;
     hand_ = here;
     force_ = force;
     account_.spring = force.squaredNorm() / (2 * stiffness_);
-    account_.most_created = std::max(account_.most_created, created());
-}
-
-double Coupling::created() const {
-    return account_.body + account_.spring + account_.lost - account_.hand;
-}
-
-void Coupling::measure_interval(double now) {
-    if (last_frame_ >= 0 && now > last_frame_) {
-        const double gap = now - last_frame_;
-        if (state_ != State::stopped && ++intervals_ > 4)
-            interval_ += 0.1 * (std::min(gap, 3 * interval_) - interval_);
-    }
-    last_frame_ = now;
+    account_.settle();
 }
 
 void Coupling::measure_compliance(const Vector3d& force, const Vector3d& way) {
@@ -148,11 +133,11 @@ Vec3 Coupling::frame(const Vec3& body, double now) {
     if (!place.allFinite())
         throw Error(Error::Kind::bad_parameters, "coupling: the body's place is no number");
     if (state_ == State::idle) return {};
-    measure_interval(now);
+    frames_.frame(now);
     if (state_ == State::stopped) begin();
     state_ = State::holding;
     ++counts_.frames;
-    account_.created = created();
+    account_.created = -account_.left();
     if (body_) {
         const Vector3d way = place - *body_, &force = sent_[0];
         const bool jumped = counts_.frames > learnt &&
@@ -165,10 +150,8 @@ Vec3 Coupling::frame(const Vec3& body, double now) {
         }
     }
     body_ = place;
-    Account& a = account_;
-    const double idle = a.hand - a.body - a.lost - a.spring - options_.reserve;
-    if (options_.keep_account) a.lost += std::max(0.0, idle);
-    account_.most_created = std::max(account_.most_created, created());
+    if (options_.keep_account) account_.keep(options_.reserve);
+    account_.settle();
     move_end(place, now);
     return to_plain(answer(place) / options_.scale.force);
 }
@@ -190,7 +173,7 @@ void Coupling::move_end(const Vector3d& body, double now) {
     moved_from_ = sent;
     moved_at_ = now;
     end_ = to_plain(end);
-    move_time_ = std::max(std::min(interval_, options_.longest_move), way / options_.greatest_speed);
+    move_time_ = std::max(std::min(interval(), options_.longest_move), way / options_.greatest_speed);
 }
 
 /// The body will have moved by what it was sent already when this one begins to act, and while it acts it
@@ -222,10 +205,9 @@ Vector3d Coupling::answer(const Vector3d& body) {
 
 Coupling::State Coupling::watch(double now) {
     if (state_ == State::holding || state_ == State::late) {
-        if (last_frame_ < 0) last_frame_ = now;
-        const double silent = now - last_frame_;
-        state_ = silent > 2 * interval_ ? State::late : State::holding;
-        if (silent > std::max(options_.patience * interval_, shortest_stop)) {
+        const FrameWatch::State frames = frames_.watch(now);
+        state_ = frames == FrameWatch::State::on_time ? State::holding : State::late;
+        if (frames == FrameWatch::State::stopped) {
             state_ = State::stopped;
             ++counts_.stops;
             fade_from(now);
