@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <keys.hpp>
 
 namespace dock {
 
@@ -140,6 +141,10 @@ class Session {
         }
     }
 
+    void grip(std::optional<bool> changes) {
+        if (changes) *changes ? take() : release();
+    }
+
     bool holds() const { return coupling_.state() != knurl::Coupling::State::idle; }
 
     void take() {
@@ -187,9 +192,7 @@ class Session {
 
     void record(const knurl::HandReport& report) {
         docked_.faults |= report.faults;
-        const bool pressed = (report.buttons & 1) != 0;
-        if (pressed != button_) pressed ? take() : release();
-        button_ = pressed;
+        grip(grip_.button(report.buttons));
         if (report.state != knurl::DeviceState::active) return;
         docked_.cycles.push_back({.number = report.cycle,
                                   .t = now_,
@@ -245,15 +248,9 @@ class Session {
     }
 
     bool over() {
-        switch (key_()) {
-            case ' ':
-                holds() ? release() : take();
-                break;
-            case 'q':
-                return true;
-            default:
-                break;
-        }
+        const char key = key_();
+        if (key == 'q') return true;
+        grip(grip_.key(key, holds()));
         if (simulation_.ended()) docked_.ended = "the simulation has ended";
         if (!hand_.connected()) docked_.ended = "the servo has gone";
         if (docked_.faults != 0)
@@ -307,7 +304,8 @@ class Session {
     std::uint64_t frames_ = 0;
     Vector3d middle_ = Vector3d::Zero();  // A, of all atoms
     Vector3d atom_ = Vector3d::Zero(), push_ = Vector3d::Zero();
-    bool button_ = false, hot_ = false;
+    knurl::measure::Grip grip_;
+    bool hot_ = false;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <keys.hpp>
 #include <measure.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>
@@ -13,7 +14,6 @@
 
 #include "dock.hpp"
 #include "hand_path.hpp"
-#include "keys.hpp"
 #include "picture.hpp"
 #include "summary.hpp"
 
@@ -106,7 +106,7 @@ int run(Wishes& w) {
         o.at_once = true;
         fmt::print("a simulated hand on a simulated device, seed {}\n", w.path.seed);
     }
-    dock::Keys keys;
+    knurl::measure::Keys keys;
     fmt::print(
         "{}: 1 nm is {:g} mm in the hand, 1 pN {:g} mN: {:g} N/m are {:.3g} kcal/mol/A^2 on the atom\n",
         w.simulation, o.scale, o.force_scale, o.stiffness, dock::stiffness_on_atom(o));
