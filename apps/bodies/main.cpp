@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <keys.hpp>
+#include <grip.hpp>
 #include <measure.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>

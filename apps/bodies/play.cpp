@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <keys.hpp>
+#include <grip.hpp>
 
 #include "simulation.hpp"
 

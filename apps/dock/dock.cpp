@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <keys.hpp>
+#include <grip.hpp>
 
 namespace dock {
 
