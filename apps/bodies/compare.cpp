@@ -40,10 +40,11 @@ Case pushed() {
             begin + 0.6 * (script.end() - begin)};
 }
 
-/// Once it is steady the hand never leaves the body, and the force is not shaken by half of itself (rms).
-bool stable(const Case& one, const TrialOptions& options) {
+/// Once it is steady the hand never leaves the body, and the force is not shaken by half of itself (rms): how
+/// stiff it was felt, N/m, as a mean. Nothing: it is not stable.
+std::optional<double> stable(const Case& one, const TrialOptions& options) {
     World world({one.body});
-    double sum = 0, squares = 0;
+    double sum = 0, squares = 0, stiffness = 0;
     std::size_t n = 0, lost = 0;
     const Trial trial = run_trial(world, one.script, options, [&](const Moment& moment) {
         if (moment.t < one.from || moment.t > one.until) return;
@@ -51,11 +52,13 @@ bool stable(const Case& one, const TrialOptions& options) {
         lost += force < 1e-3;
         sum += force;
         squares += force * force;
+        stiffness += moment.stiffness;
         ++n;
     });
     const double mean = sum / static_cast<double>(n);
     const double shaken = std::sqrt(std::max(0.0, squares / static_cast<double>(n) - mean * mean));
-    return trial.faults == 0 && n > 0 && lost == 0 && shaken < 0.5 * mean;
+    if (trial.faults != 0 || n == 0 || lost > 0 || !(shaken < 0.5 * mean)) return {};
+    return stiffness / static_cast<double>(n);
 }
 
 }  // namespace
@@ -63,22 +66,23 @@ bool stable(const Case& one, const TrialOptions& options) {
 std::vector<Stiffest> compare(double rate) {
     std::vector<Stiffest> rows;
     for (const Case& one : {pressed(), pushed()}) {
-        Stiffest row{.what = one.what};
+        Stiffest row;
+        row.what = one.what;
         const auto stiffest = [&](const std::function<void(TrialOptions&, double)>& with) {
-            double best = 0;
+            Stiffest::Surface best;
             for (int rung = 0; rung <= 14; ++rung) {
                 const double stiffness = 25 * std::pow(2.0, rung / 2.0);
                 row.most = stiffness;
                 TrialOptions options{.rate = rate};
                 with(options, stiffness);
-                if (stable(one, options))
-                    best = stiffness;
-                else if (best > 0)
+                if (const auto felt = stable(one, options))
+                    best = {.wish = stiffness, .felt = *felt};
+                else if (best.wish > 0)
                     break;  // below the first, the hand goes through a thing that is too soft to be moved
             }
             return best;
         };
-        row.in_loop = stiffest([](TrialOptions& o, double k) { o.force_in_loop = k; });
+        row.in_loop = stiffest([](TrialOptions& o, double k) { o.force_in_loop = k; }).wish;
         row.as_wished = stiffest([](TrialOptions& o, double k) {
             o.coupled.touch.stiffness = k;
             o.coupled.touch.softness = 0;

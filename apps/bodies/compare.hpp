@@ -8,9 +8,14 @@
 namespace bodies {
 
 struct Stiffest {
-    std::string what;                                // is done to which body
-    double in_loop = 0, as_wished = 0, held_to = 0;  // N/m, the stiffest wish that is stable; 0: none
-    double most = 0;                                 // N/m, the stiffest that was tried
+    /// N/m, the stiffest wish that is stable, and what was felt of it, as a mean; 0: none.
+    struct Surface {
+        double wish = 0, felt = 0;
+    };
+    std::string what;    // is done to which body
+    double in_loop = 0;  // N/m
+    Surface as_wished, held_to;
+    double most = 0;  // N/m, the stiffest that was tried
 };
 
 /// At so many frames a second, on the virtual clock: twice the same. As_wished: surfaces as stiff as wished;

@@ -1,16 +1,19 @@
 #pragma once
 // A hand in a tray of bodies: all that goes between the servo and the simulation.
 //
-//     Coupled coupled(hand, world, assets, options);
+//     Coupled coupled(hand, world, assets, options, dt);
 //     in every cycle of the servo   coupled.feel(report, seconds);
-//     in every frame                coupled.step(world, dt, interval);    // or in a thread of its own
-//                                   coupled.show(world, interval, now);
+//                                   coupled.watch(now);
+//     in every frame                coupled.step(world, dt, orders);      // or in a thread of its own
+//                                   coupled.show(world, now);
 //                                   hand.commit();
 //
 // Of the servo it needs add(), and of what add() gives set() and felt(): a knurl::Claim, or a servo in this
 // process.
 
 #include <functional>
+
+#include <knurl/client/frame_watch.hpp>
 
 #include "hold.hpp"
 #include "touch.hpp"
@@ -33,17 +36,25 @@ struct Orders {
 template <class Hand>
 class Coupled {
   public:
+    using Frames = knurl::FrameWatch::State;
+
+    /// `dt`: s of simulated time in a frame.
     Coupled(Hand& hand, const World& world, const std::vector<std::uint32_t>& assets,
-            const CoupledOptions& options)
-        : options_(options), hold_(options.hold) {
-        for (std::size_t body = 0; body < world.bodies().size(); ++body)
+            const CoupledOptions& options, double dt)
+        : options_(options), dt_(dt), frames_(dt), hold_(options.hold) {
+        for (std::size_t body = 0; body < world.bodies().size(); ++body) {
+            seen_.push_back(world.after(body));
             for (std::uint32_t finger = 0; finger < options.fingers.size(); ++finger) {
                 Touch touch(body, assets[body], options.touch);
                 const knurl::Shape shape = touch.stepped(world, 1);
                 touching_.push_back({touch, finger, hand.add(shape, knurl::Use{.probe = finger})});
             }
+        }
         for (const knurl::Spring& spring : hold_.told(0)) springs_.push_back(hand.add(spring));
     }
+
+    // The coupling, whole: what is felt, what the simulation is told, what the servo is told, what is
+    // watched.
 
     /// A cycle of the servo, `dt` s after the last one.
     void feel(const knurl::Report& report, double dt) {
@@ -58,22 +69,39 @@ class Coupled {
         for (std::size_t i = 0; i < felts.size(); ++i) felts[i] = springs_[i].felt();
         hold_.feel(report, felts);
     }
-    /// For the simulation's next step of `dt` s, which will be played in `interval` s.
-    Orders orders(const World& world, double dt, double interval) {
-        Orders orders{.pushes = {}, .pulls = hold_.pulls(world, dt, interval)};
-        for (Touching& t : touching_) orders.pushes.push_back(t.touch.push(world, dt));
+    /// For the simulation's next step.
+    Orders orders(const World& world, double now) {
+        look_for_jumps(world, now);
+        Orders orders{.pushes = {}, .pulls = hold_.pulls(world, dt_, interval())};
+        for (Touching& t : touching_) orders.pushes.push_back(t.touch.push(world, dt_));
         return orders;
     }
     /// What it has computed.
-    void show(const World& world, double interval, double now) {
-        for (Touching& t : touching_) t.shape.set(t.touch.stepped(world, interval));
-        hold_.stepped(world, interval, now);
-        wait_with_springs(now);
+    void show(const World& world, double now) {
+        frames_.frame(now);
+        for (std::size_t body = 0; body < seen_.size(); ++body) seen_[body] = world.after(body);
+        show_touched(world);
+        hold_.stepped(world, interval());
+        tell_springs(now);
     }
-    /// It is late, or has stopped: all rests where its step ended.
-    void wait(double now) {
+    /// If the next frame is late, all rests where the last one ended; if none comes, what is held is let go.
+    Frames watch(double now) {
+        const Frames state = frames_.watch(now);
+        if (state == Frames::on_time) return state;
         for (Touching& t : touching_) t.shape.set(t.touch.rest());
-        wait_with_springs(now);
+        if (state == Frames::stopped && held()) let_go(now);
+        tell_springs(now);
+        return state;
+    }
+    /// Where no step has taken it: it was reset, or put there. No force steps, and it is no work.
+    void look_for_jumps(const World& world, double now) {
+        for (std::size_t body = 0; body < seen_.size(); ++body) {
+            if (world.after(body).is_near(seen_[body])) continue;
+            if (held() == body) let_go(now);
+            for (Touching& t : touching_)
+                if (t.touch.body() == body) t.touch.jumped();
+            ++jumps_;
+        }
     }
 
     /// The nearest body within reach; false: there is none.
@@ -84,20 +112,33 @@ class Coupled {
             if (const double away = world.distance(i, position_); away < least) nearest = i, least = away;
         if (!nearest) return false;
         hold_.take(world, *nearest);
-        for (Touching& t : touching_) t.touch.felt_at_all(t.touch.body() != *nearest);
+        for (Touching& t : touching_) t.touch.held(t.touch.body() == *nearest);
         return true;
     }
     void let_go(double now) {
         hold_.let_go(now);
-        for (Touching& t : touching_) t.touch.felt_at_all(true);
+        for (Touching& t : touching_) t.touch.held(false);
     }
 
     std::optional<std::size_t> held() const { return hold_.held(); }
-    Account account() const {
-        Account sum = hold_.account();
-        for (const Touching& t : touching_) sum += t.touch.account();
-        return sum;
+    /// s in which a frame is played: as long as they take, if that is longer than they are. A little is the
+    /// clocks' own: cycles and frames do not begin together.
+    double interval() const { return frames_.interval() > 1.02 * dt_ ? frames_.interval() : dt_; }
+    std::uint64_t jumps() const { return jumps_; }
+    /// N/m of the stiffest surface that is touched; 0: none is.
+    double stiffness() const {
+        double most = 0;
+        for (const Touching& t : touching_)
+            if (t.touch.touches()) most = std::max(most, t.touch.stiffness());
+        return most;
     }
+    knurl::EnergyAccount account() const { return sum(&Hold::account, &Touch::account); }
+    std::uint64_t pushed() const {
+        return sum(&Hold::frames, &Touch::frames);
+    }  // frames with a force on a body
+    std::uint64_t short_of() const {
+        return sum(&Hold::short_of, &Touch::short_of);
+    }  // that the account bounded
 
   private:
     struct Touching {
@@ -105,16 +146,37 @@ class Coupled {
         std::uint32_t finger;
         decltype(std::declval<Hand&>().add(knurl::Shape{})) shape;
     };
-    void wait_with_springs(double now) {
-        if (hold_.abandoned(now)) let_go(now);
+    auto sum(auto of_hold, auto of_touch) const {
+        auto all = (hold_.*of_hold)();
+        for (const Touching& t : touching_) all += (t.touch.*of_touch)();
+        return all;
+    }
+    /// All surfaces of a probe fade as one: one that is set at once would end the fade of another.
+    void show_touched(const World& world) {
+        std::vector<knurl::Shape> shapes;
+        double fade = 0;
+        for (Touching& t : touching_) {
+            shapes.push_back(t.touch.stepped(world, interval()));
+            fade = std::max(fade, t.touch.fades_for());
+        }
+        for (std::size_t i = 0; i < shapes.size(); ++i) {
+            shapes[i].recovery = fade;
+            touching_[i].shape.set(shapes[i]);
+        }
+    }
+    void tell_springs(double now) {
         const auto told = hold_.told(now);
         for (std::size_t i = 0; i < told.size(); ++i) springs_[i].set(told[i]);
     }
 
     CoupledOptions options_;
+    double dt_;
+    knurl::FrameWatch frames_;
     Hold hold_;
     std::vector<Touching> touching_;
     std::vector<decltype(std::declval<Hand&>().add(knurl::Spring{}))> springs_;
+    std::vector<Pose> seen_;  // of the newest frame
+    std::uint64_t jumps_ = 0;
     Vector3d position_ = Vector3d::Zero();
 };
 

@@ -11,7 +11,6 @@ Vector3d Hold::arm(std::size_t spring) const {
 
 void Hold::take(const World& world, std::size_t body) {
     body_ = body;
-    fades_from_ = -1;
     const Pose pose = world.after(body);
     for (std::size_t i = 0; i < springs; ++i) {
         ends_[i] = position_ + orientation_ * arm(i);
@@ -23,9 +22,8 @@ void Hold::take(const World& world, std::size_t body) {
 
 void Hold::let_go(double now) {
     body_.reset();
-    fades_from_ = now;
-    account_.lost += account_.spring;  // it fades
-    account_.spring = 0;
+    let_go_ = now;
+    account_.drop_springs();
 }
 
 void Hold::feel(const knurl::Report& report, const Felts& felts) {
@@ -52,8 +50,8 @@ std::vector<Pull> Hold::pulls(const World& world, double dt, double interval) {
     if (!body_) return {};
     account_.keep(options_.credit);
     const double share = share_ = std::clamp(2 + account_.left() / options_.credit, 0.0, 1.0);
-    ++account_.frames;
-    account_.short_of += share < 1;
+    ++frames_;
+    short_of_ += share < 1;
     const double mass = world.bodies()[*body_].mass;
     std::vector<Pull> all;
     for (std::size_t i = 0; i < springs; ++i) {
@@ -69,9 +67,9 @@ std::vector<Pull> Hold::pulls(const World& world, double dt, double interval) {
     return all;
 }
 
-void Hold::stepped(const World& world, double interval, double now) {
-    stepped_ = now;
+void Hold::stepped(const World& world, double interval) {
     if (!body_) return;
+    account_.created = -account_.left();
     account_.body += world.pulled();
     account_.settle();
     const Pose pose = world.after(*body_);
@@ -80,22 +78,19 @@ void Hold::stepped(const World& world, double interval, double now) {
     first_ = false;
 }
 
-double Hold::faded(double now) const {
-    const double from = body_ ? stepped_ + options_.patience : fades_from_;
-    return from < 0 && !body_ ? 0 : std::clamp(1 - (now - from) / options_.fade, 0.0, 1.0);
-}
-
 std::array<knurl::Spring, Hold::springs> Hold::told(double now) {
     std::array<knurl::Spring, springs> all;
+    double there = 1;
     // What was let go comes to the hand as it fades, so that the hand is not drawn back to where that was.
     if (!body_) {
         ends_ = points_;
         move_ = options_.fade / 4;
+        there = let_go_ < 0 ? 0 : std::clamp(1 - (now - let_go_) / options_.fade, 0.0, 1.0);
     }
     for (std::size_t i = 0; i < springs; ++i)
         all[i] = {.anchor = knurl::to_plain(ends_[i]),
                   .attach = knurl::to_plain(arm(i)),
-                  .stiffness = share_ * faded(now) * options_.stiffness,
+                  .stiffness = share_ * there * options_.stiffness,
                   .duration = move_};
     return all;
 }

@@ -12,8 +12,8 @@
 #include <array>
 
 #include <knurl/client/client.hpp>
+#include <knurl/client/energy_account.hpp>
 
-#include "account.hpp"
 #include "world.hpp"
 
 namespace bodies {
@@ -23,7 +23,6 @@ struct HoldOptions {
     double damping = 1;      // of each, as a share of the critical one of the body on all of them
     double arm = 0.02;       // m, from the hand to where each is attached
     double credit = 5e-3;    // J
-    double patience = 0.5;   // s without a step until the springs go
     double fade = 0.2;       // s in which they go
 };
 
@@ -40,36 +39,36 @@ class Hold {
     void take(const World& world, std::size_t body);
     void let_go(double now);
     std::optional<std::size_t> held() const { return body_; }
-    /// Its springs have gone for want of steps: it is to be let go, and taken anew.
-    bool abandoned(double now) const { return body_ && now > stepped_ + options_.patience + options_.fade; }
 
     /// A cycle of the servo.
     void feel(const knurl::Report& report, const Felts& felts);
     /// For the simulation's next step of `dt` s, which will be played in `interval` s.
     std::vector<Pull> pulls(const World& world, double dt, double interval);
     /// After it.
-    void stepped(const World& world, double interval, double now);
-    /// What the servo is told. After `patience` without a step they fade.
+    void stepped(const World& world, double interval);
+    /// What the servo is told. What was let go fades.
     std::array<knurl::Spring, springs> told(double now);
 
-    const Account& account() const { return account_; }
+    const knurl::EnergyAccount& account() const { return account_; }
+    std::uint64_t frames() const { return frames_; }
+    std::uint64_t short_of() const { return short_of_; }
 
   private:
     Vector3d arm(std::size_t spring) const;  // m, in the hand's frame
-    double faded(double now) const;
 
     HoldOptions options_;
     std::optional<std::size_t> body_;
     std::array<Vector3d, springs> on_body_ = {},
                                   ends_ = {};  // m, in the body's frame; in the world, of the step
     double move_ = 0;                          // s, that the servo takes to go there
-    double stepped_ = 0, fades_from_ = -1;     // s
+    double let_go_ = -1;                       // s, when; below 0: never
     Vector3d position_ = Vector3d::Zero(), velocity_ = Vector3d::Zero(), spin_ = Vector3d::Zero();
     Quaterniond orientation_ = Quaterniond::Identity();
     std::array<Vector3d, springs> points_, forces_;
     bool felt_ = false, first_ = false;
     double share_ = 1;  // of the stiffness, that the account pays for
-    Account account_;
+    knurl::EnergyAccount account_;
+    std::uint64_t frames_ = 0, short_of_ = 0;  // that held; with springs that the account made softer
 };
 
 }  // namespace bodies

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <grip.hpp>
 #include <measure.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>
@@ -34,16 +35,16 @@ void describe(CLI::App& app, Wishes& w) {
     app.add_option("--stiffness", touch.stiffness,
                    "N/m of the bodies' surfaces, or what device and body admit if that is less")
         ->capture_default_str()
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Range(1.0, 1e5));
     app.add_option("--damping", touch.damping, "N s/m of the bodies' surfaces")
         ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::Range(0.0, 1e3));
     app.add_option("--friction", touch.friction, "Coulomb coefficient of finger on body")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 10.0));
     app.add_option("--spring", hold.stiffness, "N/m of each of the four springs that hold a body")
         ->capture_default_str()
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Range(1.0, 5000.0));
     app.add_option("--fingers", w.fingers, "1: the hand; 3: two more, 12 mm to its left and right")
         ->capture_default_str()
         ->check(CLI::IsMember({1, 3}));
@@ -54,7 +55,9 @@ void describe(CLI::App& app, Wishes& w) {
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
     app.add_option("--connect", w.connect, "knurl:NAME")->capture_default_str();
-    app.add_option("--device", w.play.device, "the servo's device; may be left out if it has one");
+    app.add_option("--device", w.play.device,
+                   "the servo's device; may be left out if it has one. With --demo: what is simulated, else "
+                   "sim:premium15");
     app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 3600.0));
@@ -68,10 +71,13 @@ void describe(CLI::App& app, Wishes& w) {
     app.add_option("--picture", w.picture, "PNG of the tray, the bodies' ways and the force");
     app.add_option("--csv", w.csv, "FILE for every cycle");
     app.footer(
-        "A body within 15 mm is taken while the device's first button is pressed.\n"
+        "Space (or the device's first button, while pressed) takes a body within 15 mm and lets go, r puts "
+        "all\n"
+        "bodies where they were, q ends.\n"
         "Examples:\n"
         "  knurl-bodies --rate 120                    on the device of knurl:default\n"
-        "  knurl-bodies --demo --picture bodies.png   without a device\n");
+        "  knurl-bodies --demo --picture bodies.png   without a device\n"
+        "  knurl-bodies --demo --device sim:generic6  with one that gives torque\n");
 }
 
 void say(const bodies::World& world, const bodies::Played& played) {
@@ -84,26 +90,46 @@ void say(const bodies::World& world, const bodies::Played& played) {
     }
     const auto& a = played.account;
     const double gained = played.frames.empty() ? 0 : played.frames.back().gained;
-    fmt::print("  {} cycles, {} reports missed; largest change of the force in a cycle {:.2f} N\n",
-               played.cycles.size(), played.unread, played.jump);
+    fmt::print(
+        "  {} cycles, {} reports missed; largest change of the force in a cycle {:.2f} N; torque up to "
+        "{:.3f} N "
+        "m\n",
+        played.cycles.size(), played.unread, played.jump, played.torque);
     fmt::print(
         "  {} frames, {} of them late; of {} with a force on a body {} were made smaller by the account\n",
-        played.frames.size(), played.late, a.frames, a.short_of);
+        played.frames.size(), played.late, played.pushed, played.short_of);
     fmt::print("  the hand put in {:.1f} mJ, the bodies got {:.1f} and have {:.1f} more than before\n",
                1e3 * a.hand, 1e3 * a.body, 1e3 * gained);
+    if (played.jumps > 0) fmt::print("  bodies were put elsewhere {} times\n", played.jumps);
     if (played.faults != 0) fmt::print("  the device faulted (mask {:#x}); see `knurl ls`\n", played.faults);
 }
 
 int run_compare(double rate) {
     fmt::print("the stiffest stable contact at {:g} frames a second, N/m, in steps of 1.4\n", rate);
-    fmt::print("{:50} {:>14} {:>14} {:>14}\n", "", "force sent", "surface", "as admitted");
+    fmt::print("{:50} {:>12} {:>26} {:>26}\n", "", "force sent", "surface", "as admitted");
     const auto figure = [](double stable, double most) {
         return stable >= most ? fmt::format("{:.0f} or more", stable) : fmt::format("{:.0f}", stable);
     };
+    const auto surface = [&](const bodies::Stiffest::Surface& of, double most) {
+        return fmt::format("{}, felt {:.0f}", figure(of.wish, most), of.felt);
+    };
     for (const bodies::Stiffest& row : bodies::compare(rate))
-        fmt::print("{:50} {:>14} {:>14} {:>14}\n", row.what, figure(row.in_loop, row.most),
-                   figure(row.as_wished, row.most), figure(row.held_to, row.most));
+        fmt::print("{:50} {:>12} {:>26} {:>26}\n", row.what, figure(row.in_loop, row.most),
+                   surface(row.as_wished, row.most), surface(row.held_to, row.most));
+    fmt::print("on a virtual clock, without chance: twice the same\n");
     return 0;
+}
+
+/// A servo of its own that does not start says why.
+knurl::Client connect(const Wishes& w, knurl::measure::PrivateServo* servo) {
+    const double at_once = servo != nullptr ? 0.2 : w.wait;
+    const auto wait = std::chrono::milliseconds(static_cast<int>(at_once * 1e3));
+    for (double waited = at_once;; waited += at_once) try {
+            return knurl::Client::connect(w.connect, {.name = "knurl-bodies", .wait = wait});
+        } catch (const knurl::Error&) {
+            if (servo == nullptr || waited > w.wait) throw;
+            servo->require_running();
+        }
 }
 
 int run(Wishes& w) {
@@ -119,18 +145,18 @@ int run(Wishes& w) {
         script.write(path.name);
         w.play.script = &script;
         if (!(w.play.seconds > 0)) w.play.seconds = script.end();
-        servo = std::make_unique<knurl::measure::PrivateServo>(
-            std::vector<std::string>{"--device", "sim:premium15", "--hand", path.name});
+        servo = std::make_unique<knurl::measure::PrivateServo>(std::vector<std::string>{
+            "--device", w.play.device.empty() ? "sim:premium15" : w.play.device, "--hand", path.name});
+        w.play.device.clear();
         w.connect = servo->address();
         w.wait = 10;
     }
-    auto client = knurl::Client::connect(
-        w.connect,
-        {.name = "knurl-bodies", .wait = std::chrono::milliseconds(static_cast<int>(w.wait * 1e3))});
-    const bodies::Played played = bodies::play(client, world, w.play, stop, [](const std::string& line) {
-        fmt::print("  {}\n", line);
-        std::fflush(stdout);
-    });
+    auto client = connect(w, servo.get());
+    knurl::measure::Keys keys;
+    const bodies::Played played = bodies::play(
+        client, world, w.play, stop,
+        [](const std::string& line) { fmt::print(stderr, "knurl-bodies: {}\n", line); },
+        [&keys] { return keys.next(); });
     say(world, played);
     if (!w.csv.empty()) bodies::write_csv(w.csv, world, played);
     if (!w.picture.empty()) {

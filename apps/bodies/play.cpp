@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <grip.hpp>
 
 #include "simulation.hpp"
 
@@ -52,112 +53,166 @@ void add_tray(knurl::Claim& hand, const Tray& tray, double stiffness, std::size_
     }
 }
 
-/// When it is to take and to let go: by the script, or by the device's first button.
-class Grip {
+/// An application's life: one loop, in which the simulation's steps are begun and ended.
+class Play {
   public:
-    explicit Grip(const Script* script) : script_(script) {}
-    std::optional<bool> changes(const knurl::Report& report, double t) {
-        if (!script_) {
-            const bool pressed = report.buttons & 1;
-            if (pressed == pressed_) return {};
-            return pressed_ = pressed;
+    Play(knurl::Client& client, World& world, const PlayOptions& options,
+         const std::function<void(const std::string&)>& told)
+        : options_(options),
+          told_(told),
+          world_(world),
+          hand_(client.claim(options.device, {.update_interval = std::chrono::nanoseconds(
+                                                  static_cast<std::int64_t>(dt_ * 1e9))})),
+          coupled_(hand_, world, send_skins(hand_, world), options.coupled, dt_) {
+        for (std::uint32_t i = 0; i < options.coupled.fingers.size(); ++i)
+            hand_.place_probe(i, {.offset = knurl::to_plain(options.coupled.fingers[i]), .radius = 0});
+        add_tray(hand_, world.tray(), options.coupled.touch.stiffness, options.coupled.fingers.size());
+    }
+
+    Played run(const std::atomic<bool>& stop, const std::function<char()>& key) {
+        arm_when_slow(hand_, stop);
+        energy_ = world_.energy();
+        Simulation simulation(world_, options_.slow);
+        while (!stop) {
+            const auto report = hand_.next_report(50ms);
+            if (!report) {
+                if (!hand_.connected()) throw std::runtime_error("the servo has gone; start it again");
+                continue;
+            }
+            now_ = static_cast<double>(report->deadline_ns) * 1e-9;
+            if (report->state == knurl::DeviceState::active && first_ < 0) first_ = now_;
+            feel(*report);
+            if (stepping_ && simulation.done()) show();
+            const char pressed = key();
+            if (pressed == 'q') break;
+            reset_ |= pressed == 'r';
+            grip(report->buttons, pressed);
+            if (!stepping_ && now_ >= due_) begin(simulation);
+            watch();
+            if (first_ >= 0 && !record(*report)) break;
         }
-        if (event_ == script_->events().size() || t < script_->events()[event_].t) return {};
-        return script_->events()[event_++].take;
+        return finish();
     }
 
   private:
-    const Script* script_;
+    void feel(const knurl::Report& report) {
+        cycles_ = last_ > 0 ? report.cycle - last_ : 1;
+        last_ = report.cycle;
+        coupled_.feel(report, static_cast<double>(cycles_) / hand_.device().rate);
+    }
+
+    void show() {
+        stepping_ = false;
+        coupled_.show(world_, now_);
+        hand_.commit();
+        Played::Frame frame{.t = now_ - first_,
+                            .bodies = {},
+                            .gained = world_.energy() - energy_,
+                            .hand = coupled_.account().hand};
+        for (std::size_t i = 0; i < world_.bodies().size(); ++i)
+            frame.bodies.push_back(world_.after(i).position);
+        played_.frames.push_back(std::move(frame));
+    }
+
+    /// The world is asked, and moved, between its steps only.
+    void begin(Simulation& simulation) {
+        if (reset_) energy_ += world_.reset();
+        reset_ = false;
+        if (take_) take();
+        due_ = std::max(due_ + dt_, now_);
+        simulation.begin(dt_, coupled_.orders(world_, now_));
+        stepping_ = true;
+    }
+
+    void watch() {
+        const auto frames = coupled_.watch(now_);
+        if (frames != Frames::on_time) hand_.commit();
+        if (frames != frames_) {
+            played_.late += frames == Frames::late;
+            if (frames == Frames::stopped) told_("the simulation has stopped: all rests where it is");
+            if (frames_ == Frames::stopped) told_("the simulation goes on");
+        }
+        frames_ = frames;
+        if (holds_ && !coupled_.held()) told_(fmt::format("the {} has slipped out of the hand", *holds_));
+        if (!coupled_.held()) holds_.reset();
+        if (said_slow_ || coupled_.interval() < 1.2 * dt_) return;
+        said_slow_ = true;
+        told_(fmt::format(
+            "the simulation is slower than real time: its frames of {:.1f} ms take longer, and are felt as "
+            "slow as they are",
+            dt_ * 1e3));
+    }
+
+    void grip(std::uint32_t buttons, char key) {
+        const double t = first_ < 0 ? -1 : now_ - first_;
+        const auto changes = options_.script ? scripted(t) : wished(buttons, key);
+        if (!changes) return;
+        take_ = *changes;
+        if (take_ || !coupled_.held()) return;
+        coupled_.let_go(now_);
+        told_(fmt::format("lets go of the {}", *holds_));
+        holds_.reset();
+    }
+    std::optional<bool> scripted(double t) {
+        const auto& events = options_.script->events();
+        if (event_ == events.size() || t < events[event_].t) return {};
+        return events[event_++].take;
+    }
+    std::optional<bool> wished(std::uint32_t buttons, char key) {
+        const auto by_button = grip_.button(buttons);
+        return by_button ? by_button : grip_.key(key, take_ || coupled_.held());
+    }
+    void take() {
+        take_ = false;
+        if (coupled_.held()) return;
+        if (!coupled_.take(world_)) return told_("there is nothing within reach to take");
+        holds_ = world_.bodies()[*coupled_.held()].name;
+        told_(fmt::format("holds the {}", *holds_));
+    }
+
+    bool record(const knurl::HandReport& report) {
+        played_.faults = report.faults;
+        const Vector3d force = knurl::to_eigen(report.scene_force);
+        if (cycles_ == 1 && !played_.cycles.empty())
+            played_.jump = std::max(played_.jump, (force - played_.cycles.back().force).norm());
+        played_.torque = std::max(played_.torque, knurl::to_eigen(report.sent_torque).norm());
+        played_.cycles.push_back({now_ - first_, knurl::to_eigen(report.position), force});
+        return report.faults == 0 && !(options_.seconds > 0 && now_ - first_ > options_.seconds);
+    }
+
+    Played finish() {
+        played_.account = coupled_.account();
+        played_.pushed = coupled_.pushed();
+        played_.short_of = coupled_.short_of();
+        played_.jumps = coupled_.jumps();
+        played_.unread = hand_.missed();
+        hand_.release();
+        return std::move(played_);
+    }
+
+    using Frames = Coupled<knurl::Claim>::Frames;
+
+    const PlayOptions& options_;
+    const std::function<void(const std::string&)>& told_;
+    World& world_;
+    const double dt_ = 1 / options_.rate;
+    knurl::Claim hand_;
+    Coupled<knurl::Claim> coupled_;
+    Played played_;
+    knurl::measure::Grip grip_;
+    Frames frames_ = Frames::on_time;
+    double now_ = 0, first_ = -1, due_ = 0, energy_ = 0;
+    std::uint64_t last_ = 0, cycles_ = 1;
     std::size_t event_ = 0;
-    bool pressed_ = false;
+    bool stepping_ = false, take_ = false, reset_ = false, said_slow_ = false;
+    std::optional<std::string> holds_;
 };
 
 }  // namespace
 
 Played play(knurl::Client& client, World& world, const PlayOptions& options, const std::atomic<bool>& stop,
-            const std::function<void(const std::string&)>& told) {
-    const double dt = 1 / options.rate;
-    knurl::Claim hand = client.claim(
-        options.device, {.update_interval = std::chrono::nanoseconds(static_cast<std::int64_t>(dt * 1e9))});
-    Coupled<knurl::Claim> coupled(hand, world, send_skins(hand, world), options.coupled);
-    for (std::uint32_t i = 0; i < options.coupled.fingers.size(); ++i)
-        hand.place_probe(i, {.offset = knurl::to_plain(options.coupled.fingers[i]), .radius = 0});
-    add_tray(hand, world.tray(), options.coupled.touch.stiffness, options.coupled.fingers.size());
-    arm_when_slow(hand, stop);
-
-    Played played;
-    Grip grip(options.script);
-    const double period = 1 / hand.device().rate, energy = world.energy();
-    double first = -1, due = 0, shown = 0, interval = dt;
-    std::uint64_t last = 0;
-    bool stepping = false, waited = false, said_slow = false;
-    Simulation simulation(world, options.slow);
-    while (!stop) {
-        const auto report = hand.next_report(50ms);
-        if (!report) {
-            if (!hand.connected()) throw std::runtime_error("the servo has gone; start it again");
-            continue;
-        }
-        const double now = static_cast<double>(report->deadline_ns) * 1e-9;
-        if (report->state == knurl::DeviceState::active && first < 0) first = now;
-        const std::uint64_t cycles = last > 0 ? report->cycle - last : 1;
-        last = report->cycle;
-        // What goes between the hand and the simulation.
-        coupled.feel(*report, static_cast<double>(cycles) * period);
-        if (stepping && simulation.done()) {
-            stepping = false;
-            if (shown > 0)
-                interval = std::max(dt, 0.8 * interval + 0.2 * std::min(now - shown, 4 * interval));
-            coupled.show(world, interval, now);
-            shown = now;
-            hand.commit();
-            played.frames.push_back({.t = now - first,
-                                     .bodies = {},
-                                     .gained = world.energy() - energy,
-                                     .hand = coupled.account().hand});
-            for (std::size_t i = 0; i < world.bodies().size(); ++i)
-                played.frames.back().bodies.push_back(world.after(i).position);
-        }
-        if (!stepping) {
-            if (const auto take = grip.changes(*report, first < 0 ? -1 : now - first)) {
-                if (!*take)
-                    coupled.let_go(now);
-                else if (!coupled.take(world))
-                    told("there is nothing within reach to take");
-            }
-            if (now >= due) {
-                due = std::max(due + dt, now);
-                simulation.begin(dt, coupled.orders(world, dt, interval));
-                stepping = true;
-            }
-        }
-        const bool waits = shown > 0 && now - shown > 1.5 * interval;
-        played.late += waits && !waited;
-        waited = waits;
-        if (waits) {
-            coupled.wait(now);
-            hand.commit();
-        }
-        if (interval > 1.2 * dt && !said_slow) {
-            said_slow = true;
-            told(
-                fmt::format("the simulation is slower than real time: its frames of {:.1f} ms take longer, "
-                            "and are felt as "
-                            "slow as they are",
-                            dt * 1e3));
-        }
-        if (first < 0) continue;
-        played.faults = report->faults;
-        const Vector3d force = knurl::to_eigen(report->scene_force);
-        if (cycles == 1 && !played.cycles.empty())
-            played.jump = std::max(played.jump, (force - played.cycles.back().force).norm());
-        played.cycles.push_back({now - first, knurl::to_eigen(report->position), force});
-        if (report->faults != 0 || (options.seconds > 0 && now - first > options.seconds)) break;
-    }
-    played.account = coupled.account();
-    played.unread = hand.missed();
-    hand.release();
-    return played;
+            const std::function<void(const std::string&)>& told, const std::function<char()>& key) {
+    return Play(client, world, options, told).run(stop, key);
 }
 
 }  // namespace bodies

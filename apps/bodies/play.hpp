@@ -14,7 +14,7 @@ struct PlayOptions {
     double rate = 60;                // Hz of the simulation's frames
     double slow = 0;                 // s that each step takes longer
     double seconds = 0;              // 0: until `stop`
-    const Script* script = nullptr;  // takes and lets go by it; else by the device's first button
+    const Script* script = nullptr;  // takes and lets go by it; else by button or key
     CoupledOptions coupled = {};
 };
 
@@ -30,15 +30,19 @@ struct Played {
     };
     std::vector<Cycle> cycles;
     std::vector<Frame> frames;
-    Account account;
+    knurl::EnergyAccount account;
+    std::uint64_t pushed = 0, short_of = 0;  // frames with a force on a body; that the account made smaller
+    std::uint64_t jumps = 0;                 // of bodies
     double jump = 0;         // N, the largest change of the force between cycles that follow each other
+    double torque = 0;       // N m, the largest
     std::uint64_t late = 0;  // frames that came more than half a frame too late
     std::uint64_t unread = 0;
     std::uint32_t faults = 0;
 };
 
-/// `told` gets a line where something is to be said. Throws knurl::Error.
+/// `told` gets a line where something is to be said; `key` is asked for a key that was pressed since (0:
+/// none): space takes and lets go, r puts all bodies where they were, q ends. Throws knurl::Error.
 Played play(knurl::Client& client, World& world, const PlayOptions& options, const std::atomic<bool>& stop,
-            const std::function<void(const std::string&)>& told);
+            const std::function<void(const std::string&)>& told, const std::function<char()>& key);
 
 }  // namespace bodies

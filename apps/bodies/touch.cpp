@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace bodies {
 
@@ -32,7 +33,7 @@ void Touch::feel(const Vector3d& finger, const Vector3d& velocity, const std::op
                  double dt) {
     Vector3d force = Vector3d::Zero();
     depth_ = 0;
-    if (felt && (felt->flags & knurl::Feedback::touching)) {
+    if (there() && felt && (felt->flags & knurl::Feedback::touching)) {
         force = knurl::to_eigen(felt->force);
         if (felt->stiffness > 0) stiffness_ = felt->stiffness;
         if (force.squaredNorm() > 0) {
@@ -56,6 +57,25 @@ void Touch::feel(const Vector3d& finger, const Vector3d& velocity, const std::op
     velocity_ = velocity;
     force_ = force;
     settle();
+}
+
+void Touch::held(bool so) {
+    if (so && there()) leave();
+    away_ |= held_ && !so;
+    held_ = so;
+}
+
+void Touch::jumped() {
+    leave();
+    away_ = true;
+}
+
+void Touch::leave() {
+    account_.drop_springs();
+    force_.setZero();
+    impulse_.setZero();
+    push_.force.setZero();
+    time_ = depth_ = gone_ = played_ = 0;
 }
 
 void Touch::settle() {
@@ -91,11 +111,11 @@ Push Touch::push(const World& world, double dt) {
     account_.keep(options_.reserve);
     shape_.stiffness = admitted(world, dt);
     if (push_.force.squaredNorm() == 0) return push_;
-    ++account_.frames;
+    ++frames_;
     if (!options_.keep_account) return push_;
     const double share = affordable(push_.force, world.give(body_, contact_, normal_, dt), dt,
                                     world.speed_at(body_, contact_));
-    account_.short_of += share < 1;
+    short_of_ += share < 1;
     push_.force *= share;
     return push_;
 }
@@ -123,12 +143,16 @@ double Touch::admitted(const World& world, double dt) const {
 }
 
 knurl::Shape Touch::stepped(const World& world, double interval) {
+    account_.created = -account_.left();
+    if (!there()) gone_ += std::exchange(played_, interval);
+    if (gone_ > 3 * taking) away_ = false;
+    if (away_) return rest();
+    if (there()) gone_ = 0;
     const Pose from = world.before(body_);
     end_ = world.after(body_);
     const Vector3d lever = from.orientation.conjugate() * (push_.point - from.position);
     account_.body += push_.force.dot(end_.position + end_.orientation * lever - push_.point);
     settle();
-    gone_ = there_ ? 0 : gone_ + interval;
     const double pace = world.last_dt() / interval;
     shape_.position = knurl::to_plain(from.position);
     shape_.orientation = knurl::to_plain(from.orientation);
@@ -145,12 +169,16 @@ knurl::Shape Touch::rest() const {
     return shown(still);
 }
 
-/// What is taken goes softly, and after that it is not there: let go, it is met anew, and does not push out a
-/// hand that is in it.
+double Touch::fades_for() const {
+    return there() ? 0 : std::max(0.0, taking - gone_);
+}
+
+/// What is taken, or has jumped, goes softly, and after that it is not there: let go, it is met anew, and
+/// does not push out a hand that is in it.
 knurl::Shape Touch::shown(knurl::Shape shape) const {
-    if (there_) return shape;
+    if (there()) return shape;
     shape.stiffness = 0;
-    shape.recovery = taking;
+    shape.recovery = fades_for();
     if (gone_ > 2 * taking) shape.asset = 0;
     return shape;
 }

@@ -16,8 +16,8 @@
 //             small reserve is thrown away, so that no more than that can ever come back at a bad moment.
 
 #include <knurl/client/client.hpp>
+#include <knurl/client/energy_account.hpp>
 
-#include "account.hpp"
 #include "world.hpp"
 
 namespace bodies {
@@ -46,14 +46,23 @@ class Touch {
     /// The next step is late: where the last one ended, at rest.
     knurl::Shape rest() const;
     /// Not felt while it is held by springs.
-    void felt_at_all(bool so) { there_ = so; }
+    void held(bool so);
+    /// It is where no step has taken it: what is felt goes softly, and it is met anew where it is.
+    void jumped();
+
+    /// s in which what was felt still goes. What changes beside it is not to cut that short.
+    double fades_for() const;
 
     std::size_t body() const { return body_; }
+    double stiffness() const { return stiffness_; }  // N/m, as felt last
     bool touches() const { return force_.squaredNorm() > 0; }
-    const Account& account() const { return account_; }
-    Vector3d force() const { return force_; }  // N, on the hand, in the newest cycle
+    const knurl::EnergyAccount& account() const { return account_; }
+    std::uint64_t frames() const { return frames_; }
+    std::uint64_t short_of() const { return short_of_; }
 
   private:
+    bool there() const { return !held_ && !away_; }
+    void leave();
     void settle();
     knurl::Shape shown(knurl::Shape shape) const;
     double admitted(const World& world, double dt) const;
@@ -63,9 +72,10 @@ class Touch {
     TouchOptions options_;
     knurl::Shape shape_;
     Pose end_;
-    Account account_;
-    bool there_ = true;
-    double gone_ = 0;  // s, for which it was not
+    knurl::EnergyAccount account_;
+    std::uint64_t frames_ = 0, short_of_ = 0;  // with a force on the body; that the account made smaller
+    bool held_ = false, away_ = false;         // away: until it is met anew
+    double gone_ = 0, played_ = 0;             // s, for which it was not there; of the newest frame
     // Of the newest cycle.
     Vector3d finger_ = Vector3d::Zero(), velocity_ = Vector3d::Zero(), force_ = Vector3d::Zero();
     double depth_ = 0;                     // m

@@ -40,13 +40,15 @@ Trial run_trial(World& world, const Script& script, const TrialOptions& options,
     if (options.force_in_loop > 0)
         loop.emplace(hand, options.force_in_loop);
     else
-        coupled.emplace(hand, world, assets, options.coupled);
+        coupled.emplace(hand, world, assets, options.coupled, 1 / options.rate);
     for (std::uint32_t i = 0; i < options.coupled.fingers.size(); ++i)
         hand.place_probe(i, {.offset = knurl::to_plain(options.coupled.fingers[i]), .radius = 0});
     hand.commit();
 
     Trial trial;
-    const double dt = 1 / options.rate, before = world.energy();
+    const double dt = 1 / options.rate;
+    double before = world.energy();
+    bool reset = false;
     const double seconds = options.seconds > 0 ? options.seconds : script.end();
     double next = 0;
     std::size_t event = 0;
@@ -65,16 +67,17 @@ Trial run_trial(World& world, const Script& script, const TrialOptions& options,
             else
                 coupled->let_go(now);
         const bool stopped = now >= options.stop_at && now < options.stop_at + options.stop_for;
-        if (stopped && coupled && now > next + dt / 2) {
-            coupled->wait(now);
-            hand.commit();
+        if (coupled && coupled->watch(now) != Coupled<OfflineHand>::Frames::on_time) hand.commit();
+        if (options.reset_at >= 0 && now >= options.reset_at && !reset) {
+            before += world.reset();
+            reset = true;
         }
         if (!stopped && now >= next) {
             while (next <= now) next += dt;
-            const Orders orders = coupled ? coupled->orders(world, dt, dt)
-                                          : loop->orders(world, knurl::to_eigen(report.position));
+            const Orders orders =
+                coupled ? coupled->orders(world, now) : loop->orders(world, knurl::to_eigen(report.position));
             world.step(dt, orders.pushes, orders.pulls);
-            if (coupled) coupled->show(world, dt, now);
+            if (coupled) coupled->show(world, now);
             hand.commit();
             ++trial.frames;
         }
@@ -82,9 +85,14 @@ Trial run_trial(World& world, const Script& script, const TrialOptions& options,
             each({.t = now,
                   .report = report,
                   .truth = hand.truth(),
-                  .put_in = coupled ? coupled->account().hand : 0});
+                  .put_in = coupled ? coupled->account().hand : 0,
+                  .stiffness = coupled ? coupled->stiffness() : options.force_in_loop});
     }
-    if (coupled) trial.account = coupled->account();
+    if (coupled) {
+        trial.account = coupled->account();
+        trial.short_of = coupled->short_of();
+        trial.jumps = coupled->jumps();
+    }
     trial.gained = world.energy() - before;
     trial.motor_work = hand.truth().motor_work;
     return trial;

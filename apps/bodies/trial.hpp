@@ -16,6 +16,7 @@ struct TrialOptions {
     std::string device = "premium15";
     bool clamp = true;                  // at what the device allows
     double stop_at = -1, stop_for = 0;  // s: the simulation stands still
+    double reset_at = -1;               // s: all is where it was at first
     double force_in_loop = 0;           // N/m: instead of all that, a force computed in each frame and sent
     double seconds = 0;                 // 0: the script's
 };
@@ -25,11 +26,14 @@ struct Moment {
     double t = 0;  // s
     const knurl::Report& report;
     const knurl::drivers::SimState& truth;
-    double put_in = 0;  // J, by the hand since the beginning, less what it got back
+    double put_in = 0;     // J, by the hand since the beginning, less what it got back
+    double stiffness = 0;  // N/m, of the surface that is touched, as felt
 };
 
 struct Trial {
-    Account account;
+    knurl::EnergyAccount account;
+    std::uint64_t short_of = 0;  // frames with a force that the account made smaller
+    std::uint64_t jumps = 0;
     double gained = 0;      // J, by the bodies
     double jump = 0;        // N, the largest change of the force in a cycle of a millisecond
     double motor_work = 0;  // J, by the device's motors on the hand

@@ -109,10 +109,27 @@ World::World(std::vector<Body> bodies, const Tray& tray, double gravity)
     for (int i = 0; i < settling; ++i) step(1e-3, {});
     dt_ = 0;
     steps_ = 0;
-    before_ = after_;
+    first_ = before_ = after_;
 }
 
 World::~World() = default;
+
+double World::reset() {
+    const double energy = this->energy();
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        btRigidBody& rigid = *engine_->rigid[i];
+        const Quaterniond& q = first_[i].orientation;
+        const auto turn = [](double x) { return static_cast<btScalar>(x); };
+        rigid.setCenterOfMassTransform(
+            btTransform(btQuaternion(turn(q.x()), turn(q.y()), turn(q.z()), turn(q.w())),
+                        to_bullet(larger * first_[i].position)));
+        rigid.setLinearVelocity(to_bullet(Vector3d::Zero()));
+        rigid.setAngularVelocity(to_bullet(Vector3d::Zero()));
+        rigid.clearForces();
+    }
+    before_ = after_ = first_;
+    return this->energy() - energy;
+}
 
 void World::step(double dt, const std::vector<Push>& pushes, const std::vector<Pull>& pulls) {
     before_ = after_;

@@ -33,6 +33,11 @@ struct Tray {
 struct Pose {
     Vector3d position = Vector3d::Zero();
     Quaterniond orientation = Quaterniond::Identity();
+    /// Within a tenth of a millimetre and what that is at a body's edge.
+    bool is_near(const Pose& other) const {
+        return (position - other.position).norm() < 1e-4 &&
+               orientation.angularDistance(other.orientation) < 5e-3;
+    }
 };
 
 /// A force (N) at a point (m) of a body for the length of a step.
@@ -59,6 +64,9 @@ class World {
 
     /// One step of `dt` (s), in parts of 1/480 s at most, with these forces.
     void step(double dt, const std::vector<Push>& pushes, const std::vector<Pull>& pulls = {});
+
+    /// All is where it was at first, at rest. The energy that this gave them (J).
+    double reset();
 
     const std::vector<Body>& bodies() const { return bodies_; }
     const Tray& tray() const { return tray_; }
@@ -90,7 +98,7 @@ class World {
     Tray tray_;
     double gravity_, dt_ = 0, pulled_ = 0;
     std::uint64_t steps_ = 0;
-    std::vector<Pose> before_, after_;
+    std::vector<Pose> first_, before_, after_;
     std::unique_ptr<Engine> engine_;
 };
 

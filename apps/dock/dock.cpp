@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <grip.hpp>
 
 #include "heat.hpp"
 
@@ -15,6 +16,8 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
+constexpr int most_at_once = 64;                // frames
+constexpr std::size_t most_cycles = 3'600'000;  // an hour's
 constexpr auto patience = 15s;  // for a first frame, a hand at rest, a device that becomes active
 constexpr double pn_per_kcal_per_angstrom = 69.48;  // 1 kcal/mol/A in pN
 constexpr double longest_look = 5e-3;               // s between two of them
@@ -98,7 +101,7 @@ class Session {
         if (!stop_ && options_.at_once) take();
         while (!over()) {
             feel();
-            for (auto frame = simulation_.next(); frame; frame = simulation_.next()) answer(*frame);
+            take_frames();
             watch();
             spring_.set(coupling_.spring());
             hand_.commit();
@@ -127,19 +130,27 @@ class Session {
             record(*report, felt);
         }
         // By the newest report: an older one says where the hand was.
-        if (pressed_ != button_) {
-            button_ = pressed_;
-            button_ ? take() : release();
+        grip(grip_.button(report_.buttons));
+    }
+
+    /// No more at a time than there could be in a while: a simulation that floods is not all there is to do.
+    void take_frames() {
+        auto frame = simulation_.next();
+        for (int n = 1; frame; ++n) {
+            auto next = n < most_at_once ? simulation_.next() : std::nullopt;
+            answer(*frame, !next);
+            frame = std::move(next);
         }
     }
 
-    void answer(const ImdFrame& frame) {
+    void answer(const ImdFrame& frame, bool newest) {
         see(frame);
         if (!holds()) return;
         const Vector3d place = unwrapped_(frame.atoms[static_cast<std::size_t>(docked_.atom)]);
+        if (!newest) return coupling_.superseded(knurl::to_plain(place));
         // An atom that the hand makes too hot is left alone until the bath has cooled it.
-        if (frame.energies)
-            hot_ = frame.energies->temperature > (hot_ ? cooled : 1) * options_.greatest_temperature;
+        if (frame.energies)  // and one that is no number is none of less
+            hot_ = !(frame.energies->temperature <= (hot_ ? cooled : 1) * options_.greatest_temperature);
         docked_.hot += hot_;
         coupling_.bound(hot_ ? 0 : std::min(options_.greatest_force, coolest_force(frame)));
         push_ = knurl::to_eigen(coupling_.frame(knurl::to_plain(place), clock()));
@@ -163,6 +174,10 @@ class Session {
             simulation_.let_go();
             push_.setZero();
         }
+    }
+
+    void grip(std::optional<bool> changes) {
+        if (changes) *changes ? take() : release();
     }
 
     bool holds() const { return coupling_.state() != knurl::Coupling::State::idle; }
@@ -213,7 +228,6 @@ class Session {
 
     void record(const knurl::HandReport& report, const std::optional<knurl::Felt>& felt) {
         docked_.faults |= report.faults;
-        pressed_ = (report.buttons & 1) != 0;
         if (report.state != knurl::DeviceState::active) return;
         // The report has the sum of all who share the device; what is the spring's is told of the newest
         // cycle.
@@ -221,15 +235,16 @@ class Session {
         if (told)
             own_ = options_.share ? felt->share * knurl::to_eigen(felt->force)
                                   : knurl::to_eigen(report.scene_force);
-        docked_.cycles.push_back({.number = report.cycle,
-                                  .t = now_,
-                                  .on_time = report.read_ns - read_ns_ < 1'500'000,
-                                  .told = told,
-                                  .hand = knurl::to_eigen(report.position),
-                                  .force = own_,
-                                  .atom = atom_,
-                                  .atom_force = push_,
-                                  .frame = holds() ? frames_ : 0});
+        if (docked_.cycles.size() < most_cycles)
+            docked_.cycles.push_back({.number = report.cycle,
+                                      .t = now_,
+                                      .on_time = report.read_ns - read_ns_ < 1'500'000,
+                                      .told = told,
+                                      .hand = knurl::to_eigen(report.position),
+                                      .force = own_,
+                                      .atom = atom_,
+                                      .atom_force = push_,
+                                      .frame = holds() ? frames_ : 0});
         read_ns_ = report.read_ns;
     }
 
@@ -279,15 +294,9 @@ class Session {
     }
 
     bool over() {
-        switch (key_()) {
-            case ' ':
-                holds() ? release() : take();
-                break;
-            case 'q':
-                return true;
-            default:
-                break;
-        }
+        const char key = key_();
+        if (key == 'q') return true;
+        grip(grip_.key(key, holds()));
         if (simulation_.ended()) docked_.ended = "the simulation has ended";
         if (!hand_.connected()) docked_.ended = "the servo has gone";
         if (docked_.faults != 0)
@@ -316,9 +325,9 @@ class Session {
     std::string line() const {
         const char* state[] = {"free", "held", "held; the simulation is late",
                                "the simulation has stopped: let go"};
-        const auto& last = docked_.cycles.empty() ? Cycle{} : docked_.cycles.back();
         return fmt::format("{:5.0f} s  {:5.2f} N  {:4.1f} mm  {:4.0f} frames/s  {:3.0f} K{}  atom {} {}",
-                           now_, last.force.norm(), holds() ? (last.atom - last.hand).norm() * 1e3 : 0.0,
+                           now_, own_.norm(),
+                           holds() ? (atom_ - knurl::to_eigen(report_.position)).norm() * 1e3 : 0.0,
                            1 / coupling_.interval(), newest_.energies ? newest_.energies->temperature : 0.0F,
                            hot_ ? " too hot" : "", docked_.atom, state[static_cast<int>(coupling_.state())]);
     }
@@ -344,7 +353,8 @@ class Session {
     Vector3d middle_ = Vector3d::Zero();  // A, of all atoms
     Vector3d atom_ = Vector3d::Zero(), push_ = Vector3d::Zero();
     Vector3d own_ = Vector3d::Zero();  // N, of the spring on the hand
-    bool button_ = false, pressed_ = false, hot_ = false;
+    bool hot_ = false;
+    knurl::measure::Grip grip_;
 };
 
 }  // namespace

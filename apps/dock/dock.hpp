@@ -2,6 +2,7 @@
 // A hand that holds an atom of a running simulation.
 
 #include <atomic>
+#include <deque>
 #include <functional>
 #include <limits>
 #include <string>
@@ -56,7 +57,8 @@ struct Docked {
     double steps_per_second = 0;
     int steps_per_frame = 0;
     bool swapped = false;
-    std::vector<Cycle> cycles;
+    // Of the first hour, in pieces: one that had to move whole would hold the hand's loop up.
+    std::deque<Cycle> cycles;
     std::vector<FrameSeen> frames;  // while held
     knurl::Coupling::Account account;
     knurl::Coupling::Counts counts;

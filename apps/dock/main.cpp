@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <grip.hpp>
 #include <measure.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>
@@ -14,7 +15,6 @@
 
 #include "dock.hpp"
 #include "hand_path.hpp"
-#include "keys.hpp"
 #include "picture.hpp"
 #include "summary.hpp"
 
@@ -110,7 +110,7 @@ int run(Wishes& w) {
         o.at_once = true;
         fmt::print("a simulated hand on a simulated device, seed {}\n", w.path.seed);
     }
-    dock::Keys keys;
+    knurl::measure::Keys keys;
     dock::Restless restless(w.path.seed);
     fmt::print(
         "{}: 1 nm is {:g} mm in the hand, 1 pN {:g} mN: {:g} N/m are {:.3g} kcal/mol/A^2 on the atom\n",

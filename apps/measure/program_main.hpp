@@ -2,6 +2,7 @@
 // The ends of a program: its command line, the signals that stop it, and the file that it leaves no trace of.
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -23,6 +24,14 @@ int program_main(CLI::App& app, int argc, char** argv, Run&& run) {
     const auto say = [&](const char* what, const char* more) {
         std::fprintf(stderr, "%s: %s%s\n", app.get_name().c_str(), what, more);
     };
+    // The library's ranges let it through.
+    for (CLI::Option* option :
+         app.get_options([](const CLI::Option* one) { return one->get_type_name().rfind("FLOAT", 0) == 0; }))
+        option->check([](const std::string& text) {
+            double value = 0;
+            const bool none = CLI::detail::lexical_cast(text, value) && std::isnan(value);
+            return none ? text + " is no number" : std::string();
+        });
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& wanted) {  // --help

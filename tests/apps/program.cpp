@@ -11,6 +11,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <pty.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -115,6 +116,55 @@ int Background::end(int signal) {
     while (read_some(0)) {
     }
     return code;
+}
+
+OnTerminal::OnTerminal(const std::vector<std::string>& words, unsigned short columns, unsigned short rows) {
+    winsize size{.ws_row = rows, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
+    std::vector<char*> argv;
+    for (const auto& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    int terminal = -1;
+    pid_ = ::forkpty(&terminal, nullptr, nullptr, &size);
+    if (pid_ == 0) {
+        ::setenv("TERM", "xterm", 1);
+        ::execv(argv[0], argv.data());
+        ::_exit(127);
+    }
+    terminal_ = shm::UniqueFd(terminal);
+}
+
+OnTerminal::~OnTerminal() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGKILL);
+    wait_for(pid_);
+}
+
+void OnTerminal::type(char key) {
+    ASSERT_EQ(::write(terminal_.get(), &key, 1), 1);
+}
+
+bool OnTerminal::shows(const std::string& text) {
+    while (shown.find(text) == std::string::npos)
+        if (!read()) return false;
+    return true;
+}
+
+int OnTerminal::end() {
+    while (read()) {
+    }
+    const int code = wait_for(pid_);
+    pid_ = -1;
+    return code;
+}
+
+bool OnTerminal::read() {
+    constexpr int patience_ms = static_cast<int>(std::chrono::milliseconds(patience).count());
+    pollfd one{.fd = terminal_.get(), .events = POLLIN, .revents = 0};
+    if (::poll(&one, 1, patience_ms) != 1) return false;
+    char text[4096];
+    const ssize_t n = ::read(terminal_.get(), text, sizeof text);
+    if (n > 0) shown.append(text, static_cast<std::size_t>(n));
+    return n > 0;
 }
 
 Servo::Servo(const std::vector<std::string>& words)

@@ -56,6 +56,29 @@ class Servo : public Background {
     explicit Servo(const std::vector<std::string>& words);
 };
 
+/// A program on a terminal. Ended by SIGKILL at the latest with this object.
+class OnTerminal {
+  public:
+    explicit OnTerminal(const std::vector<std::string>& words, unsigned short columns = 100,
+                        unsigned short rows = 30);
+    ~OnTerminal();
+    OnTerminal(const OnTerminal&) = delete;
+    OnTerminal& operator=(const OnTerminal&) = delete;
+
+    pid_t pid() const { return pid_; }
+    void type(char key);
+    bool shows(const std::string& text);
+    /// All of it, up to its end; its exit code.
+    int end();
+    std::string shown;
+
+  private:
+    bool read();
+
+    pid_t pid_ = -1;
+    shm::UniqueFd terminal_;
+};
+
 /// A directory that goes away with this object.
 class Folder {
   public:

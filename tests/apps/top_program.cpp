@@ -6,8 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <poll.h>
-#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -143,62 +141,15 @@ TEST(Top, BadArgumentsAndMissingServosAreOneLine) {
     }
 }
 
-/// `knurl top` on a terminal of a given size.
-class OnTerminal {
-  public:
-    OnTerminal(unsigned short columns, unsigned short rows) {
-        winsize size{.ws_row = rows, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
-        const std::string program = knurl_program();
-        pid_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
-        if (pid_ == 0) {
-            ::setenv("TERM", "xterm", 1);
-            ::execl(program.c_str(), "knurl", "top", "--rate", "20", nullptr);
-            ::_exit(127);
-        }
-    }
-    ~OnTerminal() {
-        ::kill(pid_, SIGKILL);
-        ::waitpid(pid_, nullptr, 0);
-        ::close(terminal_);
-    }
-    OnTerminal(const OnTerminal&) = delete;
-    OnTerminal& operator=(const OnTerminal&) = delete;
-
-    pid_t pid() const { return pid_; }
-    void type(char key) { ASSERT_EQ(::write(terminal_, &key, 1), 1); }
-    bool shows(const std::string& text) {
-        while (shown.find(text) == std::string::npos)
-            if (!read()) return false;
-        return true;
-    }
-    /// All of it, up to its end; its exit code.
-    int end() {
-        while (read()) {
-        }
-        int status = 0;
-        ::waitpid(pid_, &status, 0);
-        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    }
-    std::string shown;
-
-  private:
-    bool read() {
-        constexpr int patience_ms = static_cast<int>(std::chrono::milliseconds(patience).count());
-        pollfd one{.fd = terminal_, .events = POLLIN, .revents = 0};
-        if (::poll(&one, 1, patience_ms) != 1) return false;
-        char text[4096];
-        const ssize_t n = ::read(terminal_, text, sizeof text);
-        if (n > 0) shown.append(text, static_cast<std::size_t>(n));
-        return n > 0;
-    }
-    pid_t pid_ = -1;
-    int terminal_ = -1;
-};
+const std::vector<std::string>& quickly() {
+    static const std::vector<std::string> words = {knurl_program(), "top", "--rate", "20"};
+    return words;
+}
 
 TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
     const Home home;
     const Servo servo({"--device", "sim:cartesian3"});
-    OnTerminal top(40, 10);
+    OnTerminal top(quickly(), 40, 10);
     ASSERT_TRUE(top.shows("lateness")) << top.shown;  // what comes behind it may find no room
     constexpr char interrupt = 3;                     // Ctrl-C
     top.type(interrupt);
@@ -218,7 +169,7 @@ TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
 TEST(Top, SuspendedItGivesTheTerminalBackAndTakesItAgain) {
     const Home home;
     const Servo servo({"--device", "sim:cartesian3"});
-    OnTerminal top(100, 30);
+    OnTerminal top(quickly(), 100, 30);
     ASSERT_TRUE(top.shows("lateness")) << top.shown;
     top.shown.clear();
     ::kill(top.pid(), SIGTSTP);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,13 +12,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double forget = 0.97;        // of what was learnt of the body, in a frame
-constexpr double thrifty = 0.8;        // share of the hand's force that the body gets of an empty reserve
-constexpr double shortest_stop = 0.5;  // s
-constexpr double a_jump = 8;           // times the body's usual stray
-constexpr double least_jump = 0.01;    // m
-constexpr double all_gone = 0.02;      // N that are still felt of a spring that has faded
-constexpr std::uint64_t learnt = 10;   // frames after which the usual is known
+constexpr double forget = 0.97;       // of what was learnt of the body, in a frame
+constexpr double thrifty = 0.8;       // share of the hand's force that the body gets of an empty reserve
+constexpr double a_jump = 8;          // times the body's usual stray
+constexpr double least_jump = 0.01;   // m
+constexpr double all_gone = 0.02;     // N that are still felt of a spring that has faded
+constexpr std::uint64_t learnt = 10;  // frames after which the usual is known
 
 Vector3d at_most(const Vector3d& v, double length) {
     const double n = v.norm();
@@ -37,7 +37,7 @@ bool above_zero(double x) {
 }  // namespace
 
 Coupling::Coupling(const CouplingOptions& options)
-    : options_(options), stiffness_(options.stiffness), interval_(options.interval) {
+    : options_(options), stiffness_(options.stiffness), frames_(options.interval, options.patience) {
     require(above_zero(options.scale.length), "scale.length", options.scale.length, "above 0 m");
     require(above_zero(options.scale.force), "scale.force", options.scale.force, "above 0 N");
     require(above_zero(options.stiffness), "stiffness", options.stiffness, "above 0 N/m");
@@ -68,8 +68,10 @@ void Coupling::hold(const Vec3& body, const Vec3& hand) {
     force_way_ = force_square_ / options_.stiffness;
     compliance_ = 1 / options_.stiffness;
     stray_ = 0;
+    held_frames_ = 0;
+    superseded_ = 0;
     hand_ = hand_origin_;
-    last_frame_ = -1;
+    frames_.begin();
     // What still fades of the hold before would be gone at once, which is a step: it is waited for.
     if ((state_ == State::idle || state_ == State::stopped) && still_fades())
         state_ = State::stopped;
@@ -123,27 +125,13 @@ void Coupling::feel(const Report& report, const std::optional<Felt>& felt, const
     if (felt_) {
         // The trapezium is exact for a spring: hand and end together change its energy by just this.
         const double work = -0.5 * (force + force_).dot(here - hand_);
-        account_.hand += work;
-        account_.hand_in += std::max(0.0, work);
+        account_.put_in(work);
     }
     felt_ = true;
     hand_ = here;
     force_ = force;
     account_.spring = force.squaredNorm() / (2 * stiffness_);
-    account_.most_created = std::max(account_.most_created, created());
-}
-
-double Coupling::created() const {
-    return account_.body + account_.spring + account_.lost - account_.hand;
-}
-
-void Coupling::measure_interval(double now) {
-    if (last_frame_ >= 0 && now > last_frame_) {
-        const double gap = now - last_frame_;
-        if (state_ != State::stopped && ++intervals_ > 4)
-            interval_ += 0.1 * (std::min(gap, 3 * interval_) - interval_);
-    }
-    last_frame_ = now;
+    account_.settle();
 }
 
 void Coupling::measure_compliance(const Vector3d& force, const Vector3d& way) {
@@ -154,20 +142,20 @@ void Coupling::measure_compliance(const Vector3d& force, const Vector3d& way) {
     stray_ = stray_ > 0 ? std::sqrt(forget * stray_ * stray_ + (1 - forget) * stray) : std::sqrt(stray);
 }
 
-Vec3 Coupling::frame(const Vec3& body, double now) {
+/// The work of what acted on the way there. Nothing: it is not held (any more).
+std::optional<Vector3d> Coupling::moved_to(const Vec3& body) {
     const Vector3d place = to_eigen(to_hand(body));
     if (!place.allFinite())
         throw Error(Error::Kind::bad_parameters, "coupling: the body's place is no number");
-    if (state_ == State::idle) return {};
-    measure_interval(now);
-    if (state_ == State::stopped && still_fades()) return {};
+    if (state_ == State::idle || (state_ == State::stopped && still_fades())) return {};
     if (state_ == State::stopped) begin();
     state_ = State::holding;
     ++counts_.frames;
-    account_.created = created();
+    ++held_frames_;
+    account_.created = -account_.left();
     if (body_) {
         const Vector3d way = place - *body_, &force = sent_[0];
-        const bool jumped = counts_.frames > learnt &&
+        const bool jumped = held_frames_ > learnt &&
                             (way - compliance_ * force).norm() > std::max(least_jump, a_jump * stray_);
         if (jumped) {
             ++counts_.jumps;
@@ -177,12 +165,25 @@ Vec3 Coupling::frame(const Vec3& body, double now) {
         }
     }
     body_ = place;
-    Account& a = account_;
-    const double idle = a.hand - a.body - a.lost - a.spring - options_.reserve;
-    if (options_.keep_account) a.lost += std::max(0.0, idle);
-    account_.most_created = std::max(account_.most_created, created());
-    move_end(place, now);
-    return to_plain(answer(place) / options_.scale.force);
+    // From here on that acts which was sent next.
+    for (std::size_t i = 0; i < static_cast<std::size_t>(options_.frames_late); ++i) sent_[i] = sent_[i + 1];
+    return place;
+}
+
+void Coupling::superseded(const Vec3& body) {
+    ++superseded_;
+    moved_to(body);
+}
+
+Vec3 Coupling::frame(const Vec3& body, double now) {
+    const bool held = state_ != State::idle;
+    const std::optional<Vector3d> place = moved_to(body);
+    if (held) frames_.frame(now, 1 + std::exchange(superseded_, 0));
+    if (!place) return {};
+    if (options_.keep_account) account_.keep(options_.reserve);
+    account_.settle();
+    move_end(*place, now);
+    return to_plain(answer(*place) / options_.scale.force);
 }
 
 /// No farther from the hand than the account pays for.
@@ -202,14 +203,13 @@ void Coupling::move_end(const Vector3d& body, double now) {
     moved_from_ = sent;
     moved_at_ = now;
     end_ = to_plain(end);
-    move_time_ = std::max(std::min(interval_, options_.longest_move), way / options_.greatest_speed);
+    move_time_ = std::max(std::min(interval(), options_.longest_move), way / options_.greatest_speed);
 }
 
 /// The body will have moved by what it was sent already when this one begins to act, and while it acts it
 /// moves on: as in the implicit rule for a spring and a damper, the force is the one that is right half-way.
 Vector3d Coupling::answer(const Vector3d& body) {
     const auto late = static_cast<std::size_t>(options_.frames_late);
-    for (std::size_t i = 0; i < late; ++i) sent_[i] = sent_[i + 1];
     Vector3d there = body;
     double left = account_.hand - account_.body - account_.lost;
     for (std::size_t i = 0; i < late; ++i) {
@@ -234,10 +234,9 @@ Vector3d Coupling::answer(const Vector3d& body) {
 
 Coupling::State Coupling::watch(double now) {
     if (state_ == State::holding || state_ == State::late) {
-        if (last_frame_ < 0) last_frame_ = now;
-        const double silent = now - last_frame_;
-        state_ = silent > 2 * interval_ ? State::late : State::holding;
-        if (silent > std::max(options_.patience * interval_, shortest_stop)) {
+        const FrameWatch::State frames = frames_.watch(now);
+        state_ = frames == FrameWatch::State::on_time ? State::holding : State::late;
+        if (frames == FrameWatch::State::stopped) {
             state_ = State::stopped;
             ++counts_.stops;
             fade_from(now);

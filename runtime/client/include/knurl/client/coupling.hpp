@@ -22,13 +22,16 @@
 // (heat) can pull the hand with what is in the account, and no more.
 //
 // Plain arithmetic: it knows no claim and no clock, and any number of them may share a hand. Several springs
-// on one hand (attached beside its middle) are one Coupling each.
+// on one hand (attached beside its middle) are one Coupling each, if each holds a body of its own; what holds
+// one body by several needs one account of all (knurl-bodies is an example, of the same parts).
 
 #include <optional>
 
 #include <Eigen/Core>
 
 #include <knurl/client/client.hpp>
+#include <knurl/client/energy_account.hpp>
+#include <knurl/client/frame_watch.hpp>
 
 namespace knurl {
 
@@ -61,17 +64,7 @@ class Coupling {
         stopped,  // nothing comes: the spring fades, and comes back with the first frame after that
     };
 
-    /// J in the hand's units, of all that was ever held.
-    struct Account {
-        double hand = 0;     // put in by the hand, less what it got back
-        double hand_in = 0;  // put in by the hand
-        double body = 0;     // given to the body: sum of force times way
-        double spring = 0;   // in the spring now
-        double lost = 0;     // thrown away: beyond the reserve, or when the spring faded
-        // body + spring + lost - hand: as the newest frame came, when the end had arrived where the one
-        // before had sent it; and the most at any time, of which a frame under way is the larger part.
-        double created = 0, most_created = 0;
-    };
+    using Account = EnergyAccount;  // of all that was ever held
     struct Counts {
         std::uint64_t frames = 0;
         std::uint64_t bounded = 0;   // with a force that greatest_force had to bound
@@ -96,6 +89,8 @@ class Coupling {
     /// A frame: the body is there. What to push it with from now on, in the simulation's units. `now`: s, of
     /// any clock that watch() is asked by as well. Throws knurl::Error for a place that is no number.
     Vec3 frame(const Vec3& body, double now);
+    /// A frame that came with newer ones behind it: what was sent last acts on, and is not replaced for this.
+    void superseded(const Vec3& body);
     State watch(double now);
     /// For Representing<Spring>::set.
     Spring spring() const;
@@ -108,16 +103,15 @@ class Coupling {
     const Account& account() const { return account_; }
     const Counts& counts() const { return counts_; }
     State state() const { return state_; }
-    double interval() const { return interval_; }      // s between frames, usually
-    double compliance() const { return compliance_; }  // m/N: how far a force moves the body in a frame
+    double interval() const { return frames_.interval(); }  // s between frames, usually
+    double compliance() const { return compliance_; }       // m/N: how far a force moves the body in a frame
 
   private:
     void begin();
     void fade_from(double now);
     bool still_fades() const;
-    void measure_interval(double now);
+    std::optional<Eigen::Vector3d> moved_to(const Vec3& body);
     void measure_compliance(const Eigen::Vector3d& force, const Eigen::Vector3d& way);
-    double created() const;
     void move_end(const Eigen::Vector3d& body, double now);
     Eigen::Vector3d answer(const Eigen::Vector3d& body);
 
@@ -135,8 +129,10 @@ class Coupling {
     Eigen::Vector3d sent_[3] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
     double compliance_ = 0, force_square_ = 0, force_way_ = 0;
     double stray_ = 0;  // m: rms of what the compliance does not explain of the body's way
-    double interval_, last_frame_ = -1, faded_from_ = 0, fading_ = 0;
-    std::uint64_t intervals_ = 0;
+    FrameWatch frames_;
+    int superseded_ = 0;
+    std::uint64_t held_frames_ = 0;
+    double faded_from_ = 0, fading_ = 0;
     Vec3 end_;                                              // of the spring: where it is sent,
     Eigen::Vector3d moved_from_ = Eigen::Vector3d::Zero();  // from there,
     double moved_at_ = 0, move_time_ = 0;                   // s: since then, in that time

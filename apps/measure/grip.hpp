@@ -1,11 +1,15 @@
 #pragma once
-// Single keys from the terminal, if there is one; as it was when this object goes.
+// How a person takes a thing and lets go of it: space, or the device's first button while it is pressed.
+
+#include <cstdint>
+#include <optional>
 
 #include <termios.h>
 #include <unistd.h>
 
-namespace dock {
+namespace knurl::measure {
 
+/// Single keys from the terminal, if there is one; as it was when this object goes.
 class Keys {
   public:
     Keys() {
@@ -15,6 +19,7 @@ class Keys {
         termios keys = before_;
         keys.c_lflag &= static_cast<tcflag_t>(~(ICANON | ECHO));
         keys.c_cc[VMIN] = keys.c_cc[VTIME] = 0;
+        keys.c_cc[VSUSP] = _POSIX_VDISABLE;  // who stood still would go on holding what he holds
         there_ = ::tcsetattr(STDIN_FILENO, TCSANOW, &keys) == 0;
     }
     ~Keys() {
@@ -35,4 +40,21 @@ class Keys {
     bool there_ = false;
 };
 
-}  // namespace dock
+/// Whether something is to be taken (true) or let go of (false); nothing: neither.
+class Grip {
+  public:
+    /// In every cycle.
+    std::optional<bool> button(std::uint32_t buttons) {
+        const bool pressed = (buttons & 1) != 0;
+        if (pressed == pressed_) return {};
+        return pressed_ = pressed;
+    }
+    static std::optional<bool> key(char key, bool holds) {
+        return key == ' ' ? std::optional(!holds) : std::nullopt;
+    }
+
+  private:
+    bool pressed_ = false;
+};
+
+}  // namespace knurl::measure
