@@ -83,13 +83,13 @@ Cap prepared(Cap params, const Limits& limits) noexcept {
 void adopt(const Cap& params, const Cap* previous, Cap::State& state, const Probe&) noexcept {
     if (!previous || !(params.foot == previous->foot) || !(params.normal == previous->normal) ||
         !(params.velocity == previous->velocity)) {
-        place(state);
+        place(state.motion);
     }
 }
 
 Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double dt) noexcept {
-    move_on(state, dt);
-    const Vector3d q = from_surface(params.foot, params.velocity, state, probe);
+    move_on(state.motion, dt);
+    const Vector3d q = from_surface(params.foot, params.velocity, state.motion, probe);
     const Vector3d normal = to_eigen(params.normal), axis = to_eigen(params.axis);
     const double z = normal.dot(q);
     const double curvature = felt(params.curvature, probe);

@@ -3,14 +3,14 @@
 
 #include <knurl/reps/plane.hpp>
 
-#include "clamped.hpp"
+#include "surface.hpp"
 
 namespace knurl {
 namespace {
 
 double raw_height(const Plane& plane, const Plane::State& state, const Probe& probe) noexcept {
     const Eigen::Vector3d n = to_eigen(plane.normal);
-    return n.dot(probe.position) - plane.offset - n.dot(to_eigen(plane.velocity)) * state.moving -
+    return n.dot(probe.position) - plane.offset - n.dot(to_eigen(plane.velocity)) * state.motion.time -
            probe.radius;
 }
 
@@ -37,8 +37,7 @@ void adopt(const Plane& params, const Plane* previous, Plane::State& state, cons
         recovers && previous ? std::max(0.0, -(raw_height(*previous, state, probe) + state.lowered)) : 0;
     if (!previous || !(params.normal == previous->normal) || params.offset != previous->offset ||
         !(params.velocity == previous->velocity)) {
-        state.moving = 0;
-        state.placed = 1;
+        place(state.motion);
     }
     state.lowered = 0;
     state.remaining = 0;
@@ -53,9 +52,7 @@ void adopt(const Plane& params, const Plane* previous, Plane::State& state, cons
 Contact contact(const Plane& params, Plane::State& state, const Probe& probe, double dt) noexcept {
     if (state.remaining > 0 && dt > 0)
         advance(state.remaining, dt, [&](double share) { state.lowered -= share * state.lowered; });
-    // In the cycle that adopts it a plane is where it was said to be.
-    if (state.placed == 0) state.moving += dt;
-    if (dt > 0) state.placed = 0;
+    move_on(state.motion, dt);
     return {.normal = to_eigen(params.normal),
             .height = raw_height(params, state, probe) + state.lowered,
             .stiffness = params.stiffness,

@@ -1,6 +1,7 @@
 // The joint contact solution of each probe, layered by stiffness, and the cross-fade between two such sets.
 
 #include <cmath>
+#include <utility>
 
 #include "clamped.hpp"
 #include "scene_core.hpp"
@@ -64,20 +65,25 @@ double SceneCore::ask_one(const ContactSet& set, const Group& group, double dt, 
     Record& r = record(a.owner[i]);
     if (r.asked < last_timed_) prime(r, group);
     const bool held = r.use.on_silence == OnSilence::hold && silence_ > 0;
-    const double step = r.asked == cycle_ || held ? 0 : dt;
+    const double step = r.asked == cycle_ ? 0 : dt;
     evaluated_ += r.asked != cycle_;
     r.asked = cycle_;
     const KindOps& ops = kind_ops()[r.kind];
+    // What holds in a silence stays where it is, as in the cycle that placed it. All else goes on: what it
+    // remembers of the probe's path, and a recovery.
+    Motion* const stays = held && step > 0 ? ops.motion(r) : nullptr;
+    const std::uint64_t placed = stays ? std::exchange(stays->placed, 1) : 0;
     const std::uint32_t count = ops.contact(r, group.probe, step, found_);
+    if (stays) stays->placed = placed;
     const auto& found = found_;
     if (ops.turns) {
         r.velocity = found[0].velocity;
-        if (step > 0) r.moved = now_.of(r.use.on_silence == OnSilence::hold);
+        if (step > 0 && !held) r.moved = now_.of(r.use.on_silence == OnSilence::hold);
     }
     if (r.rough) rough(a.owner[i]).share = found[0].friction;
     if (r.textured) {
         Rough& feel = rough(a.owner[i]);
-        feel.shift += step * r.velocity;
+        if (!held) feel.shift += step * r.velocity;
         const double speed = (group.probe.smooth_velocity - r.velocity).norm();
         const double gain = texture_gain(feel.texture, speed, limits_);
         for (std::uint32_t c = 0; c < count; ++c) {

@@ -56,7 +56,7 @@ struct KindOps {
     bool (*carry)(Record& old, const Record& next) noexcept = nullptr;   // true: the rest is equal too
     std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;     // of a surface
     void (*out_of_reach)(Record&) noexcept = nullptr;                    // its path so far is forgotten
-    Motion* (*motion)(Record&) noexcept = nullptr;                       // of a surface that turns
+    Motion* (*motion)(Record&) noexcept = nullptr;                       // of a surface
     const Asset* (*asset)(const Record&) noexcept = nullptr;             // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;

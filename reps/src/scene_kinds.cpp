@@ -174,7 +174,7 @@ struct Ops {
             out_of_reach(params_of<R>(r), state_of<R>(r));
     }
     static Motion* motion_of([[maybe_unused]] Record& r) noexcept {
-        if constexpr (turns_of<R>()) {
+        if constexpr (Surface<R>) {
             return &state_of<R>(r).motion;
         } else {
             return nullptr;

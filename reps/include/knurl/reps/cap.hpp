@@ -35,7 +35,9 @@ struct Cap {
     Snag snag = {};
     Texture texture = {};
 
-    using State = Motion;
+    struct State {
+        Motion motion;
+    };
 };
 
 template <>

@@ -10,6 +10,7 @@
 #include <knurl/reps/field.hpp>
 #include <knurl/reps/limits.hpp>
 #include <knurl/reps/material.hpp>
+#include <knurl/reps/motion.hpp>
 #include <knurl/reps/probe.hpp>
 #include <knurl/reps/wrench.hpp>
 
@@ -69,6 +70,7 @@ template <class R>
 concept Surface = Representation<R> &&
     requires(const R& params, typename R::State& state, const Probe& probe, double dt) {
         { contact(params, state, probe, dt) } noexcept -> std::same_as<Contact>;
+        { state.motion } -> std::same_as<Motion&>;            // by which it moves on; the scene may make it stay
         { params.stiffness } -> std::convertible_to<double>;  // N/m, the same between changes
         { params.velocity } -> std::convertible_to<Vec3>;     // m/s, likewise
         { params.friction } -> std::convertible_to<Friction>;
@@ -96,9 +98,9 @@ concept Effect = Representation<R> &&
 //       a surface with up to R::max_contacts tangent planes at once (the corner of a hollow box): fills in those
 //       that matter
 //   R::turns
-//       a surface whose material moves differently from place to place: Contact::velocity counts, not R's. Its state
-//       has a `motion` (motion.hpp), and its bound holds while it moves on: where it is out of reach it is not asked,
-//       and is put where it has come to before it is asked again
+//       a surface whose material moves differently from place to place: Contact::velocity counts, not R's. Its bound
+//       holds while it moves on: where it is out of reach it is not asked, and is put where it has come to before it is
+//       asked again
 //   bool recovers_itself(const R&)
 //       its own state brings a change in: left out of the cross-fade
 //   R carried(const R& old, const R& next)

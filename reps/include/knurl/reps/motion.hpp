@@ -6,8 +6,10 @@ namespace knurl {
 
 /// Since when a surface moves on from where it was placed: it has gone velocity x time.
 struct Motion {
-    double time = 0;           // s
-    std::uint64_t placed = 0;  // 1: in the cycle that placed it, where it is as it was said to be
+    double time = 0;  // s
+    // 1: it stays where it is in this cycle, as in the one that placed it. The scene says so, too, in a
+    // silence through which it holds.
+    std::uint64_t placed = 0;
 };
 
 }  // namespace knurl

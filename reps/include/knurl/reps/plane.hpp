@@ -42,10 +42,9 @@ struct Plane {
     Texture texture = {};
 
     struct State {
-        double lowered = 0;        // m, how far below its place the plane still is (paper, last_depth)
-        double remaining = 0;      // s, until it has arrived
-        double moving = 0;         // s, since its place was given: it has moved on by velocity x this
-        std::uint64_t placed = 0;  // 1: its place was given in this cycle
+        double lowered = 0;    // m, how far below its place the plane still is (paper, last_depth)
+        double remaining = 0;  // s, until it has arrived
+        Motion motion;
     };
 };
 
