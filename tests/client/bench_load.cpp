@@ -140,7 +140,7 @@ int run(const Options& options) {
     if (cpus.size() < 2) throw std::runtime_error("it needs a CPU beside the servo's; this process has one");
     Bench bench(options, cpus.front());
     measure::pin_this_thread(cpus.front());  // only now: the servo would have inherited it
-    bench.loading();  // how long that takes, and all memory touched once
+    bench.loading();                         // how long that takes, and all memory touched once
     measure::Blocks quiet, other, loading;
     for (int i = 0; i < options.blocks; ++i) {
         quiet.add(bench.quiet());
