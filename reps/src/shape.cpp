@@ -121,17 +121,17 @@ std::optional<Bound> bound(const Shape& params, const Shape::State& state) noexc
     if (!state.asset) return Bound{};
     const Pose pose(params, state.motion);
     const Vector3d middle = (state.asset->low + state.asset->high) / 2;
-    Vector3d out = pose.turn * middle;
+    Vector3d arm = pose.turn * middle;
     double radius = (state.asset->high - state.asset->low).norm() / 2;
     const Vector3d spin = to_eigen(params.angular_velocity);
     if (const double rate = spin.norm(); rate > 0) {
-        const Vector3d axis = spin / rate, along = axis.dot(out) * axis;
-        radius += (out - along).norm();
-        out = along;
+        const Vector3d axis = spin / rate, along = axis.dot(arm) * axis;
+        radius += (arm - along).norm();
+        arm = along;
     }
     // What the rounding of its pose may hide, where its origin lies far away.
     radius += 1e-14 * (middle.lpNorm<1>() + pose.position.lpNorm<1>());
-    return Bound{.center = out + pose.position, .radius = radius, .velocity = to_eigen(params.velocity)};
+    return Bound{.center = arm + pose.position, .radius = radius, .velocity = to_eigen(params.velocity)};
 }
 
 void out_of_reach(const Shape&, Shape::State& state) noexcept {
