@@ -258,7 +258,7 @@ int replay(const Arguments& arguments) {
 
     const std::string why_not = replaying.why_not();
     if (required && !why_not.empty()) throw std::runtime_error(why_not);
-    if (!why_not.empty()) fmt::print(stderr, "knurl replay: {}\n", why_not);
+    if (!why_not.empty() && !replaying.first_difference()) fmt::print(stderr, "knurl replay: {}\n", why_not);
     fmt::print("{}: {} reports{}{}\n", arguments.file, reports, csv ? " written to " + arguments.csv : "",
                why_not.empty() ? "; " + replaying.outcome() : "");
     if (other) other->say();
