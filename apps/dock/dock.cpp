@@ -2,11 +2,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <grip.hpp>
 
-#include "heat.hpp"
+#include "pull_bound.hpp"
 
 namespace dock {
 
@@ -85,7 +86,8 @@ class Session {
           key_(key),
           pace_(simulation, options.rate),
           unwrapped_(10 * options.box),
-          heat_(options.greatest_temperature),
+          pull_bound_(options.greatest_temperature,
+                      options.box > 0 ? 10 * options.box : std::numeric_limits<double>::infinity()),
           coupling_({.scale = scale_of(options),
                      .stiffness = options.stiffness,
                      .interval = 1 / options.rate,
@@ -152,16 +154,16 @@ class Session {
         if (frame.energies)  // and one that is no number is none of less
             hot_ = !(frame.energies->temperature <= (hot_ ? cooled : 1) * options_.greatest_temperature);
         docked_.hot += hot_;
-        coupling_.bound(hot_ ? 0 : std::min(options_.greatest_force, coolest_force(frame)));
+        coupling_.bound(hot_ ? 0 : std::min(options_.greatest_force, most_force(frame)));
         push_ = knurl::to_eigen(coupling_.frame(knurl::to_plain(place), clock()));
         simulation_.pull(static_cast<std::int32_t>(docked_.atom), push_);
         atom_ = knurl::to_eigen(coupling_.to_hand(knurl::to_plain(place)));
     }
 
-    double coolest_force(const ImdFrame& frame) {
-        if (!frame.energies) return options_.greatest_force;
-        return heat_.force(
-            {.temperature = frame.energies->temperature,
+    double most_force(const ImdFrame& frame) {
+        return pull_bound_.force(
+            {.temperature =
+                 frame.energies ? frame.energies->temperature : std::numeric_limits<double>::quiet_NaN(),
              .atoms = frame.atoms.size(),
              .steps = pace_.steps(),
              .way = coupling_.compliance() * scale_of(options_).force / scale_of(options_).length,
@@ -196,7 +198,7 @@ class Session {
                 if (away < nearest) nearest = away, docked_.atom = static_cast<long>(i);
             }
         }
-        heat_.hold();
+        pull_bound_.hold();
         unwrapped_.forget();
         const Vector3d place = unwrapped_(newest_.atoms[static_cast<std::size_t>(docked_.atom)]);
         coupling_.hold(knurl::to_plain(place), report_.position);
@@ -339,7 +341,7 @@ class Session {
     const Clock::time_point started_ = Clock::now();
     Pace pace_;
     Unwrapped unwrapped_;
-    HeatBound heat_;
+    PullBound pull_bound_;
     knurl::Coupling coupling_;
     knurl::Claim hand_;
     knurl::Representing<knurl::Spring> spring_;

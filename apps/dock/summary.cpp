@@ -104,10 +104,10 @@ std::string text_of(const Summary& s, const Docked& d, const DockOptions& o) {
     const auto note = [&](std::uint64_t count, const std::string& what) {
         if (count > 0) line("in {} of {} frames {}", count, d.counts.frames, what);
     };
-    note(
-        d.counts.bounded,
-        fmt::format("the force on the atom was bounded: to {:g} kcal/mol/A, or so that it stays below {:g} K",
-                    o.greatest_force, o.greatest_temperature));
+    note(d.counts.bounded,
+         fmt::format("the force on the atom was bounded: to {:g} kcal/mol/A, so that it stays below {:g} K{}",
+                     o.greatest_force, o.greatest_temperature,
+                     o.box > 0 ? ", or so that one can tell where in its box it goes" : ""));
     note(d.hot, fmt::format("the atom was not pulled: above {:g} K", o.greatest_temperature));
     note(d.counts.short_of,
          "the spring was shorter than the way to the atom: its account could not pay for more");

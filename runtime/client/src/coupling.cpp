@@ -18,6 +18,7 @@ constexpr double a_jump = 8;          // times the body's usual stray
 constexpr double least_jump = 0.01;   // m
 constexpr double all_gone = 0.02;     // N that are still felt of a spring that has faded
 constexpr std::uint64_t learnt = 10;  // frames after which the usual is known
+constexpr double fade_in = 0.05;      // s in which a spring that takes hold becomes stiff
 
 Vector3d at_most(const Vector3d& v, double length) {
     const double n = v.norm();
@@ -84,7 +85,15 @@ bool Coupling::still_fades() const {
     return fading_ > 0 || force_.norm() > all_gone;
 }
 
-/// From here on, with nothing in the spring.
+/// A spring that nobody feels goes with the hand. Else it would become stiff with its end still on the way
+/// from where the last hold left it: the servo moves the end and fades the stiffness in the same time.
+void Coupling::park() {
+    end_ = to_plain(hand_);
+    moved_from_ = hand_;
+    move_time_ = 0;
+}
+
+/// From here on, with nothing in the spring. Its end is in the servo where it was sent last.
 void Coupling::begin() {
     account_.lost = account_.hand - account_.body;
     account_.spring = 0;
@@ -94,9 +103,10 @@ void Coupling::begin() {
     force_.setZero();
     body_.reset();
     for (Vector3d& force : sent_) force.setZero();
+    moved_from_ = to_eigen(end_);
     end_ = to_plain(hand_);
-    moved_from_ = hand_;
-    move_time_ = 0;
+    move_time_ = fade_in;
+    begins_ = true;
 }
 
 void Coupling::let_go(double now) {
@@ -197,13 +207,16 @@ void Coupling::move_end(const Vector3d& body, double now) {
     }
     const Vector3d end = hand_ + stretch;
     // Where it is now: as the force says, and, of a device that gives no more force, as it was sent.
+    if (begins_) begun_at_ = moved_at_ = now;
+    begins_ = false;
     const double share = move_time_ > 0 ? std::min(1.0, (now - moved_at_) / move_time_) : 1;
     const Vector3d sent = moved_from_ + share * (to_eigen(end_) - moved_from_);
     const double way = std::max((end - hand_ - force_ / stiffness_).norm(), (end - sent).norm());
     moved_from_ = sent;
     moved_at_ = now;
     end_ = to_plain(end);
-    move_time_ = std::max(std::min(interval(), options_.longest_move), way / options_.greatest_speed);
+    move_time_ = std::max({std::min(interval(), options_.longest_move), way / options_.greatest_speed,
+                           begun_at_ + fade_in - now});
 }
 
 /// The body will have moved by what it was sent already when this one begins to act, and while it acts it
@@ -242,8 +255,10 @@ Coupling::State Coupling::watch(double now) {
             fade_from(now);
         }
     }
-    const bool fades = state_ == State::stopped || state_ == State::idle;
-    if (fades) fading_ = std::clamp(1 - (now - faded_from_) / options_.fade, 0.0, fading_);
+    if (state_ == State::stopped || state_ == State::idle) {
+        fading_ = std::clamp(1 - (now - faded_from_) / options_.fade, 0.0, fading_);
+        if (!still_fades()) park();
+    }
     return state_;
 }
 

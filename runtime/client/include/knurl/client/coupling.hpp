@@ -110,6 +110,7 @@ class Coupling {
     void begin();
     void fade_from(double now);
     bool still_fades() const;
+    void park();
     std::optional<Eigen::Vector3d> moved_to(const Vec3& body);
     void measure_compliance(const Eigen::Vector3d& force, const Eigen::Vector3d& way);
     void move_end(const Eigen::Vector3d& body, double now);
@@ -136,6 +137,8 @@ class Coupling {
     Vec3 end_;                                              // of the spring: where it is sent,
     Eigen::Vector3d moved_from_ = Eigen::Vector3d::Zero();  // from there,
     double moved_at_ = 0, move_time_ = 0;                   // s: since then, in that time
+    bool begins_ = false;                                   // held, and no frame has moved the end yet
+    double begun_at_ = 0;                                   // s
 };
 
 }  // namespace knurl
