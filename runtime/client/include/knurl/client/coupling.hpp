@@ -77,7 +77,8 @@ class Coupling {
     explicit Coupling(const CouplingOptions& options);
 
     /// The body is where the hand is, from now on, as far as the hand can tell: no force until one of them
-    /// moves, and the whole stiffness after 50 ms. What fades of a hold before fades first: meanwhile it is `stopped`.
+    /// moves, and the whole stiffness after 50 ms. What fades of a hold before fades first: meanwhile it is
+    /// `stopped`.
     void hold(const Vec3& body, const Vec3& hand);
     void let_go(double now);  // the spring fades
 
@@ -91,7 +92,8 @@ class Coupling {
     Vec3 frame(const Vec3& body, double now);
     /// A frame that came with newer ones behind it: what was sent last acts on, and is not replaced for this.
     void superseded(const Vec3& body);
-    /// To be called before each spring(), also while nothing is held: the spring's end then goes with the hand.
+    /// To be called before each spring(), also while nothing is held: the spring's end then goes with the
+    /// hand.
     State watch(double now);
     /// For Representing<Spring>::set.
     Spring spring() const;
