@@ -79,8 +79,11 @@ class Coupled {
     /// What it has computed.
     void show(const World& world, double now) {
         frames_.frame(now);
-        for (std::size_t body = 0; body < seen_.size(); ++body) seen_[body] = world.after(body);
-        show_touched(world);
+        for (std::size_t body = 0; body < seen_.size(); ++body) {
+            seen_[body] = world.after(body);
+            if (world.leapt(body) || world.lost() == body) jumped(body, now);
+        }
+        tell_touched([&](Touch& touch) { return touch.stepped(world, interval()); });
         hold_.stepped(world, interval());
         tell_springs(now);
     }
@@ -88,19 +91,16 @@ class Coupled {
     Frames watch(double now) {
         const Frames state = frames_.watch(now);
         if (state == Frames::on_time) return state;
-        for (Touching& t : touching_) t.shape.set(t.touch.rest());
+        tell_touched([](const Touch& touch) { return touch.rest(); });
         if (state == Frames::stopped && held()) let_go(now);
         tell_springs(now);
         return state;
     }
-    /// Where no step has taken it: it was reset, or put there. No force steps, and it is no work.
+    /// Where no step has taken it: it was reset, or put there. No force steps, and it is no work. (A jump
+    /// within a step, or to a place that is no number, is seen when the step is shown.)
     void look_for_jumps(const World& world, double now) {
         for (std::size_t body = 0; body < seen_.size(); ++body) {
-            if (world.after(body).is_near(seen_[body])) continue;
-            if (held() == body) let_go(now);
-            for (Touching& t : touching_)
-                if (t.touch.body() == body) t.touch.jumped();
-            ++jumps_;
+            if (!world.after(body).is_near(seen_[body])) jumped(body, now);
         }
     }
 
@@ -151,12 +151,18 @@ class Coupled {
         for (const Touching& t : touching_) all += (t.touch.*of_touch)();
         return all;
     }
+    void jumped(std::size_t body, double now) {
+        if (held() == body) let_go(now);
+        for (Touching& t : touching_)
+            if (t.touch.body() == body) t.touch.jumped();
+        ++jumps_;
+    }
     /// All surfaces of a probe fade as one: one that is set at once would end the fade of another.
-    void show_touched(const World& world) {
+    void tell_touched(auto shape_of) {
         std::vector<knurl::Shape> shapes;
         double fade = 0;
         for (Touching& t : touching_) {
-            shapes.push_back(t.touch.stepped(world, interval()));
+            shapes.push_back(shape_of(t.touch));
             fade = std::max(fade, t.touch.fades_for());
         }
         for (std::size_t i = 0; i < shapes.size(); ++i) {

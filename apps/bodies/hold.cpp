@@ -1,8 +1,17 @@
 #include "hold.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace bodies {
+
+namespace {
+
+constexpr double all_gone = 0.02;    // N that are still felt of springs that have faded
+constexpr double taking_anew = 0.1;  // s, in which new springs take the place of what still fades
+
+}  // namespace
 
 Vector3d Hold::arm(std::size_t spring) const {
     static const Vector3d corners[springs] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
@@ -10,6 +19,8 @@ Vector3d Hold::arm(std::size_t spring) const {
 }
 
 void Hold::take(const World& world, std::size_t body) {
+    // What still fades of the hold before would be gone at once, which is a step.
+    softly_ = softly_ || there_ > 0 || remains_ > all_gone;
     body_ = body;
     const Pose pose = world.after(body);
     for (std::size_t i = 0; i < springs; ++i) {
@@ -31,10 +42,12 @@ void Hold::feel(const knurl::Report& report, const Felts& felts) {
     orientation_ = knurl::to_eigen(report.orientation);
     velocity_ = knurl::to_eigen(report.velocity);
     spin_ = knurl::to_eigen(report.angular_velocity);
-    account_.spring = 0;
+    account_.spring = remains_ = 0;
     for (std::size_t i = 0; i < springs; ++i) {
         const Vector3d point = position_ + orientation_ * arm(i);
-        const Vector3d force = felts[i] && body_ ? knurl::to_eigen(felts[i]->force) : Vector3d::Zero();
+        const Vector3d told = felts[i] ? knurl::to_eigen(felts[i]->force) : Vector3d::Zero();
+        const Vector3d force = body_ ? told : Vector3d::Zero();
+        remains_ = std::max(remains_, told.norm());
         // The trapezium is exact for a spring.
         if (felt_ && body_) account_.put_in(-0.5 * (force + forces_[i]).dot(point - points_[i]));
         if (felts[i] && felts[i]->stiffness > 0)
@@ -80,18 +93,20 @@ void Hold::stepped(const World& world, double interval) {
 
 std::array<knurl::Spring, Hold::springs> Hold::told(double now) {
     std::array<knurl::Spring, springs> all;
-    double there = 1;
+    there_ = 1;
     // What was let go comes to the hand as it fades, so that the hand is not drawn back to where that was.
     if (!body_) {
         ends_ = points_;
         move_ = options_.fade / 4;
-        there = let_go_ < 0 ? 0 : std::clamp(1 - (now - let_go_) / options_.fade, 0.0, 1.0);
+        there_ = let_go_ < 0 ? 0 : std::clamp(1 - (now - let_go_) / options_.fade, 0.0, 1.0);
     }
+    if (std::exchange(softly_, false)) soft_until_ = now + taking_anew;
+    const double soft = body_ ? soft_until_ - now : 0;
     for (std::size_t i = 0; i < springs; ++i)
         all[i] = {.anchor = knurl::to_plain(ends_[i]),
                   .attach = knurl::to_plain(arm(i)),
-                  .stiffness = share_ * there * options_.stiffness,
-                  .duration = move_};
+                  .stiffness = share_ * there_ * options_.stiffness,
+                  .duration = std::max(move_, soft)};
     return all;
 }
 

@@ -35,7 +35,8 @@ class Hold {
         for (auto* vectors : {&on_body_, &ends_, &points_, &forces_}) vectors->fill(Vector3d::Zero());
     }
 
-    /// The body as it is, with the hand as it was felt last: no force as yet.
+    /// The body as it is, with the hand as it was felt last: no force as yet. What still fades of a hold
+    /// before that goes over into it.
     void take(const World& world, std::size_t body);
     void let_go(double now);
     std::optional<std::size_t> held() const { return body_; }
@@ -64,6 +65,10 @@ class Hold {
     double let_go_ = -1;                       // s, when; below 0: never
     Vector3d position_ = Vector3d::Zero(), velocity_ = Vector3d::Zero(), spin_ = Vector3d::Zero();
     Quaterniond orientation_ = Quaterniond::Identity();
+    bool softly_ = false;    // it is taken while something fades
+    double soft_until_ = 0;  // s
+    double there_ = 0,
+           remains_ = 0;  // of the springs: share that was told last; N, the most that is felt of one
     std::array<Vector3d, springs> points_, forces_;
     bool felt_ = false, first_ = false;
     double share_ = 1;  // of the stiffness, that the account pays for

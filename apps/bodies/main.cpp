@@ -51,6 +51,11 @@ void describe(CLI::App& app, Wishes& w) {
     app.add_option("--slow", w.play.slow, "s that each step of the simulation takes longer")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 10.0));
+    app.add_option(
+           "--lose-at", w.play.lose_at,
+           "s after which the engine loses the body that is held, or the first one; to see what that is "
+           "like")
+        ->check(CLI::Range(0.0, 1e6));
     app.add_option("--seconds", w.play.seconds, "s to play; 0: until Ctrl-C")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);

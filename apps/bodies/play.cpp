@@ -1,6 +1,7 @@
 #include "play.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto patience = 10s;
+constexpr double faded = 0.4;  // s after which nothing is felt of what was let go
 
 void arm_when_slow(knurl::Claim& hand, const std::atomic<bool>& stop) {
     const auto begin = Clock::now();
@@ -87,8 +89,9 @@ class Play {
             if (pressed == 'q') break;
             reset_ |= pressed == 'r';
             grip(report->buttons, pressed);
-            if (!stepping_ && now_ >= due_) begin(simulation);
+            if (!stepping_ && now_ >= due_ && !world_.lost()) begin(simulation);
             watch();
+            require_bodies();
             if (first_ >= 0 && !record(*report)) break;
         }
         return finish();
@@ -119,9 +122,23 @@ class Play {
         if (reset_) energy_ += world_.reset();
         reset_ = false;
         if (take_) take();
+        if (options_.lose_at > 0 && first_ >= 0 && now_ - first_ > options_.lose_at)
+            world_.kick(coupled_.held().value_or(0), Vector3d::Constant(NAN));
         due_ = std::max(due_ + dt_, now_);
         simulation.begin(dt_, coupled_.orders(world_, now_));
         stepping_ = true;
+    }
+
+    /// One whose place is no number was let go as its frame was shown, and no frame comes after that.
+    void require_bodies() {
+        if (!world_.lost() || stepping_) return;
+        if (lost_ < 0) lost_ = now_;
+        if (now_ - lost_ < faded) return;
+        throw std::runtime_error(
+            fmt::format("the engine has lost the {}: it says a place that is no number; all was let go. "
+                        "Start again, with "
+                        "less stiffness (--stiffness, --spring) or more frames (--rate)",
+                        world_.bodies()[*world_.lost()].name));
     }
 
     void watch() {
@@ -201,7 +218,7 @@ class Play {
     Played played_;
     knurl::measure::Grip grip_;
     Frames frames_ = Frames::on_time;
-    double now_ = 0, first_ = -1, due_ = 0, energy_ = 0;
+    double now_ = 0, first_ = -1, lost_ = -1, due_ = 0, energy_ = 0;
     std::uint64_t last_ = 0, cycles_ = 1;
     std::size_t event_ = 0;
     bool stepping_ = false, take_ = false, reset_ = false, said_slow_ = false;

@@ -13,6 +13,7 @@ struct PlayOptions {
     std::string device;              // empty: the only one
     double rate = 60;                // Hz of the simulation's frames
     double slow = 0;                 // s that each step takes longer
+    double lose_at = 0;              // s: the engine loses a body, to see what that is like; 0: never
     double seconds = 0;              // 0: until `stop`
     const Script* script = nullptr;  // takes and lets go by it; else by button or key
     CoupledOptions coupled = {};
@@ -41,7 +42,8 @@ struct Played {
 };
 
 /// `told` gets a line where something is to be said; `key` is asked for a key that was pressed since (0:
-/// none): space takes and lets go, r puts all bodies where they were, q ends. Throws knurl::Error.
+/// none): space takes and lets go, r puts all bodies where they were, q ends. Throws knurl::Error, and
+/// std::runtime_error for an engine that has lost a body, once its force has faded.
 Played play(knurl::Client& client, World& world, const PlayOptions& options, const std::atomic<bool>& stop,
             const std::function<void(const std::string&)>& told, const std::function<char()>& key);
 

@@ -1,5 +1,7 @@
 #include "trial.hpp"
 
+#include <utility>
+
 namespace bodies {
 
 namespace {
@@ -48,7 +50,7 @@ Trial run_trial(World& world, const Script& script, const TrialOptions& options,
     Trial trial;
     const double dt = 1 / options.rate;
     double before = world.energy();
-    bool reset = false;
+    bool reset = false, kicked = false;
     const double seconds = options.seconds > 0 ? options.seconds : script.end();
     double next = 0;
     std::size_t event = 0;
@@ -72,7 +74,9 @@ Trial run_trial(World& world, const Script& script, const TrialOptions& options,
             before += world.reset();
             reset = true;
         }
-        if (!stopped && now >= next) {
+        if (options.kick_at >= 0 && now >= options.kick_at && !std::exchange(kicked, true))
+            world.kick(options.kicked, options.kick);
+        if (!stopped && !world.lost() && now >= next) {
             while (next <= now) next += dt;
             const Orders orders =
                 coupled ? coupled->orders(world, now) : loop->orders(world, knurl::to_eigen(report.position));

@@ -17,8 +17,11 @@ struct TrialOptions {
     bool clamp = true;                  // at what the device allows
     double stop_at = -1, stop_for = 0;  // s: the simulation stands still
     double reset_at = -1;               // s: all is where it was at first
-    double force_in_loop = 0;           // N/m: instead of all that, a force computed in each frame and sent
-    double seconds = 0;                 // 0: the script's
+    double kick_at = -1;                // s: something goes wrong in the engine, with the body `kicked`
+    std::size_t kicked = 0;
+    Vector3d kick = Vector3d::Zero();  // m/s
+    double force_in_loop = 0;          // N/m: instead of all that, a force computed in each frame and sent
+    double seconds = 0;                // 0: the script's
 };
 
 /// A cycle of the servo.

@@ -18,6 +18,7 @@ constexpr double margin = 0.5e-3;    // m, of Bullet's boxes
 constexpr double touching = 0.3e-3;  // m, between bodies that lean on each other
 constexpr int solver_rounds = 60;    // 10 are Bullet's; stacks of unlike weights want more
 constexpr double rolling = 2e-4;     // m, of a ball: how far before its middle the floor holds it up
+constexpr double fastest = 3;        // m/s, of a point of a body: more is no motion
 constexpr int mobility_rounds = 100;
 constexpr int settling = 300;               // steps of a millisecond before it begins
 constexpr double longest_part = 1.0 / 480;  // s, of a step: in 1/60 s what is let fall is 2.7 mm in the floor
@@ -180,10 +181,26 @@ void World::step(double dt, const std::vector<Push>& pushes, const std::vector<P
     }
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const btTransform& place = engine_->rigid[i]->getCenterOfMassTransform();
-        after_[i] = {from_bullet(place.getOrigin()) / larger, from_bullet(place.getRotation())};
+        const Pose pose{from_bullet(place.getOrigin()) / larger, from_bullet(place.getRotation())};
+        if (pose.is_one())
+            after_[i] = pose;
+        else if (!lost_)
+            lost_ = i;
     }
+    if (lost_) pulled_ = 0;
     dt_ = dt;
     ++steps_;
+}
+
+bool World::leapt(std::size_t body) const {
+    const double way =
+        (after_[body].position - before_[body].position).norm() +
+        bodies_[body].half.norm() * after_[body].orientation.angularDistance(before_[body].orientation);
+    return way > fastest * dt_;
+}
+
+void World::kick(std::size_t body, const Vector3d& velocity) {
+    engine_->rigid[body]->setLinearVelocity(to_bullet(larger * velocity));
 }
 
 Vector3d World::velocity(std::size_t body) const {

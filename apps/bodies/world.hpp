@@ -2,8 +2,11 @@
 // A tray with rigid bodies in it, in Bullet. Metres, kilograms and seconds here; Bullet sees everything
 // larger, since its margins and thresholds are made for things of half a metre, not of three centimetres.
 
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +36,7 @@ struct Tray {
 struct Pose {
     Vector3d position = Vector3d::Zero();
     Quaterniond orientation = Quaterniond::Identity();
+    bool is_one() const { return position.allFinite() && std::abs(orientation.norm() - 1) < 1e-3; }
     /// Within a tenth of a millimetre and what that is at a body's edge.
     bool is_near(const Pose& other) const {
         return (position - other.position).norm() < 1e-4 &&
@@ -75,6 +79,13 @@ class World {
     double last_dt() const { return dt_; }                         // s
     Pose before(std::size_t body) const { return before_[body]; }  // the newest step
     Pose after(std::size_t body) const { return after_[body]; }
+    /// The newest step took a point of it faster than anything goes here by itself: it has jumped.
+    bool leapt(std::size_t body) const;
+    /// Of which the engine said a place that is no number: it stays where it was before that, and no step
+    /// after it means anything.
+    std::optional<std::size_t> lost() const { return lost_; }
+    /// As if something in the engine had gone wrong: that is its velocity now (m/s).
+    void kick(std::size_t body, const Vector3d& velocity);
     /// With which the newest step took it from `before` to `after`.
     Vector3d velocity(std::size_t body) const;          // m/s
     Vector3d angular_velocity(std::size_t body) const;  // rad/s
@@ -99,6 +110,7 @@ class World {
     double gravity_, dt_ = 0, pulled_ = 0;
     std::uint64_t steps_ = 0;
     std::vector<Pose> first_, before_, after_;
+    std::optional<std::size_t> lost_;
     std::unique_ptr<Engine> engine_;
 };
 

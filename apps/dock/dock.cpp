@@ -103,6 +103,7 @@ class Session {
         if (!stop_ && options_.at_once) take();
         while (!over()) {
             feel();
+            if (simulation_.let_go_meanwhile()) was_stopped();
             take_frames();
             watch();
             spring_.set(coupling_.spring());
@@ -319,6 +320,14 @@ class Session {
         docked_.late = report_.late_count;
         if (hand_.connected()) hand_.release();
         return std::move(docked_);
+    }
+
+    /// The atom was let go, and what came since then was not the hand's doing.
+    void was_stopped() {
+        ++docked_.stopped;
+        const bool held = holds();
+        release();
+        if (held && options_.at_once) take();
     }
 
     Vector3d centre() const { return knurl::to_eigen(hand_.device().workspace_centre); }

@@ -66,6 +66,7 @@ struct Docked {
     double compliance = 0;    // m/N in a frame
     double energy_scale = 0;  // kcal/mol for a joule of the hand's
     std::uint64_t unread = 0, late = 0;
+    std::uint64_t stopped = 0;  // times that this program was stopped, and the atom let go meanwhile
     std::uint32_t faults = 0;
     std::string ended;  // why, if neither time nor the user ended it
 };

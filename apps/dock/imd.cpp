@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -96,11 +98,44 @@ UniqueFd connected(const std::string& address, std::chrono::milliseconds patienc
 
 }  // namespace
 
-LastWord::LastWord(int socket, const std::string& bytes) {
+namespace {
+
+/// Of another process; no allocation.
+bool is_stopped(pid_t pid) {
+    char path[32], text[512];
+    std::snprintf(path, sizeof path, "/proc/%d/stat", static_cast<int>(pid));
+    const int fd = ::open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return false;
+    const ssize_t got = ::read(fd, text, sizeof text - 1);
+    ::close(fd);
+    text[std::max<ssize_t>(got, 0)] = 0;
+    const char* const state = std::strrchr(text, ')');  // behind the name, which may hold anything
+    return state != nullptr && (state[2] == 'T' || state[2] == 't');
+}
+
+void say_to(int socket, const std::string& bytes) {
+    [[maybe_unused]] const ssize_t sent =
+        ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+constexpr auto look_for_stops = 50ms;
+
+}  // namespace
+
+void LastWord::Unmap::operator()(Shared* shared) const {
+    ::munmap(shared, sizeof *shared);
+}
+
+LastWord::LastWord(int socket, const std::string& when_dead, const std::string& when_stopped) {
+    void* const memory =
+        ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) throw ImdError(fmt::format("no memory: {}", std::strerror(errno)));
+    shared_.reset(new (memory) Shared);
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) throw ImdError(fmt::format("no pipe: {}", std::strerror(errno)));
     UniqueFd theirs(ends[0]);
     alive_ = UniqueFd(ends[1]);
+    const pid_t parent = ::getpid();
     pid_ = ::fork();
     if (pid_ < 0) throw ImdError(fmt::format("no second process: {}", std::strerror(errno)));
     if (pid_ > 0) return;
@@ -109,13 +144,22 @@ LastWord::LastWord(int socket, const std::string& bytes) {
     ::prctl(PR_SET_NAME, "imd-last-word");
     for (int fd = 0, last = static_cast<int>(::sysconf(_SC_OPEN_MAX)); fd < std::min(last, 1024); ++fd)
         if (fd != theirs.get() && fd != socket) ::close(fd);
+    bool said = false;
+    while (!poll_for(theirs.get(), POLLIN, look_for_stops)) {
+        const bool stopped = is_stopped(parent);
+        if (stopped && !said && !shared_->within_message) {
+            shared_->was_stopped = true;  // first: it may go on at any moment
+            say_to(socket, when_stopped);
+        }
+        said = stopped && (said || shared_->was_stopped);
+    }
     char byte;
     ssize_t got;
     while ((got = ::read(theirs.get(), &byte, 1)) < 0 && errno == EINTR) {
     }
     if (got == 0) {
         poll_for(socket, POLLOUT, 1s);
-        [[maybe_unused]] const ssize_t sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+        say_to(socket, when_dead);
         hear_out(socket, Clock::now() + 1s);
     }
     ::_exit(0);
@@ -130,7 +174,8 @@ Imd::Imd(const std::string& address, std::chrono::milliseconds patience)
     : address_(address), socket_(connected(address, patience)) {
     shake_hands(patience);
     last_word_.emplace(socket_.get(),
-                       imd_force(0, Eigen::Vector3f::Zero(), swapped()) + imd_header(ImdType::disconnect, 0));
+                       imd_force(0, Eigen::Vector3f::Zero(), swapped()) + imd_header(ImdType::disconnect, 0),
+                       imd_force(0, Eigen::Vector3f::Zero(), swapped()));
 }
 
 Imd::~Imd() {
@@ -229,8 +274,10 @@ void Imd::say(const std::string& message) {
 void Imd::flush() {
     if (unsent_.empty()) unsent_ = std::exchange(newest_force_, {});
     while (!unsent_.empty() && !ended_) {
+        if (last_word_) last_word_->within_message(true);
         const ssize_t sent =
             ::send(socket_.get(), unsent_.data(), unsent_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (sent == static_cast<ssize_t>(unsent_.size()) && last_word_) last_word_->within_message(false);
         if (sent < 0 && errno == EINTR) continue;
         if (sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return;
         if (sent < 0) {

@@ -7,9 +7,12 @@
 //         while (auto frame = simulation.next()) simulation.pull(17, force);
 //
 // A force stays until it is replaced, so that a program that dies would leave the atom pulled. This one does
-// not: its end lets go, and a second process, which does nothing else, does so if the first one is killed.
+// not: its end lets go, and a second process, which does nothing else, does so if the first one is killed or
+// stopped.
 
+#include <atomic>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -21,16 +24,29 @@
 
 namespace dock {
 
-/// Says `bytes` to a socket when this process dies, whatever it dies of.
+/// Says something to a socket when this process dies, whatever it dies of; and something else when it is
+/// stopped (SIGSTOP, a debugger), unless that was in the middle of a message.
 class LastWord {
   public:
-    LastWord(int socket, const std::string& bytes);
+    LastWord(int socket, const std::string& when_dead, const std::string& when_stopped);
     ~LastWord();  // not necessary any more: says nothing
     LastWord(const LastWord&) = delete;
     LastWord& operator=(const LastWord&) = delete;
 
+    /// Whether a message has begun and has not gone out whole: then nothing can be said behind it.
+    void within_message(bool so) { shared_->within_message = so; }
+    /// Whether it was said since the last call that this process was stopped.
+    bool was_stopped() { return shared_->was_stopped.exchange(false); }
+
   private:
-    knurl::shm::UniqueFd alive_;  // its end of a pipe; closed by the kernel if nobody else does
+    struct Shared {
+        std::atomic<bool> within_message{false}, was_stopped{false};
+    };
+    struct Unmap {
+        void operator()(Shared* shared) const;
+    };
+    std::unique_ptr<Shared, Unmap> shared_;  // with the second process
+    knurl::shm::UniqueFd alive_;             // its end of a pipe; closed by the kernel if nobody else does
     pid_t pid_ = -1;
 };
 
@@ -56,6 +72,8 @@ class Imd {
     /// newest.
     void pull(std::int32_t atom, const Eigen::Vector3d& force);
     void let_go() { pull(0, Eigen::Vector3d::Zero()); }
+    /// This process was stopped since the last call, and the atom was let go meanwhile.
+    bool let_go_meanwhile() { return last_word_ && last_word_->was_stopped(); }
     void set_rate(int steps);  // between frames
     void kill();               // the simulation shall end
 

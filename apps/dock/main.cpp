@@ -133,6 +133,8 @@ int run(Wishes& w) {
     if (w.kill) simulation.kill();
     fmt::print("  {} atoms, {} byte order; atom {}\n", docked.atoms,
                docked.swapped ? "the other" : "this machine's", docked.atom);
+    if (docked.stopped > 0)
+        fmt::print("  this program was stopped {} times; the atom was let go meanwhile\n", docked.stopped);
     const dock::Summary summary = dock::summarise(docked, o);
     fmt::print("{}", dock::text_of(summary, docked, o));
     if (!w.csv.empty()) dock::write_csv(w.csv, docked);

@@ -36,18 +36,32 @@ void SceneCore::place_probes(const Probe& hand) noexcept {
     }
 }
 
-// Weights only ever move by their rates, so nothing jumps whatever set_silence is told.
+namespace {
+
+// Whatever set_silence is told, what it changes moves by these rates only, so nothing jumps.
+constexpr double fade_out = 0.1, fade_in = 0.05;  // s
+
+double weight_after(double from, bool out, double dt) noexcept {
+    const double to = out ? std::max(0.0, from - dt / fade_out) : std::min(1.0, from + dt / fade_in);
+    return to < 1e-12 ? 0 : to > 1 - 1e-12 ? 1 : to;
+}
+
+}  // namespace
+
+// What holds stays where it is at once. With what velocity it rubs, damps and carries its texture is a force,
+// which must not step.
+void SceneCore::advance_pace(double dt) noexcept {
+    pace_ = weight_after(pace_, silence_ > 0, dt);
+}
+
 void SceneCore::advance_weights(double dt) noexcept {
-    constexpr double fade_out = 0.1, fade_in = 0.05;  // s
     bool changed = false, arrived = true;
     const auto advance = [&](Record& r) {
         if (r.use.on_silence == OnSilence::hold) return;
         const double delay = r.use.on_silence == OnSilence::move ? r.use.silence_time : 0;
         const bool fades = silence_ > delay, will_fade = silence_ > 0 && !fades;
         const double before = r.weight;
-        r.weight = fades ? std::max(0.0, r.weight - dt / fade_out) : std::min(1.0, r.weight + dt / fade_in);
-        if (r.weight < 1e-12) r.weight = 0;
-        if (r.weight > 1 - 1e-12) r.weight = 1;
+        r.weight = weight_after(r.weight, fades, dt);
         changed = changed || r.weight != before;
         arrived = arrived && !will_fade && r.weight == (fades ? 0 : 1);
     };
@@ -161,6 +175,7 @@ Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     core.before_ = core.now_;
     core.now_.all += dt;
     if (!(core.silence_ > 0)) core.now_.held += dt;
+    core.advance_pace(dt);
     core.evaluated_ = 0;
     if (core.moved_) core.take_placements();
     core.place_probes(hand);

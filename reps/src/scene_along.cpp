@@ -109,7 +109,7 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
                 return add_share(law, leading, group.bridge_law, share);
             }
             const Record& r = record(owner);
-            surface_velocity += share * r.velocity;
+            surface_velocity += share * velocity_of(r);
             if (!r.rough) return add_share(law, leading, FrictionLaw{}, share);
             const Rough& feel = rough(owner);
             add_share(law, leading, feel.share == 1 ? feel.law : scaled(feel.law, feel.share), share);
@@ -117,8 +117,7 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
             braking += share * feel.braking;
             if (!r.textured) return;
             const Vector3d n(a.nx[member], a.ny[member], a.nz[member]);
-            const double gain =
-                texture_gain(feel.texture, (group.probe.smooth_velocity - r.velocity).norm(), limits_);
+            const double gain = texture_gain_of(r, feel.texture, group);
             Relief under = relief(feel.texture, group.probe.position, n, feel.shift);
             under.slope *= gain;
             group.relief += texture_force(feel.texture, under, push, limits_);

@@ -84,8 +84,7 @@ double SceneCore::ask_one(const ContactSet& set, const Group& group, double dt, 
     if (r.textured) {
         Rough& feel = rough(a.owner[i]);
         if (!held) feel.shift += step * r.velocity;
-        const double speed = (group.probe.smooth_velocity - r.velocity).norm();
-        const double gain = texture_gain(feel.texture, speed, limits_);
+        const double gain = texture_gain_of(r, feel.texture, group);
         for (std::uint32_t c = 0; c < count; ++c) {
             found_[c].height -=
                 gain * relief(feel.texture, group.probe.position, found[c].normal, feel.shift).height;
@@ -108,6 +107,19 @@ double SceneCore::ask_one(const ContactSet& set, const Group& group, double dt, 
     return worst;
 }
 
+// A fine relief is gone at a speed that takes a few cycles to leave: what is felt of it, not the speed, moves
+// on evenly.
+double SceneCore::texture_gain_of(const Record& r, const Texture& texture,
+                                  const Group& group) const noexcept {
+    const auto at = [&](const Vector3d& velocity) {
+        return texture_gain(texture, (group.probe.smooth_velocity - velocity).norm(), limits_);
+    };
+    const double pace = pace_of(r);
+    if (pace == 1) return at(r.velocity);
+    const double stands = at(Vector3d::Zero());
+    return stands + pace * (at(r.velocity) - stands);
+}
+
 // Planes whose forces add up, as the paper's do.
 void SceneCore::add_summed(ContactSet& set, const Group& group) noexcept {
     const Arena& a = arenas_[arena_];
@@ -116,7 +128,7 @@ void SceneCore::add_summed(ContactSet& set, const Group& group) noexcept {
         const Record& r = record(a.owner[i]);
         const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
         const double k = r.stiffness * (set.scale == 1 ? r.weight : 1);
-        set.force += std::max(0.0, k * a.s[i] - a.b[i] * n.dot(group.probe.velocity - r.velocity)) * n;
+        set.force += std::max(0.0, k * a.s[i] - a.b[i] * n.dot(group.probe.velocity - velocity_of(r))) * n;
         set.touching = true;
     }
 }
@@ -175,7 +187,7 @@ double SceneCore::damped_force(ContactSet& set, const Group& group, const Layer&
         if (!(b > 0)) continue;
         weighted += b;
         const Owner owner = a.owner[at];
-        if (owner != bridge_owner) closing += b * record(owner).velocity.dot(m);
+        if (owner != bridge_owner) closing += b * velocity_of(record(owner)).dot(m);
     }
     const double felt = std::max(0.0, elastic - (weighted * group.probe.velocity.dot(m) - closing) / sum);
     set.force = felt * m;

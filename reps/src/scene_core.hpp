@@ -160,6 +160,7 @@ class SceneCore {
     void prime(Record& record, const Group& group) noexcept;
     double ask(ContactSet& set, const Group& group, double dt, double worst) noexcept;
     double ask_one(const ContactSet& set, const Group& group, double dt, std::uint32_t member) noexcept;
+    double texture_gain_of(const Record& record, const Texture& texture, const Group& group) const noexcept;
     void add_summed(ContactSet& set, const Group& group) noexcept;
 
     // scene_along.cpp
@@ -184,6 +185,10 @@ class SceneCore {
     // scene.cpp
     void place_probes(const Probe& hand) noexcept;
     void advance_weights(double dt) noexcept;
+    void advance_pace(double dt) noexcept;
+    // How much of its velocity counts: what holds in a silence stands still, by and by.
+    double pace_of(const Record& r) const noexcept { return r.use.on_silence == OnSilence::hold ? pace_ : 1; }
+    Eigen::Vector3d velocity_of(const Record& r) const noexcept { return pace_of(r) * r.velocity; }
 
     static constexpr std::uint32_t gone = 0xffffffff;
     using Place = std::uint32_t Slot::*;
@@ -198,6 +203,7 @@ class SceneCore {
     FadePolicy policy_;
     double silence_ = 0;         // s
     bool weights_move_ = false;  // not all are where the silence, or its end, takes them
+    double pace_ = 1;            // of what holds: 1 it moves, 0 the silence has brought it to rest
     bool settle_ = false;
     std::uint64_t cycle_ = 0;
     std::uint64_t last_timed_ = 0;  // the last cycle in which time passed

@@ -144,6 +144,7 @@ void SceneCore::clear() noexcept {
     counts_ = {};
     reach_.clear();
     now_ = before_ = {};
+    pace_ = 1;
     for (Group& group : groups_) {
         group.now = ContactSet{};
         group.old = ContactSet{};

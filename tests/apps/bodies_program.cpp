@@ -104,6 +104,13 @@ TEST_F(BodiesProgram, SaysThatTheSimulationIsSlowAndStaysStable) {
     EXPECT_LE(figure(slow.out, "the bodies got "), figure(slow.out, "the hand put in "));
 }
 
+TEST_F(BodiesProgram, SaysThatTheEngineHasLostABodyAndEndsWithAFailure) {
+    const Outcome lost = run({KNURL_BODIES_PROGRAM, "--demo", "--lose-at", "1"});
+    EXPECT_EQ(lost.code, 1);
+    EXPECT_THAT(lost.err, HasSubstr("the engine has lost the slab"));
+    EXPECT_THAT(lost.err, HasSubstr("all was let go"));
+}
+
 TEST_F(BodiesProgram, SaysWhatIsWrong) {
     const auto says = [](std::vector<std::string> words) {
         words.insert(words.begin(), KNURL_BODIES_PROGRAM);

@@ -1,5 +1,7 @@
 // Pushing, holding and stacking on a virtual clock: servo, hand and engine in step.
 
+#include <functional>
+#include <limits>
 #include <random>
 
 #include <compare.hpp>
@@ -219,6 +221,89 @@ TEST(BodiesTrial, WhatIsTakenAndLetGoAtOnceWhileItIsTouchedIsNoStep) {
     });
     EXPECT_GT(most, 0.5) << "N: it was pressed";
     EXPECT_LT(step, 0.1) << "N in a cycle";
+}
+
+/// N, the largest change of the force in a cycle from then on.
+struct Step {
+    double from, most = 0, force = 0;
+    Vector3d last = Vector3d::Zero();
+    void operator()(const Moment& moment) {
+        const Vector3d now = knurl::to_eigen(moment.report.scene_force);
+        if (moment.t > from) most = std::max(most, (now - last).norm());
+        last = now;
+        force = now.norm();
+    }
+};
+
+TEST_P(AtRate, WhatIsTakenAnewWhileTheSpringsStillFadeIsNoStep) {
+    for (const double lift : {0.0015, 0.06})  // m: it lies there still, and is in the air
+        for (const double after : {0.005, 0.02, 0.05, 0.1, 0.18, 0.3}) {  // s
+            SCOPED_TRACE("lifted by " + std::to_string(lift) + ", after " + std::to_string(after));
+            World world(usual_bodies());
+            const Vector3d above = world.after(cube).position + Vector3d(0, 0, 0.02);
+            Script script(above + Vector3d(0, 0, 0.04));
+            script.rest(0.3).to(above, 0.1).take().rest(0.2).to(above + Vector3d(0, 0, lift), 0.1).rest(0.3);
+            Step step{.from = script.end()};
+            for (int i = 0; i < 2; ++i) script.let_go().rest(after).take().rest(0.4);
+            double before = 0;
+            const Trial trial = run_trial(world, script, {.rate = GetParam()}, [&](const Moment& moment) {
+                step(moment);
+                if (moment.t < step.from) before = step.force;
+            });
+            EXPECT_EQ(trial.faults, 0u);
+            EXPECT_GT(before, 0.15) << "N: there was something to step";
+            EXPECT_LT(step.most, 0.1) << "N in a cycle";
+            if (lift > 0.01 && after < 0.01) {
+                EXPECT_GT(step.force, 0.5) << "N: it was caught again";
+            }
+            EXPECT_LE(trial.account.most_created, 0.01);
+        }
+}
+
+TEST_P(AtRate, ABodyThatTheEngineLosesIsLetGoAndNeverSent) {
+    for (const double at : {2.2, 7.5}) {  // while it is pushed, and carried
+        SCOPED_TRACE("at " + std::to_string(at));
+        World world(usual_bodies());
+        Step step{.from = at};
+        double before = 0;
+        const Trial trial = run_trial(world, push_take_and_stack(),
+                                      {.rate = GetParam(),
+                                       .kick_at = at,
+                                       .kicked = cube,
+                                       .kick = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()),
+                                       .seconds = at + 0.4},
+                                      [&](const Moment& moment) {
+                                          step(moment);
+                                          if (moment.t < at) before = step.force;
+                                      });
+        EXPECT_EQ(world.lost(), cube);
+        EXPECT_TRUE(world.after(cube).is_one());
+        EXPECT_EQ(trial.faults, 0u);
+        EXPECT_GT(before, 0.3) << "N: there was something to step";
+        EXPECT_LT(step.most, 0.1) << "N in a cycle";
+        EXPECT_LT(step.force, 1e-6) << "N, in the end";
+    }
+}
+
+TEST_P(AtRate, ABodyThatLeapsWithinAStepIsLetGo) {
+    for (const double at : {2.2, 7.5}) {
+        SCOPED_TRACE("at " + std::to_string(at));
+        World world(usual_bodies());
+        Step step{.from = at};
+        double before = 0;
+        const Trial trial = run_trial(
+            world, push_take_and_stack(),
+            {.rate = GetParam(), .kick_at = at, .kicked = cube, .kick = {0, 50, 20}, .seconds = at + 0.3},
+            [&](const Moment& moment) {
+                step(moment);
+                if (moment.t < at) before = step.force;
+            });
+        EXPECT_EQ(trial.faults, 0u);
+        EXPECT_GE(trial.jumps, 1u);
+        EXPECT_GT(before, 0.3) << "N: there was something to step";
+        EXPECT_LT(step.most, 0.1) << "N in a cycle";
+        EXPECT_LT(step.force, 1e-6) << "N, in the end";
+    }
 }
 
 }  // namespace

@@ -97,6 +97,31 @@ TEST_F(DockProgram, LetsGoHoweverItEnds) {
     }
 }
 
+TEST_F(DockProgram, LetsGoWhileItIsStoppedAndTakesHoldAgain) {
+    FakeImd simulation;
+    Background program(
+        {KNURL_DOCK_PROGRAM, simulation.address(), "--demo", "--atom", "1", "--seconds", "100"});
+    const auto is_pulled = [](const FakeImd::Forces& forces) {
+        return !forces.empty() && !is_let_go(forces);
+    };
+    for (int i = 0; i < 3; ++i) {
+        ASSERT_TRUE(simulation.eventually_pulled(is_pulled)) << i;
+        bool let_go = false;
+        // One that is stopped just within a message is left alone: another try then.
+        for (int tries = 0; tries < 4 && !let_go; ++tries) {
+            ::kill(program.pid(), SIGSTOP);
+            let_go = simulation.eventually_pulled(is_let_go, std::chrono::seconds(8));
+            ::kill(program.pid(), SIGCONT);
+        }
+        ASSERT_TRUE(let_go) << i;
+    }
+    ASSERT_TRUE(simulation.eventually_pulled(is_pulled));
+    EXPECT_EQ(program.end(SIGTERM), 0);
+    EXPECT_TRUE(simulation.eventually_pulled(is_let_go));
+    EXPECT_THAT(program.said(), testing::ContainsRegex("stopped [3-9] times"))
+        << "it is no other end of the simulation";
+}
+
 TEST_F(DockProgram, SaysThatTheSimulationEnded) {
     {
         FakeImd simulation({.once_pulled = true, .close_at = 60});

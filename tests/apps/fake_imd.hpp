@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <map>
 #include <mutex>
@@ -47,11 +48,11 @@ class FakeImd {
 
     std::string address() const;
     /// Waits until the forces on the atoms, as they stand, satisfy `so`, and until frames follow. False: not
-    /// in half a minute.
+    /// for so long.
     template <class So>
-    bool eventually_pulled(So so) {
+    bool eventually_pulled(So so, std::chrono::seconds patience = std::chrono::seconds(30)) {
         std::unique_lock lock(mutex_);
-        return changed_.wait_for(lock, std::chrono::seconds(30), [&] { return so(forces_); });
+        return changed_.wait_for(lock, patience, [&] { return so(forces_); });
     }
     bool eventually_gone();                          // the other end has closed
     bool was_pulled() const { return was_pulled_; }  // ever

@@ -126,6 +126,7 @@ void AssetIntake::pass_on(std::uint64_t ticket, Parcel& parcel) {
         0)
         no_memory(parcel.bytes);
     if (!event_) event_ = shm::UniqueFd(::epoll_create1(EPOLL_CLOEXEC));
+    asked_servo_ = true;
     parcel.building = parcel.door->offer(parcel.number, parcel.memory, parcel.bytes);
     parcel.memory.reset();
     epoll_event event{.events = EPOLLIN, .data = {.u64 = ticket}};
@@ -182,6 +183,7 @@ bool AssetIntake::forget(std::uint32_t stream, std::span<const std::byte> payloa
 
 /// A servo that does not listen just now is told when its place is wanted again.
 void AssetIntake::let_go(HeldOnes::iterator which) {
+    asked_servo_ = true;
     try {
         which->second.door->forget(which->first.second);
         held_.erase(which);

@@ -33,6 +33,8 @@ class AssetIntake {
     bool answers(std::string& why);
     /// Readable when answers() has something; -1: none was offered yet.
     int event() const noexcept { return event_.get(); }
+    /// Whether the servo was asked for something since the last call: a way there and back, or more.
+    bool asked_servo() noexcept { return std::exchange(asked_servo_, false); }
     /// That claim has gone.
     void drop(std::uint32_t stream) noexcept;
 
@@ -63,6 +65,7 @@ class AssetIntake {
     std::uint64_t last_ticket_ = 0;
     HeldOnes held_;        // by the servo
     shm::UniqueFd event_;  // an epoll set of those that are being built
+    bool asked_servo_ = false;
 };
 
 }  // namespace knurl::bridge

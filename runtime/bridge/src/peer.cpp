@@ -72,9 +72,13 @@ PeerStream* Peer::stream_of(std::uint32_t id) noexcept {
 
 bool Peer::serve(Desk& desk, std::int64_t now) {
     frames_.pump();
+    unfinished_ = false;
     while (const Frame* frame = frames_.next()) {
         heard_ns_ = now;
+        asked_servo_ = false;
         if (!take_frame(*frame, desk)) return false;
+        unfinished_ = assets_.asked_servo() || asked_servo_;
+        if (unfinished_) break;
     }
     if (frames_.state() == FrameStream::State::closed)
         return fail(frames_.reason().empty() ? "it hung up" : frames_.reason());
@@ -206,6 +210,7 @@ bool Peer::attach(std::span<const std::byte> payload, Desk& desk) {
         if (const auto reason = forbidden(message.request)) throw Error(Error::Kind::permission, *reason);
         message.request.delay_allowance = delay_allowance;
         const auto id = static_cast<std::uint32_t>(free - streams_.begin() + 1);
+        asked_servo_ = true;
         detail::Attachment attachment = link_->attach(message.request.device, message.request);
         const Attached attached{.terms = attachment.terms, .device = attachment.device_index, .stream = id};
         next_stream_ = id;  // the place after this one

@@ -48,7 +48,11 @@ class Peer {
     void heard(std::int64_t now) noexcept { heard_ns_ = now; }
 
     // Each false: it is to be closed, for why().
-    bool serve(Desk& desk, std::int64_t now);  // its connection has something, or room
+    /// Its connection has something, or room. As far as the first frame for which the servo has to be asked:
+    /// the others wait for no second one of the same peer.
+    bool serve(Desk& desk, std::int64_t now);
+    /// Frames may be left for the next round.
+    bool unfinished() const noexcept { return unfinished_; }
     bool serve_assets() { return assets_.answers(why_); }
     bool cycle(std::uint32_t device, const Report& report, std::uint64_t unseen, std::int64_t now,
                Desk& desk) noexcept;
@@ -90,6 +94,7 @@ class Peer {
     AssetIntake assets_{frames_};
     std::size_t next_stream_ = 0;
     std::int64_t heard_ns_;
+    bool asked_servo_ = false, unfinished_ = false;
     std::uint64_t replayed_ = 0, forged_ = 0;  // datagrams
     std::string why_;
 };

@@ -42,6 +42,8 @@ constexpr int most_bags = 8;      // of datagrams in one round; the others wait 
 constexpr int most_reports = 64;  // of one device in one round
 constexpr int most_calls = 64;    // in one round, most of them to be sent away at once,
 constexpr int most_accepts = 8;   // or to be heard, which takes longer
+constexpr std::size_t most_unfinished =
+    4;  // peers in one round that go on asking the servo, which takes as long
 // Whoever leaves may have a few on their way still; more of no session are said, once a minute.
 constexpr std::uint64_t few_strays = 64;
 constexpr std::int64_t strays_said_every_ns = 60'000'000'000;
@@ -167,6 +169,7 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
     const bool knew = peer.greeted();
     bool good = false;
     std::string why;
+    places_[place].round = round_;
     try {
         desk_.sessions =
             static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [](const Place& each) {
@@ -185,6 +188,23 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
     if (pulse_.is_open() && !watching_servo_) follow_servo();
     if (!good) return end(place, why, now, knew);
     follow(place);
+}
+
+bool Relay::anyone_unfinished() const {
+    return std::any_of(places_.begin(), places_.end(),
+                       [](const Place& place) { return place.peer && place.peer->unfinished(); });
+}
+
+/// By turns.
+void Relay::serve_unfinished(std::int64_t now) {
+    const std::size_t first = next_unfinished_;
+    for (std::size_t i = 0, served = 0; i < places && served < most_unfinished; ++i) {
+        const std::size_t place = (first + i) % places;
+        if (!places_[place].peer || !places_[place].peer->unfinished()) continue;
+        next_unfinished_ = (place + 1) % places;
+        ++served;
+        serve_peer(place, now);
+    }
 }
 
 void Relay::serve_assets(std::size_t place, std::int64_t now) {
@@ -352,11 +372,15 @@ void Relay::run(int signals) {
         if (!timed) last_tick_ns_ = 0;
         const std::int64_t left = std::max<std::int64_t>(0, last_tick_ns_ + tick_ns - now);
         const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()),
-                                       timed ? static_cast<int>((left + 999'999) / 1'000'000) : -1);
+                                       anyone_unfinished() ? 0
+                                       : timed             ? static_cast<int>((left + 999'999) / 1'000'000)
+                                                           : -1);
         if (count < 0 && errno != EINTR)
             throw std::runtime_error(detail::format("epoll_wait: {}", std::strerror(errno)));
         now = detail::monotonic_ns();
         bool gone = false, told = false;
+        ++round_;
+        serve_unfinished(now);
         for (int i = 0; i < count; ++i) {
             const epoll_event& event = events[static_cast<std::size_t>(i)];
             const auto what = static_cast<Source>(event.data.u64 >> 56);
@@ -391,7 +415,9 @@ void Relay::run(int signals) {
                     if (there) serve_assets(which, now);
                     break;
                 case Source::peer:
-                    if (there) serve_peer(which, now);
+                    // Once in a round; what is left is still there in the next one.
+                    if (there && places_[which].round != round_ && !places_[which].peer->unfinished())
+                        serve_peer(which, now);
                     break;
             }
         }

@@ -48,7 +48,8 @@ class Relay {
   private:
     struct Place {
         std::unique_ptr<Peer> peer;
-        std::uint32_t use = 0;  // events of an earlier peer find nobody
+        std::uint32_t use = 0;    // events of an earlier peer find nobody
+        std::uint64_t round = 0;  // in which it had its turn
         bool watches_hang_up = false;
         bool watches_writing = false;
         bool watches_assets = false;
@@ -59,6 +60,8 @@ class Relay {
     void accept_all(std::int64_t now);
     void take_datagrams(std::int64_t now);
     void serve_peer(std::size_t place, std::int64_t now);
+    void serve_unfinished(std::int64_t now);
+    bool anyone_unfinished() const;
     void serve_assets(std::size_t place, std::int64_t now);
     void serve_device(std::size_t device, std::int64_t now);
     void follow(std::size_t place);  // what it wants to be woken for
@@ -86,6 +89,8 @@ class Relay {
     Journal journal_;
     CallerRate caller_rate_;
     Desk desk_;
+    std::uint64_t round_ = 0;
+    std::size_t next_unfinished_ = 0;  // place
     std::int64_t last_tick_ns_ = 0, accept_after_ns_ = 0;
     std::uint64_t strays_ = 0;  // datagrams of no session, not said yet
     std::int64_t say_strays_after_ns_ = 0;
