@@ -77,12 +77,13 @@ void Servo::Impl::evaluate_scene(std::size_t index, const Probe& probe, double d
             c.evaluate(probe, dt);
         return;
     }
-    if (still.on && options.rest)
+    if (still.on && options.rest && passed > still.since)
         c.scene.pass(passed - still.since, clocks[index].time, c.in_world(passed_hand));
     still.on = c.still = false;
+    const bool changed = c.scene.changed();  // and may well be in the next cycle
     c.evaluate(probe, dt);
     // With some room: a hand that is about to leave the ball need not enter it.
-    if (!hand_usable || c.touching || c.scene.size() == 0 || c.scene.evaluated() > 0) return;
+    if (changed || !hand_usable || c.touching || c.scene.size() == 0 || c.scene.evaluated() > 0) return;
     constexpr double most = 10, least = 1e-4, ahead = 32;  // m, m, cycles
     const double within = std::min(most, c.scene.still_within() / std::abs(c.terms.frame.scale));
     if (!(within > least + ahead * dt * probe.velocity.norm()) || !c.wrench.force.isZero(0) ||
