@@ -111,7 +111,7 @@ def main():
         print(f"| {law['name']} | {law['law']['text']} | {law['design']}: {law['why']} | {law['verdict']} |")
     for goal in scaling_goals:
         span = "" if goal["interval"] is None else f" [{number(goal['interval'][0])}, {number(goal['interval'][1])}]"
-        print(f"| {goal['name']} | {number(goal['value'])}{span} | at most {number(goal['limit'])} | {goal['verdict']} |")
+        print(f"| {goal['name']} | {number(goal['value'])}{span} {goal['unit']} | at most {number(goal['limit'])} | {goal['verdict']} |")
     (folder / "all.json").write_text(json.dumps(
         {"format": {"program": "scripts/bench", "version": 1}, "machine": machine, "programs": programs}) + "\n")
 

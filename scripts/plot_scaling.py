@@ -86,11 +86,12 @@ def draw_goals(axes, scaling):
     axes.axis("off")
     axes.set_title("Goals", fontsize=10, fontweight="bold", loc="left", color=INK)
     for i, goal in enumerate(scaling["goals"]):
-        value = "too few samples" if goal["value"] is None else f"{goal['value'] / 1e3:.1f} us"
+        of, unit = (1e3, "us") if goal["unit"] == "ns" else (1, goal["unit"])
+        value = "too few samples" if goal["value"] is None else f"{goal['value'] / of:.1f} {unit}"
         if goal["interval"]:
-            value += f" [{goal['interval'][0] / 1e3:.1f}, {goal['interval'][1] / 1e3:.1f}]"
-        axes.text(0, 0.93 - 0.15 * i, goal["name"], fontsize=7.5, color=INK, transform=axes.transAxes)
-        axes.text(0, 0.87 - 0.15 * i, f"{value}; at most {goal['limit'] / 1e3:g} us: {goal['verdict']}", fontsize=7.5,
+            value += f" [{goal['interval'][0] / of:.1f}, {goal['interval'][1] / of:.1f}]"
+        axes.text(0, 0.93 - 0.12 * i, goal["name"], fontsize=7.5, color=INK, transform=axes.transAxes)
+        axes.text(0, 0.88 - 0.12 * i, f"{value}; at most {goal['limit'] / of:g} {unit}: {goal['verdict']}", fontsize=7.5,
                   color=BAD if goal["verdict"] == "worse" else FAINT, transform=axes.transAxes)
 
 

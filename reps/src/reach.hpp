@@ -15,14 +15,9 @@
 
 #include <Eigen/Core>
 
-namespace knurl::detail {
+#include <knurl/reps/scene_time.hpp>
 
-/// The time that a scene has been felt for.
-struct SceneTime {
-    double all = 0;   // s
-    double held = 0;  // s, without the silences, in which what is held stands still
-    double of(bool holds) const noexcept { return holds ? held : all; }
-};
+namespace knurl::detail {
 
 /// A ball that comes closer is a candidate two of these before it may be within reach, so a cycle may take as
 /// long.

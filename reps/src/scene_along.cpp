@@ -45,6 +45,11 @@ void each_push(const ContactSet& set, const Arena& a, const auto& stiffness_of, 
 
 }  // namespace
 
+bool rests_along(const Group& group) noexcept {
+    return !(group.friction.residual_time > 0) && !(group.pulse_left > 0) &&
+           (!group.rough || group.apart >= rearm_time);
+}
+
 // `force` is the contact's; the answer is that and all that lies along the surface.
 Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexcept {
     const double normal_force = force.norm();

@@ -71,6 +71,8 @@ inline const std::array<KindOps, Representations::size>& kind_ops() noexcept {
 Limits sane_limits(Limits limits) noexcept;
 /// As for a set that has never been solved.
 void forget_solution(ContactSet& set, const Group& group) noexcept;
+/// Nothing is felt along the surface, nor remembered of it, and time makes no difference any more.
+bool rests_along(const Group& group) noexcept;
 /// The number of the group's next fade.
 inline std::uint32_t next_fade(const Group& group) noexcept {
     return group.fade + 1 != 0 ? group.fade + 1 : 1;
@@ -181,6 +183,11 @@ class SceneCore {
     void tell_surfaces(std::uint32_t room, Put put) noexcept;
     template <class Put>
     void tell_touched(Put put) noexcept;
+
+    // scene_still.cpp
+    bool changed() const noexcept;
+    double still_within() const noexcept;
+    void pass(std::uint64_t cycles, const SceneTime& time, const Probe& hand) noexcept;
 
     // scene.cpp
     void place_probes(const Probe& hand) noexcept;

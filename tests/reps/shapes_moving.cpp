@@ -320,7 +320,7 @@ TEST(Reach, UntilItSaysNothingThatMovesComesNearerUnseen) {
                  true};
             reach.put_moving(slot, b.center, b.radius, b.velocity, b.since, b.holds);
         }
-        const detail::SceneTime now{.all = uniform(rng, 2, 2.5), .held = uniform(rng, 1.8, 2)};
+        const SceneTime now{.all = uniform(rng, 2, 2.5), .held = uniform(rng, 1.8, 2)};
         const Vector p = origin + 0.1 * direction(rng);
         const double within = scale(rng, 1e-6, 0.05);
         std::array<std::uint32_t, n> found;

@@ -37,6 +37,10 @@ struct Crowd {
             terms.observer = i >= applications;
             terms.capacity = {.representations = terms.observer ? 0u : 16u,
                               .batch_bytes = terms.observer ? 0u : 4096u};
+            if (i % 4 == 1) {
+                terms.frame.scale = 3;
+                terms.frame.world_centre = {0.01, 0.02, -0.03};
+            }
             terms.limits = limits_for(device.link(), options.rate, terms.frame);
             terms.update_interval = i % 3 == 0 ? 0.02 : 0;
             if (!terms.observer) {
@@ -69,16 +73,27 @@ struct Crowd {
                 return claim.reset_fault();
             case 3: {  // felt, and stiff enough for several to be too much
                 if (held.size() >= 3) return;
-                const Plane plane{.offset = 0.01, .stiffness = 1000 * size};
                 held.push_back({next_slot++ % 16, next_slot});
-                return claim.add(held.back(), kind_of<Plane>, &plane, sizeof plane);
+                if (next_slot % 8 == 0) {  // something with bounds, which the hand comes to now and then
+                    const Sphere ball{
+                        .center = {0.01, 0.02 * size - 0.02, 0}, .radius = 0.003, .stiffness = 300};
+                    return claim.add(held.back(), kind_of<Sphere>, &ball, sizeof ball);
+                }
+                Plane plane{.offset = 0.01, .stiffness = 1000 * size};
+                if (next_slot % 2 == 0) {  // out of reach for ever, or most of the time
+                    plane.offset = -0.01 - 0.04 * size;
+                    plane.friction = {.static_ = 0.5, .dynamic = 0.4};
+                }
+                const Use use{.on_silence = static_cast<OnSilence>(next_slot % 3)};
+                return claim.add(held.back(), kind_of<Plane>, &plane, sizeof plane, use);
             }
             case 4:
                 if (held.empty()) return;
                 claim.remove(held.back());
                 return held.pop_back();
             case 5:
-                if (!held.empty()) claim.update(held.back(), Plane{.offset = 0.01 * size, .stiffness = 200});
+                if (!held.empty() && held.back().generation % 8 != 0)
+                    claim.update(held.back(), Plane{.offset = 0.05 * size - 0.06, .stiffness = 200});
                 [[fallthrough]];
             default:
                 claim.commit();
@@ -125,7 +140,7 @@ void expect_same(Crowd& one, Crowd& other) {
 }
 
 TEST(Rest, NobodyCanTell) {
-    int silent = 0, shared = 0, active = 0, idle = 0, faults = 0;
+    int silent = 0, shared = 0, active = 0, idle = 0, faults = 0, still = 0;
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         std::mt19937_64 random(seed);
@@ -165,11 +180,16 @@ TEST(Rest, NobodyCanTell) {
             idle += state == DeviceState::idle;
             faults += state == DeviceState::fault;
             silent += resting.rows[0].silent.load() == 1;
+            for (std::size_t i = 0; i < Crowd::applications; ++i) {
+                const protocol::FeedbackHeader& said = resting.claims[i]->feedback().header;
+                still += !gone[i] && said.entries > 0 && said.cycle < resting.servo->last().cycle;
+            }
             shared += resting.claims[0]->feedback().header.stiffness_scale < 1;
         }
     }
     EXPECT_GT(silent, 100);
     EXPECT_GT(shared, 100);
+    EXPECT_GT(still, 10'000) << "scenes out of reach were not left alone";
     EXPECT_GT(active, 100);
     EXPECT_GT(idle, 100);
     EXPECT_GT(faults, 100);

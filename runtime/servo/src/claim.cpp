@@ -56,15 +56,19 @@ void Claim::Impl::watch_silence(Nanoseconds now) noexcept {
     scene.set_silence(silent_for);
 }
 
-void Claim::Impl::evaluate(const Probe& device_hand, double dt) noexcept {
-    empty_for = scene.size() == 0 && wrench.force.isZero(0) && wrench.torque.isZero(0) ? empty_for + dt : 0;
-    if (quiet()) return;
+Probe Claim::Impl::in_world(const Probe& device_hand) const noexcept {
     const protocol::Frame& f = terms.frame;
     Probe hand = device_hand;
     hand.position = f.scale * (device_hand.position - to_eigen(f.device_centre)) + to_eigen(f.world_centre);
     hand.velocity = f.scale * device_hand.velocity;
     hand.smooth_velocity = f.scale * device_hand.smooth_velocity;
-    wrench = scene.evaluate(hand, dt);
+    return hand;
+}
+
+void Claim::Impl::evaluate(const Probe& device_hand, double dt) noexcept {
+    empty_for = scene.size() == 0 && wrench.force.isZero(0) && wrench.torque.isZero(0) ? empty_for + dt : 0;
+    if (quiet()) return;
+    wrench = scene.evaluate(in_world(device_hand), dt);
     touching = felt.take(scene);
 }
 
@@ -72,8 +76,8 @@ bool Claim::Impl::nothing_to_do() const noexcept {
     if (dropping || forgotten != 0) return false;
     if (!channels) return true;  // an observer has nothing but its row in the table
     const bool gain_rests = wants_force() ? gain >= 1 && announced : !(gain > 0);
-    return quiet() && gain_rests && !touching && !batch_is_new && !commands_left && felt.size() == 0 &&
-           scene.evaluated() == 0;
+    if (!gain_rests || touching || batch_is_new || commands_left) return false;
+    return still || (quiet() && felt.size() == 0 && scene.evaluated() == 0);
 }
 
 void Claim::Impl::advance_gain(double step) noexcept {
@@ -138,13 +142,17 @@ FeltEntries::FeltEntries(std::size_t most) : entries_(most) {
 }
 
 bool FeltEntries::take(Scene& scene) noexcept {
+    const std::size_t before = size_;
     size_ = scene.feedback(entries_, {.wholly = written_.wholly, .flags = written_.flags});
+    news_ = size_ != before;
     for (Marks& stale : stale_) {
         for (std::size_t w = 0; w < written_.wholly.size(); ++w) {
             stale.wholly[w] |= written_.wholly[w];
             stale.flags[w] |= written_.flags[w];
         }
     }
+    for (std::size_t w = 0; w < written_.wholly.size(); ++w)
+        news_ = news_ || (written_.wholly[w] | written_.flags[w]) != 0;
     std::uint32_t flags = 0;  // what is touched is among those that were written
     each_bit(written_.wholly, [&](std::size_t i) { flags |= entries_[i].flags; });
     return (flags & Feedback::touching) != 0;
@@ -214,11 +222,12 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     header.stiffness_scale = stiffness_scale;
     header.entries = static_cast<std::uint32_t>(felt.size());
 
-    // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would). That it is
-    // silent still is nothing new.
+    // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would), nor does one
+    // whose scene is out of reach. That it is silent still is nothing new.
     published.cycle = cycle;
     if (published.silence > 0 && header.silence > 0) published.silence = header.silence;
-    if (felt.size() == 0 && std::memcmp(&published, &header, sizeof header) == 0) return;
+    const bool nothing_felt = felt.size() == 0 || (still && !felt.news());
+    if (nothing_felt && std::memcmp(&published, &header, sizeof header) == 0) return;
     published = header;
 
     channels->feedback.write(0, &header, sizeof header);

@@ -55,12 +55,17 @@ class FeltEntries {
     explicit FeltEntries(std::size_t most);
     /// True: something is touched.
     bool take(Scene& scene) noexcept;
+    /// In place of take(): it would find what it found before.
+    void keep() noexcept { news_ = false; }
+    /// The last take() found something that is written.
+    bool news() const noexcept { return news_; }
     void write(shm::TripleWriter& to) noexcept;
     std::size_t size() const noexcept { return size_; }
 
   private:
     std::vector<Feedback> entries_;
     std::size_t size_ = 0;
+    bool news_ = false;
     /// An entry a bit: all of it, or its flags alone.
     struct Marks {
         std::vector<std::uint64_t> wholly, flags;
@@ -78,6 +83,7 @@ struct Claim::Impl {
     bool quiet() const noexcept { return empty_for > 0.25; }
     /// World wrench of this cycle, before gain and sharing.
     void evaluate(const Probe& device_hand, double dt) noexcept;
+    Probe in_world(const Probe& device_hand) const noexcept;
     void advance_gain(double step) noexcept;
     /// The wrench as the device feels it: frame, gain and sharing applied.
     Wrench device_wrench() const noexcept;
@@ -111,6 +117,7 @@ struct Claim::Impl {
     double stiffness_scale = 1;
     Wrench wrench;          // world, of this cycle
     bool touching = false;  // of this cycle, as far as feedback is asked for
+    bool still = false;     // its scene is out of the hand's reach: see StillScene
     SilenceWatch silence;
     double silent_for = 0;  // s
 

@@ -40,7 +40,7 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     const double dt = cycle.begin_cycle(deadline, now);  // stalls and jumps of the clock
     cycle.read_device(now);                              // joints -> pose and velocities
     cycle.take_mail(now);                                // claims that come and go
-    cycle.find_awake(now);                               // those that have something to do
+    cycle.find_awake(now, dt);                           // those that have something to do
     cycle.take_changes(now);                             // commands and batches -> scenes
     cycle.stages.end(Stage::take);
     const Wrench sum = cycle.evaluate_claims(now, dt);  // scenes -> wrench, gains, sharing
@@ -144,6 +144,7 @@ void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
     claims[claims_size] = claim;
     sleepers[claims_size] = c.sleeper;
     rests[claims_size] = {.flag = c.sleeper.flag};
+    stills[claims_size] = {};
     ++claims_size;
     if (c.channels) {
         c.number = ++claims_seen;
@@ -203,18 +204,22 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
                       .smooth_velocity = hand.smooth_velocity,
                       .angular_velocity = hand.angular_velocity};
     const double gain_step = dt / options.supervisor.claim_ramp;
-    evaluated = present = 0;
+    evaluated = 0;
+    present = resting_present;
     in_contact = nullptr;
+    became_still_size = 0;
     for (std::size_t i = 0; i < awake_size; ++i) {
         Claim::Impl& c = awake_claim(i);
         if (!c.channels) continue;
         if (options.silence) c.watch_silence(now);
         c.advance_gain(gain_step);
-        c.evaluate(probe, dt);
+        evaluate_scene(awake[i], probe, dt);
         evaluated += c.scene.evaluated();
         present += c.scene.size();
         if (c.touching && in_contact == nullptr) in_contact = &c;
     }
+    passed_hand = probe;
+    pass_time(dt);
     // Contacts are solved within each claim; what several claims make together must not exceed k_max either.
     // The scale moves as fast as a gain does: a claim's coming is felt by the others as a change of
     // stiffness, not as a step.
@@ -238,10 +243,14 @@ double Servo::Impl::sharing_target() const noexcept {
     };
     // One claim alone is clamped by its scene, representation by representation.
     const auto end = awake.begin() + static_cast<std::ptrdiff_t>(awake_size);
-    if (!options.clamp_stiffness || std::count_if(awake.begin(), end, shares) < 2) return 1;
-    double stiffness = 0;
-    for (auto index = awake.begin(); index != end; ++index)
-        if (shares(*index)) stiffness += claims[*index]->impl->device_stiffness();
+    if (!options.clamp_stiffness || std::count_if(awake.begin(), end, shares) + resting_sharing < 2) return 1;
+    double stiffness = 0;  // in the claims' order, whoever rests: a sum in another one is another number
+    for (std::size_t i = 0; i < claims_size; ++i) {
+        if (rests[i].resting)
+            stiffness += rests[i].shares ? clocks[i].stiffness : 0;
+        else if (shares(i))
+            stiffness += claims[i]->impl->device_stiffness();
+    }
     return stiffness > device_max_stiffness ? device_max_stiffness / stiffness : 1;
 }
 
@@ -311,15 +320,15 @@ void Servo::Impl::let_go() noexcept {
             held -= holds;
             --claims_size;
             // Keeps the order: who came first is asked first.
-            std::copy(claims.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                      claims.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
-                      claims.begin() + static_cast<std::ptrdiff_t>(i));
-            std::copy(sleepers.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                      sleepers.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
-                      sleepers.begin() + static_cast<std::ptrdiff_t>(i));
-            std::copy(rests.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                      rests.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1,
-                      rests.begin() + static_cast<std::ptrdiff_t>(i));
+            const auto close_up = [&](auto& all) {
+                const auto at = all.begin() + static_cast<std::ptrdiff_t>(i);
+                std::copy(at + 1, all.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1, at);
+            };
+            close_up(claims);
+            close_up(sleepers);
+            close_up(rests);
+            close_up(stills);
+            close_up(clocks);
         } else {
             ++i;
         }

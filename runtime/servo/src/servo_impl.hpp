@@ -47,11 +47,16 @@ struct Servo::Impl {
     void disarm_claims() noexcept;
 
     /// Who is looked at in this cycle: `awake`.
-    void find_awake(Nanoseconds now) noexcept;
+    void find_awake(Nanoseconds now, double dt) noexcept;
+    /// Those at rest whose scene the hand has come near to are not any more.
+    void wake_near() noexcept;
     /// All of them are, from here on.
     void rouse(Nanoseconds now) noexcept;
     Claim::Impl& awake_claim(std::size_t i) noexcept { return *claims[awake[i]]->impl; }
     void put_to_rest(std::size_t index) noexcept;
+    /// The claim's scene, unless it is still.
+    void evaluate_scene(std::size_t index, const Probe& probe, double dt) noexcept;
+    void pass_time(double dt) noexcept;
 
     // servo_tape.cpp
     void put_keyframe() noexcept;
@@ -91,6 +96,19 @@ struct Servo::Impl {
     std::size_t awake_size = 0;
     int resting_armed = 0;  // of those that are not awake
     bool resting_keep_on = false;
+    std::uint64_t resting_present = 0;
+    int resting_sharing = 0;
+    std::array<StillScene, protocol::max_clients> stills;
+    std::array<StillClock, protocol::max_clients> clocks;
+    std::array<std::size_t, protocol::max_clients> became_still = {};  // in this cycle
+    std::size_t became_still_size = 0;
+    // As of this cycle, until it gets to the scenes of the one before: what still scenes are told.
+    std::uint64_t passed = 0;
+    Probe passed_hand;
+    bool hand_usable = false;  // time passes, and the hand is somewhere
+    // A ball within those of all still scenes at rest, so that not each of them is looked at.
+    Eigen::Vector3d rest_at = Eigen::Vector3d::Zero();
+    double rest_within = 0;
     Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
     Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
     Mailbox<ReturnedAsset, mailbox_slots> asset_outbox;

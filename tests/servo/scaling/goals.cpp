@@ -28,23 +28,27 @@ std::optional<double> percentile(const Point& point, std::span<const std::size_t
 }
 
 Judged judged(const Goal& goal, const Point& point, const Point& beside) {
-    Judged result{.goal = goal, .value = {}, .interval = {}};
     const measure::Statistic more = [&](std::span<const std::size_t> drawn,
                                         std::span<const std::size_t>) -> std::optional<double> {
         const auto value = percentile(point, drawn, goal.q), less = percentile(beside, drawn, 0.5);
         return value && less ? std::optional(*value - *less) : std::nullopt;
     };
-    std::vector<std::size_t> all(point.blocks.size());
+    return judge(goal, point.blocks.size(), more);
+}
+
+}  // namespace
+
+Judged judge(const Goal& goal, std::size_t blocks, const measure::Statistic& statistic) {
+    Judged result{.goal = goal, .value = {}, .interval = {}};
+    std::vector<std::size_t> all(blocks);
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-    result.value = more(all, all);
+    result.value = statistic(all, all);
     result.interval =
-        measure::bootstrap(all.size(), all.size(), more, {.confidence = 0.99, .resamples = 400});
+        measure::bootstrap(all.size(), all.size(), statistic, {.confidence = 0.99, .resamples = 400});
     if (result.interval && result.interval->high < goal.limit) result.verdict = measure::Verdict::better;
     if (result.interval && result.interval->low > goal.limit) result.verdict = measure::Verdict::worse;
     return result;
 }
-
-}  // namespace
 
 std::vector<Judged> judge_goals(const std::vector<Series>& all) {
     const auto find = [&](const std::string& name) {

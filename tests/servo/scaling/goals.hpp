@@ -15,9 +15,10 @@ namespace knurl::servo::scaling {
 struct Goal {
     std::string name;
     double limit = 0;  // ns
-    std::string series, beside;
+    std::string series = {}, beside = {};
     double n = 0, beside_n = 0;
     double q = 0.5;
+    std::string unit = "ns";
 };
 
 struct Judged {
@@ -28,5 +29,10 @@ struct Judged {
 };
 
 std::vector<Judged> judge_goals(const std::vector<Series>& all);
+/// By bootstrap over so many blocks.
+Judged judge(const Goal& goal, std::size_t blocks, const measure::Statistic& statistic);
+
+/// What counters, flight recorder and a recording cost a cycle: no law, two goals.
+std::vector<Judged> watching(Lab& lab);
 
 }  // namespace knurl::servo::scaling

@@ -46,6 +46,7 @@ class Lab {
 
     const Options& options() const { return options_; }
     int blocks() const { return options_.blocks; }
+    std::mt19937_64& random() { return random_; }
     double settling() const { return options_.quick ? 0.5 : 4; }  // s, for Rig::settle
 
     // What a point's sample may be.

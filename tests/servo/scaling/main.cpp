@@ -1,6 +1,6 @@
 // knurl_bench_scaling [--quick] [--seed N] [--json FILE] [AXIS ...]: how the servo's cycle grows with what it
-// is given, the law of each, and beside what it should be by design.
-//   axes: clients readers representations scenes devices updates servo_rates
+// is given, the law of each, and beside what it should be by design; and what watching it costs.
+//   axes: clients readers representations scenes devices updates servo_rates watching
 // scripts/plot_scaling.py draws the file.
 
 #include <algorithm>
@@ -26,6 +26,7 @@ const struct {
 } axes[] = {{"clients", clients},        {"readers", readers}, {"representations", representations},
             {"scenes", scenes},          {"devices", devices}, {"updates", updates},
             {"servo_rates", servo_rates}};
+constexpr const char* watching_axis = "watching";
 
 struct Asked {
     Options options;
@@ -54,14 +55,14 @@ Asked asked(int argc, char** argv) {
                 throw std::invalid_argument("--seed " + text + ": give a whole number");
         } else if (word == "--json") {
             a.json = value();
-        } else if (std::any_of(std::begin(axes), std::end(axes),
-                               [&](auto& axis) { return word == axis.name; })) {
+        } else if (word == watching_axis || std::any_of(std::begin(axes), std::end(axes),
+                                                        [&](auto& axis) { return word == axis.name; })) {
             a.axes.push_back(word);
         } else {
             throw std::invalid_argument(
                 "'" + word +
                 "' is neither --quick, --seed N, --json FILE nor one of clients, readers, "
-                "representations, scenes, devices, updates, servo_rates");
+                "representations, scenes, devices, updates, servo_rates, watching");
         }
     }
     return a;
@@ -172,7 +173,7 @@ Json results_of(const std::vector<Found>& all) {
 
 Json to_json(const Judged& judged) {
     return {{"name", judged.goal.name},
-            {"unit", "ns"},
+            {"unit", judged.goal.unit},
             {"limit", judged.goal.limit},
             {"value", judged.value ? Json(*judged.value) : Json()},
             {"interval", interval(judged.interval)},
@@ -180,12 +181,15 @@ Json to_json(const Judged& judged) {
 }
 
 void print(const Judged& judged) {
-    std::printf("  %-56s at most %5.0f ns: ", judged.goal.name.c_str(), judged.goal.limit);
+    const int digits = judged.goal.unit == "ns" ? 0 : 2;
+    std::printf("  %-56s at most %5.0f %s: ", judged.goal.name.c_str(), judged.goal.limit,
+                judged.goal.unit.c_str());
     if (judged.value)
-        std::printf("%.0f", *judged.value);
+        std::printf("%.*f", digits, *judged.value);
     else
         std::printf("too few samples");
-    if (judged.interval) std::printf(" [%.0f, %.0f]", judged.interval->low, judged.interval->high);
+    if (judged.interval)
+        std::printf(" [%.*f, %.*f]", digits, judged.interval->low, digits, judged.interval->high);
     std::printf(", %s\n", measure::name_of(judged.verdict));
 }
 
@@ -217,6 +221,8 @@ int main(int argc, char** argv) try {
             print(all.back());
         }
     }
+    if (wanted.wants(watching_axis))
+        for (Judged& one : watching(lab)) goals.push_back(std::move(one));
     if (!goals.empty()) std::printf("\ngoals\n");
     for (const Judged& one : goals) print(one);
     if (wanted.json.empty()) return 0;

@@ -58,6 +58,8 @@ class Rig {
 
     const std::vector<std::unique_ptr<OfflineClaim>>& claims() const { return claims_; }
     const shm::Segment& memory() const { return memory_; }
+    const Report& last() const { return servo_.last(); }
+    void record(Tape* tape) { servo_.record(tape); }
     bool touching() const { return (servo_.last().flags & report_flags::touching) != 0; }
     std::uint64_t batches_taken() const {
         const shm::CountersReader counters(memory_.data() + protocol::device_layout().counters,

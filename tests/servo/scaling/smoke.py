@@ -43,7 +43,7 @@ def main(program, plot):
                   and math.isfinite(law["base"] + law["factor"] + law["off"]), f"{name}: no law: {law}")
             # Three blocks are no ground for intervals, nor for a verdict.
             check(law["factor_interval"] is None and series["verdict"] == "undecided", f"{name}: more is said than known")
-        check(len(scaling["goals"]) == 6 and all(g["verdict"] == "undecided" for g in scaling["goals"]), "goals")
+        check(len(scaling["goals"]) == 9 and all(g["verdict"] == "undecided" for g in scaling["goals"]), "goals")
         names = {result["name"] for result in run["results"]}
         for result in run["results"]:
             check(len(result["samples"]) == scaling["blocks"], f"{result['name']}: not a figure for each block")

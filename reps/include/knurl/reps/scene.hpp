@@ -7,6 +7,7 @@
 #include <span>
 
 #include <knurl/reps/all.hpp>
+#include <knurl/reps/scene_time.hpp>
 
 namespace knurl {
 
@@ -126,6 +127,18 @@ class Scene {
     /// The wrench on the hand, about the hand's position. `hand` is the device's tip in world coordinates;
     /// the probes are placed on it. dt in s (0: same wrench, no state advances).
     Wrench evaluate(const Probe& hand, double dt) noexcept;
+
+    // A scene out of the hand's reach need not be evaluated.
+    /// After `evaluate` and the feedback that is kept: nothing is felt, fades or moves, and so it stays while
+    /// nothing is changed and the hand is nearer than this (m, world) to where it was then. 0: that cannot be
+    /// said.
+    double still_within() const noexcept;
+    /// It was told of a change, or of a silence that begins or ends, which `evaluate` has not seen.
+    bool changed() const noexcept;
+    SceneTime time() const noexcept;
+    /// In place of so many calls of `evaluate`, in which time passed, while it was still: afterwards it is
+    /// `time`, and the last of them had this hand. The same bits as if they had been made.
+    void pass(std::uint64_t cycles, const SceneTime& time, const Probe& hand) noexcept;
 
     // After `evaluate`:
     Eigen::Vector3d contact_point() const noexcept;  // of probe 0, in the new set; else probe 0 itself

@@ -85,7 +85,9 @@ struct Felt {
     double stiffness = 0;  // N/m applied: less than asked for if Feedback::stiffness_clamped is set
     double tangential_stiffness = 0;  // N/m of its friction, as applied; 0: it has none
     std::uint32_t flags = 0;          // Feedback::touching, ...
-    std::uint64_t cycle = 0;          // in which it was so: equal for representations felt in the same cycle
+    // In which it was so: equal for representations felt in the same cycle. While the claim has
+    // nothing within the hand's reach it stays that of the last change.
+    std::uint64_t cycle = 0;
     // Of the force, that reached the hand: the claim's gain, less where claims share a device that cannot be
     // as stiff as all of them together.
     double share = 1;

@@ -110,6 +110,8 @@ static_assert(sizeof(EntryHeader) + max_parameter_bytes <= batch_bytes_for(1));
 
 /// Feedback in a triple buffer back: this header, then `entries` FeedbackEntry. World frame of the claim.
 struct FeedbackHeader {
+    /// Of which it is. While a claim has nothing within the hand's reach it comes when something
+    /// changes, and stays true until then.
     std::uint64_t cycle = 0;
     std::uint64_t batch = 0;               // sequence of the newest batch that has taken effect
     std::uint64_t batch_cycle = 0;         // the cycle in which it did

@@ -1,0 +1,178 @@
+// A scene out of the hand's reach that is not evaluated is none the worse for it: afterwards it answers with
+// the same bits as its twin that was.
+
+#include <gtest/gtest.h>
+
+#include "scene_tools.hpp"
+
+using namespace knurl;
+using namespace knurl::test;
+
+namespace {
+
+constexpr std::uint32_t slots = 6;
+
+/// Kept, as the servo keeps it.
+struct Kept {
+    std::array<Feedback, slots> entries;
+    std::size_t size = 0;
+    bool written = false;  // some of it, by the last take()
+
+    void take(Scene& scene) {
+        std::array<std::uint64_t, 1> wholly{}, flags{};
+        size = scene.feedback(entries, {.wholly = wholly, .flags = flags});
+        written = (wholly[0] | flags[0]) != 0;
+    }
+};
+
+/// As the servo leaves out its evaluations.
+class Left {
+  public:
+    explicit Left(Scene& scene) : scene_(scene) {}
+    Kept kept;
+    Wrench evaluate(const Probe& hand, double dt, bool silent) {
+        ++cycle_;
+        const bool left = on_ && dt > 0 && !scene_.changed() && (hand.position - at_).norm() < within_;
+        if (!left && on_) scene_.pass(cycle_ - 1 - since_, time_, hand_);
+        hand_ = hand;
+        time_.all += dt;
+        time_.held += silent ? 0 : dt;
+        made = !left;
+        if (left) return ++many, Wrench{};
+        const Wrench w = scene_.evaluate(hand, dt);
+        kept.take(scene_);
+        within_ = dt > 0 ? scene_.still_within() : 0;
+        on_ = within_ > 0;
+        at_ = hand.position;
+        since_ = cycle_;
+        time_ = scene_.time();
+        return w;
+    }
+    int many = 0;
+    bool made = true;  // the last evaluation
+
+  private:
+    Scene& scene_;
+    bool on_ = false;
+    std::uint64_t cycle_ = 0, since_ = 0;
+    double within_ = 0;
+    Eigen::Vector3d at_;
+    SceneTime time_;
+    Probe hand_;
+};
+
+struct Twins {
+    Scene asked{{.representations = slots, .probes = 2}, {.period = 1e-3}};
+    Scene left_out{{.representations = slots, .probes = 2}, {.period = 1e-3}};
+    std::array<std::uint32_t, slots> generation{};
+    std::array<int, slots> kind{};  // 0: free
+
+    template <class R>
+    void put(std::uint32_t slot, const R& params, const Use& use, int of) {
+        const bool there = kind[slot] != 0;
+        if (there && kind[slot] != of) return;
+        if (!there) ++generation[slot];
+        for (Scene* scene : {&asked, &left_out}) {
+            const Handle handle{slot, generation[slot]};
+            ASSERT_TRUE(there ? scene->update(handle, params) : scene->add(handle, params, use));
+        }
+        kind[slot] = of;
+    }
+    void change(Rng& rng) {
+        const std::uint32_t slot = static_cast<std::uint32_t>(between(rng, 0, static_cast<int>(slots) - 1));
+        const Use use{.on_silence = static_cast<OnSilence>(between(rng, 0, 2)), .silence_time = 0.02};
+        if (kind[slot] != 0 && between(rng, 0, 2) == 0) {
+            for (Scene* scene : {&asked, &left_out}) ASSERT_TRUE(scene->remove({slot, generation[slot]}));
+            kind[slot] = 0;
+            return;
+        }
+        const int of = kind[slot] != 0 ? kind[slot] : between(rng, 1, 12);
+        const Vec3 drift = {between(rng, 0, 4) == 0 ? 0.01 : 0.0, 0, 0};
+        if (of <= 7) {
+            Plane p{.normal = to_plain(direction(rng)),
+                    .offset = uniform(rng, -0.03, -0.002),
+                    .stiffness = 100.0 * between(rng, 0, 4)};
+            if (of <= 2) p.friction.dynamic = 0.4;
+            if (of == 3) p.combine = PlaneCombine::sum;
+            if (of == 4) p.braking = 0.5;
+            put(slot, p, use, of);
+        } else if (of <= 11) {
+            Sphere s{.center = to_plain(0.03 * direction(rng)), .radius = 0.005, .stiffness = 300};
+            if (of == 11) s.velocity = drift;
+            put(slot, s, use, of);
+        } else {
+            put(slot, Spring{.anchor = {0.01, 0, 0}, .stiffness = 20}, use, of);
+        }
+    }
+};
+
+TEST(StillScene, IsEvaluatedSeldomAndNobodyCanTell) {
+    long left_out = 0, felt = 0;
+    for (unsigned seed = 1; seed <= 40; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        Rng rng(seed);
+        Twins twins;
+        Left left(twins.left_out);
+        double silent = 0, reach = 0.01;
+        Kept kept;
+        Probe hand;
+        for (int cycle = 0; cycle < 6000; ++cycle) {
+            if (between(rng, 0, 150) == 0) twins.change(rng);
+            if (between(rng, 0, 2000) == 0) silent = silent > 0 ? 0 : 1e-3;
+            if (between(rng, 0, 1000) == 0) reach = uniform(rng, 0, 0.02);
+            if (between(rng, 0, 1500) == 0) {
+                const ProbePlacement placement{.offset = {}, .radius = uniform(rng, 0, 2e-3)};
+                for (Scene* scene : {&twins.asked, &twins.left_out})
+                    ASSERT_TRUE(scene->place_probe(0, placement));
+            }
+            if (silent > 0) silent += 1e-3;
+            const double t = 1e-3 * cycle;
+            const Eigen::Vector3d before = hand.position;
+            const double dt = between(rng, 0, 300) == 0 ? 0 : uniform(rng, 0.9e-3, 1.1e-3);
+            hand.position = reach * Eigen::Vector3d(std::sin(3 * t), std::cos(2 * t), std::sin(5 * t));
+            hand.velocity = hand.smooth_velocity = (hand.position - before) / 1e-3;
+            for (Scene* scene : {&twins.asked, &twins.left_out}) scene->set_silence(silent);
+            const Wrench expected = twins.asked.evaluate(hand, dt);
+            const Wrench found = left.evaluate(hand, dt, silent > 0);
+            ASSERT_EQ(found.force, expected.force) << "cycle " << cycle;
+            ASSERT_EQ(found.torque, expected.torque) << "cycle " << cycle;
+            ASSERT_EQ(twins.left_out.stiffness_sum(), twins.asked.stiffness_sum());
+            felt += expected.force != Eigen::Vector3d::Zero();
+            kept.take(twins.asked);
+            ASSERT_TRUE(left.made || !kept.written) << "cycle " << cycle << ": there was something to tell";
+            ASSERT_EQ(left.kept.size, kept.size);
+            for (std::size_t i = 0; i < kept.size; ++i)
+                ASSERT_EQ(std::memcmp(&left.kept.entries[i], &kept.entries[i], sizeof(Feedback)), 0)
+                    << "cycle " << cycle;
+        }
+        left_out += left.many;
+    }
+    EXPECT_GT(left_out, 20'000);
+    EXPECT_GT(felt, 20'000);
+}
+
+TEST(StillScene, IsNoneThatIsFeltFadesMovesOrIsAskedInEachCycle) {
+    const auto within = [](auto... reps) {
+        Scene scene({.representations = 4, .probes = 1}, {.period = 1e-3});
+        std::uint32_t slot = 0;
+        (static_cast<void>(scene.add({slot++, 1}, reps)), ...);
+        scene.settle();
+        Probe hand;
+        Kept kept;
+        for (int i = 0; i < 100; ++i) {
+            scene.evaluate(hand, 1e-3);
+            kept.take(scene);
+        }
+        return scene.still_within();
+    };
+    EXPECT_NEAR(within(Plane{.offset = -0.02, .stiffness = 100}), 0.02, 1e-6);
+    EXPECT_NEAR(within(Plane{.offset = -0.02, .stiffness = 100}, Plane{.offset = -0.01, .stiffness = 50}),
+                0.01, 1e-6);
+    EXPECT_EQ(within(Plane{.offset = 0.001, .stiffness = 100}), 0) << "felt";
+    EXPECT_EQ(within(Plane{.offset = -0.02, .stiffness = 100}, Spring{.anchor = {1, 0, 0}, .stiffness = 5}),
+              0)
+        << "a spring is asked in each cycle";
+    EXPECT_EQ(within(Plane{.offset = -0.02, .stiffness = 100, .velocity = {0, 0, 1e-6}}), 0) << "it moves";
+}
+
+}  // namespace
