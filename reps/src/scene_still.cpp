@@ -35,8 +35,9 @@ double still_bounds(const Group& group) noexcept {
 }  // namespace
 
 bool SceneCore::changed() const noexcept {
-    return changed_size_ > 0 || moved_ || sets_edited_ || effects_edited_ || weights_move_ || settle_ ||
-           told_.edited;
+    const bool pace_moves = pace_ != (silence_ > 0 ? 0 : 1);
+    return changed_size_ > 0 || moved_ || sets_edited_ || effects_edited_ || weights_move_ || pace_moves ||
+           settle_ || told_.edited;
 }
 
 double SceneCore::still_within() const noexcept {

@@ -151,6 +151,27 @@ TEST(StillScene, IsEvaluatedSeldomAndNobodyCanTell) {
     EXPECT_GT(felt, 20'000);
 }
 
+TEST(StillScene, KnowsASilenceThatBeganMeanwhile) {
+    // What holds is brought to rest by it, also what is only added when the silence has lasted for long.
+    Twins twins;
+    Left left(twins.left_out);
+    Probe hand;
+    Wrench expected, found;
+    twins.put(0, Plane{.offset = -0.02, .stiffness = 100}, {.on_silence = OnSilence::hold}, 1);
+    for (int cycle = 0; cycle < 2000; ++cycle) {
+        if (cycle == 1000)
+            twins.put(1, Plane{.offset = 0.01, .stiffness = 100, .damping = 5, .velocity = {0, 0, 0.1}},
+                      {.on_silence = OnSilence::hold}, 2);
+        for (Scene* scene : {&twins.asked, &twins.left_out})
+            scene->set_silence(cycle < 500 ? 0 : 1e-3 * (cycle - 499));
+        expected = twins.asked.evaluate(hand, 1e-3);
+        found = left.evaluate(hand, 1e-3, cycle >= 500);
+        ASSERT_EQ(found.force, expected.force) << "cycle " << cycle;
+    }
+    EXPECT_GT(expected.force.norm(), 0.1);
+    EXPECT_GT(left.many, 500);
+}
+
 TEST(StillScene, IsNoneThatIsFeltFadesMovesOrIsAskedInEachCycle) {
     const auto within = [](auto... reps) {
         Scene scene({.representations = 4, .probes = 1}, {.period = 1e-3});
