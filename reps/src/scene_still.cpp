@@ -27,9 +27,10 @@ double still_contact(const Group& group, const Arena& a) noexcept {
 /// What has bounds is not asked where its candidates are while they hold: near_left and near_falls_short.
 double still_bounds(const Group& group) noexcept {
     const Candidates& near = group.near;
-    const bool too_many = near.margin > near.wanted;
+    const double deep = std::max(group.now.slack, group.old.slack);  // of a last contact, it may be
+    const bool too_many = near.margin > near.wanted && 2 * deep <= near.wanted;
     if (too_many || near.until != infinity) return 0;
-    return near.margin * near_rounding - (group.probe.position - near.at).norm();
+    return near.margin * near_rounding - deep - (group.probe.position - near.at).norm();
 }
 
 }  // namespace
