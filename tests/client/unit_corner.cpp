@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "corner.hpp"
 #include "models.hpp"
 
 namespace {
@@ -137,6 +138,25 @@ TEST(Corner, is_not_seen_where_there_is_none) {
         EXPECT_EQ(faces(relief(0.003, 0.04), {x, 0, -0.004}, {0.15, 0, 0}), 1u) << x;
         EXPECT_EQ(faces(plate(0.010), {x, 0, -0.006}, {0.2, 0, 0}), 1u) << x;
     }
+}
+
+TEST(Corner, is_no_valley_that_turns_by_more_on_the_way_than_a_corner_and_its_plane_stays) {
+    const SurfaceModel model = relief(0.003, 0.04);
+    const auto at = [&](double x) { return detail::Face(model({x, 0, 0}), 0); };
+    int sharp = 0;
+    for (double from = -0.02; from < 0; from += 0.0007) {
+        for (double way = 0.004; way < 0.018; way += 0.0011) {
+            const std::vector<detail::Face> on_the_way = {at(from), at(from + way / 2), at(from + way)};
+            std::vector<detail::Face> faces{on_the_way[1]};
+            detail::Questions questions(model, 0);
+            detail::add_corner(faces, on_the_way, on_the_way[0].foot(), 0.5e-3, questions);
+            ASSERT_EQ(faces.size(), 1u) << from << " m, " << way << " m";
+            EXPECT_EQ(faces[0].normal(), on_the_way[1].normal()) << from << " m, " << way << " m";
+            EXPECT_FALSE(detail::is_corner(on_the_way[0], on_the_way[2], on_the_way[1].foot(), questions));
+            sharp += on_the_way[0].normal().dot(on_the_way[2].normal()) < 0.87 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(sharp, 0) << "this test would not see a valley taken for a corner";
 }
 
 TEST(Corner, of_a_step_does_not_stop_a_hand_that_goes_over_it) {

@@ -116,8 +116,10 @@ std::vector<Claim> network_claims(const std::vector<Table>& tables) {
               delay.at(" 50 ms", usual), delay.at(" 0 ms", way::force), 10, false));
     claims.push_back(times("30 % lost against nothing lost: nine tenths at least", loss.at(" 30 %", usual),
                            loss.at(" 0 %", usual), 0.9, false));
-    claims.push_back(times("from 50 ms on the plain cross-fade is the stiffer one",
-                           delay.at(" 50 ms", way::faded), delay.at(" 50 ms", usual), 1, false));
+    claims.push_back(times("to 20 ms the default is stiffer than the plain cross-fade",
+                           delay.at(" 20 ms", usual), delay.at(" 20 ms", way::faded), 1, false));
+    claims.push_back(times("at 100 ms the plain cross-fade is the stiffer one",
+                           delay.at(" 100 ms", way::faded), delay.at(" 100 ms", usual), 1, false));
     return claims;
 }
 

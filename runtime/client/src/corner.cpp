@@ -92,6 +92,8 @@ std::optional<Set> confirmed(Set faces, const Vector3d& p, Questions& questions)
             in_place = in_place && (answer.foot() - at).norm() < same_place;
         }
         if (doubtful.empty() && in_place) {
+            // All of them became one: the surface turns from one to the other, and is smooth.
+            if (found.size() < 2) return std::nullopt;
             for (std::size_t i = 0; i < found.size(); ++i)
                 for (std::size_t j = 0; j < i; ++j)
                     if (!may_meet(found[i], found[j]) || !facing(found[i], found[j])) return std::nullopt;
