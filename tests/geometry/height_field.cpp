@@ -240,6 +240,7 @@ TEST(HeightField, RefusesWhatIsNone) {
     EXPECT_THROW(HeightField(four, {2, 3, 1, 1, {0, 0, 0}}), HeightFieldError);
     EXPECT_THROW(HeightField(four, {2, 2, 0, 1, {0, 0, 0}}), HeightFieldError);
     EXPECT_THROW(HeightField(four, {2, 2, 1, NAN, {0, 0, 0}}), HeightFieldError);
+    EXPECT_THROW(HeightField(four, {2, 2, 1, 1e-300, {0, 0, 0}}), HeightFieldError);
     EXPECT_THROW(HeightField(four, {2, 2, 1, 1, {0, 0, INFINITY}}), HeightFieldError);
     for (int k = 0; k < 3; ++k) {
         HeightGrid nowhere{2, 2, 1, 1, {0, 0, 0}};
@@ -248,6 +249,7 @@ TEST(HeightField, RefusesWhatIsNone) {
     }
     EXPECT_THROW(HeightField(std::vector<float>{0, 0, NAN, 0}, {2, 2, 1, 1, {0, 0, 0}}), HeightFieldError);
     EXPECT_NO_THROW(HeightField(four, {2, 2, 1, 1, {0, 0, 0}}));
+    EXPECT_NO_THROW(HeightField(four, {2, 2, 1e-9, 1e-9, {0, 0, 0}}));
 }
 
 }  // namespace

@@ -152,8 +152,8 @@ TEST(AssetBuild, NorIsWhatIsNoHeightField) {
     EXPECT_NE(
         with(bytes, offsetof(Source, columns), std::uint64_t{1} + (std::uint64_t{20} << 32)).find("1 by 20"),
         std::string::npos);
-    EXPECT_NE(with(bytes, offsetof(Source, dx), -1.0).find("above 0"), std::string::npos);
-    EXPECT_NE(with(bytes, offsetof(Source, dy), double{NAN}).find("above 0"), std::string::npos);
+    EXPECT_NE(with(bytes, offsetof(Source, dx), -1.0).find("1e-9 m or more"), std::string::npos);
+    EXPECT_NE(with(bytes, offsetof(Source, dy), double{NAN}).find("1e-9 m or more"), std::string::npos);
     EXPECT_NE(with(bytes, offsetof(Source, corner) + 8, double{INFINITY}).find("corner"), std::string::npos);
     EXPECT_NE(with(bytes, offsetof(Source, material), double{NAN}).find("material 0"), std::string::npos);
     EXPECT_NE(with(bytes, sizeof(Source) + 28, NAN).find("column 2, row 1"), std::string::npos);

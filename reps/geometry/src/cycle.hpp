@@ -232,14 +232,16 @@ class Cycle {
             no_room();
             return stay_free();
         }
-        const Vec way = held.foot - h_;
-        const double distance = way.norm();
         const std::uint32_t face = held.face != no_face ? held.face : rest_.face;
-        // Where a limit bit it is on its way yet, and nothing may hold it there.
+        // Where a limit bit it is on its way along the planes of faces, which may be off all of them.
+        const Vec foot = held.whole ? held.foot : nearest_on(s_.corners(face), held.foot).point;
+        const Vec way = foot - h_;
+        const double distance = way.norm();
+        // Nothing may hold it there yet.
         const double depth = held.whole ? distance + radius_ : 0;
         const Vec normal = distance > lift_of_size * s_.size() ? way * (1 / distance)
                                                                : unit_or_zero(s_.corners(face).normal());
-        touch(face, held.foot, normal, depth);
+        touch(face, foot, normal, depth);
         put(proxy_.at, origin_ + held.at);
         if (held.faces != 1 || (s_.flags(face) & face_crossed) != 0) proxy_.phase = Proxy::Phase::tangled;
         return true;

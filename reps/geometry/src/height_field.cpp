@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -12,6 +13,12 @@ namespace knurl {
 namespace {
 
 constexpr std::size_t besides = sizeof(HeightField) + sizeof(HeightData);  // the block, bytes
+
+std::string length(double m) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", m);
+    return text;
+}
 
 void check(std::span<const float> heights, const HeightGrid& grid, std::size_t budget) {
     const std::string shape = std::to_string(grid.columns) + " by " + std::to_string(grid.rows);
@@ -28,11 +35,11 @@ void check(std::span<const float> heights, const HeightGrid& grid, std::size_t b
         throw HeightFieldError("the height field of " + shape + " would take " + std::to_string(need) +
                                " bytes, but the budget is " + std::to_string(budget) +
                                "; raise it, or send fewer heights");
-    const auto sensible = [](double x) { return x > 0 && x < 1e7; };
+    const auto sensible = [](double x) { return x >= 1e-9 && x < 1e7; };  // squares of less are lost
     if (!sensible(grid.dx) || !sensible(grid.dy) || !(grid.dx * grid.columns < 1e7) ||
         !(grid.dy * grid.rows < 1e7))
-        throw HeightFieldError("the height field's cells are " + std::to_string(grid.dx) + " by " +
-                               std::to_string(grid.dy) + " m; they must be above 0, all of them below 1e7");
+        throw HeightFieldError("the height field's cells are " + length(grid.dx) + " by " + length(grid.dy) +
+                               " m; give them 1e-9 m or more, all of them together less than 1e7");
     if (!(grid.corner.array().abs() < 1e7).all())
         throw HeightFieldError("the height field's corner is not a place within 1e7 m; move it");
     for (std::size_t i = 0; i < heights.size(); ++i) {

@@ -27,7 +27,7 @@ struct HeightFieldError : std::runtime_error {
 
 struct HeightGrid {
     std::uint32_t columns = 0, rows = 0;               // of heights: x by y, at least 2 by 2
-    double dx = 0, dy = 0;                             // m, from one height to the next
+    double dx = 0, dy = 0;                             // m, from one height to the next, 1e-9 or more
     Eigen::Vector3d corner = Eigen::Vector3d::Zero();  // m, where the first one is, at height 0
 };
 
