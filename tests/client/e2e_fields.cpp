@@ -170,7 +170,7 @@ TEST_F(SentField, what_is_none_is_refused_in_one_line_and_nothing_is_lost) {
               std::string::npos);
     Heights squeezed = bad.heights();
     squeezed.grid.dx = 0;
-    EXPECT_NE(why(squeezed).find("above 0"), std::string::npos);
+    EXPECT_NE(why(squeezed).find("1e-9 m or more"), std::string::npos);
     Heights lost = bad.heights();
     lost.grid.corner.y() = NAN;
     EXPECT_NE(why(lost).find("corner"), std::string::npos);
