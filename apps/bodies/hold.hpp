@@ -59,16 +59,16 @@ class Hold {
 
     HoldOptions options_;
     std::optional<std::size_t> body_;
-    std::array<Vector3d, springs> on_body_ = {},
-                                  ends_ = {};  // m, in the body's frame; in the world, of the step
-    double move_ = 0;                          // s, that the servo takes to go there
-    double let_go_ = -1;                       // s, when; below 0: never
+    // m, in the body's frame; in the world, of the step
+    std::array<Vector3d, springs> on_body_ = {}, ends_ = {};
+    double move_ = 0;     // s, that the servo takes to go there
+    double let_go_ = -1;  // s, when; below 0: never
     Vector3d position_ = Vector3d::Zero(), velocity_ = Vector3d::Zero(), spin_ = Vector3d::Zero();
     Quaterniond orientation_ = Quaterniond::Identity();
     bool softly_ = false;    // it is taken while something fades
     double soft_until_ = 0;  // s
-    double there_ = 0,
-           remains_ = 0;  // of the springs: share that was told last; N, the most that is felt of one
+    // of the springs: share that was told last; N, the most that is felt of one
+    double there_ = 0, remains_ = 0;
     std::array<Vector3d, springs> points_, forces_;
     bool felt_ = false, first_ = false;
     double share_ = 1;  // of the stiffness, that the account pays for

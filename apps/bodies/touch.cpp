@@ -24,8 +24,8 @@ Touch::Touch(std::size_t body, std::uint32_t asset, const TouchOptions& options)
     shape_.stiffness = options.stiffness;
     shape_.damping = options.damping;
     shape_.friction = {.dynamic = options.friction};
-    shape_.recovery =
-        0;  // it moves on from where it is: there is nothing to fade, and all of its force is told
+    // it moves on from where it is: there is nothing to fade, and all of its force is told
+    shape_.recovery = 0;
     push_.body = body;
 }
 

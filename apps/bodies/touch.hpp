@@ -6,14 +6,12 @@
 // than it was pushed, and such a delay makes energy out of nothing: a body of mass m that is pushed at
 // stiffness k in frames of T is shaken off from k T^2 / m of about 1 on. Two things are done about it.
 //
-//   Softer.   The stiffness is at most what the body, with all that it leans on, admits at that place and in
-//   that
-//             direction (World::give): the wish for a box that is pressed on the floor, less for one that is
-//             free.
+//   Softer.   The stiffness is at most what the body, with all that it leans on, admits at that place and
+//             in that direction (World::give): the wish for a box that is pressed on the floor, less for one
+//             that is free.
 //   Account.  What the hand has put in by this contact, less what the body has got and what the contact's
-//   spring
-//             holds. The body gets no more than that: its push is made smaller. What is left over beyond a
-//             small reserve is thrown away, so that no more than that can ever come back at a bad moment.
+//             spring holds. The body gets no more than that: its push is made smaller. What is left over
+//             beyond a small reserve is thrown away, so that no more can ever come back at a bad moment.
 
 #include <knurl/client/client.hpp>
 #include <knurl/client/energy_account.hpp>
@@ -26,8 +24,8 @@ struct TouchOptions {
     double stiffness = 600;  // N/m
     double damping = 2;      // N s/m, of the skin
     double friction = 0.4;   // of the skin
-    double softness =
-        0.5;  // stiffness times what the body gives way in a frame, at most; 0: as stiff as wished
+    // stiffness times what the body gives way in a frame, at most; 0: as stiff as wished
+    double softness = 0.5;
     bool keep_account = true;
     double reserve = 1e-3;  // J
 };

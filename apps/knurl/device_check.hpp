@@ -48,8 +48,8 @@ struct Extreme {
 };
 
 struct ArmCheck {
-    Eigen::Vector3d low = Eigen::Vector3d::Zero(),
-                    high = Eigen::Vector3d::Zero();  // m, box of what was reached
+    // m, box of what was reached
+    Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
     double ball = 0;  // m, radius of the largest ball about the centre that is all in reach
     Eigen::Vector3d ball_end = Eigen::Vector3d::Zero();  // direction in which it ends
     std::string ball_stop;
@@ -70,8 +70,8 @@ struct ArmCheck {
     // m that one count of the coarsest axis moves the tip; 0: counts are not known
     double resolution_at_centre = 0, median_resolution = 0;
     Extreme worst_resolution;
-    double angular_resolution =
-        0;  // rad that one count turns the tip at the centre; where torque is rendered
+    // rad that one count turns the tip at the centre; where torque is rendered
+    double angular_resolution = 0;
 };
 ArmCheck check(const CheckedArm& arm);
 

@@ -29,8 +29,8 @@ struct CycleRange {
 };
 
 CycleRange cycles_within(const drivers::Motion& motion, double rate) {
-    constexpr double rounding =
-        1e-9;  // s: an end that a decimal file can only state so well is still the end
+    // s: an end that a decimal file can only state so well is still the end
+    constexpr double rounding = 1e-9;
     const auto first = static_cast<std::int64_t>(std::ceil((motion.begin() - rounding) * rate));
     const auto last = static_cast<std::int64_t>(std::floor((motion.end() + rounding) * rate));
     if (last < first) {
@@ -190,14 +190,14 @@ class Player {
     const bool limited_;              // by a device
     std::vector<Handle> handles_;     // per item; generation 0: not there
     std::vector<Handle> free_slots_;  // as they were last used
-    std::vector<std::vector<std::byte>> params_ =
-        std::vector<std::vector<std::byte>>(scene_.items);  // in force
-    std::vector<const Change*> sent_;                       // for this cycle
-    std::set<std::uint32_t> clamped_, infeasible_;          // items that were remarked upon
-    std::size_t next_ = 0;                                  // change
-    std::uint32_t slots_ = 0;                               // ever used
-    std::uint64_t answered_ = 0;                            // commands
-    std::string too_many_;                                  // what to say if this cycle's changes do not fit
+    // in force
+    std::vector<std::vector<std::byte>> params_ = std::vector<std::vector<std::byte>>(scene_.items);
+    std::vector<const Change*> sent_;               // for this cycle
+    std::set<std::uint32_t> clamped_, infeasible_;  // items that were remarked upon
+    std::size_t next_ = 0;                          // change
+    std::uint32_t slots_ = 0;                       // ever used
+    std::uint64_t answered_ = 0;                    // commands
+    std::string too_many_;                          // what to say if this cycle's changes do not fit
 };
 
 servo::ClaimTerms terms_for(const SceneFile& scene, const drivers::Device& device, bool limited,

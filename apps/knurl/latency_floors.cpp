@@ -85,8 +85,8 @@ void eventfd_block(const Placement& placement, Nanoseconds length, std::vector<d
     constexpr Nanoseconds pace = 1'000'000;  // of the writer, as a servo's
     const shm::UniqueFd event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
     std::atomic<Nanoseconds> written = 0;  // release before the write, acquire after the wake: its stamp
-    std::atomic<bool> asleep =
-        false;  // the sleeper is about to be: a write that finds it awake measures nothing
+    // the sleeper is about to be: a write that finds it awake measures nothing
+    std::atomic<bool> asleep = false;
     std::atomic<bool> done = false;
     std::thread writer([&] {
         settle_on(placement.servo_cpu, placement.priority);

@@ -27,8 +27,8 @@ struct PathSamples {
     std::vector<double> wait_for_use;  // commit has returned -> read of the cycle that used it
     std::vector<double> report_age;    // read of the report an update was computed from -> that write
     std::vector<double> spinning, blocking, descriptor;  // read of the device -> the client has the report
-    std::vector<double> spinning_deadline, blocking_deadline,
-        descriptor_deadline;             // from the cycle's deadline
+    // from the cycle's deadline
+    std::vector<double> spinning_deadline, blocking_deadline, descriptor_deadline;
     std::vector<double> servo_lateness;  // deadline -> the device has been read; of cycles left out as well
     std::vector<double>
         overlooked;  // per update, the cycles that began after its commit and did not use it: 0
@@ -37,8 +37,8 @@ struct PathSamples {
     std::vector<double> command;  // asked -> answered
     std::vector<double> command_less_wait;  // the same, less the wait for the servo's next cycle
     // With an application that sleeps between its updates and its reports:
-    std::vector<double> to_use,
-        to_write;               // commit is called -> the cycle that uses it begins; -> has written
+    // commit is called -> the cycle that uses it begins; -> has written
+    std::vector<double> to_use, to_write;
     std::vector<Span> commits;  // of each of these, by our clock
     std::uint64_t merged = 0;   // updates that a later one overtook before the servo looked
     std::uint64_t lost = 0;     // updates whose force was never seen

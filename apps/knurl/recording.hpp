@@ -2,9 +2,9 @@
 // A recording: an MCAP file with two channels and a word about where it comes from.
 //
 //   /knurl/report   every report, as it lies in memory: ros2msg schema, cdr encoding; Foxglove and
-//   PlotJuggler plot it /knurl/inputs   every input of Servo::step (knurl/servo/tape.hpp): u16 type, six zero
-//   bytes, the record's bytes;
-//                   type 0: records are missing here. For `knurl replay` alone
+//                   PlotJuggler plot it
+//   /knurl/inputs   every input of Servo::step (knurl/servo/tape.hpp): u16 type, six zero bytes, the record's
+//                   bytes; type 0: records are missing here. For `knurl replay` alone
 //   attachment "asset-DIGEST"  what an application sent (protocol/asset.hpp), by its SHA-256, once each
 //   metadata "knurl"  build, servo, device, and what the servo was configured with
 //   metadata "knurl missing"  digests of assets that were felt and are not in the file
@@ -30,8 +30,8 @@ namespace knurl::cli {
 
 struct RecordingInfo {
     std::string version;  // of Knurl
-    std::uint64_t wire = 0, tape = 0,
-                  figures = 0;  // protocol::wire_hash, servo::tape_layout, servo::figures_of
+    // protocol::wire_hash, servo::tape_layout, servo::figures_of
+    std::uint64_t wire = 0, tape = 0, figures = 0;
     std::string servo, device, address, profile;
     std::string cause;  // of a salvaged one: why the servo ended
     std::int64_t realtime_offset_ns = 0;

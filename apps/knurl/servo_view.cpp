@@ -28,8 +28,8 @@ std::optional<ClientView> read_row(const protocol::ClientRow& row) {
     constexpr int attempts = 100;  // an identity changes only when somebody comes or goes
     ClientView view;
     for (int i = 0; i < attempts; ++i) {
-        const std::uint64_t before =
-            row.sequence.load(std::memory_order_acquire);  // pairs with the broker's release
+        // pairs with the broker's release
+        const std::uint64_t before = row.sequence.load(std::memory_order_acquire);
         std::uint64_t name[protocol::name_bytes / 8];
         // Each acquire keeps the second look at `sequence` behind it: had the broker begun to change them, it
         // is seen.

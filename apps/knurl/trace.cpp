@@ -24,8 +24,8 @@ namespace {
 
 using measure::now_ns, measure::sleep_until;
 
-constexpr Nanoseconds patience =
-    1'000'000'000;  // for a servo that does not move, and for a cycle that is stamped
+// for a servo that does not move, and for a cycle that is stamped
+constexpr Nanoseconds patience = 1'000'000'000;
 
 struct Arguments {
     std::string out;

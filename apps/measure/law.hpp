@@ -36,8 +36,8 @@ inline constexpr double material = 0.05;  // a time that rises by no more over a
 struct Fitted {
     Law law;
     double off = 0;  // largest distance of a median from the law, relative to it
-    double rise =
-        0;  // from the first point to the last, relative to the first, by the growing law that fits best
+    // from the first point to the last, relative to the first, by the growing law that fits best
+    double rise = 0;
     double exponent = 0;  // of base + factor * n^exponent, whichever law was chosen
     double agreed = 0;    // share of the drawings in which the same law is chosen; 0: none were made
     // At 95 %; none: there are fewer than 30 blocks.

@@ -22,8 +22,8 @@ struct Machine {
     unsigned cpus = 0;   // online
     std::string kernel;  // release
     std::string load;    // averages over 1, 5 and 15 minutes, when asked
-    std::string
-        idle;  // cpuidle driver, and "cpu_dma_latency N us" where that may be read: 0 means that idle polls
+    // cpuidle driver, and "cpu_dma_latency N us" where that may be read: 0 means that idle polls
+    std::string idle;
     std::string build;  // compiler and whether it is optimised
     std::string date;   // UTC, ISO 8601
 };

@@ -41,7 +41,7 @@ std::string table(const std::vector<Outcome>& outcomes, const RunText& text);
 // Each throws std::runtime_error if its file cannot be written.
 void write_json(const std::filesystem::path& file, const std::vector<Outcome>& outcomes, const RunText& text);
 /// One row per cycle:
-/// way,t,x,y,z,vx,vy,vz,fx,fy,fz,true_fx,true_fy,true_fz,sent_fx,sent_fy,sent_fz,surface_z, height,faults.
+///   way,t,x,y,z,vx,vy,vz,fx,fy,fz,true_fx,true_fy,true_fz,sent_fx,sent_fy,sent_fz,surface_z,height,faults
 /// (true_f: of the true surface; sent_f: of what was sent, nan where that is not known; surface_z: the true
 /// surface's height right below the probe; height: the probe's signed distance from it.)
 void write_csv(const std::filesystem::path& file, const std::vector<Outcome>& outcomes,

@@ -4,8 +4,7 @@
 //
 //        north
 //     ,----------->.      five rows, joined by half circles, at constant speed; the path runs `press` below
-//     the
-//     `<-----------'      relief's broad shape, so that the hand's spring towards it presses on the surface
+//     `<-----------'      the relief's broad shape, so that the hand's spring towards it presses on the surface
 //     ,----------->.
 
 #include <filesystem>

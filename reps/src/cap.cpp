@@ -10,13 +10,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double least_axis =
-    1e-6;  // shorter ones, also as a share within the tangent plane, are no direction
+// shorter ones, also as a share within the tangent plane, are no direction
+constexpr double least_axis = 1e-6;
 
 // The signed distance of (x, z) from an arc of that curvature through the origin, tangent to x there, that is
 // continued by its tangents where the angle's sine reaches `rim`; and its gradient, a unit vector.
-//   within:  h = 1/K - sqrt(x^2 + (z - 1/K)^2)     as a plane's z where K is 0: multiplied out by the
-//   conjugate beyond:  h = n.(p - g), g the rim point
+//   within:  h = 1/K - sqrt(x^2 + (z - 1/K)^2)     as a plane's z where K is 0: multiplied out by the conjugate
+//   beyond:  h = n.(p - g), g the rim point
 struct Arc {
     double height, x, z;
 

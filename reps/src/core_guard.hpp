@@ -3,8 +3,8 @@
 // of a cylinder, the middle of a plate. A probe that is pressed through would be thrown out on the other
 // side. So from half way to the core on
 //
-//   the contact is the tangent plane of where it got that deep,  height = max(height over that plane,
-//   -limit),
+//   the contact is the tangent plane of where it got that deep,
+//   height = max(height over that plane, -limit),
 //
 // until the probe is out of the solid or over that plane. Entering is continuous, and leaving never gives
 // back more than was put in: the plane's depth is then 0 (back the same way), or what is left of it is lost

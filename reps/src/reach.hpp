@@ -3,8 +3,7 @@
 // reach.
 //
 //   put, drop ──> loose: scanned, 32 bytes each
-//   index()   ──> tree over all that are there (built outside the cycle); what moves later becomes loose
-//   again
+//   index()   ──> tree over all that are there (built outside the cycle); what moves later is loose again
 //   put_moving ──> moving: scanned where they are by now
 
 #include <cstdint>
@@ -96,8 +95,8 @@ class Reach {
     std::uint32_t moving_size_ = 0;
     std::uint32_t size_ = 0;
     double radii_ = 0;  // m, sum
-    Eigen::Vector3d origin_ =
-        Eigen::Vector3d::Zero();        // m, in the middle: floats are exact enough from there
+    // m, in the middle: floats are exact enough from there
+    Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     std::vector<Node> nodes_;           // the root is the first
     std::vector<std::uint32_t> items_;  // slots, in the tree's order
     std::vector<Ball> item_balls_;      // theirs, as the tree was built

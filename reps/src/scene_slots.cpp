@@ -32,9 +32,8 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
     fading_.resize(n);
     by_kind_.resize(n);
     // A slot is at most in three sets: the old record in one probe's fading set, the new one in both of
-    // another's.
-    const std::size_t members =
-        3 * n * max_contacts + Scene::max_probes + 2 * 4 * Scene::max_probes;  // each set is aligned to four
+    // another's. Each set is aligned to four.
+    const std::size_t members = 3 * n * max_contacts + Scene::max_probes + 2 * 4 * Scene::max_probes;
     for (Arena& arena : arenas_) {
         for (std::vector<double>* array : {&arena.nx, &arena.ny, &arena.nz, &arena.c, &arena.s, &arena.b}) {
             array->resize(members);

@@ -118,8 +118,8 @@ struct Layer {
     double give = 0;          // m, by which contradictory planes give way
     double given_at = 0;      // m, the worst violation where that was found
     ContactSolution solution;
-    Eigen::Vector3d proxy =
-        Eigen::Vector3d::Zero();  // m, world: last cycle's x, kept when no solution is found
+    // m, world: last cycle's x, kept when no solution is found
+    Eigen::Vector3d proxy = Eigen::Vector3d::Zero();
 };
 
 struct ContactSet {

@@ -63,8 +63,8 @@ Outcome on_the_bus(const std::string& text, const std::string& words) {
 Outcome as_nobody(const std::string& words) {
     const Folder folder;
     std::filesystem::permissions(folder.path(""), std::filesystem::perms(0755));
-    const std::string program =
-        folder.path("knurl");  // the folder that it was built in may be closed to nobody
+    // the folder that it was built in may be closed to nobody
+    const std::string program = folder.path("knurl");
     std::filesystem::copy_file(knurl_program(), program);
     return run({"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "/usr/bin/env", "umockdev-run", "-d",
                 folder.file("bus", bus), "--", "/bin/sh", "-c",

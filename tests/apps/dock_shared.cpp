@@ -115,8 +115,8 @@ class DockShared : public testing::Test {
     }
 
     const Home home_;
-    FakeImd simulation_{
-        {.mobility = 1e-6, .pause_at = 0}};  // the hand has gone on when its first frame comes
+    // the hand has gone on when its first frame comes
+    FakeImd simulation_{{.mobility = 1e-6, .pause_at = 0}};
     std::optional<Servo> servo_;
 };
 

@@ -28,8 +28,8 @@ TEST(EvalPlane, PressesBackWithStiffnessTimesDepthLessDampingAndNeverPulls) {
         const Real t = static_cast<Real>(i) / 1000;
         EXPECT_EQ(row.t, static_cast<double>(i) / 1000);
         const Real z = t < 0.1L ? 0.005L - 0.1L * t : -0.005L + 0.2L * (t - 0.1L);
-        const Real speed =
-            i < 100 ? -0.1L : 0.2L;  // of the segment that begins there; the last row: that ends there
+        // of the segment that begins there; the last row: that ends there
+        const Real speed = i < 100 ? -0.1L : 0.2L;
         const Real force = z < 0 ? std::max(Real{0}, -800 * z - 10 * speed) : 0;
         outweighed = outweighed || (z < -1e-4L && force == 0);
         // Exactly on the surface the damping comes in with a step: either answer is right there.

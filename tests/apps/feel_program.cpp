@@ -23,8 +23,8 @@ class FeelProgram : public testing::Test {
     void SetUp() override {
         std::ostringstream obj;
         obj.precision(17);
-        const knurl::test::MadeMesh ball =
-            knurl::test::icosphere(4, 40);  // mm, though the file does not say so
+        // mm, though the file does not say so
+        const knurl::test::MadeMesh ball = knurl::test::icosphere(4, 40);
         for (const auto& v : ball.vertices) obj << "v " << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
         for (const auto& t : ball.triangles)
             obj << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';

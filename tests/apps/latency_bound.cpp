@@ -88,8 +88,8 @@ TEST(RemoteBound, OfTheFloorsOwnSamplesIsWhatADrawnWaitWouldGive) {
     int within = 0;
     for (int i = 0; i < draws; ++i)
         within += ways[random() % ways.size()] + wait(random) <= bound->use.limit * 1e3 ? 1 : 0;
-    EXPECT_NEAR(bound->use.references_within, static_cast<double>(within) / draws,
-                0.005);  // 6 sigma and more
+    // 6 sigma and more
+    EXPECT_NEAR(bound->use.references_within, static_cast<double>(within) / draws, 0.005);
     EXPECT_LT(bound->use.references_within, 0.95) << "a tail as long as this one's";
 }
 

@@ -63,8 +63,8 @@ TEST(ClockEstimate, KnowsNothingBeforeTheFirstExchange) {
 
 TEST(ClockEstimate, OneExchangeLeavesHalfTheRoundTrip) {
     ClockEstimate estimate;
-    ASSERT_TRUE(
-        estimate.add(1000, 51'100, 51'150, 1300));  // 100 there, 50 held, 150 back, clock 50'000 ahead
+    // 100 there, 50 held, 150 back, clock 50'000 ahead
+    ASSERT_TRUE(estimate.add(1000, 51'100, 51'150, 1300));
     EXPECT_NEAR(static_cast<double>(estimate.offset_at(1300)), 49'975, 2);  // ((t1-t0) + (t2-t3))/2
     EXPECT_NEAR(static_cast<double>(estimate.uncertainty(1300)), 125, 3);
     EXPECT_EQ(estimate.round_trip(), 250);

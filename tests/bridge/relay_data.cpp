@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::uint32_t slots = 39;
 constexpr std::uint32_t param_bytes = 88;
-constexpr std::size_t wide = 1136,
-                      narrow = 1104;  // bytes of a batch in a datagram, without a key and with one
+// bytes of a batch in a datagram, without a key and with one
+constexpr std::size_t wide = 1136, narrow = 1104;
 // All of them may be pending at once, and even so no batch goes by TCP.
 static_assert(sizeof(protocol::BatchHeader) + slots * (sizeof(protocol::EntryHeader) + param_bytes) <=
               max_pieces * narrow);

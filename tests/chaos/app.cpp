@@ -3,8 +3,7 @@
 //   wall [ADDRESS]  holds the hand off a wall at 50 updates a second; SIGUSR1: arms (after a reset, if
 //             need be); SIGUSR2: forks a child that ends in order. Says what it does, a numbered line each.
 //   exclusive wants the device for itself, and says how that was answered
-//   observer  reads every report until SIGTERM, then says how many it read and missed, and how many there
-//             were
+//   observer  reads every report until SIGTERM, then says how many it read, missed, and how many there were
 //   hostile   claims, then writes random bytes over its own segment until SIGTERM
 
 #include <algorithm>

@@ -118,8 +118,8 @@ Outcome run(const Run& how, const Model& model, const Path& path, const Truth& t
     for (int cycle = 0; cycle < cycles; ++cycle) {
         const double t = cycle * dt;
         const Vector3d p = counted(tip.position, how.hand.quantum);
-        slow +=
-            ((p - last) / dt - slow) * (1 - std::exp(-2 * std::numbers::pi * 20 * dt));  // as in the report
+        // as in the report
+        slow += ((p - last) / dt - slow) * (1 - std::exp(-2 * std::numbers::pi * 20 * dt));
         last = p;
         if (cycle >= first && (cycle - first) % update_cycles == 0) {
             Faces next{.face = {}, .count = 1};

@@ -1,7 +1,6 @@
 // Forward kinematics + Jacobian + J^T F, as a servo's cycle does them. Inputs change each time.
 //   knurl_bench_kinematics [Google Benchmark's options]
-//   knurl_bench_kinematics --error FILE.json     the delta's run time against error;
-//   scripts/plot_kinematics.py
+//   knurl_bench_kinematics --error FILE.json     the delta's run time against error: scripts/plot_kinematics.py
 
 #include <array>
 #include <cmath>

@@ -10,8 +10,8 @@ MadeMesh unwelded(const MadeMesh&);                             // each triangle
 MadeMesh jittered(const MadeMesh&, double by, Rng&);            // m, each vertex in any direction
 MadeMesh duplicated(const MadeMesh&, double share, Rng&);       // faces told twice
 MadeMesh with_degenerate(const MadeMesh&, double share, Rng&);  // triangles that are lines and points added
-MadeMesh with_t_junctions(const MadeMesh&, double share,
-                          Rng&);  // a vertex on an edge that its other face has not
+// a vertex on an edge that its other face has not
+MadeMesh with_t_junctions(const MadeMesh&, double share, Rng&);
 MadeMesh flipped(const MadeMesh&, double share, Rng&);
 MadeMesh shuffled(const MadeMesh&, Rng&);                          // triangles and vertices in another order
 MadeMesh with_hole_of_nan(const MadeMesh&, std::uint32_t vertex);  // not a number: its faces are lost

@@ -36,8 +36,8 @@ std::ostream& operator<<(std::ostream& out, Verdict v);
 
 struct Allowed {
     double same = 0;  // m: nearer than that it is one place
-    double rounding =
-        0;  // m, of corners: it tilts a face, and the deeper the hand the farther its foot moves
+    // m, of corners: it tilts a face, and the deeper the hand the farther its foot moves
+    double rounding = 0;
 };
 /// What float corners, or double ones, may be off on a mesh of that size so far from the origin. Where
 /// surfaces cross, the active set keeps 5e-7 of the size away from each of up to three planes.

@@ -263,8 +263,8 @@ TYPED_TEST(Conformance, ComesAndGoesWithoutAJolt) {
         // A moving surface drags what holds the tip to it: a force of its own history, tested in along.cpp.
         if constexpr (requires { params.velocity; }) params.velocity = {};
         const Probe probe = wander(this->rng);  // held still
-        Scene reference =
-            make_scene();  // the same, there from the start: what moves by itself moves there too
+        // the same, there from the start: what moves by itself moves there too
+        Scene reference = make_scene();
         ASSERT_TRUE(reference.add(this->handle, params));
         reference.settle();
         Scene scene = make_scene();

@@ -95,8 +95,8 @@ std::vector<Wall> random_walls(Rng& rng, int count, bool equal) {
 TEST(ContactScene, OnePlaneIsASpringAlongItsNormal) {
     Scene scene = make_scene();
     ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 2}, .offset = 0.02, .stiffness = 800}));
-    const Wrench in =
-        settled(scene, at({0.1, 0.2, 0.009}));  // the normal's length divides the offset: z = 0.01
+    // the normal's length divides the offset: z = 0.01
+    const Wrench in = settled(scene, at({0.1, 0.2, 0.009}));
     EXPECT_NEAR(in.force.z(), 0.8, 1e-12);
     EXPECT_EQ(in.force.head<2>().norm(), 0.0);
     EXPECT_NEAR(scene.contact_point().z(), 0.01, 1e-15);

@@ -138,8 +138,8 @@ class FrictionModel {
     Law law_;
     std::uint64_t generator_;
     RealVector stretch_ = RealVector::Zero(), last_tip_ = RealVector::Zero();
-    RealVector left_ = RealVector::Zero(),
-               way_ = RealVector::Zero();  // tip minus snag; and along the surface
+    // tip minus snag; and along the surface
+    RealVector left_ = RealVector::Zero(), way_ = RealVector::Zero();
     Real next_ = 0, farthest_ = 0;
     bool touching_ = false, sliding_ = false;
     int snags_ = 0;

@@ -22,8 +22,8 @@ struct Kkt {
     Real violation = 0;   // m, of the worst plane there
     Real weight = 0;      // m, the smallest multiplier
     Real size = 0;        // m, the largest length that enters
-    Real sharpness =
-        1;  // of the active corner: |n1 x n2|, or the volume of three normals over the largest face
+    // of the active corner: |n1 x n2|, or the volume of three normals over the largest face
+    Real sharpness = 1;
 };
 
 inline Kkt kkt(const ContactPlanes& planes, const ActiveSet& active) {

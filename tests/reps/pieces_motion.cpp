@@ -41,8 +41,8 @@ TEST(PieceInMotion, OneThatMovesTakesAHandThatRestsAlong) {
     const Vector p(0.001, 0.002, 0.01);
     for (int i = 0; i < 100; ++i) {
         const Contact felt = piece.at(p);
-        EXPECT_NEAR(felt.height, 0.01 - 0.5e-3 * i,
-                    1e-15);  // in its first cycle it is where it was said to be
+        // in its first cycle it is where it was said to be
+        EXPECT_NEAR(felt.height, 0.01 - 0.5e-3 * i, 1e-15);
         EXPECT_EQ(felt.velocity, Vector(0, 0, 0.5));
     }
     EXPECT_EQ(piece.state.touched, 1);
@@ -128,8 +128,8 @@ TEST(PieceInMotion, AnUpdateOfWhatItFeelsLikeLetsNothingGo) {
     const double height = piece.at({0, 0, -0.002}).height;
     raw.stiffness = 10;
     piece.change(raw);
-    EXPECT_NEAR(piece.at({0, 0, -0.002}).height, height - 1e-4,
-                1e-15);  // not placed anew either: it moves on
+    // not placed anew either: it moves on
+    EXPECT_NEAR(piece.at({0, 0, -0.002}).height, height - 1e-4, 1e-15);
 }
 
 TYPED_TEST(PiecesInMotion, WithNoTimePassedTheAnswerIsThatOfTheCycleAndNothingAdvances) {

@@ -54,8 +54,8 @@ TEST(PiecesInAScene, APlateOnAFloorHoldsTheHandInTheCornerBetweenThem) {
 TEST(PiecesInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
     Rng rng(seed);
     for (int round = 0; round < (long_form() ? 400 : 6); ++round) {
-        Scene scene = make_scene(),
-              twin = make_scene();  // the twin's pieces move, by nothing: they are always asked
+        // the twin's pieces move, by nothing: they are always asked
+        Scene scene = make_scene(), twin = make_scene();
         for (std::uint32_t i = 0; i < 40; ++i) {
             const auto add = [&](auto piece) {
                 ASSERT_TRUE(scene.add({i, 1}, piece));

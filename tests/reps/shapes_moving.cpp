@@ -165,8 +165,8 @@ class Flight {
             case 3:
                 shape.asset = static_cast<std::uint32_t>(between(rng_, 1, 4));
                 break;
-            default: {  // about where it has come to: from farther away it is led past the hand, not through
-                        // it
+            // about where it has come to: from farther away it is led past the hand, not through it
+            default: {
                 const Vector velocity = to_eigen(shape.velocity);
                 shape.position = to_plain(Vector(to_eigen(shape.position) + since_[i] * velocity +
                                                  uniform(rng_, 0, 0.005) * direction(rng_)));

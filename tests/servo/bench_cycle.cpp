@@ -2,8 +2,9 @@
 // drain, plane with cross-fade, supervisor, Jacobian, write, report, feedback. The device's own dynamics are
 // not in it: its joints are a table. `read_and_kinematics` is the part that any loop has, in the same run.
 //
-//   knurl_bench_cycle --benchmark_repetitions=9 --benchmark_report_aggregates_only=true    (look at the
-//   medians)
+//   knurl_bench_cycle --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
+//
+// Look at the medians.
 
 #include <algorithm>
 #include <array>

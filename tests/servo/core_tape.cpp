@@ -46,8 +46,8 @@ TEST(Tape, ReplaysEveryByteOfEveryReport) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         TapeRun run(seed, seed % 3 == 0 ? 3000 : 1000);
         std::vector<TapeRecord> records;
-        const int before =
-            static_cast<int>(seed % 5) * 400;  // the recording begins in the middle of its life
+        // the recording begins in the middle of its life
+        const int before = static_cast<int>(seed % 5) * 400;
         for (int i = 0; i < 9000; ++i) {
             if (i == before) run.start();
             run.cycle();

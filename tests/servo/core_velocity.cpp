@@ -41,8 +41,8 @@ TEST(Adaptive, FindsTheWindowThatTestingEveryLineFinds) {
         AdaptiveVelocity filter;
         std::vector<double> y, t;
         const double step = 30e-6;
-        const double band =
-            0.97 * step;  // counts are off a line by sixteenths at least: never just on the edge
+        // counts are off a line by sixteenths at least: never just on the edge
+        const double band = 0.97 * step;
         double position = 0, speed = 0, time = 0;
         for (int i = 0; i < 500; ++i) {
             speed += 0.01 * uniform(random);

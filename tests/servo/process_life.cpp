@@ -189,8 +189,8 @@ TEST(Guardian, ZeroesTheDeviceAndSavesTheFlightRecorderWhenTheServoIsKilled) {
 
 TEST(Guardian, ZeroesADeviceWhoseServoIsStoppedAndTheServoRampsUpAgain) {
     ActiveServo servo;
-    const std::uint64_t before =
-        servo.record->zeroings.load();  // a loaded machine may have had its own stalls
+    // a loaded machine may have had its own stalls
+    const std::uint64_t before = servo.record->zeroings.load();
     servo.knurld->signal(SIGSTOP);
     EXPECT_TRUE(eventually([&] { return servo.record->zeroings.load() > before; }));
     EXPECT_EQ(servo.record->zeroing_pid.load(), static_cast<std::uint64_t>(servo.knurld->guardian()));

@@ -41,8 +41,8 @@ Hand::Hand(const SimHand& figures, std::optional<Motion> motion, const MotionSam
     }
     for (auto& axis : tremor_) {
         for (int i = 0; i < tremor_tones; ++i) {
-            const double frequency =
-                8 + 4 * (i + uniform(seed)) / tremor_tones;  // Hz, one in each third of 8..12
+            // Hz, one in each third of 8..12
+            const double frequency = 8 + 4 * (i + uniform(seed)) / tremor_tones;
             axis[static_cast<std::size_t>(i)] = {.frequency = 2 * std::numbers::pi * frequency,
                                                  .phase = 2 * std::numbers::pi * uniform(seed)};
         }

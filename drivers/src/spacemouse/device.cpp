@@ -38,9 +38,8 @@ struct Settings {
 
 /// A probe without force. The cap's deflection d (-1 to 1 per axis) is
 ///   position control: a place range * d, towards which the probe goes with the time constant of `follow`;
-///   let go,
-///     it comes back to the middle;
-///   rate control: a velocity speed * d; let go, it stays where it is.
+///                     let go, it comes back to the middle;
+///   rate control:     a velocity speed * d; let go, it stays where it is.
 /// Either way the speed is limited, so that a slap on the cap is no fault of the hand's.
 class SpaceMouse final : public Device {
   public:

@@ -159,8 +159,8 @@ class IoThread {
     // Between the two.
     Newest<Reading> readings_;
     Newest<Orders> newest_orders_;
-    std::atomic<std::uint64_t> session_number_ =
-        0;                             // odd: there is a device. Release after its first reading.
+    // odd: there is a device. Release after its first reading.
+    std::atomic<std::uint64_t> session_number_ = 0;
     std::atomic<bool> awake_ = false;  // the cycle has begun
     std::atomic<bool> deaf_ = false;   // the device takes no packet
     std::atomic<std::uint64_t> readings_count_ = 0, sent_ = 0, missed_ = 0, garbage_ = 0, errors_ = 0;

@@ -2,9 +2,8 @@
 // One cycle of a proxy on a surface, in metres from the surface's origin.
 //
 //   free:     in the box known to be empty? ──> nothing.   sweep last..hand ──> miss: nothing; hit: on it
-//   touching: walk ──> hand behind: held.   in front (or slipped over a rim): sweep proxy..hand ──> miss:
-//   free;
-//             hit another face: on it, and walk again
+//   touching: walk ──> hand behind: held.   in front (or slipped over a rim): sweep proxy..hand
+//             ──> miss: free; hit another face: on it, and walk again
 
 #include <bit>
 #include <cmath>

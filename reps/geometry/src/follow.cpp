@@ -84,8 +84,8 @@ Vector3d shaded_normal(const Asset& asset, const Foot& foot) noexcept {
         Vec sum{0, 0, 0};
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t j = detail::after(i);
-            const double share =
-                normal.dot(face.side(j).cross(x - face.at[j]));  // of corner i, twice squared
+            // of corner i, twice squared
+            const double share = normal.dot(face.side(j).cross(x - face.at[j]));
             detail::Nearest corner;
             corner.normal = normal;
             corner.place = i;

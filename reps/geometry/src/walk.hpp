@@ -3,8 +3,7 @@
 // all the way. Over any surface that says of a face: its corners, what lies over its edges
 // (mesh_surface.hpp).
 //
-//   within ──> rests.   edge ──> the face over it.   corner ──> the fan around it, to the first that is
-//   nearer.
+//   within ──> rests.   edge ──> the face over it.   corner ──> the fan around it: the first that is nearer.
 //
 // Every step is strictly nearer to the hand, in the numbers as they are computed: no face is met twice.
 

@@ -181,8 +181,8 @@ void Connection::try_datagrams(shm::Deadline deadline) {
         const std::int64_t now = detail::monotonic_ns();
         if (now >= next) {
             ping(now);
-            ping(now, datagram_bytes);  // before the one that is waited for: where it comes through, it is
-                                        // here first
+            // before the one that is waited for: where it comes through, it is here first
+            ping(now, datagram_bytes);
             ping(now, least_datagram_bytes);
             next = now + patience_ms * 1'000'000;
         }

@@ -24,8 +24,8 @@ std::string_view role_name(Role role) noexcept;
 std::optional<Role> parse_role(std::string_view word) noexcept;
 
 inline constexpr std::size_t key_bytes = 32;
-inline constexpr std::size_t max_key_name =
-    63;  // letters, digits, '.', '_', '-': it is in logs and claims' names
+// letters, digits, '.', '_', '-': it is in logs and claims' names
+inline constexpr std::size_t max_key_name = 63;
 inline constexpr std::size_t max_keys = 1024;  // of one file
 
 struct Key {

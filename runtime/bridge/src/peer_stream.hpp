@@ -59,8 +59,8 @@ class PeerStream {
     detail::Attachment attachment_;
     std::int64_t period_ns_, due_ns_ = 0;  // by the reports' deadlines; 0: each report
     Correspondent to_{};                   // nobody: not bound yet
-    std::uint64_t number_ =
-        0;  // of the newest report, whether it was sent or nobody was there yet to send it to
+    // of the newest report, whether it was sent or nobody was there yet to send it to
+    std::uint64_t number_ = 0;
     Report newest_{};
 
     std::vector<std::byte> waiting_;  // commands that the servo's ring had no room for; reserved

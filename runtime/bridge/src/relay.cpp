@@ -42,8 +42,8 @@ constexpr int most_bags = 8;      // of datagrams in one round; the others wait 
 constexpr int most_reports = 64;  // of one device in one round
 constexpr int most_calls = 64;    // in one round, most of them to be sent away at once,
 constexpr int most_accepts = 8;   // or to be heard, which takes longer
-constexpr std::size_t most_unfinished =
-    4;  // peers in one round that go on asking the servo, which takes as long
+// peers in one round that go on asking the servo, which takes as long
+constexpr std::size_t most_unfinished = 4;
 // Whoever leaves may have a few on their way still; more of no session are said, once a minute.
 constexpr std::uint64_t few_strays = 64;
 constexpr std::int64_t strays_said_every_ns = 60'000'000'000;

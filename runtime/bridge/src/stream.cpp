@@ -26,8 +26,8 @@ using std::chrono::nanoseconds;
 
 constexpr std::align_val_t ring_alignment{shm::line_bytes};
 constexpr std::int64_t hello_interval_ns = 50'000'000;  // until the first report has come
-constexpr std::int64_t remind_interval_ns =
-    1'000'000'000;               // so that whatever lies between does not forget the way
+// so that whatever lies between does not forget the way
+constexpr std::int64_t remind_interval_ns = 1'000'000'000;
 constexpr int most_rounds = 16;  // of one drain: 512 datagrams
 
 std::byte* new_ring(std::size_t slot_bytes) {

@@ -43,12 +43,12 @@ inline constexpr const char* exporter_label = "EXPORTER-knurl-bridge-datagrams";
 // ------------------------------------------------------------------------------------------------ bounds
 
 inline constexpr std::size_t max_sessions = protocol::max_clients;
-inline constexpr std::uint32_t max_streams =
-    protocol::max_claims_of_connection;  // claims and observers of one connection
-inline constexpr std::size_t datagram_bytes =
-    1200;  // at most; how many a path carries shows (path_width.hpp)
-inline constexpr std::size_t least_datagram_bytes =
-    760;                                               // a report and feedback; IPv6 carries 1280 everywhere
+// claims and observers of one connection
+inline constexpr std::uint32_t max_streams = protocol::max_claims_of_connection;
+// at most; how many a path carries shows (path_width.hpp)
+inline constexpr std::size_t datagram_bytes = 1200;
+// a report and feedback; IPv6 carries 1280 everywhere
+inline constexpr std::size_t least_datagram_bytes = 760;
 inline constexpr std::size_t max_pieces = 4;           // of a batch or feedback in datagrams; more go by TCP
 inline constexpr std::int64_t resend_ns = 10'000'000;  // what was not acknowledged is sent again
 inline constexpr std::int64_t dead_after_ns = 2'000'000'000;  // without a word from the other end

@@ -5,8 +5,8 @@
 // superset of all that it did not take before.
 //
 //   set:        changed
-//   published:  the one before was taken?  yes: pending is what this batch changed   no: that, and all of
-//   before
+//   published:  the one before was taken?  yes: pending is what this batch changed
+//                                          no: that, and all of before
 //
 // A slot that is removed is pending no more; entries in flight for it carry an old generation, which the
 // servo counts and ignores. No lock of its own.

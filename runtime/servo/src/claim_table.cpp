@@ -19,8 +19,8 @@ constexpr std::uint32_t smallest_batch = 64;  // bytes: one small entry
 constexpr double longest_interval = 3600;     // s between commits
 
 shm::WaiterFlag* flag_in(shm::Segment& claim_segment) {
-    constexpr protocol::ClaimLayout layout =
-        protocol::claim_layout({});  // the flag lies there for any capacity
+    // the flag lies there for any capacity
+    constexpr protocol::ClaimLayout layout = protocol::claim_layout({});
     return reinterpret_cast<shm::WaiterFlag*>(claim_segment.data() + layout.waiter);
 }
 

@@ -281,8 +281,8 @@ int run_daemon(const DaemonConfig& config) {
     raise_descriptor_limit();
     const int cpu = servo_cpu(config);
 
-    Door door(config.name,
-              config.socket_group);  // first: a second servo of this name must not touch the devices
+    // first: a second servo of this name must not touch the devices
+    Door door(config.name, config.socket_group);
     std::vector<std::unique_ptr<Station>> stations = open_stations(config);
 
     Shortfalls missing;

@@ -46,8 +46,8 @@ class Hand {
     drivers::TipPose pose;
     drivers::Jacobian jacobian = drivers::Jacobian::Zero();
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, first order 100 Hz: damping
-    Eigen::Vector3d smooth_velocity =
-        Eigen::Vector3d::Zero();  // m/s, adaptive window of 16 ms: friction, reports
+    // m/s, adaptive window of 16 ms: friction, reports
+    Eigen::Vector3d smooth_velocity = Eigen::Vector3d::Zero();
     Eigen::Vector3d slow_velocity = Eigen::Vector3d::Zero();     // m/s, first order 20 Hz: prediction
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
     // What the device gave in this cycle, believed or not: for a tape.

@@ -48,8 +48,8 @@ class SuspendWatch {
     }
 
     static constexpr Nanoseconds jump = 10'000'000;
-    Nanoseconds offset_ =
-        std::max({read_offset(), read_offset(), read_offset()});  // too small would be a jump
+    // too small would be a jump
+    Nanoseconds offset_ = std::max({read_offset(), read_offset(), read_offset()});
 };
 
 }  // namespace

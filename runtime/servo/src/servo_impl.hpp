@@ -124,8 +124,8 @@ struct Servo::Impl {
     bool written = false;        // in this cycle: the device was there to take it
     const Claim::Impl* in_contact = nullptr;
     Report report;
-    std::array<Nanoseconds, protocol::report_slots> read_times =
-        {};  // of the last reports, for the age of a batch
+    // of the last reports, for the age of a batch
+    std::array<Nanoseconds, protocol::report_slots> read_times = {};
     std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, evaluated = 0, present = 0;
 
     Tape* tape = nullptr;             // null: nobody records

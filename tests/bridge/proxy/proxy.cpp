@@ -57,8 +57,8 @@ const sockaddr* generic(const sockaddr_in& address) {
 
 UniqueFd make_socket(int type, const sockaddr_in& address) {
     UniqueFd fd(::socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-    const int on =
-        1;  // for TCP: what was closed a moment ago does not count. For UDP it would share the port.
+    // for TCP: what was closed a moment ago does not count. For UDP it would share the port.
+    const int on = 1;
     if (type == SOCK_STREAM) ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (!fd || ::bind(fd.get(), generic(address), sizeof address) != 0) return UniqueFd();
     return fd;

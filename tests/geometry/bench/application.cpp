@@ -36,8 +36,8 @@ SurfacePoint far_below(SurfacePoint face) {
 std::vector<Said> said_along(const Hand& hand, const Mesh& mesh, const Local& how) {
     const SurfaceModel plain = nearest_of(mesh), model = how.cap ? curved(plain) : plain;
     const double interval = 1 / how.rate;
-    const double share =
-        LocalScene::period / (LocalScene::period + 1 / (2 * M_PI * 20));  // the slow velocity: 20 Hz
+    // the slow velocity: 20 Hz
+    const double share = LocalScene::period / (LocalScene::period + 1 / (2 * M_PI * 20));
     const auto at = [&](std::size_t i) { return Vector3d(hand[i][0], hand[i][1], hand[i][2]); };
     std::vector<Said> all;
     FollowMemory memory;

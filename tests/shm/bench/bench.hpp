@@ -71,8 +71,8 @@ class Helper {
     void start(std::function<void()> work) {
         finish();
         work_ = std::move(work);
-        asked_.store(asked_.load(std::memory_order::relaxed) + 1,
-                     std::memory_order::release);  // pairs with run
+        // pairs with run
+        asked_.store(asked_.load(std::memory_order::relaxed) + 1, std::memory_order::release);
     }
     void finish() {
         while (done_.load(std::memory_order::acquire) != asked_.load(std::memory_order::relaxed)) {

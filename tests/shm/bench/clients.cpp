@@ -61,8 +61,8 @@ struct Ends {
         for (SpscConsumer& ring : rings) {
             const std::uint32_t available = ring.available();
             if (available < message_cells) continue;
-            ring.peek(available - static_cast<std::uint32_t>(message_cells), &out[n++],
-                      message_cells);  // the newest
+            // the newest
+            ring.peek(available - static_cast<std::uint32_t>(message_cells), &out[n++], message_cells);
             ring.pop(available);
         }
         return n;

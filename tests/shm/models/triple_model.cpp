@@ -14,8 +14,8 @@ struct Rules : TripleOrders {
 template <class Rules, class Memory = Memory>
 struct Buffer : rl::test_suite<Buffer<Rules, Memory>, 2> {
     static constexpr std::size_t slot_words = 3;  // versions of two representations, commands issued before
-    static constexpr std::uint64_t changes =
-        4;  // the first of representation 1, then of 0; before each, a command
+    // the first of representation 1, then of 0; before each, a command
+    static constexpr std::uint64_t changes = 4;
 
     Word mid, commands;
     typename Memory::Payload slots[3 * slot_words];
