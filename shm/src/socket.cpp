@@ -2,6 +2,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -145,8 +146,12 @@ Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
     message.msg_control = control.data();
     message.msg_controllen = control.size();
     ssize_t n = -1;
-    do n = ::recvmsg(fd, &message, MSG_CMSG_CLOEXEC | (block == Block::no ? MSG_DONTWAIT : 0));
-    while (n < 0 && errno == EINTR);
+    // A peer that hung up with something of ours unread is told as a reset, once, before what it had sent
+    // itself.
+    bool reset = false;
+    do {
+        n = ::recvmsg(fd, &message, MSG_CMSG_CLOEXEC | (block == Block::no ? MSG_DONTWAIT : 0));
+    } while (n < 0 && (errno == EINTR || (errno == ECONNRESET && !std::exchange(reset, true))));
     if (n < 0) {
         if (errno == EAGAIN)
             result.nothing = true;

@@ -1,5 +1,6 @@
 // One session, as its own end sees it: how it begins, what it may ask for, how it ends.
 
+#include <future>
 #include <limits>
 
 #include "relay_stranger.hpp"
@@ -112,11 +113,14 @@ TEST_F(Sessions, are_as_many_as_stated_and_one_that_ends_makes_room) {
         streams.push_back(std::make_unique<FrameStream>(dial(bridge), false));
         greet(*streams.back());
     }
-    FrameStream late(dial(bridge), false);
-    send(late, FrameType::hello, hello());
-    EXPECT_EQ(refused(late, "the bridge has 128 sessions"), Error::Kind::refused);
+    std::future<bool> connected =
+        std::async(std::launch::async, [&] { return connect_to(bridge).connected(); });
+    says(bridge.line_with("there are too many"), "127.0.0.1");  // it has knocked, and goes on
+    const Error error = refused_by(bridge);
+    EXPECT_EQ(error.kind, Error::Kind::refused);
+    says(error.what(), "the bridge has 128 sessions");
     streams.clear();
-    EXPECT_TRUE(connect_to(bridge).connected());
+    EXPECT_TRUE(connected.get());
 }
 
 }  // namespace

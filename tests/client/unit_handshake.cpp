@@ -103,6 +103,25 @@ TEST(Handshake, a_servo_of_another_version_says_so_itself) {
     EXPECT_NE(std::string(error.what()).find("version 2 here"), std::string::npos);
 }
 
+TEST(Handshake, a_servo_that_is_full_is_asked_again_until_somebody_leaves) {
+    int asked = 0;
+    const Impostor full_twice([&](const shm::UniqueFd& peer) {
+        if (++asked == 3) {
+            protocol::Welcome message;
+            shm::send_message(peer, bytes_of(message));
+            return;
+        }
+        protocol::Refused refused{.full = 1};
+        std::string("no place").copy(refused.text, sizeof refused.text - 1);
+        shm::send_message(peer, bytes_of(refused));
+    });
+    const Error error = client_test::refusal([] { Client::connect("knurl:default", {.wait = 0ms}); });
+    EXPECT_EQ(error.kind, Error::Kind::refused);
+    EXPECT_NE(std::string(error.what()).find("no place"), std::string::npos) << error.what();
+    Client::connect("knurl:default", {.wait = 20s, .reattach = false});
+    EXPECT_EQ(asked, 3);
+}
+
 TEST(Handshake, whatever_is_not_a_welcome_is_no_servo_of_this_version) {
     for (const std::size_t size :
          {std::size_t{1}, std::size_t{7}, sizeof(protocol::Welcome), std::size_t{4096}}) {

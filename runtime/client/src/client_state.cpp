@@ -28,12 +28,15 @@ using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds answer_time{2000};  // the broker, or the bridge, is given this long
 constexpr milliseconds first_try{10};      // between attempts to reach a servo that starts
+constexpr milliseconds last_try{160};      // between attempts at a full house, which cost it work, in the end
 constexpr milliseconds short_retry{20};    // right after a hang-up: back within 500 ms means this
 constexpr milliseconds long_retry{250};
 constexpr milliseconds retry_shortly_for{30'000};
 
-bool may_be_starting(const Error& error) {
-    return error.kind == Error::Kind::no_servo || error.kind == Error::Kind::disconnected;
+/// It starts, or it is full, and whoever leaves makes room.
+bool may_pass(const Error& error) {
+    return error.kind == Error::Kind::no_servo || error.kind == Error::Kind::disconnected ||
+           error.kind == Error::Kind::refused;
 }
 
 }  // namespace
@@ -44,15 +47,17 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
       options_(options),
       stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     const auto deadline = Clock::now() + options_.wait;
-    while (!link_) {
+    for (milliseconds pause = first_try; !link_;) {
         try {
             link_ = open_link();
         } catch (const Error& error) {
-            if (!may_be_starting(error)) throw;
-            if (Clock::now() + first_try > deadline)
+            if (!may_pass(error)) throw;
+            const auto left = std::chrono::floor<milliseconds>(deadline - Clock::now());
+            if (left < first_try)
                 throw Error(error.kind,
                             detail::format("{} (waited {} ms)", error.what(), options_.wait.count()));
-            std::this_thread::sleep_for(first_try);
+            std::this_thread::sleep_for(std::min(pause, left));
+            if (error.kind == Error::Kind::refused) pause = std::min(2 * pause, last_try);
         }
     }
     watcher_ = start_thread(

@@ -54,7 +54,9 @@ class Conversation {
         if (header.type == protocol::MessageType::refused && received.bytes >= sizeof(protocol::Refused)) {
             protocol::Refused refused;
             std::memcpy(&refused, buffer.data(), sizeof refused);
-            throw Error(refused.holder_pid != 0 ? Error::Kind::device_held : refusal,
+            throw Error(refused.holder_pid != 0 ? Error::Kind::device_held
+                        : refused.full != 0     ? Error::Kind::refused
+                                                : refusal,
                         protocol::text_of(refused.text), static_cast<pid_t>(refused.holder_pid));
         }
         if (header.type != expected || received.bytes != sizeof(Message)) nonsense();

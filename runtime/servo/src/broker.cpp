@@ -106,9 +106,11 @@ struct Broker::Impl {
                               .holdings = {},
                               .recording = {}};
         if (connections.size() >= broker_bounds::connections) {
-            refuse(connection,
-                   Refusal(fmt::format("servo \"{}\" has {} connections, which is all it takes; end one",
-                                       options.servo_name, broker_bounds::connections)));
+            protocol::Refused no_place{.full = 1};
+            protocol::put_text(no_place.text,
+                               fmt::format("servo \"{}\" has {} connections, which is all it takes; end one",
+                                           options.servo_name, broker_bounds::connections));
+            shm::send_message(connection.socket, bytes_of(no_place));
             return;
         }
         const std::uint64_t id = next_id++;

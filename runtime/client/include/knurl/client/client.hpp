@@ -42,7 +42,7 @@ namespace knurl {
 
 struct ConnectOptions {
     std::string name{};                    // what `knurl ls` shows; empty: the program's
-    std::chrono::milliseconds wait{2000};  // for a servo that is still starting
+    std::chrono::milliseconds wait{2000};  // for a servo that starts, or is full
     bool reattach = true;                  // after a restart of the servo, and add everything again
     // Of a servo on another host, "knurl://host:port":
     double report_rate = 0;  // Hz, at most, by datagrams; 0: every report

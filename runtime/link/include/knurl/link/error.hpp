@@ -18,7 +18,7 @@ class Error : public std::runtime_error {
         device_held,     // by `holder`
         bad_parameters,  // field, value and range are in the text
         channel_full,    // too many commands at once; nothing was sent
-        refused,         // the device's state forbids it
+        refused,         // the device's state forbids it, or there is no place now
         disconnected,    // the servo is gone
         after_fork,      // this is the child of a fork: it has no claim
         stale_handle,    // removed, or of another claim

@@ -65,8 +65,8 @@ struct Welcome {
 struct Refused {
     MessageHeader header{.type = MessageType::refused};
     std::uint32_t holder_pid = 0;  // who holds the device, if that is the reason
-    std::uint32_t reserved = 0;
-    char text[512] = {};  // one line: what, where, what to do
+    std::uint32_t full = 0;        // 1: there is no place now; somebody who leaves makes one
+    char text[512] = {};           // one line: what, where, what to do
 };
 
 struct ClaimRequest {
