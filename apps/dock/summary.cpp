@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <output_file.hpp>
 
 namespace dock {
@@ -118,7 +118,7 @@ std::string text_of(const Summary& s, const Docked& d, const DockOptions& o) {
 }
 
 std::string json_of(const Summary& s, const Docked& d, const DockOptions& o) {
-    const nlohmann::ordered_json json = {
+    const knurl::Json json = {
         {"rate", o.rate},
         {"stiffness", o.stiffness},
         {"scale_mm_per_nm", o.scale},
@@ -145,7 +145,7 @@ std::string json_of(const Summary& s, const Docked& d, const DockOptions& o) {
         {"created_share", s.created_share},
         {"hand_kj_per_mol", s.hand_kj},
         {"body_kj_per_mol", s.body_kj},
-        {"simulation_total_energy", s.simulation_tells ? nlohmann::ordered_json(s.simulation_kj) : nullptr},
+        {"simulation_total_energy", s.simulation_tells ? knurl::Json(s.simulation_kj) : nullptr},
         {"temperature", s.temperature},
         {"peak_temperature", s.peak_temperature},
         {"bounded", d.counts.bounded},

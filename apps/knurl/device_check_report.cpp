@@ -1,7 +1,7 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include "device_check.hpp"
 
@@ -10,7 +10,7 @@ namespace knurl::cli {
 namespace {
 
 using Eigen::Vector3d;
-using json = nlohmann::ordered_json;
+using json = knurl::Json;
 
 std::string at(const Vector3d& v) {
     return fmt::format("({:.3f} {:.3f} {:.3f})", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/drivers/registry.hpp>
 
@@ -19,7 +19,7 @@ namespace knurl::cli {
 
 namespace {
 
-using nlohmann::json;
+using json = knurl::Json;
 
 /// "p50 12, p99 -, max 40 us" of samples in s.
 std::string spread(const std::vector<double>& samples, int digits) {

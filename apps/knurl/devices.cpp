@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/usb_list.hpp>
@@ -18,7 +18,7 @@ namespace knurl::cli {
 namespace {
 
 using drivers::UsbDevice;
-using nlohmann::json;
+using json = knurl::Json;
 
 struct Seen {
     UsbDevice device;
@@ -121,8 +121,7 @@ int list(bool as_json) {
     json known = json::array();
     for (const drivers::Driver& driver : drivers::drivers())
         known.push_back({{"scheme", driver.scheme}, {"help", driver.help}});
-    fmt::print("{}\n", json{{"devices", devices}, {"drivers", known}, {"usb_problem", no_usb}}.dump(
-                           2, ' ', false, json::error_handler_t::replace));
+    fmt::print("{}\n", json{{"devices", devices}, {"drivers", known}, {"usb_problem", no_usb}}.dump(2));
     return 0;
 }
 

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <private_servo.hpp>
 #include <unistd.h>
 
@@ -21,7 +21,7 @@ namespace knurl::cli {
 
 namespace {
 
-using nlohmann::json;
+using json = knurl::Json;
 
 constexpr double rates[] = {500, 1000, 2000, 4000, 10'000};  // Hz
 constexpr double main_rate = 1000;
@@ -252,7 +252,7 @@ int run_doctor(const Arguments& arguments) {
         throw UsageError(fmt::format("--seconds is {:g}; give 5 to 3600", arguments.seconds));
     const Examination found = Doctor(arguments).examine();
     if (arguments.json)
-        fmt::print("{}\n", to_json(found, arguments).dump(2, ' ', false, json::error_handler_t::replace));
+        fmt::print("{}\n", to_json(found, arguments).dump(2));
     else
         print_text(found, arguments);
     const auto main = std::find_if(found.rates.begin(), found.rates.end(),

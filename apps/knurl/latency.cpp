@@ -13,7 +13,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <private_servo.hpp>
 #include <unistd.h>
 

@@ -68,16 +68,16 @@ LatencyFile read_latency_file(const std::string& path) {
             "{}: is not what knurl latency --json writes ({}); measure with --json FILE, and give that file",
             path, why));
     };
-    nlohmann::json all;
+    knurl::Json all;
     try {
-        all = nlohmann::json::parse(text);
-    } catch (const nlohmann::json::exception& error) {
+        all = knurl::Json::parse(text);
+    } catch (const knurl::JsonError& error) {
         throw foreign(error.what());
     }
-    const auto format = all.is_object() && all.contains("format") ? all["format"] : nlohmann::json();
-    if (!format.is_object() || format.value("program", nlohmann::json()) != LatencyFile::program)
+    const auto format = all.is_object() && all.contains("format") ? all["format"] : knurl::Json();
+    if (!format.is_object() || format.value("program", knurl::Json()) != LatencyFile::program)
         throw foreign("it does not say so in \"format\"");
-    const auto version = format.value("version", nlohmann::json());
+    const auto version = format.value("version", knurl::Json());
     if (version != LatencyFile::version)
         throw std::runtime_error(fmt::format(
             "{}: has version {} of the format, this program reads {}; measure again with this one", path,
@@ -144,11 +144,9 @@ std::string to_text(const LatencyComparison& comparison) {
            "What has a floor is compared as a multiple of that floor's median; floor.* is the machine.\n";
 }
 
-nlohmann::ordered_json to_json(const LatencyComparison& comparison) {
-    auto paths = nlohmann::ordered_json::array();
-    const auto or_null = [](const auto& value) {
-        return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-    };
+knurl::Json to_json(const LatencyComparison& comparison) {
+    auto paths = knurl::Json::array();
+    const auto or_null = [](const auto& value) { return value ? knurl::Json(*value) : knurl::Json(); };
     for (const PathComparison& path : comparison.paths) {
         const measure::Comparison& r = path.result;
         const bool known = r.problem.empty();
@@ -157,11 +155,11 @@ nlohmann::ordered_json to_json(const LatencyComparison& comparison) {
                          {"before", or_null(path.before)},
                          {"now", or_null(path.now)},
                          {"reference", or_null(path.reference)},
-                         {"ratio", known ? nlohmann::ordered_json(r.ratio) : nlohmann::ordered_json()},
-                         {"low", known ? nlohmann::ordered_json(r.interval.low) : nlohmann::ordered_json()},
-                         {"high", known ? nlohmann::ordered_json(r.interval.high) : nlohmann::ordered_json()},
+                         {"ratio", known ? knurl::Json(r.ratio) : knurl::Json()},
+                         {"low", known ? knurl::Json(r.interval.low) : knurl::Json()},
+                         {"high", known ? knurl::Json(r.interval.high) : knurl::Json()},
                          {"verdict", measure::name_of(r.verdict)},
-                         {"problem", known ? nlohmann::ordered_json() : nlohmann::ordered_json(r.problem)}});
+                         {"problem", known ? knurl::Json() : knurl::Json(r.problem)}});
     }
     return {{"date", comparison.date},
             {"confidence", comparison.confidence},

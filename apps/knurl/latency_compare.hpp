@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include "compare.hpp"
 #include "measure.hpp"
@@ -18,7 +18,7 @@ struct LatencyFile {
     static constexpr int version = 1;
 
     measure::Run run;
-    nlohmann::ordered_json setting;  // of the measurement: servo, rate, load, ...
+    knurl::Json setting;  // of the measurement: servo, rate, load, ...
 };
 
 /// Throws std::runtime_error, with what to do: it cannot be read, is none of ours, or of another version.
@@ -46,6 +46,6 @@ struct LatencyComparison {
 LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now);
 
 std::string to_text(const LatencyComparison& comparison);
-nlohmann::ordered_json to_json(const LatencyComparison& comparison);
+knurl::Json to_json(const LatencyComparison& comparison);
 
 }  // namespace knurl::cli

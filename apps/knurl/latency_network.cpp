@@ -28,7 +28,7 @@ std::string network_text(const Network& network, const bridge::WireSizes& sizes)
         network.encrypted ? "TLS 1.3 over TCP" : "TCP");
 }
 
-nlohmann::ordered_json network_json(const Network& network, const bridge::WireSizes& sizes) {
+knurl::Json network_json(const Network& network, const bridge::WireSizes& sizes) {
     return {{"encrypted", network.encrypted},
             {"round_trip", us(network.round_trip)},
             {"clock_offset", us(network.clock_offset)},

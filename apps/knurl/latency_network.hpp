@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/bridge/wire_sizes.hpp>
 #include <knurl/link/network.hpp>
@@ -13,6 +13,6 @@ namespace knurl::cli {
 /// In some lines.
 std::string network_text(const Network& network, const bridge::WireSizes& sizes);
 /// Times in us, drift in ppm.
-nlohmann::ordered_json network_json(const Network& network, const bridge::WireSizes& sizes);
+knurl::Json network_json(const Network& network, const bridge::WireSizes& sizes);
 
 }  // namespace knurl::cli

@@ -18,7 +18,7 @@ std::string percentile_text(const measure::Run& run, double percentile) {
 }
 
 std::string to_json(const measure::Run& run, const Aside& aside, double percentile) {
-    using Json = nlohmann::ordered_json;
+    using knurl::Json;
     Json more = {{"format", {{"program", LatencyFile::program}, {"version", LatencyFile::version}}},
                  {"setting", aside.setting},
                  {"updates", {{"merged", aside.merged}, {"lost", aside.lost}}},

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include "measure.hpp"
 
@@ -12,8 +12,8 @@ namespace knurl::cli {
 
 /// What stands beside the table.
 struct Aside {
-    nlohmann::ordered_json setting, network, comparison;  // null: there is none
-    std::uint64_t merged = 0, lost = 0;                   // updates
+    knurl::Json setting, network, comparison;  // null: there is none
+    std::uint64_t merged = 0, lost = 0;        // updates
     std::string ended, text;
 };
 

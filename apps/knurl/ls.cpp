@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/protocol/attach.hpp>
 
@@ -15,7 +15,7 @@ namespace knurl::cli {
 
 namespace {
 
-using nlohmann::json;
+using json = knurl::Json;
 
 void print_client(const ClientView& client) {
     const std::string who = client.name.empty() ? "" : " " + client.name;
@@ -130,7 +130,7 @@ int print_json(const std::vector<ServoView>& servos) {
                         {"devices", devices}});
     }
     // Names come from other processes and need not be UTF-8.
-    fmt::print("{}\n", json{{"servos", list}}.dump(2, ' ', false, json::error_handler_t::replace));
+    fmt::print("{}\n", json{{"servos", list}}.dump(2));
     return 0;
 }
 

@@ -8,7 +8,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <sleeper.hpp>
 
 #include <knurl/protocol/attach.hpp>
@@ -22,7 +22,7 @@ namespace knurl::cli {
 namespace {
 
 using measure::Nanoseconds, measure::now_ns;
-using nlohmann::json;
+using json = knurl::Json;
 
 // While a servo is sought: every look asks for it, and whoever types Ctrl-C waits for the look.
 constexpr std::chrono::milliseconds answer_time{100};
@@ -114,7 +114,7 @@ std::string line_of(const std::string& servo, const Look& look) {
                        {"seconds", look.seconds},
                        {"problem", look.problem.empty() ? json() : json(look.problem)},
                        {"devices", devices}};
-    return line.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+    return line.dump(-1) + "\n";
 }
 
 int watch(const Arguments& arguments) {

@@ -1,7 +1,7 @@
 #include "top_text.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include "servo_text.hpp"
 
@@ -9,7 +9,7 @@ namespace knurl::cli {
 
 namespace {
 
-using nlohmann::json;
+using json = knurl::Json;
 
 /// "12 merged (+3)": in all, and in this time.
 std::string counted(std::uint64_t all, std::uint64_t now, std::string_view what) {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
+#include <json.hpp>
 
 #include "top_rates.hpp"
 
@@ -11,6 +11,6 @@ namespace knurl::cli {
 
 /// Lines of fields, two spaces or more apart.
 std::string text_of(const DeviceRates& rates);
-nlohmann::json json_of(const DeviceRates& rates);
+knurl::Json json_of(const DeviceRates& rates);
 
 }  // namespace knurl::cli

@@ -8,7 +8,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/protocol/attach.hpp>
 
@@ -117,9 +117,7 @@ int run_trace(const Arguments& arguments) {
     const Timeline timeline = arguments.from.empty() ? watch(arguments) : from_file(arguments);
     const Around around = arguments.around == "late" ? Around::late : Around::last;
     const Stretch stretch = choose(timeline, around, arguments.cycles);
-    const std::string text =
-        to_trace(timeline, stretch).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
-        "\n";
+    const std::string text = to_trace(timeline, stretch).dump(1) + "\n";
     measure::write_file(arguments.out, text);
     if (arguments.out == "-") return 0;
     fmt::print("{}: {}\nOpen it in chrome://tracing or https://ui.perfetto.dev.\n", arguments.out,

@@ -12,7 +12,7 @@ namespace knurl::cli {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using knurl::Json;
 
 constexpr int process = 1, cycles_track = 1, deadlines_track = 2;
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/protocol/report.hpp>
 
@@ -70,6 +70,6 @@ Stretch choose(const Timeline& timeline, Around around, std::size_t neighbours);
 
 /// Each cycle is an event from its deadline (or the end of the cycle before, if that is later) until it has
 /// written, with what it did as events inside.
-nlohmann::ordered_json to_trace(const Timeline& timeline, const Stretch& stretch);
+knurl::Json to_trace(const Timeline& timeline, const Stretch& stretch);
 
 }  // namespace knurl::cli

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include <fcntl.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/utsname.h>
@@ -85,23 +85,23 @@ std::optional<double> percentile(const std::vector<double>& sorted, double q) {
 }
 
 template <class T>
-nlohmann::ordered_json or_null(const std::optional<T>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+knurl::Json or_null(const std::optional<T>& value) {
+    return value ? knurl::Json(*value) : knurl::Json(nullptr);
 }
 
-nlohmann::ordered_json to_json(const Histogram& histogram) {
-    auto buckets = nlohmann::ordered_json::array();
+knurl::Json to_json(const Histogram& histogram) {
+    auto buckets = knurl::Json::array();
     for (const auto& [lower, count] : histogram.buckets()) buckets.push_back({lower, count});
     return buckets;
 }
 
 /// A line in a text that is indented else: `all` has the string `token` where `value` belongs.
-void put_line(std::string& all, const std::string& token, const nlohmann::ordered_json& value) {
+void put_line(std::string& all, const std::string& token, const knurl::Json& value) {
     const std::string quoted = "\"" + token + "\"";
     all.replace(all.find(quoted), quoted.size(), value.dump());
 }
 
-Histogram histogram_from(const nlohmann::json& buckets) {
+Histogram histogram_from(const knurl::Json& buckets) {
     Histogram made;
     for (const auto& bucket : buckets) {
         const double lower = bucket.at(0);
@@ -191,7 +191,7 @@ void print(std::ostream& out, const Run& run) {
 }
 
 std::string to_json(const Run& run) {
-    using Json = nlohmann::ordered_json;
+    using knurl::Json;
     const Machine& m = run.machine;
     Json results = Json::array();
     std::vector<std::pair<std::string, Json>> lines;
@@ -241,7 +241,7 @@ std::string to_json(const Run& run) {
 
 Run from_json(const std::string& text) {
     try {
-        const auto all = nlohmann::json::parse(text);
+        const auto all = knurl::Json::parse(text);
         const auto& m = all.at("machine");
         Run run{.machine = {.processor = m.at("processor"),
                             .cpus = m.at("cpus"),
@@ -251,7 +251,7 @@ Run from_json(const std::string& text) {
                             .build = m.at("build"),
                             .date = m.at("date")},
                 .results = {}};
-        const auto number = [](const nlohmann::json& value) {
+        const auto number = [](const knurl::Json& value) {
             return value.is_null() ? std::nullopt : std::optional<double>(value.get<double>());
         };
         for (const auto& r : all.at("results")) {
@@ -270,7 +270,7 @@ Run from_json(const std::string& text) {
             run.results.push_back(std::move(result));
         }
         return run;
-    } catch (const nlohmann::json::exception& error) {
+    } catch (const knurl::JsonError& error) {
         throw std::runtime_error(error.what());
     }
 }

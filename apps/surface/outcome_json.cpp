@@ -1,6 +1,6 @@
 // The form that all measuring programs share: machine and results; beside it what only this program has.
 
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <output_file.hpp>
 
 #include "outcome.hpp"
@@ -8,7 +8,7 @@
 namespace surface {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using knurl::Json;
 
 }  // namespace
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <png.h>
 
 #include "program.hpp"
@@ -13,7 +13,7 @@
 namespace knurl::test {
 namespace {
 
-using nlohmann::json;
+using json = knurl::Json;
 
 json checked(const std::string& arm) {
     const Outcome outcome = knurl({"device", "check", arm, "--json"});

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <unistd.h>
 
 #include "program.hpp"
@@ -14,7 +14,7 @@
 namespace knurl::test {
 namespace {
 
-using nlohmann::json;
+using json = knurl::Json;
 using testing::HasSubstr;
 using testing::Not;
 

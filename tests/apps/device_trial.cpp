@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/sim_profile.hpp>
@@ -157,7 +157,7 @@ TEST(DeviceTest, TheProgramSaysItAsTextAndAsJson) {
     EXPECT_THAT(text.out, Not(HasSubstr("round trip"))) << "of a virtual clock";
     EXPECT_THAT(text.out, HasSubstr("as it should be"));
     const auto json =
-        nlohmann::json::parse(knurl({"device", "test", "sim:premium15,grip=0", "--virtual", "--json"}).out);
+        knurl::Json::parse(knurl({"device", "test", "sim:premium15,grip=0", "--virtual", "--json"}).out);
     EXPECT_EQ(json.at("device"), "premium15");
     EXPECT_EQ(json.at("pushes").size(), 3u);
     EXPECT_TRUE(json.at("turns").empty()) << "it renders no torque";
@@ -175,7 +175,7 @@ TEST(DeviceTest, ASimulatedArmIsLetGoOfUnlessAHandIsAskedFor) {
     EXPECT_THAT(held.err, Not(HasSubstr("nobody's hand")));
     EXPECT_THAT(held.out, HasSubstr("times as strong as it should be"));
     const auto json =
-        nlohmann::json::parse(knurl({"device", "test", "sim:cartesian3,seed=2", "--virtual", "--json"}).out);
+        knurl::Json::parse(knurl({"device", "test", "sim:cartesian3,seed=2", "--virtual", "--json"}).out);
     EXPECT_EQ(json.at("address"), "sim:cartesian3,seed=2,grip=0");
 }
 

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include "fake_imd.hpp"
 #include "program.hpp"
@@ -34,9 +34,7 @@ class DockProgram : public testing::Test {
         words.insert(words.begin(), {KNURL_DOCK_PROGRAM, simulation.address(), "--demo"});
         return run(words);
     }
-    nlohmann::json figures() {
-        return nlohmann::json::parse(knurl::test::text_of_file(folder_.path("f.json")));
-    }
+    knurl::Json figures() { return knurl::Json::parse(knurl::test::text_of_file(folder_.path("f.json"))); }
 
     const Folder folder_;
     const std::filesystem::path temporary_ = folder_.path("tmp");
@@ -58,7 +56,7 @@ TEST_F(DockProgram, PullsAnAtomAndSaysWhatCameOfIt) {
     EXPECT_TRUE(simulation.was_pulled());
     EXPECT_TRUE(simulation.eventually_pulled(is_let_go));
     EXPECT_TRUE(simulation.was_killed());
-    const nlohmann::json of = figures();
+    const knurl::Json of = figures();
     EXPECT_GT(of["frames"], 10);
     EXPECT_GT(of["rms_force"], 0.05);
     EXPECT_GT(of["moved_nm"], 0.05);
@@ -77,7 +75,7 @@ TEST_F(DockProgram, AsksForFramesAsTheEngineIsFast) {
         dock(simulation, {"--rate", "50", "--seconds", "3", "--json", folder_.path("f.json")});
     ASSERT_EQ(docked.code, 0) << docked.err;
     // 100 of its steps are a frame; a loaded machine lets it be slower, and then there are fewer.
-    const nlohmann::json of = figures();
+    const knurl::Json of = figures();
     const double wanted = double(of["steps_per_second"]) / 50;
     EXPECT_NEAR(simulation.rate(), wanted, 0.5 * wanted);
 }

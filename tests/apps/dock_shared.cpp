@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/client/client.hpp>
 
@@ -136,7 +136,7 @@ TEST_F(DockShared, TheHandFeelsTheSumOfBoth) {
         return both >= 2000;
     })) << program.said();
     EXPECT_EQ(program.end(SIGINT), 0) << program.said();
-    const auto figures = nlohmann::json::parse(knurl::test::text_of_file(home_.path("dock.json")));
+    const auto figures = knurl::Json::parse(knurl::test::text_of_file(home_.path("dock.json")));
     EXPECT_LE(figures["end_step"], most_step) << "N in a cycle, from the first on";
     // What knurl-dock says of its own spring, cycle by cycle.
     std::ifstream csv(home_.path("dock.csv"));
@@ -231,7 +231,7 @@ TEST_F(DockShared, TheMoleculeStaysWhenTheWallsProgramIsKilled) {
             [](const FakeImd::Forces& forces) { return !forces.empty() && !is_let_go(forces); }));
         wall.end(0);
         EXPECT_EQ(program.end(SIGINT), 0) << program.said();
-        const auto figures = nlohmann::json::parse(knurl::test::text_of_file(home_.path("dock.json")));
+        const auto figures = knurl::Json::parse(knurl::test::text_of_file(home_.path("dock.json")));
         EXPECT_EQ(figures["faults"], 0);
         EXPECT_EQ(figures["ended"], "");
     }

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <unistd.h>
 
 #include "program.hpp"
@@ -10,7 +10,7 @@
 namespace knurl::test {
 namespace {
 
-using nlohmann::json;
+using json = knurl::Json;
 using testing::HasSubstr;
 
 TEST(Doctor, JudgesFiveRatesByTheServoAndTheBareLoop) {

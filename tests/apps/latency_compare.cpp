@@ -1,6 +1,7 @@
 // Two runs of `knurl latency`, from their files.
 
 #include <random>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@
 namespace knurl::test {
 namespace {
 
-using nlohmann::ordered_json;
+using ordered_json = knurl::Json;
 using testing::HasSubstr;
 
 const measure::Machine machine{.processor = "a",
@@ -94,7 +95,11 @@ TEST(LatencyCompare, RefusesWhatItCannotCompareInOneLine) {
     const std::string fine = text_of(file(1, 1, 1));
     const auto with = [&fine](const char* pointer, ordered_json value) {
         auto all = ordered_json::parse(fine);
-        all[ordered_json::json_pointer(pointer)] = std::move(value);
+        ordered_json* place = &all;
+        std::istringstream steps(pointer + 1);
+        for (std::string step; std::getline(steps, step, '/');)
+            place = place->is_array() ? &place->at(std::stoul(step)) : &(*place)[step];
+        *place = std::move(value);
         return all.dump();
     };
     struct Case {

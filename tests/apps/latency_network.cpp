@@ -23,7 +23,7 @@ TEST(LatencyNetwork, IsTheSameInTextAndForPrograms) {
                               .drift = -2.5e-6,
                               .drift_uncertainty = 1.5e-6,
                               .encrypted = encrypted};
-        const nlohmann::json json = cli::network_json(network, sizes);
+        const knurl::Json json = cli::network_json(network, sizes);
         EXPECT_EQ(json["encrypted"], encrypted);
         EXPECT_EQ(json["clock_offset"], -45.6);
         const auto number = [&](const char* key) { return json.at(key).get<double>(); };

@@ -8,8 +8,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <json.hpp>
 #include <latency_udp.hpp>
-#include <nlohmann/json.hpp>
 #include <proxy.hpp>
 #include <unistd.h>
 
@@ -19,7 +19,7 @@
 namespace knurl::test {
 namespace {
 
-using nlohmann::json;
+using json = knurl::Json;
 
 json measured(std::vector<std::string> words) {
     const Folder folder;

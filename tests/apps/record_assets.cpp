@@ -7,7 +7,7 @@
 #include <generators.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/client/client.hpp>
 
@@ -17,7 +17,7 @@ namespace knurl::test {
 namespace {
 
 using namespace std::chrono_literals;
-using nlohmann::json;
+using json = knurl::Json;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -216,7 +216,7 @@ TEST(RecordAssets, OneThatDoesNotFitOnTheDiskIsCountedAndNamed) {
     ASSERT_EQ(read.code, 0) << read.err;
     const json missing = json::parse(read.out).at("metadata").at("knurl missing");
     ASSERT_EQ(missing.size(), 1u);
-    EXPECT_THAT(missing.begin().key(), testing::StartsWith("asset-"));
+    EXPECT_THAT(missing.items().front().key, testing::StartsWith("asset-"));
 }
 
 TEST(RecordAssets, OneThatWasTakenOutOrChangedIsSaid) {

@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/client/client.hpp>
 
@@ -19,7 +19,7 @@ namespace knurl::test {
 namespace {
 
 using namespace std::chrono_literals;
-using nlohmann::json;
+using json = knurl::Json;
 using testing::HasSubstr;
 using testing::Not;
 

@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include "../client/bridge_process.hpp"
 #include "program.hpp"
@@ -58,7 +58,7 @@ TEST(SurfaceOverABridge, StrokesAReliefOfAnotherHostAndIsJudgedStable) {
     }();
     ::unsetenv("KNURL_KEY");
     ASSERT_EQ(outcome.code, 0) << outcome.err << knurld.said();
-    const auto json = nlohmann::json::parse(knurl::test::text_of_file(outcome_file));
+    const auto json = knurl::Json::parse(knurl::test::text_of_file(outcome_file));
     const auto &force = json.at("strokes").at(0), &knurl = json.at("strokes").at(1);
     const auto& mesh = json.at("strokes").at(2);
     EXPECT_FALSE(force.at("stable")) << force;

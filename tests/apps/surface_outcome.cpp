@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <unistd.h>
 
 #include "surface/elevation.hpp"
@@ -113,7 +113,7 @@ TEST_F(Files, TheTableHasAColumnAndAVerdictForEachWay) {
 
 TEST_F(Files, JsonHasTheCommonFormAndTheStrokes) {
     surface::write_json(folder_ / "out.json", outcomes_, text_);
-    const auto json = nlohmann::json::parse(read(folder_ / "out.json"));
+    const auto json = knurl::Json::parse(read(folder_ / "out.json"));
     EXPECT_EQ(json.at("machine").at("processor"), text_.machine.processor);
     ASSERT_EQ(json.at("results").size(), 6u);
     const auto& jump = json.at("results").at(1);

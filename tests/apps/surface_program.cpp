@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include "program.hpp"
 
@@ -47,7 +47,7 @@ TEST_F(SurfaceProgram, StrokesOncePerWayAndSaysHowItWent) {
                               "--json", folder_.path("out.json"), "--csv", folder_.path("out.csv")});
     ASSERT_EQ(outcome.code, 0) << outcome.err << knurld.said();
     EXPECT_THAT(outcome.out, HasSubstr("hill.pgm: 0.5 mm per cell"));
-    const auto json = nlohmann::json::parse(knurl::test::text_of_file(folder_.path("out.json")));
+    const auto json = knurl::Json::parse(knurl::test::text_of_file(folder_.path("out.json")));
     ASSERT_EQ(json.at("strokes").size(), 2u);
     for (const auto& stroke : json.at("strokes")) {
         EXPECT_EQ(stroke.at("missed"), 0) << stroke;
@@ -68,7 +68,7 @@ TEST_F(SurfaceProgram, EachIsJudgedAgainstWhatItSentToo) {
                               "--json", folder_.path("out.json"), "--csv", folder_.path("out.csv")});
     ASSERT_EQ(outcome.code, 0) << outcome.err << knurld.said();
     EXPECT_THAT(outcome.out, HasSubstr("as a height field"));
-    const auto json = nlohmann::json::parse(knurl::test::text_of_file(folder_.path("out.json")));
+    const auto json = knurl::Json::parse(knurl::test::text_of_file(folder_.path("out.json")));
     ASSERT_EQ(json.at("strokes").size(), 2u);
     for (const auto& stroke : json.at("strokes")) {
         ASSERT_TRUE(stroke.at("own_force_error").is_number()) << stroke;

@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,7 +17,7 @@ namespace knurl::test {
 namespace {
 
 using namespace std::chrono_literals;
-using nlohmann::json;
+using json = knurl::Json;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;

@@ -1,7 +1,7 @@
 // What `knurl top` says, to the letter.
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <top_text.hpp>
 
 #include <knurl/protocol/text.hpp>
@@ -10,7 +10,7 @@ namespace knurl::test {
 namespace {
 
 using cli::DeviceRates;
-using nlohmann::json;
+using json = knurl::Json;
 
 /// A device of which every figure is another one.
 DeviceRates busy_device() {

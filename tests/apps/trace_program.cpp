@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <trace_flight.hpp>
 
 #include <knurl/client/client.hpp>
@@ -14,7 +14,7 @@
 namespace knurl::test {
 namespace {
 
-using nlohmann::json;
+using json = knurl::Json;
 using testing::HasSubstr;
 
 TEST(TraceProgram, DrawsAServoAtWork) {

@@ -11,7 +11,7 @@ namespace knurl::test {
 namespace {
 
 using cli::Around, cli::CycleParts, cli::Nanoseconds, cli::Timeline;
-using Json = nlohmann::ordered_json;
+using knurl::Json;
 
 constexpr Nanoseconds us = 1000, period = 1000 * us, start = 5'000'000'000;
 

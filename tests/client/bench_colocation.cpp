@@ -12,8 +12,8 @@
 
 #include <compare.hpp>
 #include <fmt/format.h>
+#include <json.hpp>
 #include <measure.hpp>
-#include <nlohmann/json.hpp>
 #include <output_file.hpp>
 #include <sched.h>
 
@@ -298,7 +298,7 @@ int run(const Options& options) {
         m.processor, m.cpus, m.kernel, m.load, m.date, servo_cpu, other, options.blocks, block_time.count());
     print_table(placements);
     fmt::print("\n");
-    nlohmann::ordered_json goals = nlohmann::ordered_json::array();
+    knurl::Json goals = knurl::Json::array();
     for (const Placement& p : placements) {
         run.results.push_back(
             measure::summarise_blocks(fmt::format("servo's cycle, simulation: {}", p.name), "us", p.cycle));
@@ -325,7 +325,7 @@ int run(const Options& options) {
                          {"verdict", verdict}});
     }
     if (options.file == nullptr) return 0;
-    nlohmann::ordered_json json = nlohmann::ordered_json::parse(measure::to_json(run));
+    knurl::Json json = knurl::Json::parse(measure::to_json(run));
     json["goals"] = goals;
     measure::write_file(options.file, json.dump(1) + '\n');
     return 0;

@@ -13,8 +13,8 @@
 #include <compare.hpp>
 #include <fcntl.h>
 #include <generators.hpp>
+#include <json.hpp>
 #include <measure.hpp>
-#include <nlohmann/json.hpp>
 #include <output_file.hpp>
 #include <sched.h>
 #include <sleeper.hpp>
@@ -166,8 +166,8 @@ int run(const Options& options) {
                           : goal.interval.low > most   ? "not kept"
                                                        : "undecided";
     std::printf("at most %g times: %s\n", most, verdict);
-    nlohmann::ordered_json json = nlohmann::ordered_json::parse(measure::to_json(run));
-    json["goals"] = nlohmann::ordered_json::array();
+    knurl::Json json = knurl::Json::parse(measure::to_json(run));
+    json["goals"] = knurl::Json::array();
     if (said)
         json["goals"].push_back({{"what", "servo's cycle while a mesh is loaded, 99 %, to nobody else works"},
                                  {"bound", most},

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include <benchmark/benchmark.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include <knurl/drivers/delta.hpp>
 #include <knurl/drivers/serial_chain.hpp>
@@ -87,9 +87,8 @@ void three_sincos(benchmark::State& state) {
 }
 
 int write_errors(const char* path, const knurl::measure::Machine& machine) {
-    nlohmann::ordered_json json =
-        nlohmann::ordered_json::parse(knurl::measure::to_json({.machine = machine, .results = {}}));
-    json["points"] = nlohmann::ordered_json::array();
+    knurl::Json json = knurl::Json::parse(knurl::measure::to_json({.machine = machine, .results = {}}));
+    json["points"] = knurl::Json::array();
     for (const DeltaPoint& point : delta_run_time_against_error()) {
         const std::string steps =
             point.steps == DeltaPoint::until_settled ? "all" : std::to_string(point.steps);

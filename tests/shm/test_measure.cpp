@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <json.hpp>
 #include <measure.hpp>
-#include <nlohmann/json.hpp>
 
 namespace knurl::measure {
 namespace {
@@ -76,7 +76,7 @@ TEST(Json, IsReadAsItWasWritten) {
 
 TEST(Json, HasTheMachineAndNullsForWhatIsMissing) {
     const measure::Run run{.machine = this_machine(), .results = {summarise("a \"name\"", "us", one_to(30))}};
-    const auto json = nlohmann::json::parse(to_json(run));
+    const auto json = knurl::Json::parse(to_json(run));
     for (const char* key : {"processor", "cpus", "kernel", "load", "idle", "build", "date"})
         EXPECT_TRUE(json.at("machine").contains(key)) << key;
     const auto& result = json.at("results").at(0);

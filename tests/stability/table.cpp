@@ -7,7 +7,7 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 namespace stability {
 
@@ -62,12 +62,11 @@ std::string markdown(const Table& table) {
 }
 
 std::string json(const std::vector<Table>& tables, const Origin& origin) {
-    auto out =
-        nlohmann::ordered_json::parse(knurl::measure::to_json({.machine = origin.machine, .results = {}}));
+    auto out = knurl::Json::parse(knurl::measure::to_json({.machine = origin.machine, .results = {}}));
     out[origin.of] = origin.count;
     out["seconds"] = std::round(origin.seconds);
     for (const Table& table : tables) {
-        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        knurl::Json rows = knurl::Json::array();
         for (const Row& row : table.rows) {
             std::vector<double> values;
             std::vector<int> kinds;  // 0 found, 1 at least, 2 below

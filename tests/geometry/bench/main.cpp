@@ -18,8 +18,8 @@
 
 #include <compare.hpp>
 #include <exact/god_object.hpp>
+#include <json.hpp>
 #include <measure.hpp>
-#include <nlohmann/json.hpp>
 #include <output_file.hpp>
 
 #include "caches.hpp"
@@ -30,7 +30,7 @@ namespace {
 using namespace knurl;
 using namespace knurl::test;
 using Eigen::Vector3d;
-using nlohmann::ordered_json;
+using ordered_json = knurl::Json;
 
 constexpr std::size_t hands_a_block = 3;
 constexpr double deep = 0.0002;  // m inside: there a hand that feels nothing has lost the surface

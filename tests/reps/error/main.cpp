@@ -7,7 +7,7 @@
 #include <cstring>
 #include <iostream>
 
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 #include <output_file.hpp>
 
 #include "panel.hpp"
@@ -47,8 +47,8 @@ void print(const Panel& panel) {
     }
 }
 
-nlohmann::ordered_json to_json(const Panel& panel) {
-    nlohmann::ordered_json points = nlohmann::ordered_json::array();
+knurl::Json to_json(const Panel& panel) {
+    knurl::Json points = knurl::Json::array();
     for (const Point& p : panel.points)
         points.push_back({{"scene", p.scene},
                           {"size", p.size},
@@ -96,8 +96,8 @@ int main(int argc, char** argv) {
     std::printf("%s, %u CPUs, Linux %s, load %s\n%s, %s\n", m.processor.c_str(), m.cpus, m.kernel.c_str(),
                 m.load.c_str(), m.build.c_str(), m.date.c_str());
     const measure::Stopwatch watch;
-    nlohmann::ordered_json json = nlohmann::ordered_json::parse(measure::to_json(run));
-    json["panels"] = nlohmann::ordered_json::array();
+    knurl::Json json = knurl::Json::parse(measure::to_json(run));
+    json["panels"] = knurl::Json::array();
     for (const auto& panel : all) {
         if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), panel.name) == wanted.end()) continue;
         const Panel result = panel.run(watch);

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 #include "goals.hpp"
 #include "lab.hpp"
@@ -18,7 +18,7 @@ namespace {
 
 using namespace knurl;
 using namespace knurl::servo::scaling;
-using Json = nlohmann::ordered_json;
+using knurl::Json;
 
 const struct {
     const char* name;

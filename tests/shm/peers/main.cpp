@@ -181,8 +181,8 @@ std::vector<measure::Result> results_of(const std::vector<Seen>& all) {
 }
 
 void write_json(const std::string& path, const measure::Run& run, const std::vector<Seen>& all,
-                nlohmann::ordered_json more) {
-    more["settings"] = nlohmann::ordered_json::object();
+                knurl::Json more) {
+    more["settings"] = knurl::Json::object();
     for (const Seen& one : all) more["settings"][one.name] = one.settings;
     // The blocks are a line each, and stay so: what comes on top is put in at the end.
     std::string text = measure::to_json(run);

@@ -73,9 +73,7 @@ std::string column(std::optional<double> value) {
 
 Verdicts judge(const std::vector<Seen>& all) {
     const Seen &floor = all.front(), &knurl = named(all, "Knurl");
-    Verdicts made{
-        .text = {},
-        .json = {{"verdicts", nlohmann::ordered_json::array()}, {"goals", nlohmann::ordered_json::array()}}};
+    Verdicts made{.text = {}, .json = {{"verdicts", knurl::Json::array()}, {"goals", knurl::Json::array()}}};
     const double confidence = 1 - false_alarms / (2 * static_cast<double>(all.size() - 1));
     for (const Seen& other : all) {
         if (&other == &knurl) continue;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <compare.hpp>
-#include <nlohmann/json.hpp>
+#include <json.hpp>
 
 namespace knurl::shm::peers {
 
@@ -19,7 +19,7 @@ struct Seen {
 
 struct Verdicts {
     std::string text;
-    nlohmann::ordered_json json;
+    knurl::Json json;
 };
 /// The first is the floor; one is called "Knurl".
 Verdicts judge(const std::vector<Seen>& all);
