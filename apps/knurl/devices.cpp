@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 
@@ -127,13 +126,13 @@ int list(bool as_json) {
 
 }  // namespace
 
-void add_devices(CLI::App& program, Run& run) {
-    auto* verb = program.add_subcommand(
-        "devices", "What is plugged in, what is in the way (rights, firmware), and what mends it");
+void add_devices(commandline::Command& program) {
+    auto& verb = program.verb("devices",
+                              "What is plugged in, what is in the way (rights, firmware), and what mends it");
     auto as_json = std::make_shared<bool>(false);
-    verb->add_flag("--json", *as_json, "the same for programs");
-    verb->footer("Opens no device. Nothing plugged in is an answer too: exit code 0.");
-    verb->callback([&run, as_json] { run = [as_json] { return list(*as_json); }; });
+    verb.flag("--json", *as_json, "the same for programs");
+    verb.footer("Opens no device. Nothing plugged in is an answer too: exit code 0.");
+    verb.action([as_json] { return list(*as_json); });
 }
 
 }  // namespace knurl::cli

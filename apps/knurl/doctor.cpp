@@ -4,7 +4,6 @@
 #include <chrono>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 #include <private_servo.hpp>
@@ -262,29 +261,26 @@ int run_doctor(const Arguments& arguments) {
 
 }  // namespace
 
-void add_doctor(CLI::App& program, Run& run) {
-    auto* verb = program.add_subcommand(
+void add_doctor(commandline::Command& program) {
+    auto& verb = program.verb(
         "doctor", "Is this machine fit for a hand, at which rate, and what would make it better?");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("--seconds", arguments->seconds, "to measure for, in all")
-        ->capture_default_str()
-        ->type_name("S");
-    verb->add_option("--servo-cpu", arguments->servo_cpu, "where the servo runs; default: the last CPU")
-        ->check(CLI::Range(0, 1023))
-        ->type_name("CPU");
-    verb->add_option("--idle", arguments->idle, "as knurld's: what idle CPUs do")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"sleep", "poll"}));
-    verb->add_option("--spin", arguments->spin,
-                     "as knurld's: the last part of each sleep that the servo spins")
-        ->capture_default_str()
-        ->type_name("S");
-    verb->add_flag("--json", arguments->json, "for programs");
-    verb->footer(
+    verb.option("--seconds", arguments->seconds, "to measure for, in all").shows_default().type_name("S");
+    verb.option("--servo-cpu", arguments->servo_cpu, "where the servo runs; default: the last CPU")
+        .within(0, 1023)
+        .type_name("CPU");
+    verb.option("--idle", arguments->idle, "as knurld's: what idle CPUs do")
+        .shows_default()
+        .one_of({"sleep", "poll"});
+    verb.option("--spin", arguments->spin, "as knurld's: the last part of each sleep that the servo spins")
+        .shows_default()
+        .type_name("S");
+    verb.flag("--json", arguments->json, "for programs");
+    verb.footer(
         "Starts servos of its own, on a simulated device, beside a loop with nothing in it; run it on a "
         "machine that is as busy as "
         "it will be, and with no other servo on that CPU.\nExit code 1: unfit at 1 kHz.");
-    verb->callback([&run, arguments] { run = [arguments] { return run_doctor(*arguments); }; });
+    verb.action([arguments] { return run_doctor(*arguments); });
 }
 
 }  // namespace knurl::cli

@@ -11,7 +11,6 @@
 #include <optional>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 #include <private_servo.hpp>
@@ -147,7 +146,7 @@ void show(const LatencyArguments& arguments, const measure::Run& run, const Asid
     if (!arguments.json) {
         std::string text = aside.text;
         if (arguments.percentile > 0) text += percentile_text(run, arguments.percentile);
-        measure::print(std::cout, run);
+        measure::print(std::cout);
         std::cout << text << std::flush;
         return;
     }
@@ -273,12 +272,14 @@ int run_latency(const LatencyArguments& arguments) {
 
 }  // namespace
 
-void add_latency(CLI::App& program, Run& run) {
-    auto* verb =
-        program.add_subcommand("latency", "How late updates and reports are, beside this machine's floors");
+void add_latency(commandline::Command& program) {
+    auto& verb = program.verb("latency", "How late updates and reports are, beside this machine's floors");
     auto arguments = std::make_shared<LatencyArguments>();
-    add_latency_options(*verb, *arguments);
-    verb->callback([&run, arguments] { run = [arguments] { return run_latency(*arguments); }; });
+    const auto fill = add_latency_options(verb, *arguments);
+    verb.action([arguments, fill] {
+        fill();
+        return run_latency(*arguments);
+    });
 }
 
 }  // namespace knurl::cli

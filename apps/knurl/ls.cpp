@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 
@@ -136,14 +135,12 @@ int print_json(const std::vector<ServoView>& servos) {
 
 }  // namespace
 
-void add_ls(CLI::App& program, Run& run) {
-    auto* verb = program.add_subcommand("ls", "Servos, devices, clients, representations, who holds what");
+void add_ls(commandline::Command& program) {
+    auto& verb = program.verb("ls", "Servos, devices, clients, representations, who holds what");
     auto as_json = std::make_shared<bool>(false);
-    verb->add_flag("--json", *as_json, "the same for programs (SI units)");
-    verb->footer("Without any servo it says so and succeeds: an empty list is an answer.");
-    verb->callback([&run, as_json] {
-        run = [as_json] { return *as_json ? print_json(look_at_all()) : print_text(look_at_all()); };
-    });
+    verb.flag("--json", *as_json, "the same for programs (SI units)");
+    verb.footer("Without any servo it says so and succeeds: an empty list is an answer.");
+    verb.action([as_json] { return *as_json ? print_json(look_at_all()) : print_text(look_at_all()); });
 }
 
 }  // namespace knurl::cli

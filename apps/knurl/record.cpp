@@ -10,7 +10,6 @@
 #include <optional>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/signalfd.h>
@@ -328,24 +327,21 @@ int record(const Arguments& arguments) {
 
 }  // namespace
 
-void add_record(CLI::App& program, Run& run) {
-    auto* verb =
-        program.add_subcommand("record", "Every report and every input of a device's servo, into a file");
+void add_record(commandline::Command& program) {
+    auto& verb = program.verb("record", "Every report and every input of a device's servo, into a file");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("file", arguments->file, "the recording, for knurl replay, Foxglove, PlotJuggler")
-        ->required()
-        ->type_name("FILE.mcap");
-    verb->add_option("--servo", arguments->servo, "its name")->capture_default_str()->type_name("NAME");
-    verb->add_option("--device", arguments->device, "of that servo; only if it has several")
-        ->type_name("NAME");
-    verb->add_option("--for", arguments->seconds, "end after this time; default: when interrupted")
-        ->type_name("SECONDS")
-        ->check(CLI::PositiveNumber);
-    verb->add_option(
-            "--salvage", arguments->salvage,
-            "no servo: what the guardian saved when one died (its file, or the directory: the newest)")
-        ->type_name("PATH");
-    verb->footer(
+    verb.option("file", arguments->file, "the recording, for knurl replay, Foxglove, PlotJuggler")
+        .required()
+        .type_name("FILE.mcap");
+    verb.option("--servo", arguments->servo, "its name").shows_default().type_name("NAME");
+    verb.option("--device", arguments->device, "of that servo; only if it has several").type_name("NAME");
+    verb.option("--for", arguments->seconds, "end after this time; default: when interrupted")
+        .type_name("SECONDS")
+        .positive();
+    verb.option("--salvage", arguments->salvage,
+                "no servo: what the guardian saved when one died (its file, or the directory: the newest)")
+        .type_name("PATH");
+    verb.footer(
         "Ends well with Ctrl-C, and when the servo ends. What is recorded from a moment on in which nobody "
         "holds the\n"
         "device replays to the last bit, so start the recording before the application. The servo waits for "
@@ -353,7 +349,7 @@ void add_record(CLI::App& program, Run& run) {
         "what a slow or full disk does not take is dropped and counted. Less than 1 GB an hour at 1 kHz, and "
         "once\n"
         "each mesh that an application sends.");
-    verb->callback([&run, arguments] { run = [arguments] { return record(*arguments); }; });
+    verb.action([arguments] { return record(*arguments); });
 }
 
 }  // namespace knurl::cli

@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <knurl/drivers/registry.hpp>
@@ -269,21 +268,20 @@ int replay(const Arguments& arguments) {
 
 }  // namespace
 
-void add_replay(CLI::App& program, Run& run) {
-    auto* verb = program.add_subcommand(
-        "replay", "A recording once more through the servo's cycle, compared bit by bit");
+void add_replay(commandline::Command& program) {
+    auto& verb =
+        program.verb("replay", "A recording once more through the servo's cycle, compared bit by bit");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("file", arguments->file, "what knurl record made")->required()->type_name("FILE.mcap");
-    verb->add_option("--scene", arguments->scene,
-                     "feel the recorded motion with this scene too; forces of both")
-        ->type_name("S.toml");
-    verb->add_option("--csv", arguments->csv, "the recorded reports, a line each")->type_name("OUT.csv");
-    verb->footer(
+    verb.option("file", arguments->file, "what knurl record made").required().type_name("FILE.mcap");
+    verb.option("--scene", arguments->scene, "feel the recorded motion with this scene too; forces of both")
+        .type_name("S.toml");
+    verb.option("--csv", arguments->csv, "the recorded reports, a line each").type_name("OUT.csv");
+    verb.footer(
         "Needs the build that recorded, and a description of the device with the same figures. Ends with 0 "
         "if every\n"
         "cycle that can be replayed gives the recorded report to the last bit, else says where it first "
         "differs.");
-    verb->callback([&run, arguments] { run = [arguments] { return replay(*arguments); }; });
+    verb.action([arguments] { return replay(*arguments); });
 }
 
 }  // namespace knurl::cli
