@@ -44,7 +44,7 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
         .within(1.0, 5000.0);
     app.option("--fingers", w.fingers, "1: the hand; 3: two more, 12 mm to its left and right")
         .shows_default()
-        .one_of({1, 3});
+        .one_of({"1", "3"});
     app.option("--slow", w.play.slow, "s that each step of the simulation takes longer")
         .shows_default()
         .within(0.0, 10.0);

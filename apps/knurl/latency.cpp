@@ -146,7 +146,7 @@ void show(const LatencyArguments& arguments, const measure::Run& run, const Asid
     if (!arguments.json) {
         std::string text = aside.text;
         if (arguments.percentile > 0) text += percentile_text(run, arguments.percentile);
-        measure::print(std::cout);
+        measure::print(std::cout, run);
         std::cout << text << std::flush;
         return;
     }

@@ -302,7 +302,7 @@ int main(int argc, char** argv) {
     bool verbose = false;
     app.option("--cycles", cycles, "how many, in scenes of a few thousand");
     app.option("--seed", seed, "of the first scene; the next has the next");
-    app.option("--threads", threads).within(1, 256);
+    app.option("--threads", threads, "that live side by side").within(1, 256);
     app.flag("--verbose", verbose, "name the scenes in which the mass did not come to rest");
     app.action([&] {
         const auto begun = std::chrono::steady_clock::now();

@@ -1,7 +1,6 @@
 #include <cmath>
 #include <cstdio>
 #include <list>
-#include <type_traits>
 
 #include <CLI/CLI.hpp>
 
@@ -44,7 +43,7 @@ CLI::Option* add_to(CLI::App& app, const std::string& name, const Target& to, co
             if constexpr (IsFloating<T>::value) option->check(require_number);
             return option;
         },
-        to);
+        to.variable());
 }
 
 }  // namespace
@@ -159,8 +158,9 @@ Command::Command(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Command::~Command() = default;
 
 Option& Command::option(const std::string& name, const Target& to, const std::string& help) {
-    const bool integer = std::visit(
-        [](auto* variable) { return IsInteger<std::remove_pointer_t<decltype(variable)>>::value; }, to);
+    const bool integer =
+        std::visit([](auto* variable) { return IsInteger<std::remove_pointer_t<decltype(variable)>>::value; },
+                   to.variable());
     return impl_->options.emplace_back(std::unique_ptr<Option::Impl>(
         new Option::Impl{impl_->app, add_to(*impl_->app, name, to, help), integer}));
 }

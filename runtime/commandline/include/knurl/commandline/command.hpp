@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -20,13 +21,22 @@ class UsageError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Where the value of an option goes. A number that does not fit, or is none (nan), is refused. The variable
-/// keeps its value where the option is not given. A vector takes one value, and one more each time that the
-/// option is repeated.
-using Target =
-    std::variant<std::string*, std::filesystem::path*, double*, int*, long*, unsigned*, std::uint16_t*,
-                 std::uint64_t*, std::optional<std::string>*, std::optional<double>*, std::optional<int>*,
-                 std::optional<std::uint64_t>*, std::vector<std::string>*>;
+/// Where the value of an option goes. A number that does not fit, or is none (nan), is refused. The variable keeps its
+/// value where the option is not given. A vector takes one value, and one more each time that the option is repeated.
+class Target {
+  public:
+    using Variable =
+        std::variant<std::string*, std::filesystem::path*, double*, int*, long*, unsigned*, std::uint16_t*,
+                     std::uint64_t*, std::optional<std::string>*, std::optional<double>*, std::optional<int>*,
+                     std::optional<std::uint64_t>*, std::vector<std::string>*>;
+    template <class T>
+    requires std::is_constructible_v<Variable, T*> Target(T& variable) : variable_(&variable) {}
+
+    const Variable& variable() const { return variable_; }
+
+  private:
+    Variable variable_;
+};
 
 /// One of a Command's, in whose hands it lives.
 class Option {
