@@ -1,10 +1,11 @@
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <list>
 
 #include <CLI/CLI.hpp>
 
 #include <knurl/commandline/command.hpp>
+#include <knurl/words/nearest.hpp>
 
 namespace knurl::commandline {
 
@@ -26,7 +27,8 @@ std::string require_number(const std::string& text) {
     return none ? text + " is no number" : std::string();
 }
 
-CLI::Option* add_to(CLI::App& app, const std::string& name, const Target& to, const std::string& help) {
+CLI::Option* add_to(CLI::App& app, const std::string& name, const Target::Variable& to,
+                    const std::string& help) {
     return std::visit(
         [&](auto* variable) {
             using T = std::remove_pointer_t<decltype(variable)>;
@@ -43,7 +45,7 @@ CLI::Option* add_to(CLI::App& app, const std::string& name, const Target& to, co
             if constexpr (IsFloating<T>::value) option->check(require_number);
             return option;
         },
-        to.variable());
+        to);
 }
 
 }  // namespace
@@ -51,7 +53,9 @@ CLI::Option* add_to(CLI::App& app, const std::string& name, const Target& to, co
 struct Option::Impl {
     CLI::App* app;
     CLI::Option* option;
-    bool integer;
+    Target::Variable to;
+    std::string help;
+    CLI::Option* former = nullptr;
 };
 
 Option::Option(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -73,7 +77,7 @@ Option& Option::shows_default() {
 }
 
 Option& Option::within(double low, double high) {
-    if (impl_->integer)
+    if (std::visit([](auto* to) { return IsInteger<std::remove_pointer_t<decltype(to)>>::value; }, impl_->to))
         impl_->option->check(CLI::Range(static_cast<std::int64_t>(low), static_cast<std::int64_t>(high)));
     else
         impl_->option->check(CLI::Range(low, high));
@@ -91,7 +95,13 @@ Option& Option::not_negative() {
 }
 
 Option& Option::one_of(const std::vector<std::string>& words) {
-    impl_->option->check(CLI::IsMember(words));
+    std::string all;
+    for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+    impl_->option->check([words, all](const std::string& text) {
+        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+        return "'" + text + "'; " + words::did_you_mean(text, words, "it is one of " + all);
+    });
+    impl_->option->type_name("{" + all + "}");
     return *this;
 }
 
@@ -110,13 +120,14 @@ Option& Option::excludes(const std::vector<std::string>& names) {
     return *this;
 }
 
-Option& Option::hidden() {
-    impl_->option->group("");
+Option& Option::formerly(const std::string& name) {
+    impl_->former = add_to(*impl_->app, name, impl_->to, impl_->help)->group("");
+    impl_->former->excludes(impl_->option);
     return *this;
 }
 
 bool Option::given() const {
-    return impl_->option->count() > 0;
+    return impl_->option->count() > 0 || (impl_->former != nullptr && impl_->former->count() > 0);
 }
 
 struct Command::Impl {
@@ -138,13 +149,31 @@ struct Command::Impl {
         for (; parent != nullptr; parent = parent->get_parent()) text = parent->get_name() + " " + text;
         return text;
     }
+    std::string see_help() const { return "; see " + path() + " --help"; }
+
     /// A word where a verb belongs that is none.
     void require_verbs(int argc, const char* const* argv, int at = 1) const {
         if (verbs.empty() || at >= argc || argv[at][0] == '-') return;
-        for (const auto& verb : verbs)
-            if (verb->impl_->app->get_name() == argv[at])
-                return verb->impl_->require_verbs(argc, argv, at + 1);
-        throw UsageError(std::string("there is no verb '") + argv[at] + "'; see " + path() + " --help");
+        std::vector<std::string> names;
+        for (const auto& verb : verbs) {
+            names.push_back(verb->impl_->app->get_name());
+            if (names.back() == argv[at]) return verb->impl_->require_verbs(argc, argv, at + 1);
+        }
+        throw UsageError(std::string("there is no verb '") + argv[at] + "'" + words::meant(argv[at], names) +
+                         see_help());
+    }
+    /// A slip in an option's name is what is wrong, whatever else is missing because of it.
+    std::string unknown_option() const {
+        for (const std::string& word : app->remaining()) {
+            if (word.size() < 2 || word[0] != '-' || word == "--") continue;
+            const std::string name = word.substr(0, word.find('='));
+            std::vector<std::string> names{"--help"};
+            for (const CLI::Option* option : app->get_options())
+                if (!option->get_group().empty())
+                    for (const std::string& known : option->get_lnames()) names.push_back("--" + known);
+            return "there is no option '" + name + "'" + words::meant(name, names);
+        }
+        return {};
     }
 };
 
@@ -158,16 +187,18 @@ Command::Command(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Command::~Command() = default;
 
 Option& Command::option(const std::string& name, const Target& to, const std::string& help) {
-    const bool integer =
-        std::visit([](auto* variable) { return IsInteger<std::remove_pointer_t<decltype(variable)>>::value; },
-                   to.variable());
-    return impl_->options.emplace_back(std::unique_ptr<Option::Impl>(
-        new Option::Impl{impl_->app, add_to(*impl_->app, name, to, help), integer}));
+    CLI::Option* option = add_to(*impl_->app, name, to.variable(), help);
+    return impl_->options.emplace_back(
+        std::unique_ptr<Option::Impl>(new Option::Impl{impl_->app, option, to.variable(), help}));
 }
 
 Option& Command::flag(const std::string& name, bool& to, const std::string& help) {
     return impl_->options.emplace_back(std::unique_ptr<Option::Impl>(
-        new Option::Impl{impl_->app, impl_->app->add_flag(name, to, help), false}));
+        new Option::Impl{impl_->app, impl_->app->add_flag(name, to, help), {}, {}}));
+}
+
+Option& Command::servo(std::string& to, const std::string& help) {
+    return option("--servo", to, help).type_name("NAME").formerly("--connect");
 }
 
 Command& Command::verb(const std::string& name, const std::string& purpose) {
@@ -205,7 +236,9 @@ Command::Answer Command::parse(int argc, const char* const* argv) {
         impl_->app->exit(wanted);
         return Answer::nothing;
     } catch (const CLI::ParseError& error) {
-        throw UsageError(std::string(error.what()) + "; see " + chosen_path() + " --help");
+        const Impl& chosen = impl_->chosen();
+        const std::string slip = chosen.unknown_option();
+        throw UsageError((slip.empty() ? error.what() : slip) + chosen.see_help());
     }
     return Answer::work;
 }

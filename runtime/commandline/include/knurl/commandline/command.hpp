@@ -52,12 +52,12 @@ class Option {
     Option& one_of(const std::vector<std::string>& words);
     /// Of a vector: one argument may hold several values.
     Option& separated_by(char separator);
-    /// "--json" alone is allowed beside "--json FILE": given() then, and the variable keeps its value.
+    /// "--json" alone is allowed beside "--json FILE": given() then, and the variable is empty.
     Option& value_may_be_missing();
     /// These are refused beside it. They must have been added before.
     Option& excludes(const std::vector<std::string>& names);
-    /// Not in --help.
-    Option& hidden();
+    /// Taken too, and not in --help: how it was called before.
+    Option& formerly(const std::string& name);
 
     bool given() const;
 
@@ -81,6 +81,9 @@ class Command {
     /// Command.
     Option& option(const std::string& name, const Target& to, const std::string& help);
     Option& flag(const std::string& name, bool& to, const std::string& help);
+    /// --servo, spelled alike by all programs: "default", "knurl:default", a socket's path, and where the help says so
+    /// knurl://HOST:PORT.
+    Option& servo(std::string& to, const std::string& help);
     /// knurl VERB. Verbs may have verbs.
     Command& verb(const std::string& name, const std::string& purpose);
     /// One of the verbs must be given.
