@@ -8,6 +8,7 @@
 #include <mesh_file.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>
+#include <progress.hpp>
 #include <temporary_file.hpp>
 #include <unit.hpp>
 
@@ -80,6 +81,8 @@ meshfile::MeshFile load(const std::string& path) {
 }
 
 std::unique_ptr<knurl::Mesh> mesh_here(const meshfile::MeshFile& file, const knurl::SendOptions& send) {
+    knurl::measure::Progress progress("knurl-feel");
+    progress.show(fmt::format("builds the shape of {} triangles here", file.triangles.size()));
     std::vector<knurl::Point3> vertices = file.vertices;
     for (knurl::Point3& vertex : vertices)
         for (double& x : vertex) x *= send.scale;
@@ -146,7 +149,7 @@ int run(Wishes& w) {
                static_cast<double>(felt.sent.bytes) * 1e-6, felt.sent.faces);
     for (const std::string& line : meshfile::notes_of(felt.sent.notes)) fmt::print("  {}\n", line);
     if (felt.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", felt.scale);
-    if (felt.faults != 0) fmt::print("  the device faulted (mask {:#x}); see `knurl ls`\n", felt.faults);
+    if (felt.faults != 0) fmt::print("  the device faulted (mask {:#x}): see `knurl ls`, and leave it with `knurl reset`\n", felt.faults);
 
     const bool comparable = w.feel.radius == 0 && w.friction == 0 && w.feel.shape.damping == 0 && !w.smooth;
     feel::expect(felt.cycles, *mesh_here(file, send), felt.stiffness, 1e9);

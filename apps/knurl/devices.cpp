@@ -100,27 +100,28 @@ int list(bool as_json) {
         print_text(plugged, no_usb);
         return 0;
     }
+    const auto or_null = [](const std::string& text) { return text.empty() ? json() : json(text); };
     json devices = json::array();
     for (const Seen& seen : plugged) {
         devices.push_back({{"address", seen.device.address()},
                            {"driver", seen.device.scheme},
-                           {"name", seen.device.name},
-                           {"serial", seen.device.serial},
+                           {"name", or_null(seen.device.name)},
+                           {"serial", or_null(seen.device.serial)},
                            {"port", seen.device.port},
                            {"node", seen.device.node},
                            {"vendor", seen.device.vendor},
                            {"product", seen.device.product},
                            {"accessible", seen.device.accessible},
                            {"claimed", seen.device.claimed},
-                           {"held_by", seen.held_by},
-                           {"problem", seen.problem},
-                           {"mend", seen.mend},
-                           {"note", note_of(seen)}});
+                           {"run_as", or_null(seen.held_by)},
+                           {"problem", or_null(seen.problem)},
+                           {"mend", or_null(seen.mend)},
+                           {"note", or_null(note_of(seen))}});
     }
     json known = json::array();
     for (const drivers::Driver& driver : drivers::drivers())
         known.push_back({{"scheme", driver.scheme}, {"help", driver.help}});
-    fmt::print("{}\n", json{{"devices", devices}, {"drivers", known}, {"usb_problem", no_usb}}.dump(2));
+    fmt::print("{}\n", json{{"devices", devices}, {"drivers", known}, {"problem", or_null(no_usb)}}.dump(2));
     return 0;
 }
 

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     knurl::cli::add_doctor(program);
     knurl::cli::add_record(program);
     knurl::cli::add_replay(program);
+    knurl::cli::add_reset(program);
     knurl::cli::add_devices(program);
     knurl::cli::add_device(program);
     return knurl::commandline::run(program, argc, argv);

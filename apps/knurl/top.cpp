@@ -99,7 +99,7 @@ class Looker {
 };
 
 std::string text_of(const std::string& servo, const Look& look) {
-    if (!look.problem.empty()) return fmt::format("knurl:{}  {}\n", servo, look.problem);
+    if (!look.problem.empty()) return fmt::format("knurl:{}  {}\n", servo, wrong(look.problem));
     std::string text = fmt::format("knurl:{}  pid {}  in {:.2f} s\n", servo, look.pid, look.seconds);
     for (const DeviceRates& device : look.devices) text += text_of(device);
     return text;
@@ -109,8 +109,8 @@ std::string line_of(const std::string& servo, const Look& look) {
     json devices = json::array();
     for (const DeviceRates& device : look.devices) devices.push_back(json_of(device));
     const json line = {{"servo", servo},
-                       {"pid", look.pid},
-                       {"seconds", look.seconds},
+                       {"pid", look.pid > 0 ? json(look.pid) : json()},
+                       {"interval_s", look.seconds},
                        {"problem", look.problem.empty() ? json() : json(look.problem)},
                        {"devices", devices}};
     return line.dump(-1) + "\n";

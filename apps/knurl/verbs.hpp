@@ -17,6 +17,7 @@ void add_devices(commandline::Command& program);
 void add_device(commandline::Command& program);
 void add_record(commandline::Command& program);
 void add_replay(commandline::Command& program);
+void add_reset(commandline::Command& program);
 void add_device_check(commandline::Command& device);
 void add_device_test(commandline::Command& device);
 
