@@ -53,8 +53,8 @@ Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptio
     knurl::measure::Progress progress("knurl-feel");
     while (!stop && !(sent = sending.done(50ms))) {
         hand.commit();
-        progress.show(fmt::format("the servo builds the shape of {} triangles, {:.0f} s", file.triangles.size(),
-                                  seconds_since(begin)));
+        progress.show(fmt::format("the servo builds the shape of {} triangles, {:.0f} s",
+                                  file.triangles.size(), seconds_since(begin)));
     }
     progress.clear();
     if (!sent) return felt;

@@ -149,7 +149,9 @@ int run(Wishes& w) {
                static_cast<double>(felt.sent.bytes) * 1e-6, felt.sent.faces);
     for (const std::string& line : meshfile::notes_of(felt.sent.notes)) fmt::print("  {}\n", line);
     if (felt.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", felt.scale);
-    if (felt.faults != 0) fmt::print("  the device faulted (mask {:#x}): see `knurl ls`, and leave it with `knurl reset`\n", felt.faults);
+    if (felt.faults != 0)
+        fmt::print("  the device faulted (mask {:#x}): see `knurl ls`, and leave it with `knurl reset`\n",
+                   felt.faults);
 
     const bool comparable = w.feel.radius == 0 && w.friction == 0 && w.feel.shape.damping == 0 && !w.smooth;
     feel::expect(felt.cycles, *mesh_here(file, send), felt.stiffness, 1e9);

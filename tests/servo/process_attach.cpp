@@ -70,7 +70,8 @@ TEST(Attach, AnObserverThatResetsHoldsNothingAndMayDoNothingElse) {
     ASSERT_TRUE(holder.claim({}).claimed);
     protocol::ClaimRequest request;
     request.observe = protocol::observe_and_reset;
-    request.capacity = {.representations = protocol::max_representations, .batch_bytes = protocol::max_batch_bytes};
+    request.capacity = {.representations = protocol::max_representations,
+                        .batch_bytes = protocol::max_batch_bytes};
     const Answer granted = other.claim(request);
     ASSERT_TRUE(granted.claimed) << text(granted);
     EXPECT_EQ(granted.claimed->capacity.representations, 1u) << "its capacity is the servo's";

@@ -137,11 +137,11 @@ struct Broker::Impl {
         try {
             if (const shm::UniqueFd socket = shm::accept_from(options.listener)) {
                 protocol::Refused no_descriptor{.full = 1};
-                protocol::put_text(
-                    no_descriptor.text,
-                    fmt::format("servo \"{}\" has no descriptor left for one more client; end one, or raise its limit "
-                                "(ulimit -n; of the service: LimitNOFILE=)",
-                                options.servo_name));
+                protocol::put_text(no_descriptor.text,
+                                   fmt::format("servo \"{}\" has no descriptor left for one more client; end "
+                                               "one, or raise its limit "
+                                               "(ulimit -n; of the service: LimitNOFILE=)",
+                                               options.servo_name));
                 shm::send_message(socket, bytes_of(no_descriptor));
             }
         } catch (const std::runtime_error&) {  // the machine has none: they wait
@@ -149,7 +149,9 @@ struct Broker::Impl {
         spare = spare_descriptor();
     }
 
-    static shm::UniqueFd spare_descriptor() { return shm::UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
+    static shm::UniqueFd spare_descriptor() {
+        return shm::UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+    }
 
     /// False: the peer does not read.
     static bool refuse(const Connection& to, const Refusal& why) {
