@@ -46,7 +46,7 @@ std::string holders_of(const DeviceView& device) {
     std::string text;
     for (const ClientView& client : device.clients) {
         if (client.observer) continue;
-        text += fmt::format("; pid {}{}{} holds it, and arms it anew", client.pid,
+        text += fmt::format("; pid {}{}{} holds it and has to arm it anew", client.pid,
                             client.name.empty() ? "" : " ", client.name);
     }
     return text;
