@@ -2,13 +2,14 @@
 
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <grip.hpp>
 #include <measure.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>
-#include <program_main.hpp>
+#include <temporary_file.hpp>
+
+#include <knurl/commandline/program.hpp>
 
 #include "compare.hpp"
 #include "picture.hpp"
@@ -16,7 +17,7 @@
 
 namespace {
 
-using knurl::measure::stop;
+using knurl::commandline::stop;
 
 struct Wishes {
     std::string connect = "knurl:default", picture, csv;
@@ -26,55 +27,47 @@ struct Wishes {
     bodies::PlayOptions play;
 };
 
-void describe(CLI::App& app, Wishes& w) {
+void describe(knurl::commandline::Command& app, Wishes& w) {
     auto& touch = w.play.coupled.touch;
     auto& hold = w.play.coupled.hold;
-    app.add_option("--rate", w.play.rate, "Hz of the simulation's frames")
-        ->capture_default_str()
-        ->check(CLI::Range(20.0, 500.0));
-    app.add_option("--stiffness", touch.stiffness,
-                   "N/m of the bodies' surfaces, or what device and body admit if that is less")
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, 1e5));
-    app.add_option("--damping", touch.damping, "N s/m of the bodies' surfaces")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 1e3));
-    app.add_option("--friction", touch.friction, "Coulomb coefficient of finger on body")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 10.0));
-    app.add_option("--spring", hold.stiffness, "N/m of each of the four springs that hold a body")
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, 5000.0));
-    app.add_option("--fingers", w.fingers, "1: the hand; 3: two more, 12 mm to its left and right")
-        ->capture_default_str()
-        ->check(CLI::IsMember({1, 3}));
-    app.add_option("--slow", w.play.slow, "s that each step of the simulation takes longer")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 10.0));
-    app.add_option(
-           "--lose-at", w.play.lose_at,
-           "s after which the engine loses the body that is held, or the first one; to see what that is "
-           "like")
-        ->check(CLI::Range(0.0, 1e6));
-    app.add_option("--seconds", w.play.seconds, "s to play; 0: until Ctrl-C")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--connect", w.connect, "knurl:NAME")->capture_default_str();
-    app.add_option("--device", w.play.device,
-                   "the servo's device; may be left out if it has one. With --demo: what is simulated, else "
-                   "sim:premium15");
-    app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 3600.0));
-    app.add_flag("--demo", w.demo,
-                 "a servo of its own with a simulated device, whose hand pushes a box, takes it and sets it "
-                 "on another");
-    app.add_flag(
-        "--compare", w.compare,
-        "instead: the stiffest stable contact at --rate, with forces from the engine's loop and with "
-        "surfaces, on a virtual clock");
-    app.add_option("--picture", w.picture, "PNG of the tray, the bodies' ways and the force");
-    app.add_option("--csv", w.csv, "FILE for every cycle");
+    app.option("--rate", w.play.rate, "Hz of the simulation's frames").shows_default().within(20.0, 500.0);
+    app.option("--stiffness", touch.stiffness,
+               "N/m of the bodies' surfaces, or what device and body admit if that is less")
+        .shows_default()
+        .within(1.0, 1e5);
+    app.option("--damping", touch.damping, "N s/m of the bodies' surfaces").shows_default().within(0.0, 1e3);
+    app.option("--friction", touch.friction, "Coulomb coefficient of finger on body")
+        .shows_default()
+        .within(0.0, 10.0);
+    app.option("--spring", hold.stiffness, "N/m of each of the four springs that hold a body")
+        .shows_default()
+        .within(1.0, 5000.0);
+    app.option("--fingers", w.fingers, "1: the hand; 3: two more, 12 mm to its left and right")
+        .shows_default()
+        .one_of({"1", "3"});
+    app.option("--slow", w.play.slow, "s that each step of the simulation takes longer")
+        .shows_default()
+        .within(0.0, 10.0);
+    app.option("--lose-at", w.play.lose_at,
+               "s after which the engine loses the body that is held, or the first one; to see what that is "
+               "like")
+        .within(0.0, 1e6);
+    app.option("--seconds", w.play.seconds, "s to play; 0: until Ctrl-C").shows_default().not_negative();
+    app.option("--connect", w.connect, "knurl:NAME").shows_default();
+    app.option("--device", w.play.device,
+               "the servo's device; may be left out if it has one. With --demo: what is simulated, else "
+               "sim:premium15");
+    app.option("--wait", w.wait, "s to wait for a servo that is still starting")
+        .shows_default()
+        .within(0.0, 3600.0);
+    app.flag("--demo", w.demo,
+             "a servo of its own with a simulated device, whose hand pushes a box, takes it and sets it "
+             "on another");
+    app.flag("--compare", w.compare,
+             "instead: the stiffest stable contact at --rate, with forces from the engine's loop and with "
+             "surfaces, on a virtual clock");
+    app.option("--picture", w.picture, "PNG of the tray, the bodies' ways and the force");
+    app.option("--csv", w.csv, "FILE for every cycle");
     app.footer(
         "Space (or the device's first button, while pressed) takes a body within 15 mm and lets go, r puts "
         "all\n"
@@ -178,7 +171,11 @@ int run(Wishes& w) {
 
 int main(int argc, char** argv) {
     Wishes wishes;
-    CLI::App app("knurl-bodies: a rigid-body scene in the hand.", "knurl-bodies");
+    knurl::commandline::Command app("knurl-bodies", "knurl-bodies: a rigid-body scene in the hand.");
     describe(app, wishes);
-    return knurl::measure::program_main(app, argc, argv, [&] { return run(wishes); });
+    app.action([&] {
+        knurl::commandline::stop_on_signals();
+        return run(wishes);
+    });
+    return knurl::commandline::run(app, argc, argv);
 }

@@ -3,15 +3,16 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <grip.hpp>
 #include <measure.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>
-#include <program_main.hpp>
 #include <sleeper.hpp>
+#include <temporary_file.hpp>
 #include <unistd.h>
+
+#include <knurl/commandline/program.hpp>
 
 #include "dock.hpp"
 #include "hand_path.hpp"
@@ -20,7 +21,7 @@
 
 namespace {
 
-using knurl::measure::stop;
+using knurl::commandline::stop;
 
 struct Wishes {
     std::string simulation, connect = "knurl:default", picture, csv, json;
@@ -30,57 +31,43 @@ struct Wishes {
     dock::HandPath path;
 };
 
-void describe(CLI::App& app, Wishes& w) {
+void describe(knurl::commandline::Command& app, Wishes& w) {
     dock::DockOptions& o = w.dock;
-    app.add_option("HOST:PORT", w.simulation, "of a simulation that speaks IMD, version 2")->required();
-    app.add_option("--atom", o.atom,
-                   "to hold, counted from 0 in the simulation's IMD group; else the nearest")
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--rate", o.rate, "frames a second that the simulation shall send")
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, 400.0));
-    app.add_option("--stiffness", o.stiffness, "N/m of the spring, in the hand")
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, 5000.0));
-    app.add_option("--scale", o.scale, "mm in the hand for 1 nm")
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, 1000.0));
-    app.add_option("--force-scale", o.force_scale, "mN in the hand for 1 pN")
-        ->capture_default_str()
-        ->check(CLI::Range(0.1, 1000.0));
-    app.add_option("--greatest-force", o.greatest_force,
-                   "kcal/mol/A on the atom; 58 is 4 nN, which breaks bonds")
-        ->capture_default_str()
-        ->check(CLI::Range(0.01, 30.0));
-    app.add_option("--greatest-temperature", o.greatest_temperature, "K; above it the atom is not pulled")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
-    app.add_option("--box", o.box,
-                   "nm, edge of the simulation's cubic box, if its atoms come in again opposite")
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--seconds", o.seconds, "s; 0: until Ctrl-C")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
-    app.add_flag("--at-once", o.at_once, "holds an atom as soon as the device is active");
-    app.add_flag("--no-account", w.no_account,
-                 "the spring and nothing else: what the coupling's account is good for");
-    app.add_option("--connect", w.connect, "knurl:NAME or knurl://HOST:PORT")->capture_default_str();
-    app.add_option("--device", o.device, "the servo's device; may be left out if it has one");
-    app.add_flag("--share", o.share, "other programs that share may hold the device as well");
-    app.add_option("--wait", w.wait, "s to wait for simulation and servo")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 3600.0));
-    app.add_flag("--demo", w.demo, "a servo of its own with a simulated device, whose hand pulls at random");
-    app.add_option("--seed", w.path.seed, "of that hand")->capture_default_str();
-    app.add_option("--reach", w.path.reach, "m from the middle that it goes")
-        ->capture_default_str()
-        ->check(CLI::Range(0.005, 0.08));
-    app.add_flag("--rough", w.path.rough,
-                 "that hand is quick, and lets go and takes hold again, by its seed");
-    app.add_flag("--kill", w.kill, "ends the simulation as well (gmx mdrun -imdterm)");
-    app.add_option("--picture", w.picture, "PNG of force, length, the atom's way and the energies");
-    app.add_option("--csv", w.csv, "FILE for every cycle");
-    app.add_option("--json", w.json, "FILE for the figures");
+    app.option("HOST:PORT", w.simulation, "of a simulation that speaks IMD, version 2").required();
+    app.option("--atom", o.atom, "to hold, counted from 0 in the simulation's IMD group; else the nearest")
+        .not_negative();
+    app.option("--rate", o.rate, "frames a second that the simulation shall send")
+        .shows_default()
+        .within(1.0, 400.0);
+    app.option("--stiffness", o.stiffness, "N/m of the spring, in the hand")
+        .shows_default()
+        .within(1.0, 5000.0);
+    app.option("--scale", o.scale, "mm in the hand for 1 nm").shows_default().within(1.0, 1000.0);
+    app.option("--force-scale", o.force_scale, "mN in the hand for 1 pN").shows_default().within(0.1, 1000.0);
+    app.option("--greatest-force", o.greatest_force, "kcal/mol/A on the atom; 58 is 4 nN, which breaks bonds")
+        .shows_default()
+        .within(0.01, 30.0);
+    app.option("--greatest-temperature", o.greatest_temperature, "K; above it the atom is not pulled")
+        .shows_default()
+        .positive();
+    app.option("--box", o.box, "nm, edge of the simulation's cubic box, if its atoms come in again opposite")
+        .not_negative();
+    app.option("--seconds", o.seconds, "s; 0: until Ctrl-C").shows_default().not_negative();
+    app.flag("--at-once", o.at_once, "holds an atom as soon as the device is active");
+    app.flag("--no-account", w.no_account,
+             "the spring and nothing else: what the coupling's account is good for");
+    app.option("--connect", w.connect, "knurl:NAME or knurl://HOST:PORT").shows_default();
+    app.option("--device", o.device, "the servo's device; may be left out if it has one");
+    app.flag("--share", o.share, "other programs that share may hold the device as well");
+    app.option("--wait", w.wait, "s to wait for simulation and servo").shows_default().within(0.0, 3600.0);
+    app.flag("--demo", w.demo, "a servo of its own with a simulated device, whose hand pulls at random");
+    app.option("--seed", w.path.seed, "of that hand").shows_default();
+    app.option("--reach", w.path.reach, "m from the middle that it goes").shows_default().within(0.005, 0.08);
+    app.flag("--rough", w.path.rough, "that hand is quick, and lets go and takes hold again, by its seed");
+    app.flag("--kill", w.kill, "ends the simulation as well (gmx mdrun -imdterm)");
+    app.option("--picture", w.picture, "PNG of force, length, the atom's way and the energies");
+    app.option("--csv", w.csv, "FILE for every cycle");
+    app.option("--json", w.json, "FILE for the figures");
     app.footer(
         "Space (or the device's first button, while pressed) takes the atom and lets go, q ends.\n"
         "Examples:\n"
@@ -159,7 +146,11 @@ int run(Wishes& w) {
 
 int main(int argc, char** argv) {
     Wishes wishes;
-    CLI::App app("knurl-dock: an atom of a running simulation in the hand.", "knurl-dock");
+    knurl::commandline::Command app("knurl-dock", "knurl-dock: an atom of a running simulation in the hand.");
     describe(app, wishes);
-    return knurl::measure::program_main(app, argc, argv, [&] { return run(wishes); });
+    app.action([&] {
+        knurl::commandline::stop_on_signals();
+        return run(wishes);
+    });
+    return knurl::commandline::run(app, argc, argv);
 }

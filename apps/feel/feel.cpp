@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <progress.hpp>
 
 namespace feel {
 
@@ -49,7 +50,13 @@ Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptio
     const auto begin = Clock::now();
     knurl::Sending sending = hand.begin_sending(file.triangles_of(), options.send);
     std::optional<knurl::SentShape> sent;
-    while (!stop && !(sent = sending.done(50ms))) hand.commit();
+    knurl::measure::Progress progress("knurl-feel");
+    while (!stop && !(sent = sending.done(50ms))) {
+        hand.commit();
+        progress.show(fmt::format("the servo builds the shape of {} triangles, {:.0f} s",
+                                  file.triangles.size(), seconds_since(begin)));
+    }
+    progress.clear();
     if (!sent) return felt;
     felt.sent = *sent;
     felt.send_seconds = seconds_since(begin);

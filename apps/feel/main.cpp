@@ -3,14 +3,16 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <measure.hpp>
 #include <mesh_file.hpp>
 #include <output_file.hpp>
 #include <private_servo.hpp>
-#include <program_main.hpp>
+#include <progress.hpp>
+#include <temporary_file.hpp>
 #include <unit.hpp>
+
+#include <knurl/commandline/program.hpp>
 
 #include "feel.hpp"
 #include "material.hpp"
@@ -19,7 +21,7 @@
 
 namespace {
 
-using knurl::measure::stop;
+using knurl::commandline::stop;
 
 struct Wishes {
     std::vector<std::string> materials;
@@ -31,56 +33,42 @@ struct Wishes {
     feel::StrokeOptions stroke;
 };
 
-void describe(CLI::App& app, Wishes& w) {
+void describe(knurl::commandline::Command& app, Wishes& w) {
     w.feel.shape.stiffness = 1000;
-    app.add_option("MESH", w.mesh, "STL, OBJ, PLY, or what else Assimp reads")->required();
-    app.add_option("--unit", w.unit, "of the file: mm, cm, m, in, um; left out, it is guessed and said")
-        ->check(CLI::IsMember({"mm", "cm", "m", "in", "um"}));
-    app.add_option("--scale", w.scale, "makes the thing so many times as large")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
-    app.add_option("--stiffness", w.feel.shape.stiffness, "N/m, or the device's k_max if that is less")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--damping", w.feel.shape.damping, "N s/m")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--friction", w.friction, "Coulomb coefficient")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 100.0));
-    app.add_option(
-           "--material", w.materials,
-           "a material of the file, with its shares of stiffness, damping and friction, 0 to 1 of the "
-           "first; again for another")
-        ->type_name("NAME=SHARE[,SHARE[,SHARE]]")
-        ->allow_extra_args(false);
-    app.add_flag("--smooth", w.smooth, "the force along interpolated normals; contact stays the facets'");
-    app.add_option("--radius", w.feel.radius, "m, of the finger")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 1.0));
-    app.add_flag("--exact", w.feel.send.exact,
-                 "corners as double: half as much memory again, and exact to 1e-11 m");
-    app.add_flag("--no-fit", w.no_fit, "true size, though it is larger than the device's workspace");
-    app.add_option("--seconds", w.feel.seconds, "s to feel; 0: until Ctrl-C")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--connect", w.connect,
-                   "knurl:NAME, or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
-        ->capture_default_str();
-    app.add_option("--device", w.feel.device, "the servo's device; may be left out if it has one");
-    app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 3600.0));
-    app.add_flag("--demo", w.demo,
-                 "a servo of its own with a simulated device, whose hand goes around the thing");
-    app.add_option("--speed", w.stroke.speed, "m/s of that hand")
-        ->capture_default_str()
-        ->check(CLI::Range(0.005, 1.0));
-    app.add_option("--press", w.stroke.press, "m that its path runs below the outline")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 0.05));
-    app.add_option("--picture", w.picture, "PNG of mesh, path, proxy and force");
-    app.add_option("--csv", w.csv, "FILE for every cycle");
+    app.option("MESH", w.mesh, "STL, OBJ, PLY, or what else Assimp reads").required();
+    app.option("--unit", w.unit, "of the file: mm, cm, m, in, um; left out, it is guessed and said")
+        .one_of({"mm", "cm", "m", "in", "um"});
+    app.option("--scale", w.scale, "makes the thing so many times as large").shows_default().positive();
+    app.option("--stiffness", w.feel.shape.stiffness, "N/m, or the device's k_max if that is less")
+        .shows_default()
+        .not_negative();
+    app.option("--damping", w.feel.shape.damping, "N s/m").shows_default().not_negative();
+    app.option("--friction", w.friction, "Coulomb coefficient").shows_default().within(0.0, 100.0);
+    app.option("--material", w.materials,
+               "a material of the file, with its shares of stiffness, damping and friction, 0 to 1 of the "
+               "first; again for another")
+        .type_name("NAME=SHARE[,SHARE[,SHARE]]");
+    app.flag("--smooth", w.smooth, "the force along interpolated normals; contact stays the facets'");
+    app.option("--radius", w.feel.radius, "m, of the finger").shows_default().within(0.0, 1.0);
+    app.flag("--exact", w.feel.send.exact,
+             "corners as double: half as much memory again, and exact to 1e-11 m");
+    app.flag("--no-fit", w.no_fit, "true size, though it is larger than the device's workspace");
+    app.option("--seconds", w.feel.seconds, "s to feel; 0: until Ctrl-C").shows_default().not_negative();
+    app.option("--connect", w.connect,
+               "knurl:NAME, or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
+        .shows_default();
+    app.option("--device", w.feel.device, "the servo's device; may be left out if it has one");
+    app.option("--wait", w.wait, "s to wait for a servo that is still starting")
+        .shows_default()
+        .within(0.0, 3600.0);
+    app.flag("--demo", w.demo,
+             "a servo of its own with a simulated device, whose hand goes around the thing");
+    app.option("--speed", w.stroke.speed, "m/s of that hand").shows_default().within(0.005, 1.0);
+    app.option("--press", w.stroke.press, "m that its path runs below the outline")
+        .shows_default()
+        .within(0.0, 0.05);
+    app.option("--picture", w.picture, "PNG of mesh, path, proxy and force");
+    app.option("--csv", w.csv, "FILE for every cycle");
     app.footer(
         "Examples:\n"
         "  knurl-feel part.stl --unit mm                    on the device of knurl:default\n"
@@ -93,6 +81,8 @@ meshfile::MeshFile load(const std::string& path) {
 }
 
 std::unique_ptr<knurl::Mesh> mesh_here(const meshfile::MeshFile& file, const knurl::SendOptions& send) {
+    knurl::measure::Progress progress("knurl-feel");
+    progress.show(fmt::format("builds the shape of {} triangles here", file.triangles.size()));
     std::vector<knurl::Point3> vertices = file.vertices;
     for (knurl::Point3& vertex : vertices)
         for (double& x : vertex) x *= send.scale;
@@ -159,7 +149,9 @@ int run(Wishes& w) {
                static_cast<double>(felt.sent.bytes) * 1e-6, felt.sent.faces);
     for (const std::string& line : meshfile::notes_of(felt.sent.notes)) fmt::print("  {}\n", line);
     if (felt.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", felt.scale);
-    if (felt.faults != 0) fmt::print("  the device faulted (mask {:#x}); see `knurl ls`\n", felt.faults);
+    if (felt.faults != 0)
+        fmt::print("  the device faulted (mask {:#x}): see `knurl ls`, and leave it with `knurl reset`\n",
+                   felt.faults);
 
     const bool comparable = w.feel.radius == 0 && w.friction == 0 && w.feel.shape.damping == 0 && !w.smooth;
     feel::expect(felt.cycles, *mesh_here(file, send), felt.stiffness, 1e9);
@@ -188,7 +180,11 @@ int run(Wishes& w) {
 
 int main(int argc, char** argv) {
     Wishes wishes;
-    CLI::App app("knurl-feel: a mesh from a file in the hand.", "knurl-feel");
+    knurl::commandline::Command app("knurl-feel", "knurl-feel: a mesh from a file in the hand.");
     describe(app, wishes);
-    return knurl::measure::program_main(app, argc, argv, [&] { return run(wishes); });
+    app.action([&] {
+        knurl::commandline::stop_on_signals();
+        return run(wishes);
+    });
+    return knurl::commandline::run(app, argc, argv);
 }

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "device_check.hpp"
@@ -33,24 +32,23 @@ int run_check(const Arguments& arguments) {
 
 }  // namespace
 
-void add_device_check(CLI::App& device, Run& run) {
-    auto* verb = device.add_subcommand(
+void add_device_check(commandline::Command& device) {
+    auto& verb = device.verb(
         "check", "Workspace, condition, force and resolution of an arm, from its file; no hardware");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("FILE", arguments->arm,
-                     "an arm's TOML file, or the name of one that is built in (omni, woodenhaptics, ...)")
-        ->required();
-    verb->add_option("--picture", arguments->picture, "draws the arm and its workspace")->type_name("P.png");
-    verb->add_flag("--json", arguments->json, "for programs");
-    verb->callback([&run, arguments] { run = [arguments] { return run_check(*arguments); }; });
+    verb.option("FILE", arguments->arm,
+                "an arm's TOML file, or the name of one that is built in (omni, woodenhaptics, ...)")
+        .required();
+    verb.option("--picture", arguments->picture, "draws the arm and its workspace").type_name("P.png");
+    verb.flag("--json", arguments->json, "for programs");
+    verb.action([arguments] { return run_check(*arguments); });
 }
 
-void add_device(CLI::App& program, Run& run) {
-    auto* device =
-        program.add_subcommand("device", "One device, without a servo: what it can do, what it does");
-    device->require_subcommand(1);
-    add_device_check(*device, run);
-    add_device_test(*device, run);
+void add_device(commandline::Command& program) {
+    auto& device = program.verb("device", "One device, without a servo: what it can do, what it does");
+    device.requires_verb();
+    add_device_check(device);
+    add_device_test(device);
 }
 
 }  // namespace knurl::cli

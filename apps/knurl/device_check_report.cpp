@@ -140,7 +140,7 @@ std::string report_json(const CheckedArm& arm, const ArmCheck& c) {
           {"high", list(c.high)},
           {"ball", c.ball},
           {"ball_direction", list(c.ball_end)},
-          {"ball_stop", c.ball_stop},
+          {"ball_stop", c.ball_stop.empty() ? json() : json(c.ball_stop)},
           {"out_of_reach", c.out_of_reach}}},
         {"condition",
          {{"best", c.best_condition.value},

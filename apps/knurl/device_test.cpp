@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 
@@ -190,24 +189,22 @@ int test(const TestOptions& options) {
 
 }  // namespace
 
-void add_device_test(CLI::App& device, Run& run) {
-    auto* verb =
-        device.add_subcommand("test", "Tries a device: noise, rate, force, torque, stiffest wall. It moves!");
+void add_device_test(commandline::Command& device) {
+    auto& verb = device.verb("test", "Tries a device: noise, rate, force, torque, stiffest wall. It moves!");
     auto options = std::make_shared<TestOptions>();
-    verb->add_option("ADDRESS", options->address, "as for knurld --device: sim:premium15")->required();
-    verb->add_option("--rate", options->trial.rate, "Hz (1000)")->check(CLI::Range(500.0, 20000.0));
-    verb->add_option("--push", options->trial.push, "N, the larger push (1); torques are as large at 50 mm")
-        ->check(CLI::Range(0.1, 5.0));
-    verb->add_option("--homing-time", options->trial.homing_time, "s to wait for homing (60)")
-        ->check(CLI::Range(1.0, 600.0));
-    verb->add_flag("--virtual", options->trial.virtual_time, "a simulated device as fast as it computes");
-    verb->add_flag("--json", options->as_json, "the same for programs (SI units)");
-    verb->footer(
+    verb.option("ADDRESS", options->address, "as for knurld --device: sim:premium15").required();
+    verb.option("--rate", options->trial.rate, "Hz (1000)").within(500.0, 20000.0);
+    verb.option("--push", options->trial.push, "N, the larger push (1); torques are as large at 50 mm")
+        .within(0.1, 5.0);
+    verb.option("--homing-time", options->trial.homing_time, "s to wait for homing (60)").within(1.0, 600.0);
+    verb.flag("--virtual", options->trial.virtual_time, "a simulated device as fast as it computes");
+    verb.flag("--json", options->as_json, "the same for programs (SI units)");
+    verb.footer(
         "The device must hang or rest freely, nobody's hand on it; no servo may hold it.\n"
         "A simulated one is let go of (grip=0), unless its address says what the hand does.\n"
         "A percentile with fewer than ten samples above it is left out (null).\n"
         "Exit code 1: something is not as its description says.");
-    verb->callback([&run, options] { run = [options] { return test(*options); }; });
+    verb.action([options] { return test(*options); });
 }
 
 }  // namespace knurl::cli

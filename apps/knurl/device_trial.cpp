@@ -218,9 +218,15 @@ WallTrial wall(Bench& bench, const Moment& home, double mass, double count) {
 }  // namespace
 
 Trial try_device(drivers::Device& device, const TrialOptions& options,
-                 const std::function<void(const std::string&)>& say) {
+                 const std::function<void(const std::string&)>& tell) {
     Trial trial;
     trial.link = device.link();
+    const bool takes_force = trial.link.actuated_joints > 0;
+    const bool turns = takes_force && trial.link.renders_torque && trial.link.senses_orientation;
+    const int parts = 2 + (takes_force ? 2 : 0) + (turns ? 1 : 0);
+    const auto say = [&, part = 0](const std::string& text) mutable {
+        tell(fmt::format("{} of {}: {}", ++part, parts, text));
+    };
     trial.rate = options.rate;
     if (!options.virtual_time) {
         measure::pin_this_thread(measure::allowed_cpus().back());
@@ -246,13 +252,13 @@ Trial try_device(drivers::Device& device, const TrialOptions& options,
     // What is well above it is motion: a count, and what is seen as noise.
     const double count = std::max({step, trial.rest.tip_apart, 1e-6}),
                  angle = std::max({turn, trial.rest.turned_apart, 1e-5});
-    if (trial.link.actuated_joints == 0) return trial;  // it takes no force
+    if (!takes_force) return trial;
 
     device.notify(drivers::Notice::enabled);
     say(fmt::format("pushes of {:g} and {:g} N along x, y and z: keep your hands off", options.push / 2,
                     options.push));
     trial.pushes = along_each_axis(bench, By::force, options.push, home_at, count);
-    if (trial.link.renders_torque && trial.link.senses_orientation) {
+    if (turns) {
         const double twist = std::min(options.push * twist_lever, trial.link.peak_torque / 2);
         say(fmt::format("turns it with {:g} and {:g} N m about x, y and z", twist / 2, twist));
         trial.turns = along_each_axis(bench, By::torque, twist, home_at, angle);

@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 
@@ -101,39 +100,40 @@ int list(bool as_json) {
         print_text(plugged, no_usb);
         return 0;
     }
+    const auto or_null = [](const std::string& text) { return text.empty() ? json() : json(text); };
     json devices = json::array();
     for (const Seen& seen : plugged) {
         devices.push_back({{"address", seen.device.address()},
                            {"driver", seen.device.scheme},
-                           {"name", seen.device.name},
-                           {"serial", seen.device.serial},
+                           {"name", or_null(seen.device.name)},
+                           {"serial", or_null(seen.device.serial)},
                            {"port", seen.device.port},
                            {"node", seen.device.node},
                            {"vendor", seen.device.vendor},
                            {"product", seen.device.product},
                            {"accessible", seen.device.accessible},
                            {"claimed", seen.device.claimed},
-                           {"held_by", seen.held_by},
-                           {"problem", seen.problem},
-                           {"mend", seen.mend},
-                           {"note", note_of(seen)}});
+                           {"run_as", or_null(seen.held_by)},
+                           {"problem", or_null(seen.problem)},
+                           {"mend", or_null(seen.mend)},
+                           {"note", or_null(note_of(seen))}});
     }
     json known = json::array();
     for (const drivers::Driver& driver : drivers::drivers())
         known.push_back({{"scheme", driver.scheme}, {"help", driver.help}});
-    fmt::print("{}\n", json{{"devices", devices}, {"drivers", known}, {"usb_problem", no_usb}}.dump(2));
+    fmt::print("{}\n", json{{"devices", devices}, {"drivers", known}, {"problem", or_null(no_usb)}}.dump(2));
     return 0;
 }
 
 }  // namespace
 
-void add_devices(CLI::App& program, Run& run) {
-    auto* verb = program.add_subcommand(
-        "devices", "What is plugged in, what is in the way (rights, firmware), and what mends it");
+void add_devices(commandline::Command& program) {
+    auto& verb = program.verb("devices",
+                              "What is plugged in, what is in the way (rights, firmware), and what mends it");
     auto as_json = std::make_shared<bool>(false);
-    verb->add_flag("--json", *as_json, "the same for programs");
-    verb->footer("Opens no device. Nothing plugged in is an answer too: exit code 0.");
-    verb->callback([&run, as_json] { run = [as_json] { return list(*as_json); }; });
+    verb.flag("--json", *as_json, "the same for programs");
+    verb.footer("Opens no device. Nothing plugged in is an answer too: exit code 0.");
+    verb.action([as_json] { return list(*as_json); });
 }
 
 }  // namespace knurl::cli

@@ -1,20 +1,21 @@
 // knurl doctor: is this machine fit for a hand, at which rate, and what would make it better?
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 #include <private_servo.hpp>
-#include <unistd.h>
 
+#include <knurl/commandline/program.hpp>
 #include <knurl/servo/realtime.hpp>
 
 #include "doctor_machine.hpp"
 #include "doctor_verdict.hpp"
 #include "measure.hpp"
+#include "progress.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {
@@ -46,8 +47,9 @@ struct Examination {
     std::optional<unsigned> witness_cpu;
     bool real_time = true;
     std::vector<Finding> findings;
-    std::vector<RateVerdict> rates;
+    std::vector<RateVerdict> rates;  // those that were judged
     Idle idle;
+    bool interrupted = false;
 };
 
 void append(Beginnings& all, const Beginnings& more) {
@@ -57,7 +59,8 @@ void append(Beginnings& all, const Beginnings& more) {
 
 class Doctor {
   public:
-    explicit Doctor(const Arguments& arguments) : arguments_(arguments) {
+    Doctor(const Arguments& arguments, const std::atomic<bool>& stop)
+        : arguments_(arguments), stop_(stop), progress_("knurl doctor") {
         const auto cpus = measure::allowed_cpus();
         if (cpus.empty()) throw std::runtime_error("the CPUs that this process may use cannot be read");
         result_.servo_cpu =
@@ -79,8 +82,13 @@ class Doctor {
         result_.findings = look_at_settings("/", result_.servo_cpu);
         const double each = arguments_.seconds * (1 - idle_share) / (2 * rounds * std::size(rates));
         std::string said;
-        for (const double rate : rates) examine_at(rate, each, said);
-        try_idle(arguments_.seconds * idle_share / 2);
+        begin_ = begin;
+        for (const double rate : rates)
+            if (!stop_) examine_at(rate, each, said);
+        if (!stop_) try_idle(arguments_.seconds * idle_share / 2);
+        progress_.clear();
+        result_.interrupted = stop_;
+        if (result_.rates.empty()) throw std::runtime_error("interrupted before the first rate was judged");
         const Disturbance after = count_disturbances("/", result_.servo_cpu);
         const double seconds = static_cast<double>(now_ns() - begin) * 1e-9;
 
@@ -93,15 +101,16 @@ class Doctor {
     }
 
   private:
-    void progress(const std::string& text) const {
-        if (::isatty(2) != 0) fmt::print(stderr, "\r{:<60}{}", text, text.empty() ? "\r" : "");
+    void progress(const std::string& text) {
+        const double done = static_cast<double>(now_ns() - begin_) * 1e-9;
+        progress_.show(fmt::format("{}: {}", measure::seconds_of(done, arguments_.seconds), text));
     }
 
     void examine_at(double rate, double seconds, std::string& said) {
         const auto length = static_cast<Nanoseconds>(seconds * 1e9);
         Beginnings of_servo, bare;
         std::vector<Gap> gaps;
-        for (int round = 0; round < rounds; ++round) {
+        for (int round = 0; round < rounds && !stop_; ++round) {
             progress(fmt::format("{:g} Hz, {} of {} turns", rate, round + 1, rounds));
             {
                 measure::PrivateServo servo({"--device", "sim:cartesian3", "--rate",
@@ -109,7 +118,7 @@ class Doctor {
                                              std::to_string(result_.servo_cpu), "--idle", arguments_.idle,
                                              "--spin", fmt::format("{:g}", arguments_.spin)});
                 try {
-                    append(of_servo, servo_loop(servo.address(), length));
+                    append(of_servo, servo_loop(servo.address(), length, stop_));
                 } catch (const std::exception&) {
                     servo.require_running();  // says why it is not
                     throw;
@@ -119,13 +128,13 @@ class Doctor {
             servo::Shortfalls none;
             const shm::UniqueFd held =
                 arguments_.idle == "poll" ? servo::hold_idle_polling(none) : shm::UniqueFd{};
-            append(bare, bare_loop(rate, result_.servo_cpu, length));
+            append(bare, bare_loop(rate, result_.servo_cpu, length, stop_));
             if (witness_) {
                 const auto more = witness_->gaps();
                 gaps.insert(gaps.end(), more.begin(), more.end());
             }
         }
-        progress("");
+        if (stop_) return;  // a part of the turns says less than the verdict promises
         result_.real_time = said.find("no real-time priority") == std::string::npos;
         result_.rates.push_back(
             judge(rate, figures(of_servo, gaps, rate), figures(bare, gaps, rate), result_.real_time));
@@ -135,18 +144,21 @@ class Doctor {
     void try_idle(double seconds) {
         const auto length = static_cast<Nanoseconds>(seconds * 1e9);
         progress("with and without idle polling");
-        result_.idle.sleeping = figures(bare_loop(main_rate, result_.servo_cpu, length), {}, main_rate).p50;
+        result_.idle.sleeping =
+            figures(bare_loop(main_rate, result_.servo_cpu, length, stop_), {}, main_rate).p50;
         servo::Shortfalls missing;
         const shm::UniqueFd held = servo::hold_idle_polling(missing);
         if (!held)
             result_.idle.problem = fmt::format("{}", fmt::join(missing.report(), "; "));
         else
             result_.idle.polling =
-                figures(bare_loop(main_rate, result_.servo_cpu, length), {}, main_rate).p50;
-        progress("");
+                figures(bare_loop(main_rate, result_.servo_cpu, length, stop_), {}, main_rate).p50;
     }
 
     Arguments arguments_;
+    const std::atomic<bool>& stop_;
+    measure::Progress progress_;
+    Nanoseconds begin_ = 0;
     Examination result_;
     std::unique_ptr<Witness> witness_;
 };
@@ -162,7 +174,7 @@ std::string figures_line(const char* who, const LoopFigures& f) {
                     who, number(f.p50), number(f.p99), number(f.p999), number(f.max), f.cycles);
     if (f.stalls.count > 0)
         line += fmt::format("; besides {} standstill{} of the machine, the longest {:.1f} ms", f.stalls.count,
-                            f.stalls.count == 1 ? "" : "s", static_cast<double>(f.stalls.longest) * 1e-6);
+                            f.stalls.count == 1 ? "" : "s", static_cast<double>(f.stalls.longest) / 1e6);
     return line + "\n";
 }
 
@@ -195,12 +207,20 @@ void print_text(const Examination& found, const Arguments& arguments) {
     }
 }
 
+/// Of microseconds.
+json seconds(const std::optional<double>& us) {
+    return us ? json(*us / 1e6) : json();
+}
+
 json to_json(const LoopFigures& f) {
-    const auto number = [](const std::optional<double>& us) { return us ? json(*us) : json(); };
-    return {{"cycles", f.cycles},       {"on_time", f.on_time},
-            {"p50", number(f.p50)},     {"p99", number(f.p99)},
-            {"p999", number(f.p999)},   {"max", f.max},
-            {"stalls", f.stalls.count}, {"longest_stall", static_cast<double>(f.stalls.longest) * 1e-3}};
+    return {{"cycles", f.cycles},
+            {"on_time", f.on_time},
+            {"late_p50_s", seconds(f.p50)},
+            {"late_p99_s", seconds(f.p99)},
+            {"late_p999_s", seconds(f.p999)},
+            {"late_max_s", seconds(f.max)},
+            {"stalls", f.stalls.count},
+            {"longest_stall_s", static_cast<double>(f.stalls.longest) * 1e-9}};
 }
 
 json to_json(const Examination& found, const Arguments& arguments) {
@@ -212,7 +232,7 @@ json to_json(const Examination& found, const Arguments& arguments) {
                                       : finding.grade == Grade::note ? "note"
                                                                      : "bad"},
                             {"says", finding.says},
-                            {"mend", finding.mend}});
+                            {"mend", finding.mend.empty() ? json() : json(finding.mend)}});
     }
     for (const RateVerdict& verdict : found.rates) {
         const measure::Comparison& c = verdict.lateness;
@@ -226,7 +246,6 @@ json to_json(const Examination& found, const Arguments& arguments) {
               c.problem.empty() ? json{{"ratio", c.ratio}, {"low", c.interval.low}, {"high", c.interval.high}}
                                 : json()}});
     }
-    const auto number = [](const std::optional<double>& us) { return us ? json(*us) : json(); };
     return {{"machine",
              {{"processor", machine.processor},
               {"cpus", machine.cpus},
@@ -237,24 +256,29 @@ json to_json(const Examination& found, const Arguments& arguments) {
             {"servo_cpu", found.servo_cpu},
             {"witness_cpu", found.witness_cpu ? json(*found.witness_cpu) : json()},
             {"idle", arguments.idle},
-            {"spin", arguments.spin},
+            {"spin_s", arguments.spin},
             {"real_time", found.real_time},
+            {"ended", found.interrupted ? json("interrupted") : json()},
             {"findings", findings},
             {"idle_polling",
-             {{"sleeping_p50", number(found.idle.sleeping)},
-              {"polling_p50", number(found.idle.polling)},
-              {"problem", found.idle.problem}}},
+             {{"sleeping_late_p50_s", seconds(found.idle.sleeping)},
+              {"polling_late_p50_s", seconds(found.idle.polling)},
+              {"problem", found.idle.problem.empty() ? json() : json(found.idle.problem)}}},
             {"rates", verdicts}};
 }
 
 int run_doctor(const Arguments& arguments) {
     if (!(arguments.seconds >= 5 && arguments.seconds <= 3600))
         throw UsageError(fmt::format("--seconds is {:g}; give 5 to 3600", arguments.seconds));
-    const Examination found = Doctor(arguments).examine();
+    commandline::stop_on_signals();
+    const Examination found = Doctor(arguments, commandline::stop).examine();
     if (arguments.json)
         fmt::print("{}\n", to_json(found, arguments).dump(2));
     else
         print_text(found, arguments);
+    if (found.interrupted)
+        throw std::runtime_error(fmt::format("interrupted; {} of {} rates were judged until then",
+                                             found.rates.size(), std::size(rates)));
     const auto main = std::find_if(found.rates.begin(), found.rates.end(),
                                    [](const auto& v) { return v.rate == main_rate; });
     return main->fitness == Fitness::unfit ? 1 : 0;
@@ -262,29 +286,27 @@ int run_doctor(const Arguments& arguments) {
 
 }  // namespace
 
-void add_doctor(CLI::App& program, Run& run) {
-    auto* verb = program.add_subcommand(
+void add_doctor(commandline::Command& program) {
+    auto& verb = program.verb(
         "doctor", "Is this machine fit for a hand, at which rate, and what would make it better?");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("--seconds", arguments->seconds, "to measure for, in all")
-        ->capture_default_str()
-        ->type_name("S");
-    verb->add_option("--servo-cpu", arguments->servo_cpu, "where the servo runs; default: the last CPU")
-        ->check(CLI::Range(0, 1023))
-        ->type_name("CPU");
-    verb->add_option("--idle", arguments->idle, "as knurld's: what idle CPUs do")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"sleep", "poll"}));
-    verb->add_option("--spin", arguments->spin,
-                     "as knurld's: the last part of each sleep that the servo spins")
-        ->capture_default_str()
-        ->type_name("S");
-    verb->add_flag("--json", arguments->json, "for programs");
-    verb->footer(
+    verb.option("--seconds", arguments->seconds, "to measure for, in all").shows_default().type_name("S");
+    verb.option("--servo-cpu", arguments->servo_cpu, "where the servo runs; default: the last CPU")
+        .within(0, 1023)
+        .type_name("CPU");
+    verb.option("--idle", arguments->idle, "as knurld's: what idle CPUs do")
+        .shows_default()
+        .one_of({"sleep", "poll"});
+    verb.option("--spin", arguments->spin, "as knurld's: the last part of each sleep that the servo spins")
+        .shows_default()
+        .type_name("S");
+    verb.flag("--json", arguments->json, "for programs");
+    verb.footer(
         "Starts servos of its own, on a simulated device, beside a loop with nothing in it; run it on a "
         "machine that is as busy as "
-        "it will be, and with no other servo on that CPU.\nExit code 1: unfit at 1 kHz.");
-    verb->callback([&run, arguments] { run = [arguments] { return run_doctor(*arguments); }; });
+        "it will be, and with no other servo on that CPU.\nCtrl-C ends it with the verdicts that it has. "
+        "Exit code 1: unfit at 1 kHz, or interrupted.");
+    verb.action([arguments] { return run_doctor(*arguments); });
 }
 
 }  // namespace knurl::cli

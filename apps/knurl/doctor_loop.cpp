@@ -26,16 +26,17 @@ std::unique_ptr<Witness> witness_on(unsigned cpu) {
     return witness;
 }
 
-Beginnings bare_loop(double rate, unsigned cpu, Nanoseconds length) {
+Beginnings bare_loop(double rate, unsigned cpu, Nanoseconds length, const std::atomic<bool>& stop) {
     const auto period = static_cast<Nanoseconds>(std::llround(1e9 / rate));
     return measure::bare_loop({.cpu = cpu,
                                .priority = servo_priority,
                                .first = now_ns() + period,
                                .period = period,
-                               .length = length});
+                               .length = length,
+                               .stop = &stop});
 }
 
-Beginnings servo_loop(const std::string& address, Nanoseconds length) {
+Beginnings servo_loop(const std::string& address, Nanoseconds length, const std::atomic<bool>& stop) {
     ConnectOptions options;
     options.name = "knurl doctor";
     options.wait = 10s;
@@ -47,7 +48,7 @@ Beginnings servo_loop(const std::string& address, Nanoseconds length) {
     hand.commit();
     Beginnings seen;
     const Nanoseconds begin = now_ns() + settling, end = begin + length;
-    for (Nanoseconds now = now_ns(); now < end; now = now_ns()) {
+    for (Nanoseconds now = now_ns(); now < end && !stop; now = now_ns()) {
         // Nobody waits for a report: a wake-up for each would be work of the servo's that is not the cycle's.
         sleep_until(now + looking_pace);
         while (const auto report = hand.next_report(0ns)) {

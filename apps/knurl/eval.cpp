@@ -5,7 +5,6 @@
 #include <iterator>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "evaluation.hpp"
@@ -62,36 +61,33 @@ int run_eval(const Arguments& arguments) {
 
 }  // namespace
 
-void add_eval(CLI::App& program, Run& run) {
-    auto* verb = program.add_subcommand(
-        "eval", "Forces of a scene along a motion, offline, through the servo's own cycle");
+void add_eval(commandline::Command& program) {
+    auto& verb =
+        program.verb("eval", "Forces of a scene along a motion, offline, through the servo's own cycle");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("--scene", arguments->scene, "scene: one [[table]] per representation")
-        ->required()
-        ->type_name("S.toml");
-    verb->add_option("--motion", arguments->motion, "motion: t,x,y,z[,qw,qx,qy,qz] in s and m")
-        ->required()
-        ->type_name("M.csv");
-    verb->add_option("--out", arguments->out,
-                     "result: t,x,y,z,fx,fy,fz,tx,ty,tz,px,py,pz; - is standard output")
-        ->required()
-        ->type_name("F.csv");
-    verb->add_option("--rate", arguments->options.rate, "cycles per second")
-        ->type_name("HZ")
-        ->capture_default_str();
-    verb->add_option("--device", arguments->options.device,
-                     "the motion is where the hand on this simulated device wants to go; its limits apply")
-        ->type_name("sim:PROFILE");
-    verb->footer(
+    verb.option("--scene", arguments->scene, "scene: one [[table]] per representation")
+        .required()
+        .type_name("S.toml");
+    verb.option("--motion", arguments->motion, "motion: t,x,y,z[,qw,qx,qy,qz] in s and m")
+        .required()
+        .type_name("M.csv");
+    verb.option("--out", arguments->out, "result: t,x,y,z,fx,fy,fz,tx,ty,tz,px,py,pz; - is standard output")
+        .required()
+        .type_name("F.csv");
+    verb.option("--rate", arguments->options.rate, "cycles per second").type_name("HZ").shows_default();
+    verb.option("--device", arguments->options.device,
+                "the motion is where the hand on this simulated device wants to go; its limits apply")
+        .type_name("sim:PROFILE");
+    verb.footer(
         "One row per cycle, t = i/rate, over the motion's span. Force and torque are the scene's, before "
         "the\n"
         "supervisor, torque about (x,y,z); p is the contact point of probe 0, else the probe. Without "
         "--device the\n"
         "probe is exactly on the motion (linear, slerp; the velocity is that of the segment that begins "
         "there).");
-    verb->callback([&run, arguments] {
+    verb.action([arguments] {
         arguments->options.motion_file = arguments->motion;
-        run = [arguments] { return run_eval(*arguments); };
+        return run_eval(*arguments);
     });
 }
 

@@ -11,11 +11,12 @@
 #include <optional>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 #include <private_servo.hpp>
 #include <unistd.h>
+
+#include <knurl/servo/realtime.hpp>
 
 #include "doctor_machine.hpp"
 #include "latency_arguments.hpp"
@@ -29,6 +30,7 @@
 #include "latency_record.hpp"
 #include "measure.hpp"
 #include "output_file.hpp"
+#include "progress.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {
@@ -116,7 +118,8 @@ void run_round(LatencyPaths& paths, const Placement& placement, NetworkFloors& n
 Measurement run_blocks(LatencyPaths& paths, const Placement& placement, NetworkFloors& network,
                        const LatencyArguments& arguments, Way way) {
     Measurement all{.record = LatencyRecord(paths.period(), way), .ended = {}};
-    const bool terminal = ::isatty(2) != 0, remote = way != Way::shared_memory;
+    const bool remote = way != Way::shared_memory;
+    measure::Progress progress("knurl latency");
     const Nanoseconds begin = now_ns(), end = begin + static_cast<Nanoseconds>(arguments.seconds * 1e9);
     while (all.ended.empty() && !enough(arguments, all.record, end, remote)) {
         FloorSamples floors;
@@ -132,35 +135,33 @@ Measurement run_blocks(LatencyPaths& paths, const Placement& placement, NetworkF
         paths.forget();
         network.forget();
         if (interrupted && all.ended.empty()) all.ended = "interrupted";
-        if (terminal)
-            fmt::print(stderr, "\r{} updates in {:.0f} s ", all.record.updates(),
-                       static_cast<double>(now_ns() - begin) * 1e-9);
+        const double seconds = static_cast<double>(now_ns() - begin) * 1e-9;
+        progress.show(arguments.seconds > 0
+                          ? fmt::format("{}, {} updates", measure::seconds_of(seconds, arguments.seconds),
+                                        all.record.updates())
+                          : fmt::format("{} of {} updates in {:.0f} s", all.record.updates(),
+                                        arguments.updates, seconds));
         if (nothing && all.ended.empty() && paths.samples().lost > 100)
             all.ended = "the forces of the updates do not arrive; does another claim share the device?";
     }
-    if (terminal) fmt::print(stderr, "\r{:40}\r", "");
     if (all.record.updates() == 0 && !all.ended.empty()) throw std::runtime_error(all.ended);
     return all;
 }
 
 void show(const LatencyArguments& arguments, const measure::Run& run, const Aside& aside) {
-    if (!arguments.json) {
-        std::string text = aside.text;
-        if (arguments.percentile > 0) text += percentile_text(run, arguments.percentile);
-        measure::print(std::cout, run);
-        std::cout << text << std::flush;
-        return;
-    }
-    measure::write_file(arguments.json_file, to_json(run, aside, arguments.percentile));
+    if (arguments.json) measure::write_file(arguments.json_file, to_json(run, aside, arguments.percentile));
+    if (arguments.json && arguments.json_file == "-") return;  // standard output is the programs'
+    std::string text = aside.text;
+    if (arguments.percentile > 0) text += percentile_text(run, arguments.percentile);
+    measure::print(std::cout, run);
+    std::cout << text << std::flush;
 }
 
 /// Two runs that lie in files.
 int compare_files(const LatencyArguments& arguments, const LatencyFile& before) {
     const LatencyComparison comparison = compare_runs(before, read_latency_file(arguments.measured));
-    if (arguments.json)
-        measure::write_file(arguments.json_file, to_json(comparison).dump(2) + "\n");
-    else
-        std::cout << to_text(comparison).substr(1);
+    if (arguments.json) measure::write_file(arguments.json_file, to_json(comparison).dump(2) + "\n");
+    if (!arguments.json || arguments.json_file != "-") std::cout << to_text(comparison).substr(1);
     return 0;
 }
 
@@ -170,11 +171,11 @@ bool look_at_rights_here(const measure::PrivateServo* servo) {
     bool real_time = false;
     std::thread([&real_time] { real_time = measure::run_real_time(waker_priority); }).join();
     if (!real_time)
-        fmt::print(
-            stderr,
-            "knurl latency: no right to real-time priority (ulimit -r {}): floor.* are those of ordinary "
-            "threads, and standstills of the machine are not told apart; the rest is measured\n",
-            witness_priority);
+        fmt::print(stderr,
+                   "knurl latency: no right to real-time priority: floor.* are those of ordinary threads, "
+                   "and standstills "
+                   "of the machine are not told apart; the rest is measured; {}\n",
+                   servo::why_no_priority(witness_priority));
     if (servo == nullptr) return real_time;
     for (const Finding& finding : look_at_rights(servo->said()))
         if (finding.grade != Grade::good)
@@ -203,10 +204,8 @@ int run_latency(const LatencyArguments& arguments) {
                    placement.client_cpu);
     }
     if (arguments.priority > 0 && !measure::run_real_time(arguments.priority)) {
-        throw std::runtime_error(
-            fmt::format("--priority {} is not allowed; raise the limit with ulimit -r {}, or leave "
-                        "it out",
-                        arguments.priority, arguments.priority));
+        throw std::runtime_error(fmt::format("--priority {} is not allowed: {}; or leave it out",
+                                             arguments.priority, servo::why_no_priority(arguments.priority)));
     }
     const bridge::WireSizes sizes = bridge::wire_sizes(hand.network().encrypted);
     NetworkFloors network(bridge_of(arguments), arguments.echo, sizes, placement);
@@ -273,12 +272,14 @@ int run_latency(const LatencyArguments& arguments) {
 
 }  // namespace
 
-void add_latency(CLI::App& program, Run& run) {
-    auto* verb =
-        program.add_subcommand("latency", "How late updates and reports are, beside this machine's floors");
+void add_latency(commandline::Command& program) {
+    auto& verb = program.verb("latency", "How late updates and reports are, beside this machine's floors");
     auto arguments = std::make_shared<LatencyArguments>();
-    add_latency_options(*verb, *arguments);
-    verb->callback([&run, arguments] { run = [arguments] { return run_latency(*arguments); }; });
+    const auto fill = add_latency_options(verb, *arguments);
+    verb.action([arguments, fill] {
+        fill();
+        return run_latency(*arguments);
+    });
 }
 
 }  // namespace knurl::cli

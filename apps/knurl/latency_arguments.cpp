@@ -1,6 +1,5 @@
 #include "latency_arguments.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "measure.hpp"
@@ -32,59 +31,56 @@ void check(const LatencyArguments& arguments) {
         throw UsageError("--measured is compared with an earlier run; name that by --compare OLD.json");
 }
 
-void add_latency_options(CLI::App& verb, LatencyArguments& arguments) {
-    verb.add_option("--connect", arguments.connect,
-                    "measure this servo, whose device is armed and feels forces of 4 mN at most; "
-                    "default: a private one on sim:cartesian3")
-        ->type_name("knurl:NAME|knurl://HOST:PORT");
-    verb.add_option("--echo", arguments.echo,
-                    "a plain UDP and TCP echo on the servo's host: the floors of a measurement over a "
-                    "network; default: an own one, where that is this host")
-        ->type_name("HOST:PORT");
-    verb.add_option("--serve-echo", arguments.serve_echo,
-                    "be that echo, until interrupted, and measure nothing")
-        ->type_name("HOST:PORT");
-    verb.add_option("--device", arguments.device, "which of its devices; default: the only one")
-        ->type_name("NAME");
-    verb.add_option("--updates", arguments.updates,
-                    "at random phase, and at least a quarter as many commands")
-        ->capture_default_str()
-        ->type_name("N");
-    verb.add_option(
+std::function<void()> add_latency_options(commandline::Command& verb, LatencyArguments& arguments) {
+    verb.option("--connect", arguments.connect,
+                "measure this servo, whose device is armed and feels forces of 4 mN at most; "
+                "default: a private one on sim:cartesian3")
+        .type_name("knurl:NAME|knurl://HOST:PORT");
+    verb.option("--echo", arguments.echo,
+                "a plain UDP and TCP echo on the servo's host: the floors of a measurement over a "
+                "network; default: an own one, where that is this host")
+        .type_name("HOST:PORT");
+    verb.option("--serve-echo", arguments.serve_echo, "be that echo, until interrupted, and measure nothing")
+        .type_name("HOST:PORT");
+    verb.option("--device", arguments.device, "which of its devices; default: the only one")
+        .type_name("NAME");
+    verb.option("--updates", arguments.updates, "at random phase, and at least a quarter as many commands")
+        .shows_default()
+        .type_name("N");
+    verb.option(
             "--for", arguments.seconds,
             "measure for that long, whatever the number of updates; hours take no more memory than minutes")
-        ->type_name("SECONDS")
-        ->excludes("--updates");
-    verb.add_option(
-            "--percentile", arguments.percentile,
-            "one more than the table has; refused where it would have fewer than ten samples above it")
-        ->type_name("P");
-    verb.add_option("--load", arguments.load,
-                    "a thread of ordinary priority on each CPU meanwhile: spin counts, memory moves 32 MiB "
-                    "to and fro")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"none", "spin", "memory"}));
-    verb.add_option("--compare", arguments.compare,
-                    "an earlier run's --json: what became better or worse since, and what may be noise")
-        ->type_name("OLD.json");
-    verb.add_option("--measured", arguments.measured, "compare this run of --json's, and measure nothing")
-        ->type_name("NEW.json");
-    verb.add_option("--rate", arguments.rate, "of the private servo")->capture_default_str()->type_name("HZ");
-    verb.add_option("--servo-cpu", arguments.servo_cpu, "where the servo runs; default: the last CPU")
-        ->check(CLI::Range(0, 1023))
-        ->type_name("CPU");
-    verb.add_option(
+        .type_name("SECONDS")
+        .excludes({"--updates"});
+    verb.option("--percentile", arguments.percentile,
+                "one more than the table has; refused where it would have fewer than ten samples above it")
+        .type_name("P");
+    verb.option("--load", arguments.load,
+                "a thread of ordinary priority on each CPU meanwhile: spin counts, memory moves 32 MiB "
+                "to and fro")
+        .shows_default()
+        .one_of({"none", "spin", "memory"});
+    verb.option("--compare", arguments.compare,
+                "an earlier run's --json: what became better or worse since, and what may be noise")
+        .type_name("OLD.json");
+    verb.option("--measured", arguments.measured, "compare this run of --json's, and measure nothing")
+        .type_name("NEW.json");
+    verb.option("--rate", arguments.rate, "of the private servo").shows_default().type_name("HZ");
+    verb.option("--servo-cpu", arguments.servo_cpu, "where the servo runs; default: the last CPU")
+        .within(0, 1023)
+        .type_name("CPU");
+    verb.option(
             "--priority", arguments.priority,
             "SCHED_FIFO, of the client's thread: what it would see on a CPU of its own; default: ordinary")
-        ->check(CLI::Range(1, 79))
-        ->type_name("N");
-    verb.add_option("--seed", arguments.seed, "of the random phases")->capture_default_str()->type_name("N");
-    verb.add_option("--wait", arguments.wait, "for a servo that is still starting")
-        ->capture_default_str()
-        ->type_name("SECONDS");
-    auto* json = verb.add_option("--json", arguments.json_file, "for programs, into FILE or standard output")
-                     ->expected(0, 1)
-                     ->type_name("FILE");
+        .within(1, 79)
+        .type_name("N");
+    verb.option("--seed", arguments.seed, "of the random phases").shows_default().type_name("N");
+    verb.option("--wait", arguments.wait, "for a servo that is still starting")
+        .shows_default()
+        .type_name("SECONDS");
+    auto& json = verb.option("--json", arguments.json_file, "for programs, into FILE or standard output")
+                     .value_may_be_missing()
+                     .type_name("FILE");
     verb.footer(
         "A bridge that asks for keys: KNURL_KEY names the file with yours, as for every application "
         "(KNURL_KEY=~/anna.key knurl latency --connect knurl://lab:4096).\n"
@@ -95,11 +91,10 @@ void add_latency_options(CLI::App& verb, LatencyArguments& arguments) {
         "due at a "
         "pace, one that took longer stands also for those that it kept from being taken.\n"
         "Ctrl-C ends a measurement: what it has seen is printed.");
-    // Its value may be missing: then it is standard output.
-    verb.parse_complete_callback([&arguments, json] {
-        arguments.json = json->count() > 0;
+    return [&arguments, &json] {
+        arguments.json = json.given();
         if (arguments.json_file.empty()) arguments.json_file = "-";
-    });
+    };
 }
 
 }  // namespace knurl::cli

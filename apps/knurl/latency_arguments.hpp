@@ -2,11 +2,10 @@
 // The command line of `knurl latency`.
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
-namespace CLI {
-class App;  // its header brings 100 KB of code into every source that includes it
-}
+#include <knurl/commandline/command.hpp>
 
 namespace knurl::cli {
 
@@ -30,8 +29,9 @@ struct LatencyArguments {
     std::string json_file = "-";  // standard output
 };
 
-/// `arguments` is filled in when `verb` is parsed, and must live until then.
-void add_latency_options(CLI::App& verb, LatencyArguments& arguments);
+/// `arguments` is filled in when `verb` is parsed and what is returned has been called, and must live until
+/// then.
+std::function<void()> add_latency_options(commandline::Command& verb, LatencyArguments& arguments);
 
 /// Throws UsageError: what makes no sense.
 void check(const LatencyArguments& arguments);

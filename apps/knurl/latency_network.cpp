@@ -30,15 +30,15 @@ std::string network_text(const Network& network, const bridge::WireSizes& sizes)
 
 knurl::Json network_json(const Network& network, const bridge::WireSizes& sizes) {
     return {{"encrypted", network.encrypted},
-            {"round_trip", us(network.round_trip)},
-            {"clock_offset", us(network.clock_offset)},
-            {"clock_uncertainty", us(network.clock_uncertainty)},
-            {"drift", network.drift * 1e6},
-            {"drift_uncertainty", network.drift_uncertainty * 1e6},
-            {"lost", network.lost},
-            {"late", network.late},
-            {"duplicated", network.duplicated},
-            {"resent", network.resent},
+            {"round_trip_s", us(network.round_trip) / 1e6},
+            {"clock_offset_s", us(network.clock_offset) / 1e6},
+            {"clock_uncertainty_s", us(network.clock_uncertainty) / 1e6},
+            {"drift_ppm", network.drift * 1e6},
+            {"drift_uncertainty_ppm", network.drift_uncertainty * 1e6},
+            {"reports_lost", network.lost},
+            {"reports_late", network.late},
+            {"datagrams_doubled", network.duplicated},
+            {"batches_resent", network.resent},
             {"datagram_bytes", sizes.datagram},
             {"command_bytes", sizes.command}};
 }

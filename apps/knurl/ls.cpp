@@ -1,8 +1,8 @@
 // knurl ls: servos, devices, clients, representations, who holds what.
 
+#include <algorithm>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 
@@ -37,12 +37,20 @@ void print_client(const ClientView& client) {
 void print_device(const DeviceView& device) {
     const auto& info = device.info;
     fmt::print("  {} ({}, {:g} Hz): {}", info.name, info.address, info.rate, state_name(state_of(device)));
-    if (faults_of(device) != 0) fmt::print(" ({})", fault_names(faults_of(device)));
+    if (faults_of(device) != 0) {
+        const std::string servo = info.servo;
+        fmt::print(" ({}; leave it with: knurl reset {}{})", fault_names(faults_of(device)), info.name,
+                   servo == "default" ? "" : " --servo " + servo);
+    }
     fmt::print(", k_max {:.4g} N/m, force {:.2f} of {:.3g} N, {} of {} cycles late\n", info.max_stiffness,
                force_of(device), info.peak_force, device.counters.at("late_cycles"),
                device.counters.at("cycles"));
     if (device.clients.empty()) fmt::print("    nobody holds it\n");
     for (const auto& client : device.clients) print_client(client);
+}
+
+bool any_unseen(const std::vector<ServoView>& servos) {
+    return std::any_of(servos.begin(), servos.end(), [](const ServoView& servo) { return servo.unseen; });
 }
 
 int print_text(const std::vector<ServoView>& servos) {
@@ -55,6 +63,11 @@ int print_text(const std::vector<ServoView>& servos) {
                 servo.name, servo.socket);
             continue;
         }
+        if (servo.unseen) {  // a folder has no name
+            fmt::print(stderr, "knurl ls: {}{}\n", servo.name == "?" ? "" : "knurl:" + servo.name + ": ",
+                       servo.problem);
+            continue;
+        }
         if (!servo.problem.empty()) {
             fmt::print("knurl:{}: {}\n", servo.name, servo.problem);
             continue;
@@ -63,6 +76,7 @@ int print_text(const std::vector<ServoView>& servos) {
         fmt::print("knurl:{}: pid {}\n", servo.name, servo.pid);
         for (const auto& device : servo.devices) print_device(device);
     }
+    if (any_unseen(servos)) return 1;
     if (alive == 0) {
         fmt::print("no servo is running (looked in {}); start one with: knurld --device sim:premium15\n",
                    fmt::join(protocol::servo_directories(), " and "));
@@ -80,8 +94,8 @@ json json_of(const ClientView& client) {
             {"role", client.observer ? "observer" : "claim"},
             {"shared", client.shared},
             {"silent", client.silent},
-            {"update_rate", client.update_rate},
-            {"age_at_use", client.age},
+            {"update_rate", client.update_rate > 0 ? json(client.update_rate) : json()},
+            {"age_at_use_s", client.age > 0 ? json(client.age) : json()},
             {"gain", client.gain},
             {"updates", client.commits},
             {"updates_refused", client.refused},
@@ -124,26 +138,27 @@ int print_json(const std::vector<ServoView>& servos) {
         list.push_back({{"name", servo.name},
                         {"address", "knurl:" + servo.name},
                         {"socket", servo.socket},
-                        {"pid", servo.pid},
+                        {"pid", servo.pid > 0 ? json(servo.pid) : json()},
                         {"alive", servo.problem.empty()},
-                        {"problem", servo.problem},
+                        {"problem", servo.problem.empty() ? json() : json(servo.problem)},
                         {"devices", devices}});
     }
     // Names come from other processes and need not be UTF-8.
     fmt::print("{}\n", json{{"servos", list}}.dump(2));
-    return 0;
+    return any_unseen(servos) ? 1 : 0;
 }
 
 }  // namespace
 
-void add_ls(CLI::App& program, Run& run) {
-    auto* verb = program.add_subcommand("ls", "Servos, devices, clients, representations, who holds what");
+void add_ls(commandline::Command& program) {
+    auto& verb = program.verb("ls", "Servos, devices, clients, representations, who holds what");
     auto as_json = std::make_shared<bool>(false);
-    verb->add_flag("--json", *as_json, "the same for programs (SI units)");
-    verb->footer("Without any servo it says so and succeeds: an empty list is an answer.");
-    verb->callback([&run, as_json] {
-        run = [as_json] { return *as_json ? print_json(look_at_all()) : print_text(look_at_all()); };
-    });
+    verb.flag("--json", *as_json, "the same for programs (SI units)");
+    verb.footer(
+        "Without any servo it says so and succeeds: an empty list is an answer. Where it may not look it "
+        "says "
+        "so, and ends with 1.");
+    verb.action([as_json] { return *as_json ? print_json(look_at_all()) : print_text(look_at_all()); });
 }
 
 }  // namespace knurl::cli

@@ -31,12 +31,15 @@ struct McapSchema {
     std::string name, encoding, text;
 };
 
+/// A file of that name that has something in it.
+enum class Existing { kept, replaced };
+
 class McapWriter {
   public:
     static constexpr std::size_t chunk_bytes = 1 << 20;
 
     /// Makes the file anew. Throws std::runtime_error.
-    McapWriter(const std::string& path, const std::string& library);
+    McapWriter(const std::string& path, const std::string& library, Existing existing = Existing::replaced);
     ~McapWriter();
 
     // Before the first message. Channels are numbered from 1; without a schema for what only its maker reads.

@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 #include <zstd.h>
@@ -53,10 +54,17 @@ std::string_view text_of(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-McapWriter::McapWriter(const std::string& path, const std::string& library)
-    : path_(path), file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+McapWriter::McapWriter(const std::string& path, const std::string& library, Existing existing)
+    : path_(path), file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666)) {
     if (!file_)
         throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+    struct stat there {};
+    if (::fstat(file_.get(), &there) == 0 && S_ISREG(there.st_mode) && there.st_size > 0) {
+        if (existing == Existing::kept)
+            throw std::runtime_error(path + ": is there already; --force replaces it, or give another name");
+        if (::ftruncate(file_.get(), 0) != 0)
+            throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+    }
     std::string header;
     put_string(header, "");  // profile: none
     put_string(header, library);

@@ -9,8 +9,8 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/signalfd.h>
@@ -21,6 +21,7 @@
 #include <knurl/protocol/text.hpp>
 #include <knurl/shm/socket.hpp>
 
+#include "progress.hpp"
 #include "record_salvage.hpp"
 #include "recording.hpp"
 #include "servo_view.hpp"
@@ -33,6 +34,7 @@ namespace {
 struct Arguments {
     std::string servo = "default", device, file, salvage;
     double seconds = 0;  // 0: until interrupted
+    bool force = false;
 };
 
 constexpr auto answer_time = std::chrono::seconds(2);
@@ -188,15 +190,29 @@ class Recorder {
     }
     /// The device is in somebody's hands: said once.
     void say_when_exact() {
-        if (said_ || exact_ || inputs_ < cycles_to_a_keyframe || first_exact_ > 0) return;
+        if (!has_to_say() || said_) return;
         said_ = true;
         fmt::print(
             stderr,
             "knurl record: an application holds the device: reports are recorded, exact replay begins when "
             "nobody holds it (start the recording before the application)\n");
     }
+    bool has_to_say() const {
+        return (inputs_ > 0 && !begun_) ||
+               (!said_ && !exact_ && inputs_ >= cycles_to_a_keyframe && first_exact_ == 0);
+    }
     bool lost() const { return lost_; }
 
+    /// So far, for who waits.
+    std::string so_far() const {
+        return fmt::format("{} cycles, {:.1f} MB", reports_, static_cast<double>(file_.bytes()) * 1e-6);
+    }
+    /// The reports of the inputs that were taken last, so that all that is said counts the same cycles.
+    void finish() {
+        drain();
+        drain_reports(true);
+        flush();
+    }
     std::string summary() const {
         const std::uint64_t missed = source_.reports().missed();
         std::string text = fmt::format("{} cycles in {:.1f} s, {:.1f} MB, {} reports missed", reports_,
@@ -204,7 +220,11 @@ class Recorder {
                                        static_cast<double>(file_.bytes()) * 1e-6, missed);
         if (file_.dropped() > 0) text += fmt::format(", {} messages dropped (disk full)", file_.dropped());
         if (exact_cycles_ == 0)
-            text += "; does not replay: somebody held the device from the first cycle on";
+            text += fmt::format("; does not replay: {}",
+                                lost_ ? "the disk was full"
+                                : inputs_ < cycles_to_a_keyframe
+                                    ? "it ended before there was a moment to begin with"
+                                    : "somebody held the device from the first cycle on");
         else
             text += fmt::format("; {} cycles replay exactly, from cycle {} on", exact_cycles_, first_exact_);
         if (file_.missing() > 0)
@@ -228,6 +248,10 @@ class Recorder {
             file_.report(report);
             ++reports_;
             first_ns_ = reports_ == 1 ? report.read_ns : first_ns_;
+            if (reports_ == 1) {
+                first_report_ = report.cycle;
+                for (const std::uint64_t cycle : std::exchange(early_, {})) count_exact(cycle);
+            }
             last_ns_ = report.read_ns;
             if (flushing && file_.full()) flush();
         }
@@ -264,13 +288,22 @@ class Recorder {
         ++gaps_;
         exact_ = false;
     }
+    void count_exact(std::uint64_t cycle) {
+        if (cycle < first_report_) return;
+        ++unwritten_;
+        if (first_exact_ == 0) first_exact_ = cycle;
+    }
     void take() {
         if (record_.type == servo::TapeType::keyframe) exact_ = true;
         if (record_.type == servo::TapeType::cycle) {
             ++inputs_;
-            unwritten_ += exact_;
-            if (exact_ && first_exact_ == 0)
-                std::memcpy(&first_exact_, record_.bytes.data(), sizeof first_exact_);
+            std::uint64_t cycle = 0;
+            std::memcpy(&cycle, record_.bytes.data(), sizeof cycle);
+            // Those before the first report have nothing to be compared with, and count for nothing.
+            if (exact_ && reports_ > 0)
+                count_exact(cycle);
+            else if (exact_)
+                early_.push_back(cycle);
         }
         if (record_.type == servo::TapeType::asset) take_asset();
         file_.input(record_);
@@ -280,25 +313,29 @@ class Recorder {
     RecordingWriter& file_;
     servo::TapeRecord record_;
     std::uint64_t reports_ = 0, inputs_ = 0, gaps_ = 0, exact_cycles_ = 0, first_exact_ = 0;
-    std::uint64_t unwritten_ = 0;  // exact cycles since the last flush
+    std::uint64_t unwritten_ = 0;       // exact cycles since the last flush
+    std::uint64_t first_report_ = 0;    // its cycle
+    std::vector<std::uint64_t> early_;  // exact cycles, while there is no report yet
     std::int64_t first_ns_ = 0, last_ns_ = 0;
     bool exact_ = false, begun_ = false, said_ = false, lost_ = false;
 };
 
 int record(const Arguments& arguments) {
+    const Existing existing = arguments.force ? Existing::replaced : Existing::kept;
     if (!arguments.salvage.empty()) {
-        fmt::print("{}\n", salvage(arguments.salvage, arguments.file));
+        fmt::print("{}\n", salvage(arguments.salvage, arguments.file, existing));
         return 0;
     }
     using Clock = std::chrono::steady_clock;
     const shm::UniqueFd signals = take_signals();
     Source source(arguments.servo, arguments.device);
-    RecordingWriter file(arguments.file, source.info());
+    RecordingWriter file(arguments.file, source.info(), existing);
     Recorder recorder(source, file);
 
     const auto begin = Clock::now();
     auto flushed = begin;
     std::string ended;
+    measure::Progress progress("knurl record");
     for (bool on = true; on;) {
         std::array<pollfd, 2> wait{{{.fd = source.socket(), .events = POLLIN, .revents = 0},
                                     {.fd = signals.get(), .events = POLLIN, .revents = 0}}};
@@ -310,14 +347,20 @@ int record(const Arguments& arguments) {
              (arguments.seconds == 0 ||
               std::chrono::duration<double>(now - begin).count() < arguments.seconds);
         recorder.drain();
+        if (recorder.has_to_say()) progress.clear();
         recorder.say_when_begun(fmt::format("recording device '{}' of servo '{}' into {}",
                                             source.info().device, arguments.servo, arguments.file));
         recorder.say_when_exact();
+        progress.show(fmt::format(
+            "{}, {}",
+            measure::seconds_of(std::chrono::duration<double>(now - begin).count(), arguments.seconds),
+            recorder.so_far()));
         if (now - flushed < flush_every) continue;
         recorder.flush();
         flushed = now;
     }
-    recorder.flush();
+    recorder.finish();
+    progress.clear();
     const bool whole = file.finish();
     fmt::print("{}: {}{}\n", arguments.file, recorder.summary(), ended);
     if (!whole)
@@ -328,24 +371,22 @@ int record(const Arguments& arguments) {
 
 }  // namespace
 
-void add_record(CLI::App& program, Run& run) {
-    auto* verb =
-        program.add_subcommand("record", "Every report and every input of a device's servo, into a file");
+void add_record(commandline::Command& program) {
+    auto& verb = program.verb("record", "Every report and every input of a device's servo, into a file");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("file", arguments->file, "the recording, for knurl replay, Foxglove, PlotJuggler")
-        ->required()
-        ->type_name("FILE.mcap");
-    verb->add_option("--servo", arguments->servo, "its name")->capture_default_str()->type_name("NAME");
-    verb->add_option("--device", arguments->device, "of that servo; only if it has several")
-        ->type_name("NAME");
-    verb->add_option("--for", arguments->seconds, "end after this time; default: when interrupted")
-        ->type_name("SECONDS")
-        ->check(CLI::PositiveNumber);
-    verb->add_option(
-            "--salvage", arguments->salvage,
-            "no servo: what the guardian saved when one died (its file, or the directory: the newest)")
-        ->type_name("PATH");
-    verb->footer(
+    verb.option("file", arguments->file, "the recording, for knurl replay, Foxglove, PlotJuggler")
+        .required()
+        .type_name("FILE.mcap");
+    verb.option("--servo", arguments->servo, "its name").shows_default().type_name("NAME");
+    verb.option("--device", arguments->device, "of that servo; only if it has several").type_name("NAME");
+    verb.option("--for", arguments->seconds, "end after this time; default: when interrupted")
+        .type_name("SECONDS")
+        .positive();
+    verb.flag("--force", arguments->force, "replace a file that is there");
+    verb.option("--salvage", arguments->salvage,
+                "no servo: what the guardian saved when one died (its file, or the directory: the newest)")
+        .type_name("PATH");
+    verb.footer(
         "Ends well with Ctrl-C, and when the servo ends. What is recorded from a moment on in which nobody "
         "holds the\n"
         "device replays to the last bit, so start the recording before the application. The servo waits for "
@@ -353,7 +394,7 @@ void add_record(CLI::App& program, Run& run) {
         "what a slow or full disk does not take is dropped and counted. Less than 1 GB an hour at 1 kHz, and "
         "once\n"
         "each mesh that an application sends.");
-    verb->callback([&run, arguments] { run = [arguments] { return record(*arguments); }; });
+    verb.action([arguments] { return record(*arguments); });
 }
 
 }  // namespace knurl::cli

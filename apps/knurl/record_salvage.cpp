@@ -62,7 +62,7 @@ std::istringstream words_of(const std::string& line) {
 
 }  // namespace
 
-std::string salvage(const std::string& from, const std::string& to) {
+std::string salvage(const std::string& from, const std::string& to, Existing existing) {
     std::error_code ignored;
     const std::string path = fs::is_directory(from, ignored) ? newest_in(from) : from;
     std::ifstream file(path);
@@ -85,7 +85,7 @@ std::string salvage(const std::string& from, const std::string& to) {
             "is no flight record of this version; give what the guardian saved, "
             "flight-SERVO-DEVICE-TIME.csv");
 
-    RecordingWriter out(to, info);
+    RecordingWriter out(to, info, existing);
     std::uint64_t reports = 0;
     Report report;
     while (++number, std::getline(file, line)) {

@@ -3,10 +3,12 @@
 
 #include <string>
 
+#include "mcap.hpp"
+
 namespace knurl::cli {
 
 /// `from`: a flight recorder's file, or a directory: its newest one. Returns a line about it. Throws
 /// std::runtime_error.
-std::string salvage(const std::string& from, const std::string& to);
+std::string salvage(const std::string& from, const std::string& to, Existing existing);
 
 }  // namespace knurl::cli

@@ -181,8 +181,8 @@ static_assert(sizeof(InputHead) == 8);
 
 }  // namespace
 
-RecordingWriter::RecordingWriter(const std::string& path, const RecordingInfo& info)
-    : file_(path, "Knurl " + info.version), offset_(info.realtime_offset_ns) {
+RecordingWriter::RecordingWriter(const std::string& path, const RecordingInfo& info, Existing existing)
+    : file_(path, "Knurl " + info.version, existing), offset_(info.realtime_offset_ns) {
     reports_ = file_.add_channel(report_topic, "cdr", &report_schema());
     inputs_ = file_.add_channel(inputs_topic, "knurl", nullptr);
     file_.add_metadata(metadata_name, metadata_of(info));

@@ -41,7 +41,7 @@ struct RecordingInfo {
 class RecordingWriter {
   public:
     /// Throws std::runtime_error.
-    RecordingWriter(const std::string& path, const RecordingInfo& info);
+    RecordingWriter(const std::string& path, const RecordingInfo& info, Existing existing);
 
     void report(const Report& report);
     void input(const servo::TapeRecord& record);

@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <knurl/drivers/registry.hpp>
@@ -200,6 +199,10 @@ class Replaying {
             ++gaps_;
             if (again_) again_->gap();
         }
+        if (item == RecordingReader::Item::input) {
+            ++inputs_;
+            begins_ = begins_ || recording.input.type == servo::TapeType::keyframe;
+        }
         if (item == RecordingReader::Item::input && again_) try {
                 if (const Report* report = again_->feed(recording.input)) comparison_.replayed(*report);
             } catch (const servo::TapeError& error) {
@@ -209,8 +212,16 @@ class Replaying {
     }
     bool possible() const { return again_.has_value(); }
     /// Empty: it has been replayed. Else why there was nothing to replay.
-    std::string why_not() const {
+    std::string why_not(const std::optional<std::uint64_t>& cut_off_at) const {
         if (!why_not_.empty() || comparison_.equal() > 0 || comparison_.first_difference()) return why_not_;
+        if (cut_off_at)
+            return fmt::format("nothing to replay: {}: the recording is cut off behind {} whole bytes, {}",
+                               path_, *cut_off_at,
+                               begins_       ? "before a cycle of it was complete"
+                               : inputs_ > 0 ? "and in those somebody held the device"
+                                             : "before the first input");
+        if (inputs_ == 0) return "nothing to replay: " + path_ + " has no inputs of the servo";
+        if (begins_) return "nothing to replay: " + path_ + " ends before a cycle of it was complete";
         return "nothing to replay: an application held the device from the first cycle on; start the "
                "recording before the application";
     }
@@ -227,7 +238,8 @@ class Replaying {
     std::optional<servo::Replay> again_;
     std::vector<std::byte> source_;
     Comparison comparison_;
-    std::uint64_t gaps_ = 0;
+    std::uint64_t gaps_ = 0, inputs_ = 0;
+    bool begins_ = false;  // there was a moment to begin with
     std::string why_not_;
 };
 
@@ -240,23 +252,24 @@ int replay(const Arguments& arguments) {
     Replaying replaying(recording, arguments.file);
     // What cannot be replayed can still be exported and felt.
     const bool required = !csv && !other;
-    if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not());
+    if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not({}));
 
     std::uint64_t reports = 0;
     for (auto item = recording.next(); item != RecordingReader::Item::end; item = recording.next()) {
         replaying.take(recording, item);
-        if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not());
+        if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not({}));
         if (item != RecordingReader::Item::report) continue;
         ++reports;
         if (csv) csv->put(servo::report_row(recording.report));
         if (other) other->add(recording.report);
     }
     if (csv) csv->finish();
-    if (const auto at = recording.cut_off_at())
+    // Where nothing can be replayed the reason says so.
+    if (const auto at = recording.cut_off_at(); at && !(required && !replaying.why_not(at).empty()))
         fmt::print(stderr, "knurl replay: {}: cut off; its first {} bytes are whole, and are used\n",
                    arguments.file, *at);
 
-    const std::string why_not = replaying.why_not();
+    const std::string why_not = replaying.why_not(recording.cut_off_at());
     if (required && !why_not.empty()) throw std::runtime_error(why_not);
     if (!why_not.empty() && !replaying.first_difference()) fmt::print(stderr, "knurl replay: {}\n", why_not);
     fmt::print("{}: {} reports{}{}\n", arguments.file, reports, csv ? " written to " + arguments.csv : "",
@@ -269,21 +282,20 @@ int replay(const Arguments& arguments) {
 
 }  // namespace
 
-void add_replay(CLI::App& program, Run& run) {
-    auto* verb = program.add_subcommand(
-        "replay", "A recording once more through the servo's cycle, compared bit by bit");
+void add_replay(commandline::Command& program) {
+    auto& verb =
+        program.verb("replay", "A recording once more through the servo's cycle, compared bit by bit");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("file", arguments->file, "what knurl record made")->required()->type_name("FILE.mcap");
-    verb->add_option("--scene", arguments->scene,
-                     "feel the recorded motion with this scene too; forces of both")
-        ->type_name("S.toml");
-    verb->add_option("--csv", arguments->csv, "the recorded reports, a line each")->type_name("OUT.csv");
-    verb->footer(
+    verb.option("file", arguments->file, "what knurl record made").required().type_name("FILE.mcap");
+    verb.option("--scene", arguments->scene, "feel the recorded motion with this scene too; forces of both")
+        .type_name("S.toml");
+    verb.option("--csv", arguments->csv, "the recorded reports, a line each").type_name("OUT.csv");
+    verb.footer(
         "Needs the build that recorded, and a description of the device with the same figures. Ends with 0 "
         "if every\n"
         "cycle that can be replayed gives the recorded report to the last bit, else says where it first "
         "differs.");
-    verb->callback([&run, arguments] { run = [arguments] { return replay(*arguments); }; });
+    verb.action([arguments] { return replay(*arguments); });
 }
 
 }  // namespace knurl::cli

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <mesh_file.hpp>
+#include <progress.hpp>
 #include <unit.hpp>
 
 #include <knurl/geometry/height_field.hpp>
@@ -33,9 +34,11 @@ std::unique_ptr<Mesh> mesh_of_file(const std::string& scene, const AssetEntry& e
 
 SceneAssets build_assets(const scenefile::SceneFile& scene) {
     SceneAssets built;
+    measure::Progress progress("knurl");
     for (const AssetEntry& entry : scene.assets) {
         const std::string where =
             fmt::format("{}:{}: asset {}", scene.path, entry.line, built.assets.size() + 1);
+        progress.show(fmt::format("builds shape {} of {}", built.assets.size() + 1, scene.assets.size()));
         try {
             if (!entry.heights.empty()) {
                 built.assets.push_back(std::make_unique<HeightField>(entry.heights, entry.grid));

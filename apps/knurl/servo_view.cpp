@@ -1,13 +1,17 @@
 #include "servo_view.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
 
+#include <fmt/format.h>
+#include <grp.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 #include <knurl/protocol/text.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
@@ -96,6 +100,12 @@ void receive_answer(const shm::UniqueFd& connection, std::chrono::milliseconds a
 
     alignas(8) std::byte buffer[std::max(sizeof(protocol::Welcome), sizeof(protocol::Refused))];
     auto received = shm::receive_message(connection, buffer);
+    if (received.descriptors_lost)
+        throw shm::SystemError(
+            "the servo answers, but this process has no descriptor left for the memory that it sends; raise "
+            "the "
+            "limit (ulimit -n)",
+            EMFILE);
     protocol::MessageHeader header;
     if (received.closed || received.bytes < sizeof header) throw std::runtime_error("the servo hung up");
     std::memcpy(&header, buffer, sizeof header);
@@ -145,6 +155,7 @@ ServoView ServoWatch::look() const {
                    .socket = socket_,
                    .problem = {},
                    .dead = false,
+                   .unseen = false,
                    .pid = pid_,
                    .devices = {}};
     for (const auto& segment : segments_) view.devices.push_back(look_at_device(segment.data()));
@@ -174,35 +185,54 @@ std::vector<Report> ServoWatch::history(std::size_t device) const {
     return all;
 }
 
+namespace {
+
+ServoView not_seen(const std::string& socket, const std::string& why) {
+    return {.name = name_of(socket),
+            .socket = socket,
+            .problem = why,
+            .dead = false,
+            .unseen = false,
+            .pid = 0,
+            .devices = {}};
+}
+
+/// What to do about a folder that is another's.
+std::string who_may_look(const std::string& directory) {
+    struct stat status {};
+    const ::group* owners = ::stat(directory.c_str(), &status) == 0 ? ::getgrgid(status.st_gid) : nullptr;
+    if (owners == nullptr || status.st_gid == 0 || (status.st_mode & S_IXGRP) == 0)
+        return "run this as the folder's owner";
+    return fmt::format("join its group (sudo usermod --append --groups {} $USER, then log in again)",
+                       owners->gr_name);
+}
+
+}  // namespace
+
 std::vector<ServoView> look_at_all() {
     std::vector<ServoView> views;
     for (const std::string& directory : protocol::servo_directories()) {
         std::error_code none;
-        for (const auto& file : std::filesystem::directory_iterator(directory, none)) {
-            if (file.path().extension() != ".sock") continue;
-            const std::string socket = file.path().string();
+        for (auto file = std::filesystem::directory_iterator(directory, none);
+             !none && file != std::filesystem::directory_iterator(); file.increment(none)) {
+            if (file->path().extension() != ".sock") continue;
+            const std::string socket = file->path().string();
             try {
                 views.push_back(ServoWatch(socket).look());
+            } catch (const shm::SystemError& error) {
+                views.push_back(not_seen(socket, error.what()));
+                views.back().dead = error.error == ECONNREFUSED;
+                views.back().unseen = error.error != ECONNREFUSED && error.error != ENOENT;
             } catch (const std::runtime_error& error) {
-                ServoView view{.name = name_of(socket),
-                               .socket = socket,
-                               .problem = error.what(),
-                               .dead = false,
-                               .pid = 0,
-                               .devices = {}};
-                view.dead = view.problem.find("Connection refused") != std::string::npos;
-                views.push_back(std::move(view));
+                views.push_back(not_seen(socket, error.what()));
             }
         }
         if (none && none != std::errc::no_such_file_or_directory) {
             // Whoever may not look into the service's folder still sees what lies elsewhere.
-            views.push_back({.name = "?",
-                             .socket = directory,
-                             .problem = directory + " cannot be read: " + none.message() +
-                                        "; sudo usermod --append --groups haptics $USER, then log in again",
-                             .dead = false,
-                             .pid = 0,
-                             .devices = {}});
+            views.push_back(not_seen(directory, directory + " cannot be looked into: " + none.message() +
+                                                    "; " + who_may_look(directory)));
+            views.back().name = "?";
+            views.back().unseen = true;
         }
     }
     std::sort(views.begin(), views.end(), [](const auto& a, const auto& b) { return a.name < b.name; });

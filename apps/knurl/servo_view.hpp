@@ -46,6 +46,7 @@ struct ServoView {
     std::string socket;   // path
     std::string problem;  // why it cannot be looked at; empty: it can
     bool dead = false;    // the socket is one that a killed servo left behind
+    bool unseen = false;  // we may or can not look: nothing is known of what is there
     pid_t pid = 0;
     std::vector<DeviceView> devices;
 };

@@ -6,7 +6,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 #include <sleeper.hpp>
@@ -100,7 +99,7 @@ class Looker {
 };
 
 std::string text_of(const std::string& servo, const Look& look) {
-    if (!look.problem.empty()) return fmt::format("knurl:{}  {}\n", servo, look.problem);
+    if (!look.problem.empty()) return fmt::format("knurl:{}  {}\n", servo, wrong(look.problem));
     std::string text = fmt::format("knurl:{}  pid {}  in {:.2f} s\n", servo, look.pid, look.seconds);
     for (const DeviceRates& device : look.devices) text += text_of(device);
     return text;
@@ -110,8 +109,8 @@ std::string line_of(const std::string& servo, const Look& look) {
     json devices = json::array();
     for (const DeviceRates& device : look.devices) devices.push_back(json_of(device));
     const json line = {{"servo", servo},
-                       {"pid", look.pid},
-                       {"seconds", look.seconds},
+                       {"pid", look.pid > 0 ? json(look.pid) : json()},
+                       {"interval_s", look.seconds},
                        {"problem", look.problem.empty() ? json() : json(look.problem)},
                        {"devices", devices}};
     return line.dump(-1) + "\n";
@@ -135,18 +134,15 @@ int watch(const Arguments& arguments) {
 
 }  // namespace
 
-void add_top(CLI::App& program, Run& run) {
-    auto* verb =
-        program.add_subcommand("top", "A servo at work, live: where its time goes, what its clients do");
+void add_top(commandline::Command& program) {
+    auto& verb = program.verb("top", "A servo at work, live: where its time goes, what its clients do");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("servo", arguments->servo, "its name")->capture_default_str()->type_name("NAME");
-    verb->add_option("--rate", arguments->hertz, "looks a second, 0.1 to 20")
-        ->capture_default_str()
-        ->type_name("HZ");
-    verb->add_option("--count", arguments->count, "end after so many looks; default: when interrupted")
-        ->type_name("N");
-    verb->add_flag("--json", arguments->json, "a line of JSON for each look");
-    verb->footer(
+    verb.option("servo", arguments->servo, "its name").shows_default().type_name("NAME");
+    verb.option("--rate", arguments->hertz, "looks a second, 0.1 to 20").shows_default().type_name("HZ");
+    verb.option("--count", arguments->count, "end after so many looks; default: when interrupted")
+        .type_name("N");
+    verb.flag("--json", arguments->json, "a line of JSON for each look");
+    verb.footer(
         "lateness  from a cycle's deadline until the device has been read; of the newest 4095 cycles at "
         "most\n"
         "cycle     means of one cycle in 64; sleep: the rest of the period, waking included\n"
@@ -156,7 +152,7 @@ void add_top(CLI::App& program, Run& run) {
         "missed    reports that the client was too slow to read, as it says itself (a bridge: of itself)\n"
         "12 merged (+3): 12 since it came, 3 since the last look. Where output is no terminal, each look "
         "follows the last.");
-    verb->callback([&run, arguments] { run = [arguments] { return watch(*arguments); }; });
+    verb.action([arguments] { return watch(*arguments); });
 }
 
 }  // namespace knurl::cli

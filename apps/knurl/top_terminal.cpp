@@ -19,6 +19,23 @@ namespace {
 
 constexpr std::size_t indent = 4;
 
+bool is_mark(char c) {
+    return c == wrong_begins || c == wrong_ends;
+}
+
+std::size_t width_of(const std::string& text) {
+    return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), is_mark));
+}
+
+/// At most so wide; what is marked stays so.
+std::string cut(const std::string& text, std::size_t columns) {
+    std::string kept;
+    std::size_t width = 0;
+    for (const char c : text)
+        if (is_mark(c) || width++ < columns) kept += c;
+    return kept;
+}
+
 /// What stands between two spaces or more.
 std::vector<std::string> fields(const std::string& line, std::size_t from) {
     std::vector<std::string> found;
@@ -31,7 +48,7 @@ std::vector<std::string> fields(const std::string& line, std::size_t from) {
 }
 
 void wrap(const std::string& line, std::size_t columns, std::vector<std::string>& lines) {
-    if (line.size() <= columns) {
+    if (width_of(line) <= columns) {
         lines.push_back(line);
         return;
     }
@@ -39,7 +56,7 @@ void wrap(const std::string& line, std::size_t columns, std::vector<std::string>
     std::string next(margin, ' ');
     bool empty = true;
     for (const std::string& field : fields(line, margin)) {
-        if (!empty && next.size() + 2 + field.size() > columns) {
+        if (!empty && width_of(next) + 2 + width_of(field) > columns) {
             lines.push_back(next);
             next.assign(margin + indent, ' ');
             empty = true;
@@ -53,6 +70,17 @@ void wrap(const std::string& line, std::size_t columns, std::vector<std::string>
 
 }  // namespace
 
+std::string shown(const std::string& text, bool colours) {
+    std::string result;
+    for (const char c : text) {
+        if (!is_mark(c))
+            result += c;
+        else if (colours)
+            result += c == wrong_begins ? "\033[1;31m" : "\033[0m";
+    }
+    return result;
+}
+
 std::string fitted(const std::string& text, std::size_t columns, std::size_t rows) {
     std::vector<std::string> lines;
     std::istringstream all(text);
@@ -65,7 +93,7 @@ std::string fitted(const std::string& text, std::size_t columns, std::size_t row
     std::string page;
     for (std::size_t i = 0; i < lines.size(); ++i) {
         if (i > 0) page += '\n';
-        page.append(lines[i], 0, columns);
+        page += cut(lines[i], columns);
     }
     return page;
 }
@@ -73,6 +101,8 @@ std::string fitted(const std::string& text, std::size_t columns, std::size_t row
 Terminal::Terminal(bool page) : page_(page && ::isatty(STDOUT_FILENO) != 0) {
     const char* kind = std::getenv("TERM");
     page_ = page_ && kind != nullptr && std::strcmp(kind, "dumb") != 0;
+    const char* none = std::getenv("NO_COLOR");
+    colours_ = page_ && (none == nullptr || *none == '\0');
     ::sigemptyset(&signals_);
     // SIGWINCH too: then it wakes us, though nobody handles it. Without a page there is nothing to tidy up,
     // and whoever suspends us may do so.
@@ -94,6 +124,7 @@ Terminal::~Terminal() {
 
 void Terminal::enter() {
     if (!page_) return;
+    keys_.emplace(true);
     fmt::print("\033[?1049h\033[?25l");  // another page, no cursor
     draw();
 }
@@ -101,6 +132,7 @@ void Terminal::enter() {
 void Terminal::leave() {
     if (page_) fmt::print("\033[?25h\033[?1049l");
     std::fflush(stdout);
+    keys_.reset();
 }
 
 void Terminal::show(const std::string& text) {
@@ -113,10 +145,13 @@ void Terminal::draw() const {
         winsize size{};
         const bool known =
             ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0;
+        const std::size_t columns = known ? size.ws_col : 80, rows = known ? size.ws_row : 24;
+        const bool hint = keys_ && keys_->there() && rows > 2;
         // First erased, then written: behind a line that ends in the last column nothing can be erased.
-        fmt::print("\033[H\033[J{}", fitted(shown_, known ? size.ws_col : 80, known ? size.ws_row : 24));
+        fmt::print("\033[H\033[J{}", shown(fitted(shown_, columns, hint ? rows - 1 : rows), colours_));
+        if (hint) fmt::print("\033[{};1H{}", rows, std::string("q: end").substr(0, columns));
     } else {
-        fmt::print("{}", shown_);
+        fmt::print("{}", shown(shown_, false));
     }
     std::fflush(stdout);
 }
@@ -126,6 +161,12 @@ bool Terminal::wait(double seconds) {
     ::clock_gettime(CLOCK_MONOTONIC, &now);
     const double end = static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9 + seconds;
     for (double left = seconds; left > 0;) {
+        // A key comes through a descriptor: whoever waits for a signal does not see it before the next look at it.
+        constexpr double key_pace = 0.1;  // s
+        const bool keys = keys_ && keys_->there();
+        for (char key = keys ? keys_->next() : '\0'; key != '\0'; key = keys_->next())
+            if (key == 'q' || key == 'Q') return false;
+        if (keys) left = std::min(left, key_pace);
         const timespec pause{.tv_sec = static_cast<time_t>(left),
                              .tv_nsec = static_cast<long>((left - std::floor(left)) * 1e9)};
         const int signal = ::sigtimedwait(&signals_, nullptr, &pause);

@@ -3,9 +3,20 @@
 
 #include <csignal>
 #include <cstddef>
+#include <optional>
 #include <string>
 
+#include <grip.hpp>
+
 namespace knurl::cli {
+
+// Around what is wrong, which a terminal that has colours shows in red.
+inline constexpr char wrong_begins = '\1', wrong_ends = '\2';
+inline std::string wrong(const std::string& text) {
+    return wrong_begins + text + wrong_ends;
+}
+/// The marks as escape sequences, or left out.
+std::string shown(const std::string& text, bool colours);
 
 /// `text` as it fits a terminal: a line that is too wide goes on in the next ones, indented by four more,
 /// broken where it has two spaces or more; what still is too wide is cut off; of lines that find no room the
@@ -25,7 +36,7 @@ class Terminal {
 
     /// Replaces what is there; elsewhere, follows it.
     void show(const std::string& text);
-    /// False: somebody asked the program to end meanwhile.
+    /// False: somebody asked the program to end meanwhile, by a signal or the key q.
     bool wait(double seconds);
 
   private:
@@ -33,9 +44,10 @@ class Terminal {
     void leave();
     void draw() const;
 
-    bool page_;
+    bool page_, colours_;
     std::string shown_;
     sigset_t signals_, before_;
+    std::optional<measure::Keys> keys_;  // while there is a page
 };
 
 }  // namespace knurl::cli

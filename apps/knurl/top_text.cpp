@@ -4,6 +4,7 @@
 #include <json.hpp>
 
 #include "servo_text.hpp"
+#include "top_terminal.hpp"
 
 namespace knurl::cli {
 
@@ -13,22 +14,29 @@ using json = knurl::Json;
 
 /// "12 merged (+3)": in all, and in this time.
 std::string counted(std::uint64_t all, std::uint64_t now, std::string_view what) {
-    std::string text = fmt::format("  {} {}", all, what);
+    std::string text = fmt::format("{} {}", all, what);
     if (now > 0) text += fmt::format(" (+{})", now);
     return text;
+}
+
+/// Likewise, of what should not be: marked while it goes on.
+std::string counted_wrong(std::uint64_t all, std::uint64_t now, std::string_view what) {
+    const std::string text = counted(all, now, what);
+    return "  " + (now > 0 ? wrong(text) : text);
 }
 
 std::string text_of(const ClientRates& rates) {
     const ClientView& client = rates.client;
     std::string line = fmt::format("    pid {:<7} {:<20}", client.pid, client.name);
-    if (client.observer) return line + "  observes" + counted(client.missed, rates.missed, "missed") + "\n";
+    if (client.observer)
+        return line + "  observes" + counted_wrong(client.missed, rates.missed, "missed") + "\n";
     line += fmt::format("  {:7.1f} updates/s", rates.updates);
     line += client.age > 0 ? fmt::format("  {:8.3f} ms old at use", client.age * 1e3) : "  age unknown";
-    line += counted(client.merged, rates.merged, "merged") +
-            counted(client.refused, rates.refused, "refused") +
-            counted(client.missed, rates.missed, "missed");
+    line += "  " + counted(client.merged, rates.merged, "merged") +
+            counted_wrong(client.refused, rates.refused, "refused") +
+            counted_wrong(client.missed, rates.missed, "missed");
     line += fmt::format("  gain {:.2f}", client.gain);
-    if (client.silent) line += "  SILENT";
+    if (client.silent) line += "  " + wrong("SILENT");
     return line + "  " + representations_text(client) + "\n";
 }
 
@@ -37,14 +45,14 @@ json json_of(const ClientRates& rates) {
     return {{"pid", client.pid},
             {"name", client.name},
             {"role", client.observer ? "observer" : "claim"},
-            {"updates", rates.updates},
-            {"age_at_use_us", client.age > 0 ? json(client.age * 1e6) : json()},
-            {"merged", rates.merged},
-            {"refused", rates.refused},
-            {"missed", rates.missed},
-            {"merged_in_all", client.merged},
-            {"refused_in_all", client.refused},
-            {"missed_in_all", client.missed},
+            {"update_rate", rates.updates},
+            {"age_at_use_s", client.age > 0 ? json(client.age) : json()},
+            {"updates_merged", client.merged},
+            {"updates_refused", client.refused},
+            {"reports_missed", client.missed},
+            {"updates_merged_now", rates.merged},
+            {"updates_refused_now", rates.refused},
+            {"reports_missed_now", rates.missed},
             {"gain", client.gain},
             {"silent", client.silent}};
 }
@@ -53,17 +61,21 @@ json json_of(const ClientRates& rates) {
 
 std::string text_of(const DeviceRates& rates) {
     const DeviceView& device = rates.device;
+    std::string state(state_name(state_of(device)));
+    if (faults_of(device) != 0) state += ": " + fault_names(faults_of(device));
+    const bool off = state_of(device) == DeviceState::fault || state_of(device) == DeviceState::disconnected;
     std::string text =
-        fmt::format("{} ({})  {}", device.info.name, device.info.address, state_name(state_of(device)));
-    if (faults_of(device) != 0) text += fmt::format(": {}", fault_names(faults_of(device)));
-    text +=
-        fmt::format("  {:.1f} of {:g} Hz  force {:.2f} of {:.3g} N  k_max {:.4g} N/m\n", rates.rate,
-                    device.info.rate, force_of(device), device.info.peak_force, device.info.max_stiffness);
+        fmt::format("{} ({})  {}", device.info.name, device.info.address, off ? wrong(state) : state);
+    constexpr double all_of_them = 0.99;  // of the cycles; the rest is the moment of the look
+    const std::string rate = fmt::format("{:.1f} of {:g} Hz", rates.rate, device.info.rate);
+    text += fmt::format("  {}  force {:.2f} of {:.3g} N  k_max {:.4g} N/m\n",
+                        rates.rate < all_of_them * device.info.rate ? wrong(rate) : rate, force_of(device),
+                        device.info.peak_force, device.info.max_stiffness);
     text += "    lateness";
     if (rates.late_median) text += fmt::format("  median {:.1f} us", *rates.late_median);
     if (rates.late_max) text += fmt::format("  at most {:.1f} us", *rates.late_max);
-    text += counted(device.counters.at("late_cycles"), rates.late, "late cycles") +
-            counted(device.counters.at("overruns"), rates.overruns, "overruns") + "\n";
+    text += counted_wrong(device.counters.at("late_cycles"), rates.late, "late cycles") +
+            counted_wrong(device.counters.at("overruns"), rates.overruns, "overruns") + "\n";
     if (rates.parts) {
         text += "    cycle us";
         for (std::size_t i = 0; i < cycle_parts.size(); ++i)
@@ -77,29 +89,29 @@ std::string text_of(const DeviceRates& rates) {
 }
 
 json json_of(const DeviceRates& rates) {
-    const auto number = [](const std::optional<double>& value) { return value ? json(*value) : json(); };
+    const auto seconds = [](const std::optional<double>& us) { return us ? json(*us / 1e6) : json(); };
     const DeviceView& device = rates.device;
     json parts = nullptr, clients = json::array();
     if (rates.parts) {
         parts = json::object();
         for (std::size_t i = 0; i < cycle_parts.size(); ++i)
-            parts[std::string(cycle_parts[i])] = (*rates.parts)[i];
-        parts["sleep"] = rates.sleep;
+            parts[std::string(cycle_parts[i])] = (*rates.parts)[i] / 1e6;
+        parts["sleep"] = rates.sleep / 1e6;
     }
     for (const ClientRates& client : rates.clients) clients.push_back(json_of(client));
     return {{"name", device.info.name},
             {"address", device.info.address},
             {"state", state_name(state_of(device))},
             {"faults", faults_of(device)},
-            {"nominal_rate", device.info.rate},
-            {"rate", rates.rate},
+            {"rate", device.info.rate},
+            {"measured_rate", rates.rate},
             {"force", force_of(device)},
-            {"late", rates.late},
-            {"overruns", rates.overruns},
-            {"lateness_median_us", number(rates.late_median)},
-            {"lateness_max_us", number(rates.late_max)},
-            {"parts_us", parts},
-            {"step_us", rates.step},
+            {"late_cycles_now", rates.late},
+            {"overruns_now", rates.overruns},
+            {"late_p50_s", seconds(rates.late_median)},
+            {"late_max_s", seconds(rates.late_max)},
+            {"parts_s", parts},
+            {"step_s", rates.parts ? json(rates.step / 1e6) : json()},
             {"busy", rates.busy},
             {"clients", clients}};
 }

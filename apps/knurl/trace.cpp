@@ -6,7 +6,6 @@
 #include <memory>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <json.hpp>
 
@@ -127,39 +126,35 @@ int run_trace(const Arguments& arguments) {
 
 }  // namespace
 
-void add_trace(CLI::App& program, Run& run) {
-    auto* verb =
-        program.add_subcommand("trace", "One cycle and its neighbours on a timeline: where the time went");
+void add_trace(commandline::Command& program) {
+    auto& verb = program.verb("trace", "One cycle and its neighbours on a timeline: where the time went");
     auto arguments = std::make_shared<Arguments>();
-    verb->add_option("--out", arguments->out,
-                     "trace JSON, as Chrome and Perfetto read it; - is standard output")
-        ->required()
-        ->type_name("T.json");
-    verb->add_option("--servo", arguments->servo, "its name")->capture_default_str()->type_name("NAME");
-    verb->add_option("--device", arguments->device, "which of its devices; default: the only one")
-        ->type_name("NAME");
-    verb->add_option("--around", arguments->around,
-                     "the newest cycle whose parts are known, or the newest that was late")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"last", "late"}));
-    verb->add_option("--cycles", arguments->cycles, "on each side of it")
-        ->capture_default_str()
-        ->type_name("N");
-    verb->add_option("--for", arguments->seconds, "to watch, for the parts of cycles")
-        ->capture_default_str()
-        ->type_name("SECONDS");
-    verb->add_option("--from", arguments->from,
-                     "a flight record that the guardian of a dead servo saved; it has no parts")
-        ->type_name("FILE.csv")
-        ->excludes("--servo", "--device");
-    verb->footer(
+    verb.option("--out", arguments->out, "trace JSON, as Chrome and Perfetto read it; - is standard output")
+        .required()
+        .type_name("T.json");
+    verb.option("--servo", arguments->servo, "its name").shows_default().type_name("NAME");
+    verb.option("--device", arguments->device, "which of its devices; default: the only one")
+        .type_name("NAME");
+    verb.option("--around", arguments->around,
+                "the newest cycle whose parts are known, or the newest that was late")
+        .shows_default()
+        .one_of({"last", "late"});
+    verb.option("--cycles", arguments->cycles, "on each side of it").shows_default().type_name("N");
+    verb.option("--for", arguments->seconds, "to watch, for the parts of cycles")
+        .shows_default()
+        .type_name("SECONDS");
+    verb.option("--from", arguments->from,
+                "a flight record that the guardian of a dead servo saved; it has no parts")
+        .type_name("FILE.csv")
+        .excludes({"--servo", "--device"});
+    verb.footer(
         "A servo keeps its newest 4095 reports, and stamps the parts of one cycle in 64; such a one is drawn "
         "with "
         "all of them, the others until the device was read and until it was written.\n"
         "A cycle begins at its deadline, or when the one before it ended; it is late if it ends after the "
         "next "
         "deadline.");
-    verb->callback([&run, arguments] { run = [arguments] { return run_trace(*arguments); }; });
+    verb.action([arguments] { return run_trace(*arguments); });
 }
 
 }  // namespace knurl::cli

@@ -12,14 +12,16 @@ namespace knurl::measure {
 /// Single keys from the terminal, if there is one; as it was when this object goes.
 class Keys {
   public:
-    Keys() {
+    /// `suspends`: Ctrl-Z does, as everywhere.
+    explicit Keys(bool suspends = false) {
         if (::isatty(STDIN_FILENO) == 0 || ::tcgetattr(STDIN_FILENO, &before_) != 0) return;
         // A program in the background would be stopped by the terminal.
         if (::tcgetpgrp(STDIN_FILENO) != ::getpgrp()) return;
         termios keys = before_;
         keys.c_lflag &= static_cast<tcflag_t>(~(ICANON | ECHO));
         keys.c_cc[VMIN] = keys.c_cc[VTIME] = 0;
-        keys.c_cc[VSUSP] = _POSIX_VDISABLE;  // who stood still would go on holding what he holds
+        if (!suspends)
+            keys.c_cc[VSUSP] = _POSIX_VDISABLE;  // who stood still would go on holding what he holds
         there_ = ::tcsetattr(STDIN_FILENO, TCSANOW, &keys) == 0;
     }
     ~Keys() {

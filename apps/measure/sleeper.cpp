@@ -55,7 +55,7 @@ Beginnings bare_loop(const BareLoop& loop) {
         // That a thread takes its time to start is no lateness of the loop's.
         const Nanoseconds started = now_ns();
         Nanoseconds deadline = started < loop.first ? loop.first : next(loop.first, started - loop.first);
-        while (deadline < end) {
+        while (deadline < end && (loop.stop == nullptr || !*loop.stop)) {
             sleep_until(deadline);
             const Nanoseconds late = now_ns() - deadline;
             seen.deadline.push_back(deadline);

@@ -1,6 +1,7 @@
 #pragma once
 // What a thread that only sleeps sees of a machine: how late it is woken, and when the machine stood still.
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -30,6 +31,7 @@ struct BareLoop {
     unsigned cpu = 0;
     int priority = 0;  // SCHED_FIFO; 0, or no right to it: ordinary
     Nanoseconds first = 0, period = 0, length = 0;
+    const std::atomic<bool>* stop = nullptr;  // ends it early
 };
 
 /// A servo's way of sleeping with nothing in between, in a thread of its own. As a servo, it does not make up

@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <output_file.hpp>
-#include <program_main.hpp>
+
+#include <knurl/commandline/program.hpp>
 
 #include "outcome.hpp"
 #include "relief.hpp"
@@ -16,7 +16,7 @@
 
 namespace {
 
-using knurl::measure::stop;
+using knurl::commandline::stop;
 
 struct Wishes {
     std::string model, connect = "knurl:default", device;
@@ -28,52 +28,44 @@ struct Wishes {
     surface::StrokeRun run;
 };
 
-void describe(CLI::App& app, Wishes& w) {
-    app.add_option("MODEL", w.model, "elevation model: 16-bit greyscale PNG, 16-bit PGM, ESRI ASCII grid")
-        ->required();
-    app.add_option("--connect", w.connect,
-                   "knurl:NAME, or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
-        ->capture_default_str();
-    app.add_option("--device", w.device, "the servo's device; may be left out if it has one");
-    app.add_option("--wait", w.wait, "s to wait for a servo that is still starting")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 3600.0));
-    app.add_option("--ways", w.ways, "which of force, planes, paper, knurl, caps, mesh, field")
-        ->delimiter(',')
-        ->capture_default_str();
-    app.add_option("--rate", w.run.rate, "Hz of this application's updates")
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, 1000.0));
-    app.add_option("--think", w.run.think, "s from reading the hand to answering")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 1.0));
-    app.add_option("--stiffness", w.run.stiffness, "N/m, or the device's k_max if that is less")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
-    app.add_option("--json", w.json, "FILE for the judgement");
-    app.add_option("--csv", w.csv, "FILE for every cycle");
-    app.add_option("--relief", w.relief_file, "FILE for the felt surface (ESRI ASCII grid, mm)");
-    app.add_option("--write-stroke", w.write_stroke,
-                   "write the motion for `knurld --hand` to this FILE, and end");
-    app.add_option("--speed", w.stroke.speed, "m/s of the stroke")
-        ->capture_default_str()
-        ->check(CLI::Range(0.005, 1.0));
-    app.add_option("--press", w.stroke.press, "m that the hand's path runs below the broad shape")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 0.05));
-    app.add_option("--cell", w.relief.cell, "m under the hand per cell of the model")
-        ->capture_default_str()
-        ->check(CLI::Range(1e-5, 0.05));
-    app.add_option("--exaggeration", w.relief.exaggeration, "of heights")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
-    app.add_option("--smoothing", w.relief.smoothing, "m under the hand, standard deviation; 0: none")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 0.05));
-    app.add_option("--metres-per-count", w.relief.metres_per_count, "overrides the model's own")
-        ->check(CLI::PositiveNumber);
-    app.add_option("--metres-per-cell", w.relief.metres_per_cell, "overrides the model's own")
-        ->check(CLI::PositiveNumber);
+void describe(knurl::commandline::Command& app, Wishes& w) {
+    app.option("MODEL", w.model, "elevation model: 16-bit greyscale PNG, 16-bit PGM, ESRI ASCII grid")
+        .required();
+    app.option("--connect", w.connect,
+               "knurl:NAME, or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
+        .shows_default();
+    app.option("--device", w.device, "the servo's device; may be left out if it has one");
+    app.option("--wait", w.wait, "s to wait for a servo that is still starting")
+        .shows_default()
+        .within(0.0, 3600.0);
+    app.option("--ways", w.ways, "which of force, planes, paper, knurl, caps, mesh, field")
+        .separated_by(',')
+        .shows_default();
+    app.option("--rate", w.run.rate, "Hz of this application's updates").shows_default().within(1.0, 1000.0);
+    app.option("--think", w.run.think, "s from reading the hand to answering")
+        .shows_default()
+        .within(0.0, 1.0);
+    app.option("--stiffness", w.run.stiffness, "N/m, or the device's k_max if that is less")
+        .shows_default()
+        .positive();
+    app.option("--json", w.json, "FILE for the judgement");
+    app.option("--csv", w.csv, "FILE for every cycle");
+    app.option("--relief", w.relief_file, "FILE for the felt surface (ESRI ASCII grid, mm)");
+    app.option("--write-stroke", w.write_stroke,
+               "write the motion for `knurld --hand` to this FILE, and end");
+    app.option("--speed", w.stroke.speed, "m/s of the stroke").shows_default().within(0.005, 1.0);
+    app.option("--press", w.stroke.press, "m that the hand's path runs below the broad shape")
+        .shows_default()
+        .within(0.0, 0.05);
+    app.option("--cell", w.relief.cell, "m under the hand per cell of the model")
+        .shows_default()
+        .within(1e-5, 0.05);
+    app.option("--exaggeration", w.relief.exaggeration, "of heights").shows_default().positive();
+    app.option("--smoothing", w.relief.smoothing, "m under the hand, standard deviation; 0: none")
+        .shows_default()
+        .within(0.0, 0.05);
+    app.option("--metres-per-count", w.relief.metres_per_count, "overrides the model's own").positive();
+    app.option("--metres-per-cell", w.relief.metres_per_cell, "overrides the model's own").positive();
     app.footer(
         "Example:\n"
         "  knurl-surface --write-stroke stroke.csv hills.png\n"
@@ -141,9 +133,13 @@ int run(const Wishes& wishes) {
 
 int main(int argc, char** argv) {
     Wishes wishes;
-    CLI::App app(
-        "knurl-surface: a hand strokes a real relief through an application of 20 Hz, in several ways.",
-        "knurl-surface");
+    knurl::commandline::Command app(
+        "knurl-surface",
+        "knurl-surface: a hand strokes a real relief through an application of 20 Hz, in several ways.");
     describe(app, wishes);
-    return knurl::measure::program_main(app, argc, argv, [&] { return run(wishes); });
+    app.action([&] {
+        knurl::commandline::stop_on_signals();
+        return run(wishes);
+    });
+    return knurl::commandline::run(app, argc, argv);
 }

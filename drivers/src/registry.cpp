@@ -2,6 +2,7 @@
 
 #include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/sim_device.hpp>
+#include <knurl/words/nearest.hpp>
 
 #include "falcon/device.hpp"
 #include "spacemouse/device.hpp"
@@ -29,7 +30,10 @@ std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions&
         }
         known += (known.empty() ? "" : "; ") + driver.scheme + ":" + driver.help;
     }
-    throw std::runtime_error("no device \"" + std::string(address) + "\"; write one of " + known);
+    std::vector<std::string> schemes;
+    for (const Driver& driver : drivers()) schemes.push_back(driver.scheme);
+    throw std::runtime_error("no device \"" + std::string(address) + "\"; write one of " + known +
+                             words::meant(scheme, schemes));
 }
 
 }  // namespace knurl::drivers

@@ -70,7 +70,7 @@ Segment Segment::create(std::string_view name, std::size_t bytes) {
     const std::string who(name);
     if (bytes == 0) throw std::runtime_error("segment " + who + ": 0 bytes; ask for at least one");
     UniqueFd fd(::memfd_create(who.c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING));
-    if (!fd) throw_errno("segment " + who + ": cannot create", "see the limit of open files (ulimit -n)");
+    if (!fd) throw_errno("segment " + who + ": cannot create", "see the limits of this process");
     if (::ftruncate(fd.get(), static_cast<off_t>(bytes)) != 0)
         throw_errno("segment " + who + ": cannot make it " + std::to_string(bytes) + " bytes",
                     "see the limits of memory");

@@ -22,7 +22,7 @@ namespace {
 
 UniqueFd new_socket(int flags) {
     UniqueFd fd(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | flags, 0));
-    if (!fd) throw_errno("Unix socket: cannot create", "see the limit of open files (ulimit -n)");
+    if (!fd) throw_errno("Unix socket: cannot create", "see the limits of this process");
     return fd;
 }
 
@@ -31,8 +31,11 @@ sockaddr_un address_of(const std::filesystem::path& path) {
     address.sun_family = AF_UNIX;
     const std::string& name = path.native();
     if (name.empty() || name.size() >= sizeof address.sun_path)
-        throw std::runtime_error("socket " + name + ": the path has " + std::to_string(name.size()) +
-                                 " characters; use 1 to " + std::to_string(sizeof address.sun_path - 1));
+        throw SystemError("socket " + name + ": the path has " + std::to_string(name.size()) +
+                              " characters, the kernel takes at most " +
+                              std::to_string(sizeof address.sun_path - 1) +
+                              "; use a shorter folder (KNURL_RUNTIME_DIR) or a shorter name",
+                          ENAMETOOLONG);
     name.copy(address.sun_path, name.size());
     return address;
 }
@@ -102,7 +105,7 @@ UniqueFd connect_to(const std::filesystem::path& path) {
 UniqueFd accept_from(int listener) {
     UniqueFd fd(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC));
     if (fd || errno == EAGAIN || errno == ECONNABORTED || errno == EINTR) return fd;
-    throw_errno("listening socket: cannot accept", "see the limit of open files (ulimit -n)");
+    throw_errno("listening socket: cannot accept", "see the limits of this process");
 }
 
 bool send_message(int fd, std::span<const std::byte> bytes, std::span<const int> fds) {
@@ -173,6 +176,7 @@ Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
     }
     result.bytes = static_cast<std::size_t>(n);
     result.truncated = (message.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) != 0;
+    result.descriptors_lost = (message.msg_flags & MSG_CTRUNC) != 0;
     result.closed = n == 0 && result.fds.empty() && !result.truncated;
     if (result.truncated) result.fds.clear();
     return result;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <json.hpp>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -59,6 +60,59 @@ TEST(Ls, ADirectoryThatIsNotThereHasNoServos) {
     ::setenv("KNURL_RUNTIME_DIR", home.path("nothing").c_str(), 1);
     EXPECT_EQ(knurl({"ls"}).code, 0);
     EXPECT_EQ(servos(), json::array());
+}
+
+TEST(Ls, WhereItMayNotLookItSaysSoAndFails) {
+    if (::geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
+    const Folder folder;  // the programs, for who may not look
+    const Home home;
+    ASSERT_EQ(::chmod(home.path("").c_str(), 0700), 0);
+    const Outcome outcome = knurl_without_rights(folder, {"ls"});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_TRUE(outcome.err.find("cannot be looked into: Permission denied") != std::string::npos)
+        << outcome.err;
+    EXPECT_FALSE(says(outcome, "no servo is running")) << outcome.out;
+    ASSERT_EQ(::chmod(home.path("").c_str(), 0755), 0);
+    const Servo servo({"--device", "sim:premium15"});
+    const Outcome closed = knurl_without_rights(folder, {"ls"});
+    EXPECT_EQ(closed.code, 1) << "the socket's mode lets nobody in";
+    EXPECT_TRUE(closed.err.find("knurl:default: socket ") != std::string::npos) << closed.err;
+    EXPECT_FALSE(says(closed, "no servo is running")) << closed.out;
+}
+
+TEST(Ls, WithoutADescriptorLeftItSaysSo) {
+    const Home home;
+    const Servo servo({"--device", "sim:premium15"});
+    const auto limited = [&](const char* most, const std::string& words) {
+        return run(
+            {"/bin/sh", "-c", std::string("ulimit -n ") + most + "; exec " + knurl_program() + " " + words});
+    };
+    for (const char* words : {"ls", "top --count 1",
+                              "record "
+                              "/dev/null",
+                              "reset", "latency --connect knurl:default"}) {
+        const Outcome outcome = limited("4", words);
+        EXPECT_EQ(outcome.code, 1) << words;
+        EXPECT_TRUE(outcome.err.find("no descriptor left") != std::string::npos)
+            << words << ": " << outcome.err;
+        EXPECT_TRUE(outcome.err.find("ulimit -n") != std::string::npos) << words << ": " << outcome.err;
+    }
+}
+
+TEST(Ls, APathThatIsTooLongForASocketIsToldAtOnce) {
+    const Home home;
+    const std::string folder = home.path(std::string(120, 'x'));
+    ASSERT_EQ(::mkdir(folder.c_str(), 0700), 0);
+    ::setenv("KNURL_RUNTIME_DIR", folder.c_str(), 1);
+    const std::string reason = "the kernel takes at most 107; use a shorter folder (KNURL_RUNTIME_DIR)";
+    for (const Outcome& outcome :
+         {run({knurld_program(), "--device", "sim:premium15"}), knurl({"top", "--count", "1"}),
+          knurl({"reset"}), knurl({"record", home.path("r.mcap")}),
+          knurl({"latency", "--connect", "knurl:default"})}) {
+        EXPECT_EQ(outcome.code, 1);
+        EXPECT_TRUE(outcome.err.find(reason) != std::string::npos) << outcome.err;
+        EXPECT_EQ(outcome.err.find("waited"), std::string::npos) << "a servo that starts would not mend it";
+    }
 }
 
 TEST(Ls, ASocketThatAKilledServoLeftIsDead) {

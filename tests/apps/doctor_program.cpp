@@ -30,7 +30,7 @@ TEST(Doctor, JudgesFiveRatesByTheServoAndTheBareLoop) {
         }
         for (const char* loop : {"servo", "bare_loop"}) {
             EXPECT_GT(rate.at(loop).at("cycles"), 0) << loop;
-            EXPECT_GT(rate.at(loop).at("max"), 0) << loop;
+            EXPECT_GT(rate.at(loop).at("late_max_s"), 0) << loop;
         }
     }
     EXPECT_THAT(rates, testing::ElementsAre(500, 1000, 2000, 4000, 10'000));
@@ -53,6 +53,17 @@ TEST(Doctor, WithoutRightsItSaysWhatIsLostAndMeasuresTheRest) {
                 HasSubstr("mend: sudo setcap cap_sys_nice,cap_ipc_lock=ep " + folder.path("knurld")));
     EXPECT_THAT(outcome.out, HasSubstr("without real-time priority"));
     EXPECT_THAT(outcome.out, HasSubstr("10000 Hz"));
+}
+
+TEST(Doctor, InterruptedItKeepsTheVerdictsThatItHas) {
+    OnTerminal doctor({knurl_program(), "doctor", "--seconds", "8"}, 200, 60);
+    ASSERT_TRUE(doctor.shows("1000 Hz, ")) << doctor.shown;  // so the rate before it is judged
+    constexpr char interrupt = 3;                            // Ctrl-C
+    doctor.type(interrupt);
+    EXPECT_EQ(doctor.end(), 1);
+    EXPECT_THAT(doctor.shown, HasSubstr("   500 Hz  "));
+    EXPECT_THAT(doctor.shown, HasSubstr("interrupted; "));
+    EXPECT_THAT(doctor.shown, HasSubstr(" of 5 rates were judged until then"));
 }
 
 TEST(Doctor, BadArgumentsAreRefusedBeforeAnythingIsStarted) {

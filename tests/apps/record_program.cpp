@@ -177,6 +177,51 @@ TEST(Replay, UsesWhatIsWholeOfAFileThatWasCutOff) {
     const Outcome nothing = knurl({"replay", home.file("cut.mcap", all.substr(0, 40))});
     EXPECT_EQ(nothing.code, 1);
     EXPECT_THAT(nothing.err, HasSubstr("cut off before anything was recorded"));
+    // Nobody held the device: that it was cut off is the reason.
+    const std::string begun = home.file("cut.mcap", all.substr(0, 3000));
+    const Outcome no_input = knurl({"replay", begun});
+    EXPECT_EQ(no_input.code, 1);
+    EXPECT_THAT(no_input.err,
+                HasSubstr("nothing to replay: " + begun + ": the recording is cut off behind "));
+    EXPECT_THAT(no_input.err, HasSubstr("before the first input"));
+    EXPECT_THAT(no_input.err, Not(HasSubstr("held")));
+    EXPECT_EQ(std::count(no_input.err.begin(), no_input.err.end(), '\n'), 1) << no_input.err;
+}
+
+TEST(Record, OverwritesNothingUnlessItIsForced) {
+    const Home home;
+    Servo servo({"--device", device});
+    const std::string path = home.file("mine.mcap", "months of work");
+    const std::vector<std::string> words{"record", "--for", "0.3", path};
+    const Outcome refused = knurl(words);
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_THAT(refused.err, HasSubstr(path + ": is there already; --force replaces it"));
+    EXPECT_EQ(text_of_file(path), "months of work");
+    const Outcome salvaged = knurl({"record", "--salvage", home.file("flight-a-b-c.csv", ""), path});
+    EXPECT_EQ(salvaged.code, 1);
+    EXPECT_EQ(text_of_file(path), "months of work");
+
+    const Outcome forced = knurl({"record", "--force", "--for", "0.3", path});
+    EXPECT_EQ(forced.code, 0) << forced.err;
+    const Outcome again = knurl({"replay", path});
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(number_before(again.out, " cycles replayed"),
+              number_before(forced.out, " cycles replay exactly"))
+        << "all sentences count the same cycles";
+    EXPECT_EQ(number_before(again.out, " reports"), number_before(forced.out, " cycles in")) << forced.out;
+}
+
+TEST(Record, ShowsHowFarItIsOnATerminalOnly) {
+    const Home home;
+    Servo servo({"--device", device});
+    OnTerminal recorder({knurl_program(), "record", "--for", "600", home.path("long.mcap")});
+    ASSERT_TRUE(recorder.shows(" of 600 s, ")) << recorder.shown;
+    constexpr char interrupt = 3;  // Ctrl-C
+    recorder.type(interrupt);
+    EXPECT_EQ(recorder.end(), 0);
+    EXPECT_THAT(recorder.shown, HasSubstr(" cycles in "));
+    const Outcome elsewhere = knurl({"record", "--for", "0.3", home.path("short.mcap")});
+    EXPECT_THAT(elsewhere.err, Not(HasSubstr(" of ")));
 }
 
 TEST(Replay, SeesThatAFileWasChanged) {

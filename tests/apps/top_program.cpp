@@ -47,17 +47,17 @@ TEST(Top, ShowsEachDevicesCycleAndItsParts) {
         EXPECT_EQ(devices[0].at("name"), "left");
         EXPECT_EQ(devices[1].at("name"), "right");
         for (const json& device : devices) {
-            EXPECT_GT(device.at("rate"), 0);
+            EXPECT_GT(device.at("measured_rate"), 0);
             double sum = 0;  // us
             for (const char* part :
                  {"read", "kinematics", "take", "scenes", "supervise", "write", "publish"}) {
-                EXPECT_GE(device.at("parts_us").at(part), 0) << part;
-                sum += device.at("parts_us").at(part).get<double>();
+                EXPECT_GE(device.at("parts_s").at(part), 0) << part;
+                sum += device.at("parts_s").at(part).get<double>();
             }
             EXPECT_GT(sum, 0);
-            EXPECT_NEAR(device.at("step_us"), sum, 1e-9 * sum);
-            EXPECT_GE(device.at("parts_us").at("sleep"), 0);
-            EXPECT_GE(device.at("lateness_max_us"), device.at("lateness_median_us"));
+            EXPECT_NEAR(device.at("step_s"), sum, 1e-9 * sum);
+            EXPECT_GE(device.at("parts_s").at("sleep"), 0);
+            EXPECT_GE(device.at("late_max_s"), device.at("late_p50_s"));
             EXPECT_TRUE(device.at("clients").empty());
         }
     }
@@ -88,7 +88,7 @@ TEST(Top, ClientsComeAndGo) {
         ASSERT_EQ(clients.size(), 1u);
         EXPECT_EQ(clients[0].at("role"), "claim");
         EXPECT_EQ(clients[0].at("pid"), ::getpid());
-        EXPECT_EQ(clients[0].at("missed_in_all"), 0);
+        EXPECT_EQ(clients[0].at("reports_missed"), 0);
     }
     EXPECT_TRUE(eventually([] { return last_look({"1"}).at("devices").at(0).at("clients").empty(); }));
 }
@@ -107,9 +107,9 @@ TEST(Top, SaysHowManyReportsAClientWasTooSlowToRead) {
     ASSERT_GT(slow.missed(), 4000u);
     const json clients = last_look({"2"}).at("devices").at(0).at("clients");
     ASSERT_EQ(clients.size(), 2u);
-    EXPECT_EQ(clients[0].at("missed_in_all"), slow.missed());
-    EXPECT_EQ(clients[0].at("missed"), 0) << "not in this time";
-    EXPECT_EQ(clients[1].at("missed_in_all"), 0);
+    EXPECT_EQ(clients[0].at("reports_missed"), slow.missed());
+    EXPECT_EQ(clients[0].at("reports_missed_now"), 0) << "not in this time";
+    EXPECT_EQ(clients[1].at("reports_missed"), 0);
 }
 
 TEST(Top, WaitsForAServoThatHasEndedAndLooksAtTheNext) {
@@ -149,7 +149,9 @@ const std::vector<std::string>& quickly() {
 TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
     const Home home;
     const Servo servo({"--device", "sim:cartesian3"});
+    ::setenv("NO_COLOR", "1", 1);
     OnTerminal top(quickly(), 40, 10);
+    ::unsetenv("NO_COLOR");
     ASSERT_TRUE(top.shows("lateness")) << top.shown;  // what comes behind it may find no room
     constexpr char interrupt = 3;                     // Ctrl-C
     top.type(interrupt);
@@ -164,6 +166,35 @@ TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
     for (std::string line; std::getline(lines, line); ++rows) EXPECT_LE(line.size(), 41u) << line;  // and \r
     EXPECT_LE(rows, 10);
     EXPECT_GT(rows, 4);
+}
+
+TEST(Top, SaysWhichKeyEndsItAndEndsByIt) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3"});
+    OnTerminal top(quickly(), 100, 30);
+    ASSERT_TRUE(top.shows("q: end")) << top.shown;
+    top.type('x');
+    top.type('q');
+    EXPECT_EQ(top.end(), 0);
+}
+
+TEST(Top, WhatIsWrongIsRedUnlessNobodyWantsColours) {
+    const Home home;
+    const Servo servo({"--device", "sim:cartesian3"});
+    const std::string red = "\033[1;31m";
+    for (const bool colours : {true, false}) {
+        ::kill(servo.pid(), SIGCONT);
+        if (!colours) ::setenv("NO_COLOR", "1", 1);
+        OnTerminal top(quickly(), 100, 30);
+        ::unsetenv("NO_COLOR");
+        ASSERT_TRUE(top.shows("lateness")) << top.shown;
+        ::kill(servo.pid(), SIGSTOP);
+        ASSERT_TRUE(top.shows("has ended or stands still")) << top.shown;
+        top.type('q');
+        EXPECT_EQ(top.end(), 0);
+        EXPECT_EQ(top.shown.find(red) != std::string::npos, colours) << top.shown;
+    }
+    ::kill(servo.pid(), SIGCONT);
 }
 
 TEST(Top, SuspendedItGivesTheTerminalBackAndTakesItAgain) {

@@ -40,6 +40,15 @@ TEST(TopTerminal, TheLastLineSaysHowManyFoundNoRoom) {
     EXPECT_EQ(fitted("1\n2\n3\n4\n", 6, 1), "... an");
 }
 
+TEST(TopTerminal, MarksTakeNoRoomAndAreLeftOutWithoutColours) {
+    const std::string text = "ab  " + cli::wrong("cd") + "  ef";
+    EXPECT_EQ(fitted(text + "\n", 10, 24), text);
+    EXPECT_EQ(cli::shown(text, true), "ab  \033[1;31mcd\033[0m  ef");
+    EXPECT_EQ(cli::shown(text, false), "ab  cd  ef");
+    EXPECT_EQ(cli::shown(fitted(cli::wrong("abcdef") + "\n", 3, 24), true), "\033[1;31mabc\033[0m")
+        << "what is cut off ends all the same";
+}
+
 TEST(TopTerminal, AResizedPageIsDrawnAnewAtOnce) {
     winsize size{.ws_row = 20, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
     int screen = -1;

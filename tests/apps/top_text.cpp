@@ -61,15 +61,19 @@ DeviceRates busy_device() {
 TEST(TopText, SaysEveryFigureInItsPlace) {
     EXPECT_EQ(
         cli::text_of(busy_device()),
-        "left (sim:premium15)  fault: slew, power  999.5 of 1000 Hz  force 5.00 of 8.5 N  k_max 3105 N/m\n"
-        "    lateness  median 33.5 us  at most 1700.2 us  12 late cycles (+3)  2 overruns\n"
+        "left (sim:premium15)  \1fault: slew, power\2  999.5 of 1000 Hz  force 5.00 of 8.5 N  k_max 3105 "
+        "N/m\n"
+        "    lateness  median 33.5 us  at most 1700.2 us  \1"
+        "12 late cycles (+3)\2  2 overruns\n"
         "    cycle us  read 1.00  kinematics 2.00  take 3.00  scenes 4.00  supervise 5.00  write 6.00  "
         "publish 7.00"
         "  sleep 972.5  busy 28.00 (2.80 %)\n"
         "    pid 4711    app                      19.5 updates/s    26.125 ms old at use  12 merged (+1)  "
         "34 refused"
-        "  56 missed (+5)  gain 0.50  SILENT  2 plane\n"
-        "    pid 4712    plotter               observes  9 missed (+8)\n");
+        "  \1"
+        "56 missed (+5)\2  gain 0.50  \1SILENT\2  2 plane\n"
+        "    pid 4712    plotter               observes  \1"
+        "9 missed (+8)\2\n");
 }
 
 TEST(TopText, WhatIsNotKnownIsSaidToBeSo) {
@@ -84,27 +88,27 @@ TEST(TopText, WhatIsNotKnownIsSaidToBeSo) {
     EXPECT_NE(text.find("lateness  at most"), std::string::npos) << text;
     EXPECT_NE(text.find("age unknown"), std::string::npos) << text;
     const json said = cli::json_of(rates);
-    EXPECT_TRUE(said.at("parts_us").is_null());
-    EXPECT_TRUE(said.at("lateness_median_us").is_null());
-    EXPECT_TRUE(said.at("clients").at(0).at("age_at_use_us").is_null());
+    EXPECT_TRUE(said.at("parts_s").is_null());
+    EXPECT_TRUE(said.at("late_p50_s").is_null());
+    EXPECT_TRUE(said.at("clients").at(0).at("age_at_use_s").is_null());
     rates.clients.clear();
     EXPECT_NE(cli::text_of(rates).find("nobody holds it"), std::string::npos);
 }
 
 TEST(TopText, JsonHasTheSameFigures) {
     const json expected = json::parse(R"({
-        "name": "left", "address": "sim:premium15", "state": "fault", "faults": 10, "nominal_rate": 1000.0,
-        "rate": 999.5, "force": 5.0, "late": 3, "overruns": 0, "lateness_median_us": 33.5,
-        "lateness_max_us": 1700.25, "step_us": 28.0, "busy": 0.028,
-        "parts_us": {"read": 1.0, "kinematics": 2.0, "take": 3.0, "scenes": 4.0, "supervise": 5.0,
-                     "write": 6.0, "publish": 7.0, "sleep": 972.5},
+        "name": "left", "address": "sim:premium15", "state": "fault", "faults": 10, "rate": 1000.0,
+        "measured_rate": 999.5, "force": 5.0, "late_cycles_now": 3, "overruns_now": 0, "late_p50_s": 33.5e-6,
+        "late_max_s": 1700.25e-6, "step_s": 28e-6, "busy": 0.028,
+        "parts_s": {"read": 1e-6, "kinematics": 2e-6, "take": 3e-6, "scenes": 4e-6, "supervise": 5e-6,
+                    "write": 6e-6, "publish": 7e-6, "sleep": 972.5e-6},
         "clients": [
-            {"pid": 4711, "name": "app", "role": "claim", "updates": 19.5, "age_at_use_us": 26125.0,
-             "merged": 1, "refused": 0, "missed": 5, "merged_in_all": 12, "refused_in_all": 34,
-             "missed_in_all": 56, "gain": 0.5, "silent": true},
-            {"pid": 4712, "name": "plotter", "role": "observer", "updates": 0.0, "age_at_use_us": null,
-             "merged": 0, "refused": 0, "missed": 8, "merged_in_all": 0, "refused_in_all": 0,
-             "missed_in_all": 9, "gain": 0.0, "silent": false}]})");
+            {"pid": 4711, "name": "app", "role": "claim", "update_rate": 19.5, "age_at_use_s": 26.125e-3,
+             "updates_merged_now": 1, "updates_refused_now": 0, "reports_missed_now": 5, "updates_merged": 12,
+             "updates_refused": 34, "reports_missed": 56, "gain": 0.5, "silent": true},
+            {"pid": 4712, "name": "plotter", "role": "observer", "update_rate": 0.0, "age_at_use_s": null,
+             "updates_merged_now": 0, "updates_refused_now": 0, "reports_missed_now": 8, "updates_merged": 0,
+             "updates_refused": 0, "reports_missed": 9, "gain": 0.0, "silent": false}]})");
     EXPECT_EQ(cli::json_of(busy_device()), expected) << cli::json_of(busy_device()).dump(2);
 }
 

@@ -81,6 +81,7 @@ TEST(Roles, render_joins_a_device_that_is_on_and_never_switches_it_on) {
     mine.add(at_once({0.25, 0, 0}));
     says(refusal([&] { mine.arm(); }).what(), "role control");
     says(refusal([&] { mine.reset_fault(); }).what(), "role control");
+    says(refusal([&] { master.reset_fault(); }).what(), "on the servo's own host");
     std::optional<Representing<ConstantForce>> left_out;
     EXPECT_THROW(mine.together([&] {
         left_out = mine.add(at_once({0, 0, 9}));

@@ -144,7 +144,7 @@ TEST_F(Answers, arm_waits_for_its_own_and_says_why_not) {
     EXPECT_EQ(refused([&] { hand.arm(); }, protocol::Refusal::in_fault, fault::speed | fault::unplugged),
               "cannot arm device 'right': the device is in fault (the hand was too fast, the device was "
               "unplugged); "
-              "mend the cause, then call reset_fault()");
+              "mend the cause, then call reset_fault() or run: knurl reset");
     EXPECT_EQ(refused([&] { hand.arm(); }, protocol::Refusal::hand_too_fast, 0.5),
               "cannot arm device 'right': the hand moves at 0.5 m/s; hold it still and try again");
     EXPECT_EQ(refused([&] { hand.reset_fault(); }, protocol::Refusal::not_in_fault, 0),

@@ -173,7 +173,7 @@ TEST(SimAddress, SaysWhatItDoesNotKnow) {
     EXPECT_EQ(refusal("sim:premium16"),
               "no simulated device \"premium16\"; there are cartesian3, premium15, falcon, generic6, "
               "generic7, omni, "
-              "premium15_wrist, woodenhaptics, and arm=FILE.toml");
+              "premium15_wrist, woodenhaptics, and arm=FILE.toml; did you mean 'premium15'?");
     EXPECT_EQ(refusal("sim:cartesian3,grip=1.5"),
               "simulated device \"cartesian3,grip=1.5\": cannot use \"grip=1.5\"; give grip=0..1");
     EXPECT_EQ(refusal("sim:cartesian3,lag=300Hz"),

@@ -162,6 +162,43 @@ TEST(Gains, AfterAFaultEveryClaimArmsAnew) {
     EXPECT_NEAR(sent_z(servo), 1, 1e-9) << "the second has not armed";
 }
 
+TEST(Gains, WhoObservesAndResetsLeavesTheFaultAndDoesNothingElse) {
+    PuppetDevice device;
+    Offline servo(device, live_options());
+    OfflineClaim& holder = pushing(servo, {0, 0, 1});
+    run(servo, 600);
+    ClaimTerms terms;
+    terms.capacity = {1, 64};
+    terms.observer = terms.resets = true;
+    OfflineClaim& other = servo.claim(terms);
+    const auto answer = [&] {
+        servo.step();
+        const protocol::Reply reply = other.replies().at(0);
+        EXPECT_EQ(reply.code,
+                  static_cast<std::uint32_t>(reply.reason != 0 ? Verdict::Code::refused : Verdict::Code::ok));
+        return static_cast<protocol::Refusal>(reply.reason);
+    };
+    other.arm();
+    EXPECT_EQ(answer(), protocol::Refusal::forbidden);
+    other.disarm();
+    EXPECT_EQ(answer(), protocol::Refusal::forbidden);
+    other.add(ConstantForce{.force = {0, 0, 5}});
+    EXPECT_EQ(answer(), protocol::Refusal::forbidden);
+    other.reset_fault();
+    EXPECT_EQ(answer(), protocol::Refusal::not_in_fault);
+    EXPECT_NEAR(sent_z(servo), 1, 1e-9) << "nobody noticed";
+    servo.servo().clock_jumped();
+    servo.step();
+    other.reset_fault();
+    EXPECT_EQ(answer(), protocol::Refusal::none);
+    run(servo, 1000);
+    EXPECT_EQ(servo.servo().last().state, DeviceState::idle);
+    EXPECT_TRUE(device.force().isZero(0));
+    holder.arm();
+    run(servo, 1000);
+    EXPECT_NEAR(sent_z(servo), 1, 1e-9);
+}
+
 TEST(Gains, WhoArmsDuringARampDownArmsItselfAlone) {
     PuppetDevice device;
     Offline servo(device, live_options());

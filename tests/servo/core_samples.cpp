@@ -45,6 +45,26 @@ TEST(Samples, ThreeBadOnesInARowRampDownAndTenFault) {
     EXPECT_EQ(active.state(), DeviceState::fault) << "latched";
 }
 
+TEST(Samples, AFaultIsNotResetWhileItsCauseGoesOn) {
+    Active active;
+    active.device.status = ReadStatus::bad;
+    run(active.servo, 20);
+    ASSERT_EQ(active.state(), DeviceState::fault);
+    active.claim.replies();
+    active.claim.reset_fault();
+    run(active.servo, 1);
+    const protocol::Reply refused = active.claim.replies().at(0);
+    EXPECT_EQ(refused.reason, static_cast<std::uint32_t>(protocol::Refusal::cause_persists));
+    EXPECT_EQ(refused.value, fault::bad_samples) << "and says what goes on";
+    EXPECT_EQ(active.state(), DeviceState::fault);
+    active.device.status = ReadStatus::ok;
+    run(active.servo, 1);
+    active.claim.reset_fault();
+    run(active.servo, 1);
+    EXPECT_EQ(active.claim.replies().at(0).code, static_cast<std::uint32_t>(Verdict::Code::ok));
+    EXPECT_EQ(active.state(), DeviceState::idle);
+}
+
 TEST(Samples, ThreeBadOnesEndInIdleUntilSomebodyArms) {
     Active active;
     active.device.status = ReadStatus::bad;

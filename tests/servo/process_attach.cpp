@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "process_knurld.hpp"
@@ -40,6 +41,42 @@ TEST(Attach, WelcomeNamesTheDevicesAndHandsOverTheirReports) {
     EXPECT_EQ(info.rate, 1000);
     EXPECT_GT(info.max_stiffness, 0);
     EXPECT_TRUE(eventually([&] { return view.count(protocol::Count::cycles) > 10; }));
+}
+
+TEST(Attach, WithoutADescriptorLeftTheServoSaysSo) {
+    const Home home;
+    const Knurld knurld(home);
+    rlimit before{};
+    ASSERT_EQ(::prlimit(knurld.pid(), RLIMIT_NOFILE, nullptr, &before), 0);
+    rlimit full = before;
+    full.rlim_cur = descriptors_of(knurld.pid());
+    ASSERT_EQ(::prlimit(knurld.pid(), RLIMIT_NOFILE, &full, nullptr), 0);
+    for (int i = 0; i < 3; ++i) {
+        RawClient client(home);
+        const Answer answer = client.greet();
+        EXPECT_TRUE(contains(text(answer), "no descriptor left for one more client")) << text(answer);
+    }
+    ASSERT_EQ(::prlimit(knurld.pid(), RLIMIT_NOFILE, &before, nullptr), 0);
+    RawClient client(home);
+    EXPECT_TRUE(client.greet().welcome) << "it lets clients in again";
+}
+
+TEST(Attach, AnObserverThatResetsHoldsNothingAndMayDoNothingElse) {
+    const Home home;
+    const Knurld knurld(home);
+    RawClient holder(home), other(home);
+    ASSERT_TRUE(holder.greet("holder").welcome);
+    ASSERT_TRUE(other.greet("other").welcome);
+    ASSERT_TRUE(holder.claim({}).claimed);
+    protocol::ClaimRequest request;
+    request.observe = protocol::observe_and_reset;
+    request.capacity = {.representations = protocol::max_representations,
+                        .batch_bytes = protocol::max_batch_bytes};
+    const Answer granted = other.claim(request);
+    ASSERT_TRUE(granted.claimed) << text(granted);
+    EXPECT_EQ(granted.claimed->capacity.representations, 1u) << "its capacity is the servo's";
+    request.observe = protocol::observe_and_reset + 1;
+    EXPECT_TRUE(contains(text(other.claim(request)), "observe is 0, 1 or 2"));
 }
 
 TEST(Attach, ReportsCannotBeMappedForWriting) {

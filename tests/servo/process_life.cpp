@@ -128,6 +128,19 @@ TEST(Life, AnActiveDeviceRampsDownBeforeTheServoLeaves) {
     EXPECT_TRUE(files_in(servo.home.state()).empty());
 }
 
+TEST(Guardian, SaysWhyTheLastReportsAreNotSaved) {
+    const Home home;
+    std::ofstream(home.state()) << "no folder";
+    Knurld knurld(home);
+    knurld.signal(SIGKILL);
+    EXPECT_EQ(knurld.wait(), -SIGKILL);
+    EXPECT_TRUE(eventually([&] { return contains(knurld.output(), "(KNURL_STATE_DIR)"); }))
+        << knurld.output();
+    EXPECT_TRUE(contains(knurld.output(), "its devices are zeroed; its last reports could not be saved: " +
+                                              home.state().string()))
+        << knurld.output();
+}
+
 TEST(Guardian, ZeroesTheDeviceAndSavesTheFlightRecorderWhenTheServoIsKilled) {
     ActiveServo servo;
     const std::uint64_t before = servo.view->newest()->cycle;

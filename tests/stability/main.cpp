@@ -3,13 +3,13 @@
 
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <optional>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <output_file.hpp>
+
+#include <knurl/commandline/program.hpp>
 
 #include "claims.hpp"
 #include "relief_stroke.hpp"
@@ -51,72 +51,62 @@ std::vector<Table> standard(Seeds seeds) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("Largest stable stiffness of every method, by simulation on the virtual clock.");
+    knurl::commandline::Command app(
+        "knurl_stability", "Largest stable stiffness of every method, by simulation on the virtual clock.");
     bool quick = false, full = false, network = false;
     Seeds seeds;
     int jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     std::string file, only, relief;
     unsigned phases = 40;
-    app.add_flag("--quick", quick,
-                 "the directions of the main claims alone, in a few seconds; fails if one does not hold");
-    app.add_flag("--full", full, "the full grid instead: many hours");
-    app.add_flag("--network", network,
-                 "the tables of a remote application instead, by the network's delay, swing and loss");
-    app.add_option("--relief", relief,
-                   "the demo's stroke over this elevation model instead, at many phases of the application");
-    app.add_option("--phases", phases, "of its interval, for --relief")->check(CLI::Range(1u, 1000u));
-    app.add_option("--seeds", seeds.count, "runs of each case, the worst counts")
-        ->check(CLI::Range(1u, 1000u));
-    app.add_option("--first-seed", seeds.first, "their seeds count up from this one")
-        ->check(CLI::Range(1u, 1000000u));
-    app.add_option("--jobs", jobs, "threads")->check(CLI::Range(1, 256));
-    app.add_option("--json", file, "write all tables to this file");
-    app.add_option("--only", only, "the table of this key alone");
-    CLI11_PARSE(app, argc, argv);
-
-    const knurl::measure::Machine machine = knurl::measure::this_machine();
-    const auto begun = std::chrono::steady_clock::now();
-    std::vector<Table> tables;
-    std::vector<Claim> claims;
-    std::optional<ReliefStroke> stroke;
-    try {
+    app.flag("--quick", quick,
+             "the directions of the main claims alone, in a few seconds; fails if one does not hold");
+    app.flag("--full", full, "the full grid instead: many hours");
+    app.flag("--network", network,
+             "the tables of a remote application instead, by the network's delay, swing and loss");
+    app.option("--relief", relief,
+               "the demo's stroke over this elevation model instead, at many phases of the application");
+    app.option("--phases", phases, "of its interval, for --relief").within(1, 1000);
+    app.option("--seeds", seeds.count, "runs of each case, the worst counts").within(1, 1000);
+    app.option("--first-seed", seeds.first, "their seeds count up from this one").within(1, 1000000);
+    app.option("--jobs", jobs, "threads").within(1, 256);
+    app.option("--json", file, "write all tables to this file");
+    app.option("--only", only, "the table of this key alone");
+    app.action([&] {
+        const knurl::measure::Machine machine = knurl::measure::this_machine();
+        const auto begun = std::chrono::steady_clock::now();
+        std::vector<Table> tables;
+        std::vector<Claim> claims;
+        std::optional<ReliefStroke> stroke;
         if (!file.empty()) knurl::measure::require_writable(file);
         if (!relief.empty()) stroke = ReliefStroke::of(relief);
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "knurl_stability: {}\n", error.what());
-        return 1;
-    }
-    if (!stroke) fmt::print("{}", definition);
-    if (quick) {
-        claims = quick_claims();
-    } else {
-        tables = stroke    ? std::vector<Table>{relief_table(*stroke, phases)}
-                 : full    ? std::vector<Table>{full_grid(seeds)}
-                 : network ? network_tables(seeds)
-                           : standard(seeds);
-        if (!only.empty()) std::erase_if(tables, [&](const Table& t) { return t.key != only; });
-        fill(tables, jobs, [](int done, int all) { fmt::print(stderr, "\r{} of {} rows", done, all); });
-        fmt::print(stderr, "\n");
-        for (const Table& table : tables) fmt::print("{}", markdown(table));
-        if (network)
-            claims = network_claims(tables);
-        else if (!stroke && !full && only.empty())
-            claims = claims_of(tables);
-    }
-    if (!claims.empty()) fmt::print("{}", markdown(claims));
-    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    if (!stroke)
-        fmt::print("\n{} seeds, {} threads, {:.0f} s\n", quick ? 2 : seeds.count, quick ? 2 : jobs, took);
-    if (!file.empty()) {
-        try {
+        if (!stroke) fmt::print("{}", definition);
+        if (quick) {
+            claims = quick_claims();
+        } else {
+            tables = stroke    ? std::vector<Table>{relief_table(*stroke, phases)}
+                     : full    ? std::vector<Table>{full_grid(seeds)}
+                     : network ? network_tables(seeds)
+                               : standard(seeds);
+            if (!only.empty()) std::erase_if(tables, [&](const Table& t) { return t.key != only; });
+            fill(tables, jobs, [](int done, int all) { fmt::print(stderr, "\r{} of {} rows", done, all); });
+            fmt::print(stderr, "\n");
+            for (const Table& table : tables) fmt::print("{}", markdown(table));
+            if (network)
+                claims = network_claims(tables);
+            else if (!stroke && !full && only.empty())
+                claims = claims_of(tables);
+        }
+        if (!claims.empty()) fmt::print("{}", markdown(claims));
+        const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+        if (!stroke)
+            fmt::print("\n{} seeds, {} threads, {:.0f} s\n", quick ? 2 : seeds.count, quick ? 2 : jobs, took);
+        if (!file.empty()) {
             knurl::measure::write_file(file, json(tables, {.machine = machine,
                                                            .of = stroke ? "phases" : "seeds",
                                                            .count = stroke ? phases : seeds.count,
                                                            .seconds = took}));
-        } catch (const std::exception& error) {
-            fmt::print(stderr, "knurl_stability: {}\n", error.what());
-            return 1;
         }
-    }
-    return sound(claims) ? 0 : 1;
+        return sound(claims) ? 0 : 1;
+    });
+    return knurl::commandline::run(app, argc, argv);
 }

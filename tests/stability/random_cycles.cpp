@@ -19,8 +19,9 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include <knurl/commandline/program.hpp>
 
 #include "../reps/scene_tools.hpp"
 
@@ -293,51 +294,54 @@ class Life {
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app(
+    knurl::commandline::Command app(
+        "knurl_random_cycles",
         "Random scenes, random changes in every cycle: never a NaN, never more force than the clamps leave.");
     std::uint64_t cycles = 10'000'000, seed = 1;
     int threads = 2;
     bool verbose = false;
-    app.add_option("--cycles", cycles, "how many, in scenes of a few thousand");
-    app.add_option("--seed", seed, "of the first scene; the next has the next");
-    app.add_option("--threads", threads)->check(CLI::Range(1, 256));
-    app.add_flag("--verbose", verbose, "name the scenes in which the mass did not come to rest");
-    CLI11_PARSE(app, argc, argv);
-
-    const auto begun = std::chrono::steady_clock::now();
-    std::atomic<std::uint64_t> next = seed, done = 0;
-    std::atomic<int> failures = 0, rested = 0, restless = 0;
-    std::mutex mutex;
-    const auto work = [&] {
-        while (done < cycles && failures < 10) {
-            const std::uint64_t mine = next++;
-            Life life(mine);
-            std::uint64_t lived = 0;
-            const auto wrong = life.run(lived);
-            done += lived;
-            rested += life.rest() == Life::Rest::rests;
-            restless += life.rest() == Life::Rest::restless;
-            if (life.rest() == Life::Rest::restless && verbose) {
+    app.option("--cycles", cycles, "how many, in scenes of a few thousand");
+    app.option("--seed", seed, "of the first scene; the next has the next");
+    app.option("--threads", threads, "that live side by side").within(1, 256);
+    app.flag("--verbose", verbose, "name the scenes in which the mass did not come to rest");
+    app.action([&] {
+        const auto begun = std::chrono::steady_clock::now();
+        std::atomic<std::uint64_t> next = seed, done = 0;
+        std::atomic<int> failures = 0, rested = 0, restless = 0;
+        std::mutex mutex;
+        const auto work = [&] {
+            while (done < cycles && failures < 10) {
+                const std::uint64_t mine = next++;
+                Life life(mine);
+                std::uint64_t lived = 0;
+                const auto wrong = life.run(lived);
+                done += lived;
+                rested += life.rest() == Life::Rest::rests;
+                restless += life.rest() == Life::Rest::restless;
+                if (life.rest() == Life::Rest::restless && verbose) {
+                    const std::lock_guard lock(mutex);
+                    fmt::print("restless: {}: --seed {} --cycles 1\n", life.kinds_present(), mine);
+                }
+                if (!wrong) continue;
+                ++failures;
                 const std::lock_guard lock(mutex);
-                fmt::print("restless: {}: --seed {} --cycles 1\n", life.kinds_present(), mine);
+                fmt::print("FAILED: {}\n  scene: {}\n  replay: knurl_random_cycles --seed {} --cycles 1\n",
+                           *wrong, life.kinds_present(), mine);
             }
-            if (!wrong) continue;
-            ++failures;
-            const std::lock_guard lock(mutex);
-            fmt::print("FAILED: {}\n  scene: {}\n  replay: knurl_random_cycles --seed {} --cycles 1\n",
-                       *wrong, life.kinds_present(), mine);
-        }
-    };
-    std::vector<std::thread> others;
-    for (int i = 1; i < threads; ++i) others.emplace_back(work);
-    work();
-    for (std::thread& thread : others) thread.join();
-    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    fmt::print("{} random cycles over {} scenes from seed {}, {} kinds: {} failures, {:.0f} s\n", done.load(),
-               next.load() - seed, seed, Representations::size, failures.load(), took);
-    fmt::print(
-        "masses on surfaces that no longer change: {} came to rest, {} were thrown to and fro between wedged "
-        "ones\n",
-        rested.load(), restless.load());
-    return failures == 0 ? 0 : 1;
+        };
+        std::vector<std::thread> others;
+        for (int i = 1; i < threads; ++i) others.emplace_back(work);
+        work();
+        for (std::thread& thread : others) thread.join();
+        const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+        fmt::print("{} random cycles over {} scenes from seed {}, {} kinds: {} failures, {:.0f} s\n",
+                   done.load(), next.load() - seed, seed, Representations::size, failures.load(), took);
+        fmt::print(
+            "masses on surfaces that no longer change: {} came to rest, {} were thrown to and fro between "
+            "wedged "
+            "ones\n",
+            rested.load(), restless.load());
+        return failures == 0 ? 0 : 1;
+    });
+    return knurl::commandline::run(app, argc, argv);
 }

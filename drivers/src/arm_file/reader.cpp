@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <knurl/words/nearest.hpp>
+
 namespace knurl::drivers {
 
 namespace {
@@ -41,9 +43,9 @@ std::string in_text(double number) {
 ArmTable::ArmTable(ArmFile& arm, const toml::table& table, std::string called,
                    std::initializer_list<std::string_view> known)
     : arm_(arm), table_(table), called_(std::move(called)) {
-    const std::vector<std::string_view> words(known);
+    const std::vector<std::string_view> keys(known);
     const auto is_known = [&](std::string_view key) {
-        return std::find(words.begin(), words.end(), key) != words.end();
+        return std::find(keys.begin(), keys.end(), key) != keys.end();
     };
     for (const auto& [key, node] : table_) {
         const std::string_view name = key.str();
@@ -57,7 +59,8 @@ ArmTable::ArmTable(ArmFile& arm, const toml::table& table, std::string called,
             if (!node.is_string()) fail(name, name_of(name) + " must be a string, not " + kind_of(node));
             continue;
         }
-        fail(name, "unknown key '" + std::string(name) + "' in " + called_ + "; it takes " + listed(words));
+        fail(name, "unknown key '" + std::string(name) + "' in " + called_ + "; it takes " + listed(keys) +
+                       words::meant(name, keys));
     }
 }
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <knurl/drivers/arm_file.hpp>
+#include <knurl/words/nearest.hpp>
 
 namespace knurl::drivers {
 
@@ -33,7 +34,7 @@ ArmFile find_arm(const std::string& name) {
     throw std::runtime_error(
         "no arm \"" + name + "\"; there are " + known +
         ", or give a file: ./my_arm.toml (bare names are also looked for in $KNURL_ARMS_DIR and " +
-        std::string(installed_arms) + ")");
+        std::string(installed_arms) + ")" + words::meant(name, shipped_arms()));
 }
 
 }  // namespace knurl::drivers

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <knurl/drivers/arm_file.hpp>
+#include <knurl/words/nearest.hpp>
 
 #include "sim/profiles.hpp"
 
@@ -113,9 +114,11 @@ void apply(std::string_view item, std::string_view address, SimProfile& profile,
         normal_given = normal_given || name == "hand_normal";
         return;
     }
+    std::vector<std::string_view> names{"live"};
+    for (const Option& option : options) names.push_back(option.name);
     throw std::runtime_error(where + "no option \"" + std::string(name) + "\"; there are " +
                              listed(options, [](const Option& option) { return option.name; }) +
-                             ", live=/dev/input/event3");
+                             ", live=/dev/input/event3" + words::meant(name, names));
 }
 
 }  // namespace
@@ -129,7 +132,7 @@ SimProfile sim_profile(std::string_view address) {
     } else if (!make_named_profile(name, profile)) {
         throw std::runtime_error("no simulated device \"" + std::string(name) + "\"; there are " +
                                  listed(sim_profile_names(), [](const std::string& known) { return known; }) +
-                                 ", and arm=FILE.toml");
+                                 ", and arm=FILE.toml" + words::meant(name, sim_profile_names()));
     }
     bool normal_given = false;
     for (auto at = comma; at != std::string_view::npos;) {

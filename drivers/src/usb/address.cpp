@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <knurl/words/nearest.hpp>
+
 namespace knurl::drivers::usb {
 
 Address::Address(Wanted wanted, std::string_view what) : wanted_(std::move(wanted)), what_(what) {
@@ -75,7 +77,8 @@ void Address::done() const {
     if (options_.empty()) return;
     std::string known;
     for (const std::string& name : known_) known += (known.empty() ? "" : ", ") + name;
-    fail(std::string("no option ") + options_.front().name + "; there are " + known);
+    fail(std::string("no option ") + options_.front().name + "; there are " + known +
+         words::meant(options_.front().name, known_));
 }
 
 }  // namespace knurl::drivers::usb

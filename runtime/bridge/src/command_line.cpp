@@ -4,12 +4,12 @@
 #include <cstdlib>
 #include <cstring>
 
-#include <CLI/CLI.hpp>
 #include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
 
 #include <knurl/bridge/bridge.hpp>
+#include <knurl/commandline/program.hpp>
 #include <knurl/link/text.hpp>
 #include <knurl/protocol/name.hpp>
 
@@ -120,30 +120,22 @@ int generate(const std::string& file, const std::string& name, const std::string
 }  // namespace
 
 int bridge_main(int argc, char** argv) {
-    std::string servo = "default", listen = "127.0.0.1:4096", keys, name, role = "control", file;
-    CLI::App app(description, "knurl-bridge");
+    std::string servo = "default", listen = "127.0.0.1:4096", keys, name, role = "control";
+    std::string file = "/etc/knurl/bridge.keys";
+    commandline::Command app("knurl-bridge", description);
     app.footer(bounds());
-    app.set_version_flag("--version", KNURL_VERSION);
-    app.add_option("--servo", servo, "The servo's name")->capture_default_str();
-    app.add_option("--listen", listen, "HOST:PORT, for TCP and UDP; any but this host's own needs --keys")
-        ->capture_default_str();
-    app.add_option("--keys", keys, "File of those who may come in (mode 0600); read again on SIGHUP");
-    CLI::App* keygen = app.add_subcommand("keygen", "Adds a key to a file");
-    keygen->add_option("--keys", file, "The file; made if there is none")
-        ->default_val("/etc/knurl/bridge.keys");
-    keygen->add_option("--name", name, "Whose key it is")->required();
-    keygen->add_option("--role", role, "observe (reports), render (joins a device that is on), control (all)")
-        ->capture_default_str();
-    app.require_subcommand(0, 1);
-    try {
-        app.parse(argc, argv);
-        return *keygen ? generate(file, name, role) : serve(servo, listen, keys);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "knurl-bridge: %s\n", error.what());
-        return 1;
-    }
+    app.option("--servo", servo, "The servo's name").shows_default();
+    app.option("--listen", listen, "HOST:PORT, for TCP and UDP; any but this host's own needs --keys")
+        .shows_default();
+    app.option("--keys", keys, "File of those who may come in (mode 0600); read again on SIGHUP");
+    commandline::Command& keygen = app.verb("keygen", "Adds a key to a file");
+    keygen.option("--keys", file, "The file; made if there is none").shows_default();
+    keygen.option("--name", name, "Whose key it is").required();
+    keygen.option("--role", role, "observe (reports), render (joins a device that is on), control (all)")
+        .shows_default();
+    keygen.action([&] { return generate(file, name, role); });
+    app.action([&] { return serve(servo, listen, keys); });
+    return commandline::run(app, argc, argv);
 }
 
 }  // namespace knurl::bridge

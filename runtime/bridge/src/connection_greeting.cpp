@@ -101,7 +101,7 @@ void Connection::nonsense() const {
 }
 
 Error Connection::refusal(const Refused& refused) const {
-    const auto most = static_cast<std::uint32_t>(Error::Kind::stale_handle);
+    const auto most = static_cast<std::uint32_t>(Error::Kind::exhausted);
     return {static_cast<Error::Kind>(std::min(refused.kind, most)),
             refused.text[0] != '\0'
                 ? protocol::printable(refused.text)

@@ -169,6 +169,8 @@ bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
 }
 
 std::optional<std::string> Peer::forbidden(const protocol::ClaimRequest& request) const {
+    if (request.observe > protocol::observe_only)
+        return "a fault is reset on the servo's own host: run `knurl reset` there";
     if (request.observe != 0 || role() == Role::control) return std::nullopt;
     if (role() == Role::observe)
         return detail::format(

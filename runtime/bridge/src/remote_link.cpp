@@ -112,6 +112,11 @@ class RemoteLink final : public detail::Link {
     std::string why_it_ended() override { return connection_->why_it_ended(); }
 
     detail::Attachment attach(std::uint32_t device, protocol::ClaimRequest request) override {
+        if (request.observe == protocol::observe_and_reset)
+            throw Error(
+                Error::Kind::refused,
+                "a fault is reset on the servo's own host: run `knurl reset` there, or claim the device "
+                "with a key of role control and call Claim::reset_fault()");
         if (request.observe != 0) request.capacity = {.representations = 0, .batch_bytes = 0};
         const auto [stream, terms] = connection_->attach(device, request);
         detail::Attachment result{.terms = terms,

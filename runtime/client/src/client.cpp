@@ -204,6 +204,14 @@ Claim Client::claim(const std::string& device, const ClaimOptions& options) {
     return Claim(std::move(state));
 }
 
+void Client::reset_fault(const std::string& device) {
+    protocol::ClaimRequest request;
+    request.observe = protocol::observe_and_reset;
+    auto state = detail::make_own<detail::ClaimState>(state_, state_->resolve(device), request);
+    state_->join(*state);
+    Claim(std::move(state)).reset_fault();
+}
+
 Observer Client::observe(const std::string& device) {
     protocol::ClaimRequest request;
     request.observe = 1;

@@ -46,6 +46,9 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
       servo_(bridge_.empty() ? servo_name(address) : bridge_.front().text),
       options_(options),
       stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (!stop_)
+        throw Error(Error::Kind::exhausted,
+                    "this process has no descriptor left to connect with; raise the limit (ulimit -n)");
     const auto deadline = Clock::now() + options_.wait;
     for (milliseconds pause = first_try; !link_;) {
         try {

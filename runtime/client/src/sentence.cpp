@@ -32,8 +32,10 @@ std::string reason(const protocol::Reply& reply) {
         case protocol::Refusal::not_calibrated:
             return "the device is not calibrated; bring it to its home position first";
         case protocol::Refusal::in_fault:
-            return detail::format("the device is in fault ({}); mend the cause, then call reset_fault()",
-                                  fault_names(static_cast<std::uint32_t>(reply.value)));
+            return detail::format(
+                "the device is in fault ({}); mend the cause, then call reset_fault() "
+                "or run: knurl reset",
+                fault_names(static_cast<std::uint32_t>(reply.value)));
         case protocol::Refusal::hand_too_fast:
             return detail::format("the hand moves at {:.3g} m/s; hold it still and try again", reply.value);
         case protocol::Refusal::not_in_fault:
@@ -48,6 +50,9 @@ std::string reason(const protocol::Reply& reply) {
             return "this key's role is render: it joins a device that somebody else has switched on; to "
                    "switch it "
                    "on or to reset it use a key of role control (knurl-bridge keygen --role control)";
+        case protocol::Refusal::cause_persists:
+            return detail::format("what led to the fault goes on ({}); mend that first",
+                                  fault_names(static_cast<std::uint32_t>(reply.value)));
         case protocol::Refusal::none:
             break;
     }

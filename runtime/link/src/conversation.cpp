@@ -41,7 +41,10 @@ shm::UniqueFd connected(const std::string& servo) {
     shm::UniqueFd socket;
     try {
         socket = shm::connect_to(path);
-    } catch (const std::exception&) {
+    } catch (const shm::SystemError& error) {
+        // Whatever a servo that starts would not mend is said as it is, and at once.
+        if (error.error != ENOENT && error.error != ECONNREFUSED)
+            throw Error(Error::Kind::exhausted, error.what());
         throw Error(Error::Kind::no_servo,
                     detail::format("no servo '{}' listens at {}; start one with `knurld --name {} --device "
                                    "sim:premium15`, or see with `knurl ls` which ones run",
@@ -90,6 +93,14 @@ void Conversation::wait() {
 void Conversation::gone() const {
     throw Error(Error::Kind::disconnected,
                 detail::format("servo '{}' has gone while it was asked; start it again", servo_));
+}
+
+void Conversation::no_descriptors() const {
+    throw Error(
+        Error::Kind::exhausted,
+        detail::format("servo '{}' answers, but this process has no descriptor left for the memory that "
+                       "it sends; raise the limit (ulimit -n)",
+                       servo_));
 }
 
 void Conversation::nonsense() const {

@@ -47,6 +47,7 @@ class Conversation {
         static_assert(sizeof(Message) <= buffer.size());
         shm::Received received = shm::receive_message(socket_, buffer, shm::Block::no);
         if (received.closed || received.nothing) gone();
+        if (received.descriptors_lost) no_descriptors();
         protocol::MessageHeader header;
         if (received.bytes < sizeof header) nonsense();
         std::memcpy(&header, buffer.data(), sizeof header);
@@ -66,6 +67,7 @@ class Conversation {
     }
     [[noreturn]] void gone() const;
     [[noreturn]] void nonsense() const;
+    [[noreturn]] void no_descriptors() const;
 
   private:
     void wait();

@@ -45,7 +45,8 @@ class LocalLink final : public Link {
 
     Attachment attach(std::uint32_t device, protocol::ClaimRequest request) override {
         request.device = device;
-        if (request.observe != 0) request.capacity = {.representations = 0, .batch_bytes = 0};
+        if (request.observe == protocol::observe_only)
+            request.capacity = {.representations = 0, .batch_bytes = 0};
         with_.send(request);
         auto [claimed, fds] = with_.receive<protocol::Claimed>(MessageType::claimed, Error::Kind::refused);
         if (fds.size() != 2) with_.nonsense();
@@ -59,8 +60,9 @@ class LocalLink final : public Link {
                           .channel = {},
                           .assets = {}};
         result.reports = local_reports(segments_[device], segment, claimed.capacity, std::move(fds[1]));
-        if (request.observe == 0) {
+        if (request.observe != protocol::observe_only)
             result.channel = local_channel(segment, claimed.capacity);
+        if (request.observe == 0) {
             result.assets =
                 local_assets(with_.servo(), client_name_, device, claimed.key, with_.answer_time());
         }

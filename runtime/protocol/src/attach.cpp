@@ -1,3 +1,4 @@
+#include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 #include <stdexcept>
@@ -86,7 +87,8 @@ std::string servo_socket(const std::string& servo_name) {
     const std::vector<std::string> directories = servo_directories();
     for (const std::string& directory : directories) {
         const std::string path = directory + "/" + servo_name + ".sock";
-        if (access(path.c_str(), F_OK) == 0) return path;
+        // What may not be looked into is a reason to tell, no reason to look elsewhere.
+        if (access(path.c_str(), F_OK) == 0 || errno == EACCES) return path;
     }
     return directories.front() + "/" + servo_name + ".sock";
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <knurl/reps/describe.hpp>
+#include <knurl/words/nearest.hpp>
 
 namespace knurl::scenefile {
 
@@ -120,7 +121,7 @@ void fail_unknown_key(const std::string& path, const Value& value, const std::st
              fmt::format("{} in {} is a table, not {}; it has {}", value.key, called, type_name(*value.node),
                          joined(inside)));
     }
-    auto meant = nearest(value.key, known);
+    auto meant = words::nearest(value.key, known);
     for (const auto word : known) {  // the last part alone, of a name with dots
         if (meant.empty() && word.ends_with(fmt::format(".{}", value.key))) meant = word;
     }

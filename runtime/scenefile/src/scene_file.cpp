@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <knurl/words/nearest.hpp>
+
 #include "entry.hpp"
 
 namespace knurl::scenefile {
@@ -43,7 +45,7 @@ void reset_what_describes_a_change(Kind kind, std::vector<std::byte>& params) {
     for (const KindInfo& info : kinds()) known.push_back(info.name);
     std::string all;
     for (const auto word : known) all += (all.empty() ? "[[" : ", [[") + std::string(word) + "]]";
-    const auto meant = nearest(name, known);
+    const auto meant = words::nearest(name, known);
     fail(path, where,
          fmt::format("unknown table '{}'; {}", name,
                      meant.empty() ? "a scene has " + all : fmt::format("did you mean [[{}]]?", meant)));

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/epoll.h>
 #include <sys/signalfd.h>
@@ -65,6 +66,7 @@ struct Broker::Impl {
     std::unordered_map<std::uint64_t, Connection> connections;
     std::uint64_t next_id = first_connection;
     std::size_t half_open = 0;
+    shm::UniqueFd spare = spare_descriptor();
     bool listening_now = false;
     SteadyClock::time_point pause_until{};
     std::optional<End> ending;
@@ -96,6 +98,7 @@ struct Broker::Impl {
             socket = shm::accept_from(options.listener);
         } catch (const std::runtime_error&) {
             pause_until = SteadyClock::now() + accept_pause;  // out of descriptors: some client will leave
+            tell_one_why();
             return;
         }
         if (!socket) return;
@@ -125,6 +128,29 @@ struct Broker::Impl {
         }
         connections.emplace(id, std::move(connection));
         ++half_open;
+    }
+
+    /// Without a descriptor left: who waits for an answer gets one all the same, with the one that is kept for
+    /// that.
+    void tell_one_why() {
+        spare.reset();
+        try {
+            if (const shm::UniqueFd socket = shm::accept_from(options.listener)) {
+                protocol::Refused no_descriptor{.full = 1};
+                protocol::put_text(no_descriptor.text,
+                                   fmt::format("servo \"{}\" has no descriptor left for one more client; end "
+                                               "one, or raise its limit "
+                                               "(ulimit -n; of the service: LimitNOFILE=)",
+                                               options.servo_name));
+                shm::send_message(socket, bytes_of(no_descriptor));
+            }
+        } catch (const std::runtime_error&) {  // the machine has none: they wait
+        }
+        spare = spare_descriptor();
+    }
+
+    static shm::UniqueFd spare_descriptor() {
+        return shm::UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC));
     }
 
     /// False: the peer does not read.

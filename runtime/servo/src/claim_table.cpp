@@ -40,7 +40,8 @@ ClaimTable::~ClaimTable() {
 
 void ClaimTable::require_sane(const protocol::ClaimRequest& request) const {
     const auto refuse = [](std::string text) { throw Refusal("claim: " + text); };
-    if (request.observe > 1 || request.shared > 1) refuse("observe and shared are 0 or 1");
+    if (request.observe > protocol::observe_and_reset) refuse("observe is 0, 1 or 2");
+    if (request.shared > 1) refuse("shared is 0 or 1");
     const protocol::ClaimCapacity& capacity = request.capacity;
     if (request.observe == 0 &&
         (capacity.representations < 1 || capacity.representations > protocol::max_representations)) {
@@ -99,7 +100,10 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
 
     const bool observer = request.observe != 0;
     ClaimTerms terms;
-    terms.capacity = observer ? protocol::ClaimCapacity{0, 0} : request.capacity;
+    terms.capacity = request.capacity;
+    if (observer) terms.capacity = {0, 0};
+    terms.resets = request.observe == protocol::observe_and_reset;
+    if (terms.resets) terms.capacity = {1, smallest_batch};
     terms.frame = frame_for(device_.link, request);
     terms.limits = limits_for(device_.link, device_.rate, terms.frame);
     terms.update_interval = request.update_interval;

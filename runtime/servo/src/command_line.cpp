@@ -1,11 +1,9 @@
-#include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <knurl/commandline/program.hpp>
 #include <knurl/drivers/registry.hpp>
 #include <knurl/protocol/bounds.hpp>
 #include <knurl/servo/broker.hpp>
@@ -52,47 +50,41 @@ std::string drivers_help() {
 }  // namespace
 
 CommandLine parse_command_line(int argc, const char* const* argv) {
-    CLI::App app("knurld: the servo of Knurl. Owns force-feedback devices and runs their loops.", "knurld");
+    commandline::Command app("knurld",
+                             "knurld: the servo of Knurl. Owns force-feedback devices and runs their loops.");
     DaemonConfig told;
     std::string config_file, hand, idle;
     std::vector<std::string> devices;
-    app.option_defaults()->always_capture_default(false);
-    const auto* name =
-        app.add_option("--name", told.name, "of the servo; clients connect to knurl:NAME (default)");
-    app.add_option("--device", devices,
-                   "[NAME=]ADDRESS of a device, repeatable; NAME defaults to the profile's")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    const auto* rate = app.add_option(
-        "--rate", told.rate, "of the loops, Hz (1000, or less where a device's description says so)");
-    const auto* cpu = app.add_option("--cpu", told.cpu, "of the servo threads (the last one allowed)");
-    const auto* priority = app.add_option("--priority", told.priority,
-                                          "SCHED_FIFO priority of the servo threads, 0: not real time (80)");
-    app.add_option("--idle", idle,
-                   "sleep, or poll: idle CPUs stay awake, wake-ups come sooner, for power (sleep)");
-    const auto* spin = app.add_option("--spin", told.spin, "s: spin the last part of each sleep (0)");
-    app.add_option("--hand", hand,
-                   "motion of the simulated hands, CSV t,x,y,z[,qw,qx,qy,qz]; begins with each claim");
-    app.add_option("--config", config_file, "TOML file; the command line wins over it");
-    app.set_version_flag("--version", std::string("knurld ") + KNURL_VERSION);
+    const auto& name =
+        app.option("--name", told.name, "of the servo; clients connect to knurl:NAME (default)");
+    app.option("--device", devices, "[NAME=]ADDRESS of a device, repeatable; NAME defaults to the profile's");
+    const auto& rate = app.option("--rate", told.rate,
+                                  "of the loops, Hz (1000, or less where a device's description says so)");
+    const auto& cpu = app.option("--cpu", told.cpu, "of the servo threads (the last one allowed)");
+    const auto& priority = app.option("--priority", told.priority,
+                                      "SCHED_FIFO priority of the servo threads, 0: not real time (80)");
+    app.option("--idle", idle,
+               "sleep, or poll: idle CPUs stay awake, wake-ups come sooner, for power (sleep)");
+    const auto& spin = app.option("--spin", told.spin, "s: spin the last part of each sleep (0)");
+    app.option("--hand", hand,
+               "motion of the simulated hands, CSV t,x,y,z[,qw,qx,qy,qz]; begins with each claim");
+    app.option("--config", config_file, "TOML file; the command line wins over it");
     app.footer([] { return drivers_help() + "\n" + examples + "\n" + config_help() + "\n" + bounds_help(); });
 
     try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success& wanted) {  // --help, --version
-        app.exit(wanted);
-        return {.config = {}, .answered = true};
-    } catch (const CLI::ParseError& error) {
-        throw ConfigError(fmt::format("{}; see knurld --help", error.what()));
+        if (app.parse(argc, argv) == commandline::Command::Answer::nothing)
+            return {.config = {}, .answered = true};
+    } catch (const commandline::UsageError& error) {
+        throw ConfigError(error.what());
     }
 
     DaemonConfig config = config_file.empty() ? DaemonConfig{} : load_config(config_file);
-    if (name->count() > 0) {
+    if (name.given()) {
         require_name(told.name, "--name");
         config.name = told.name;
     }
-    const auto number = [&](const CLI::Option* option, const Range& range, auto& to, auto value) {
-        if (option->count() == 0) return;
+    const auto number = [&](const commandline::Option& option, const Range& range, auto& to, auto value) {
+        if (!option.given()) return;
         require_within(range, static_cast<double>(value), "--");
         to = value;
     };
@@ -118,18 +110,16 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
 }
 
 int knurld_main(int argc, const char* const* argv) {
-    constexpr int bad_configuration = 2;
     if (argc > 1 && std::string_view(argv[1]) == build_asset_option) return build_asset_main(argc, argv);
-    try {
-        const CommandLine line = parse_command_line(argc, argv);
-        return line.answered ? 0 : run_daemon(line.config);
-    } catch (const ConfigError& error) {
-        std::fprintf(stderr, "knurld: %s\n", error.what());
-        return bad_configuration;
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "knurld: %s\n", error.what());
-        return 1;
-    }
+    return commandline::guarded([] { return "knurld"; },
+                                [&] {
+                                    try {
+                                        const CommandLine line = parse_command_line(argc, argv);
+                                        return line.answered ? 0 : run_daemon(line.config);
+                                    } catch (const ConfigError& error) {
+                                        throw commandline::UsageError(error.what());
+                                    }
+                                });
 }
 
 }  // namespace knurl::servo

@@ -9,6 +9,7 @@
 
 #include <knurl/protocol/name.hpp>
 #include <knurl/servo/config.hpp>
+#include <knurl/words/nearest.hpp>
 
 namespace knurl::servo {
 
@@ -82,9 +83,10 @@ class Reader {
         if (const toml::table* found = node.as_table()) return *found;
         throw wrong_type(node, key, "a table");
     }
-    ConfigError unknown(const toml::key& key, std::string_view known) const {
-        return ConfigError(fmt::format("{}: unknown key \"{}{}\"; known here: {}", at(key.source()), prefix_,
-                                       key.str(), known));
+    ConfigError unknown(const toml::key& key, const std::vector<std::string_view>& known) const {
+        return ConfigError(fmt::format(
+            "{}: unknown key \"{}{}\"; {}", at(key.source()), prefix_, key.str(),
+            words::did_you_mean(key.str(), known, fmt::format("known here: {}", fmt::join(known, ", ")))));
     }
     ConfigError wrong_type(const toml::node& node, std::string_view key, std::string_view wanted) const {
         return ConfigError(
@@ -123,9 +125,8 @@ SupervisorLimits read_limits(const toml::table& table, const std::string& path) 
         const auto found = std::find_if(limit_keys.begin(), limit_keys.end(),
                                         [name](const LimitKey& k) { return k.range.key == name; });
         if (found == limit_keys.end()) {
-            std::string known;
-            for (const LimitKey& k : limit_keys)
-                known += fmt::format("{}{}", known.empty() ? "" : ", ", k.range.key);
+            std::vector<std::string_view> known;
+            for (const LimitKey& k : limit_keys) known.push_back(k.range.key);
             throw read.unknown(key, known);
         }
         limits.*found->member = read.number(node, found->range);
@@ -151,7 +152,7 @@ DeviceConfig read_device(const toml::table& table, const std::string& path) {
         else if (name == "limits")
             device.limits = read_limits(read.table(node, name), path);
         else
-            throw read.unknown(key, "name, address, hand, seed, rate, limits");
+            throw read.unknown(key, {"name", "address", "hand", "seed", "rate", "limits"});
     }
     if (device.address.empty()) {
         throw ConfigError(fmt::format(
@@ -193,8 +194,8 @@ DaemonConfig read_daemon(const toml::table& table, const std::string& path) {
                 config.devices.push_back(read_device(read.table(device, name), path));
             }
         } else {
-            throw read.unknown(
-                key, "name, rate, cpu, priority, idle, spin, guardian_stall, socket_group, [[device]]");
+            throw read.unknown(key, {"name", "rate", "cpu", "priority", "idle", "spin", "guardian_stall",
+                                     "socket_group", "device"});
         }
     }
     return config;

@@ -79,7 +79,10 @@ std::string write_flight_record(const std::string& directory, const std::byte* d
         fmt::format("{}/flight-{}-{}-{}.csv", directory, info.servo, info.name, utc_now());
     const std::string unfinished = path + ".part";
     const auto failed = [&](const std::string& what) {
-        return std::runtime_error(fmt::format("flight recorder: {}: {}", what, std::strerror(errno)));
+        return std::runtime_error(fmt::format(
+            "its last reports could not be saved: {}: {}; make room there, or name another folder "
+            "(KNURL_STATE_DIR)",
+            what, std::strerror(errno)));
     };
 
     std::error_code ignored;  // the open below says it better

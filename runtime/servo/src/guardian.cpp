@@ -119,19 +119,18 @@ void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo
         // The devices are safe; a file may take its time, and must not hold up anybody who is real-time.
         const sched_param ordinary{};
         sched_setscheduler(0, SCHED_OTHER, &ordinary);
-        std::string saved;
+        std::string saved, not_saved;
         for (const Watched& watched : devices) {
             try {
-                saved += fmt::format(" {}",
+                saved += fmt::format("{} {}", saved.empty() ? "; its last reports are in" : ",",
                                      write_flight_record(state_directory, watched.segment,
                                                          "killed, crashed or ended without saying goodbye"));
             } catch (const std::exception& error) {
-                saved += fmt::format(" ({})", error.what());
+                not_saved = fmt::format("; {}", error.what());
             }
         }
-        std::fprintf(stderr,
-                     "knurl-guardian: the servo died; its devices are zeroed, its last reports are in%s\n",
-                     saved.c_str());
+        std::fprintf(stderr, "knurl-guardian: the servo died; its devices are zeroed%s%s\n", saved.c_str(),
+                     not_saved.c_str());
         return;
     }
 }

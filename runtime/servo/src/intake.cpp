@@ -228,8 +228,11 @@ Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const A
         double value = 0;
         if (refusal == Refusal::in_fault) value = authority.supervisor.faults();
         if (refusal == Refusal::hand_too_fast) value = authority.speed;
+        if (refusal == Refusal::cause_persists) value = authority.trouble;
         return {{Code::refused, Verdict::no_field, value}, refusal};
     };
+    if (claim.terms.resets && command.header.type != CommandType::reset_fault)
+        return state(Refusal::forbidden);
     if ((command.header.flags & protocol::command_flags::restricted) != 0) {
         const DeviceState device = authority.supervisor.state();
         const bool on = device == DeviceState::ramp_up || device == DeviceState::active;
@@ -252,7 +255,7 @@ Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const A
         case CommandType::reset_fault:
             if (reset) return state(Refusal::not_in_fault);
             reset = true;
-            return state(authority.supervisor.may_reset_fault(authority.speed));
+            return state(authority.supervisor.may_reset_fault(authority.speed, authority.trouble));
     }
     return state(Refusal::malformed);
 }
@@ -322,7 +325,7 @@ void Intake::do_command(Claim::Impl& claim, const Command& command, const Author
             claim.armed = false;
             break;
         case CommandType::reset_fault:
-            answer.reason = authority.supervisor.reset_fault(authority.speed);
+            answer.reason = authority.supervisor.reset_fault(authority.speed, authority.trouble);
             break;
     }
     // All was checked before: these are ok, unless the scene knows better, and then its owner is told.

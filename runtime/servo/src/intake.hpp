@@ -32,8 +32,9 @@ std::span<const std::byte> as_bytes(const T& value) noexcept {
 struct Authority {
     Supervisor& supervisor;
     bool calibrated = false;
-    double speed = 0;     // m/s, of the hand
-    bool ending = false;  // the servo is about to leave: nothing is armed any more
+    double speed = 0;           // m/s, of the hand
+    bool ending = false;        // the servo is about to leave: nothing is armed any more
+    std::uint32_t trouble = 0;  // faults that this cycle's sample would raise
 };
 
 struct IntakeCounts {

@@ -2,7 +2,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -15,35 +14,16 @@
 
 #include <knurl/servo/realtime.hpp>
 
+#include "rights.hpp"
+
 namespace knurl::servo {
 
 namespace {
 
-// Bits of CapEff in /proc/self/status (linux/capability.h).
-constexpr int cap_ipc_lock = 14;
-constexpr int cap_sys_nice = 23;
-
-bool capable(int bit) {
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);) {
-        if (line.rfind("CapEff:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> bit) & 1;
-    }
-    return false;
-}
-
-std::string own_path() {
-    char path[4096];
-    const ssize_t n = readlink("/proc/self/exe", path, sizeof path);
-    return n > 0 ? std::string(path, static_cast<std::size_t>(n)) : "knurld";
-}
-
-std::string grant_command() {
-    return fmt::format("sudo setcap cap_sys_nice,cap_ipc_lock=ep {}", own_path());
-}
-
 void note_priority(Shortfalls& missing, int priority, const char* who, int error) {
     missing.ordinary.push_back(fmt::format("{} {}", who, priority));
     missing.priority_error = error;
+    missing.highest_priority = std::max(missing.highest_priority, priority);
 }
 
 #if !defined(__has_feature)  // GCC 12 has macros instead
@@ -88,16 +68,15 @@ struct Attributes {
 
 }  // namespace
 
+std::string why_no_priority(int priority) {
+    return Rights().why_no_priority(priority);
+}
+
 std::vector<std::string> Shortfalls::report() const {
     std::vector<std::string> all = lines;
     if (!ordinary.empty()) {
-        const std::string remedy =
-            capable(cap_sys_nice)
-                ? "this cgroup has no real-time budget; start knurld outside of it, or run: sudo "
-                  "sysctl kernel.sched_rt_runtime_us=950000"
-                : "they will be late under load; run: " + grant_command();
         all.push_back(fmt::format("no real-time priority ({}) for {}: {}", std::strerror(priority_error),
-                                  fmt::join(ordinary, ", "), remedy));
+                                  fmt::join(ordinary, ", "), why_no_priority(highest_priority)));
     }
     return all;
 }
@@ -115,13 +94,14 @@ void lock_memory(Shortfalls& missing) {
     // With a finite limit MCL_FUTURE makes later allocations fail: then only what is there now is locked.
     rlimit limit{};
     getrlimit(RLIMIT_MEMLOCK, &limit);
-    const bool unlimited = limit.rlim_cur == RLIM_INFINITY || capable(cap_ipc_lock);
+    const bool unlimited = limit.rlim_cur == RLIM_INFINITY || Rights().capable(Rights::ipc_lock);
     if (unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return;
     const int error = unlimited ? errno : ENOMEM;
     const bool some = mlockall(MCL_CURRENT) == 0;
-    missing.lines.push_back(fmt::format(
-        "memory is {} locked ({}; the limit is {} KiB): page faults will cost cycles; run: {}",
-        some ? "only partly" : "not", std::strerror(error), limit.rlim_cur / 1024, grant_command()));
+    missing.lines.push_back(
+        fmt::format("memory is {} locked ({}; the limit is {} KiB): page faults will cost cycles; run: {}",
+                    some ? "only partly" : "not", std::strerror(error), limit.rlim_cur / 1024,
+                    Rights().memory_command()));
 }
 
 void become_real_time(int priority, const char* who, Shortfalls& missing) {
@@ -157,9 +137,11 @@ shm::UniqueFd hold_idle_polling(Shortfalls& missing) {
     shm::UniqueFd fd(open(path, O_WRONLY | O_CLOEXEC));
     const std::int32_t no_latency = 0;  // us
     if (fd && write(fd.get(), &no_latency, sizeof no_latency) == sizeof no_latency) return fd;
+    const int error = errno;
     missing.lines.push_back(
-        fmt::format("idle = \"poll\" is not in force: {}: {}; run: sudo setfacl -m u:{}:rw {}", path,
-                    std::strerror(errno), geteuid(), path));
+        fmt::format("idle = \"poll\" is not in force: {}: {}; {}", path, std::strerror(error),
+                    error == ENOENT ? fmt::format("in a container; run: docker run --device {} ...", path)
+                                    : fmt::format("run: sudo setfacl -m u:{}:rw {}", geteuid(), path)));
     return {};
 }
 

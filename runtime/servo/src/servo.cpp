@@ -86,9 +86,10 @@ double Servo::Impl::nominal(Nanoseconds gap) const noexcept {
 
 void Servo::Impl::read_device(Nanoseconds now) noexcept {
     const bool was_gone = unplugged;
-    const Trouble trouble = hand.read(now, stages);
+    const Trouble found = hand.read(now, stages);
     read_ns = clock.now();
-    unplugged = trouble.unplugged;
+    unplugged = found.unplugged;
+    trouble = found.faults;
     if (unplugged) {
         // The fault is reported for one cycle at least, its cause for as long as the device is gone.
         if (supervisor.state() == DeviceState::fault && was_gone)
@@ -99,11 +100,11 @@ void Servo::Impl::read_device(Nanoseconds now) noexcept {
     }
     if (supervisor.state() == DeviceState::disconnected || (supervisor.faults() & fault::unplugged) != 0)
         supervisor.reconnected();
-    if (trouble.ramp_down) {
+    if (found.ramp_down) {
         supervisor.disarm();
         disarm_claims();  // whoever arms during the ramp down arms itself alone
     }
-    if (trouble.faults != 0) supervisor.raise(trouble.faults);
+    if (trouble != 0) supervisor.raise(trouble);
 }
 
 void Servo::Impl::take_mail(Nanoseconds now) noexcept {
@@ -179,7 +180,8 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
     const Authority authority{.supervisor = supervisor,
                               .calibrated = hand.connected && hand.sample.calibrated,
                               .speed = hand.velocity.norm(),
-                              .ending = ending};
+                              .ending = ending,
+                              .trouble = trouble};
     const auto listening = [](const Claim::Impl& c) { return c.channels && !c.dropping && !c.faulted; };
     // Two passes: the lines that other cores wrote arrive together instead of one after the other.
     for (std::size_t i = 0; i < awake_size; ++i)

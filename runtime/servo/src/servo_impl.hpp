@@ -120,6 +120,7 @@ struct Servo::Impl {
     bool enabled = false;        // as the device was last told
     bool guardian = false;       // it zeroed the device before this cycle
     bool unplugged = false;      // this cycle's read, or the last write, found no device
+    std::uint32_t trouble = 0;   // faults that this cycle's sample raises
     bool jumped = false;         // the clock, before this cycle: for the tape
     bool written = false;        // in this cycle: the device was there to take it
     const Claim::Impl* in_contact = nullptr;

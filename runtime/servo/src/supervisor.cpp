@@ -81,14 +81,15 @@ void Supervisor::disarm() noexcept {
     if (state_ == DeviceState::ramp_up || state_ == DeviceState::active) state_ = DeviceState::ramp_down;
 }
 
-Refusal Supervisor::may_reset_fault(double speed) const noexcept {
+Refusal Supervisor::may_reset_fault(double speed, std::uint32_t trouble) const noexcept {
     if (state_ == DeviceState::disconnected) return Refusal::disconnected;
     if (state_ != DeviceState::fault) return Refusal::not_in_fault;
+    if (trouble != 0) return Refusal::cause_persists;
     return speed < limits_.arm_speed ? Refusal::none : Refusal::hand_too_fast;
 }
 
-Refusal Supervisor::reset_fault(double speed) noexcept {
-    const Refusal refusal = may_reset_fault(speed);
+Refusal Supervisor::reset_fault(double speed, std::uint32_t trouble) noexcept {
+    const Refusal refusal = may_reset_fault(speed, trouble);
     if (refusal != Refusal::none) return refusal;
     faults_ = 0;
     state_ = DeviceState::idle;

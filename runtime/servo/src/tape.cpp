@@ -28,11 +28,12 @@ constexpr std::uint64_t mix_begin = 0xcbf29ce484222325;
 
 std::uint64_t tape_layout() noexcept {
     std::uint64_t hash = mix_begin;
-    for (const std::uint64_t value : {std::uint64_t{sizeof(TapeCycle)}, std::uint64_t{sizeof(TapeHeader)},
-                                      std::uint64_t{sizeof(ClaimTerms)}, std::uint64_t{sizeof(ServoOptions)},
-                                      std::uint64_t{tape_slot_bytes}, std::uint64_t{tape_slots},
-                                      static_cast<std::uint64_t>(TapeType::asset_forgotten),
-                                      std::uint64_t{sizeof(protocol::AssetDigest)}})
+    for (const std::uint64_t value :
+         {std::uint64_t{sizeof(TapeCycle)}, std::uint64_t{sizeof(TapeHeader)},
+          std::uint64_t{sizeof(ClaimTerms)}, std::uint64_t{offsetof(ClaimTerms, resets)},
+          std::uint64_t{sizeof(ServoOptions)}, std::uint64_t{tape_slot_bytes}, std::uint64_t{tape_slots},
+          static_cast<std::uint64_t>(TapeType::asset_forgotten),
+          std::uint64_t{sizeof(protocol::AssetDigest)}})
         hash = mix(hash, value);
     return hash;
 }

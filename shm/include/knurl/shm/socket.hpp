@@ -9,6 +9,7 @@
 
 #include <sys/types.h>
 
+#include <knurl/shm/error.hpp>
 #include <knurl/shm/fd.hpp>
 
 namespace knurl::shm {
@@ -21,10 +22,10 @@ inline constexpr std::size_t max_fds = 16;
 /// block.
 UniqueFd listen_at(const std::filesystem::path& path, mode_t mode, int backlog);
 
-/// Throws std::runtime_error if nobody listens at `path`. The socket blocks.
+/// Throws SystemError if nobody listens at `path`. The socket blocks.
 UniqueFd connect_to(const std::filesystem::path& path);
 
-/// The next connection, or an empty UniqueFd if none is pending. Throws std::runtime_error if the listener is
+/// The next connection, or an empty UniqueFd if none is pending. Throws SystemError if the listener is
 /// broken or the process is out of descriptors.
 UniqueFd accept_from(int listener);
 inline UniqueFd accept_from(const UniqueFd& listener) {
@@ -46,7 +47,8 @@ struct Received {
     bool closed = false;        // the peer is gone: nothing will come any more
     bool truncated =
         false;  // it did not fit the buffer or had too many descriptors: its descriptors are closed
-    bool nothing = false;  // Block::no, and nothing is there
+    bool descriptors_lost = false;  // of those of ours: this process has no descriptor left for them
+    bool nothing = false;           // Block::no, and nothing is there
 };
 enum class Block { yes, no };
 

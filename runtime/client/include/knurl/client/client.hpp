@@ -164,7 +164,7 @@ class Claim : public Observer {
     // These wait for the servo's answer, at most a second, and throw with the reason if it is no.
     void arm();  // force may follow
     void disarm();
-    void reset_fault();
+    void reset_fault();  // idle, without force: arm() comes after it
 
     void release();  // force fades, the device is free; also done by the destructor
     /// Renews the claim and makes all changes since the last commit take effect in one cycle. An empty commit
@@ -242,6 +242,10 @@ class Client {
     std::vector<DeviceDescription> devices() const;
     Claim claim(const std::string& device = "", const ClaimOptions& options = {});  // "": the only one
     Observer observe(const std::string& device = "");
+    /// Leaves the fault of a device, whoever holds it: it is idle then, and without force until who holds it
+    /// calls arm() again. Throws with the reason if it is in no fault, if what led to the fault goes on, if
+    /// the hand moves, and of a servo on another host (there a claim may reset it: role control).
+    void reset_fault(const std::string& device = "");
     pid_t servo_pid() const;  // 0: not connected
     bool connected() const;
 

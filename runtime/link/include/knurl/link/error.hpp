@@ -22,6 +22,7 @@ class Error : public std::runtime_error {
         disconnected,    // the servo is gone
         after_fork,      // this is the child of a fork: it has no claim
         stale_handle,    // removed, or of another claim
+        exhausted,       // this process has no descriptor left, or the socket's path is too long
     };
     Error(Kind what_kind, const std::string& text, pid_t held_by = 0)
         : std::runtime_error(text), kind(what_kind), holder(held_by) {}

@@ -76,7 +76,8 @@ class AssetDoor {
     virtual void forget(std::uint32_t number) = 0;
 };
 
-/// What an attach brings. `channel` and `assets` are null for an observer.
+/// What an attach brings. `channel` and `assets` are null for an observer; who observes and resets has a
+/// channel.
 struct Attachment {
     protocol::Claimed terms;
     DeviceDescription device;

@@ -69,10 +69,14 @@ struct Refused {
     char text[512] = {};           // one line: what, where, what to do
 };
 
+/// ClaimRequest::observe of who holds nothing. `observe_and_reset` has the channel of commands for
+/// `reset_fault`, beside whoever holds the device; the servo refuses any other. Its capacity is the servo's.
+inline constexpr std::uint32_t observe_only = 1, observe_and_reset = 2;
+
 struct ClaimRequest {
     MessageHeader header{.type = MessageType::claim};
     std::uint32_t device = 0;   // index in Welcome
-    std::uint32_t observe = 0;  // 1: reports only
+    std::uint32_t observe = 0;  // 0: it holds the device; else observe_only, observe_and_reset
     std::uint32_t shared = 0;   // 1: others may claim the device too, if they say so as well
     std::uint32_t reserved = 0;
     ClaimCapacity capacity = {};
@@ -129,7 +133,8 @@ std::string socket_path(const std::string& servo_name);
 /// Where a client looks for servos, best first: the user's own directory, then the system's, where the
 /// service listens. $KNURL_RUNTIME_DIR replaces both.
 std::vector<std::string> servo_directories();
-/// Of the sockets of that name the first that exists; if none does, where the user's own would be.
+/// Of the sockets of that name the first that exists, or that may not be looked for; if none does, where the
+/// user's own would be.
 std::string servo_socket(const std::string& servo_name);
 /// $KNURL_STATE_DIR, else /var/lib/knurl as root, else $XDG_STATE_HOME/knurl or ~/.local/state/knurl.
 std::string state_directory();

@@ -16,7 +16,7 @@ enum class CommandType : std::uint32_t {
     place_probe = 3,  // PlaceProbeBody
     arm = 4,          // no body
     disarm = 5,       // no body: this claim's gain goes to 0
-    reset_fault = 6,  // no body
+    reset_fault = 6,  // no body: idle without force; who wants force arms anew
 };
 
 namespace command_flags {
@@ -82,8 +82,9 @@ enum class Refusal : std::uint32_t {
     not_in_fault,
     group_refused,  // another command of the same group was refused
     disconnected,
-    malformed,  // the message does not parse
-    forbidden,  // command_flags::restricted
+    malformed,       // the message does not parse
+    forbidden,       // command_flags::restricted, observe_and_reset
+    cause_persists,  // mend what led to the fault; value: the mask of what goes on
 };
 
 /// A batch of parameter updates in the triple buffer: this header, then per entry an EntryHeader and its

@@ -83,7 +83,4 @@ SceneFile read_scene(const std::string& path);
 /// The same from memory; `path` is what errors name.
 SceneFile parse_scene(std::string_view text, const std::string& path);
 
-/// The word of `known` that `word` was probably meant to be; empty if none is near.
-std::string_view nearest(std::string_view word, const std::vector<std::string_view>& known);
-
 }  // namespace knurl::scenefile

@@ -20,6 +20,7 @@ struct ClaimTerms {
     double update_interval = 0;  // s; 0: measured
     double delay_allowance = 0;  // s, on top of the silence that is allowed
     bool observer = false;
+    bool resets = false;  // the observer may reset a fault, and command nothing else
     bool shared = false;
     int event_fd = -1;  // what the client sleeps on; outlives the claim. -1: the waker wakes it
 };

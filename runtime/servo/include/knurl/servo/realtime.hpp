@@ -29,10 +29,14 @@ struct Shortfalls {
     std::vector<std::string> lines;     // each with the command that grants it
     std::vector<std::string> ordinary;  // who runs without real-time priority: "knurl-servo 80"
     int priority_error = 0;             // errno of the last of them
+    int highest_priority = 0;
 
     /// One line per right that is missing.
     std::vector<std::string> report() const;
 };
+
+/// Of a SCHED_FIFO priority that was refused: the true reason, and "; run: COMMAND" that mends it.
+std::string why_no_priority(int priority);
 
 /// malloc with one arena that gives memory back: call first, before any thread.
 void tame_malloc() noexcept;

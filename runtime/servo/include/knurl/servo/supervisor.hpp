@@ -58,7 +58,7 @@ struct Supervised {
 ///                             |         none armed          disarm, none armed   disarm, none armed
 ///                             +--------------+                     v                  v
 ///                             +-------------------gain 0------- ramp_down <-----------+
-///   fault --reset by an owner, slow hand--> idle        (arm during ramp_down: armed, once the gain is 0)
+///   fault --reset, slow hand, cause gone--> idle        (arm during ramp_down: armed, once the gain is 0)
 class Supervisor {
   public:
     /// `rate` in Hz bounds the speed damping by stability; 0: the link's nominal rate.
@@ -67,13 +67,14 @@ class Supervisor {
     // Requests, each answered at once. `none`: accepted.
     protocol::Refusal arm(bool calibrated, double speed) noexcept;
     void disarm() noexcept;  // ramp down, then idle; always allowed
-    protocol::Refusal reset_fault(double speed) noexcept;
+    /// `trouble`: faults that would be raised again at once.
+    protocol::Refusal reset_fault(double speed, std::uint32_t trouble = 0) noexcept;
     void raise(std::uint32_t fault_bits) noexcept;  // zero, latched
     void hold() noexcept;                           // a stall: gain 0 now, then the ordinary ramp up
 
     // What arm and reset_fault would answer. `after_reset`: as if the fault had been reset.
     protocol::Refusal may_arm(bool calibrated, double speed, bool after_reset = false) const noexcept;
-    protocol::Refusal may_reset_fault(double speed) const noexcept;
+    protocol::Refusal may_reset_fault(double speed, std::uint32_t trouble = 0) const noexcept;
 
     void disconnected() noexcept;  // no device any more: after the fault that said so
     void reconnected() noexcept;   // samples again: idle, or fault if another one is still latched

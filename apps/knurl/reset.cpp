@@ -1,0 +1,108 @@
+// knurl reset: leaves the fault of a device, whoever holds it. Nothing is switched on by it.
+
+#include <chrono>
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <knurl/client/client.hpp>
+#include <knurl/protocol/attach.hpp>
+
+#include "servo_text.hpp"
+#include "servo_view.hpp"
+#include "verbs.hpp"
+
+namespace knurl::cli {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Arguments {
+    std::string servo = "default", device;
+};
+
+/// The device as the servo's memory shows it now.
+DeviceView view_of(const ServoWatch& watch, const std::string& name) {
+    for (DeviceView& device : watch.look().devices)
+        if (device.info.name == name) return std::move(device);
+    throw std::runtime_error(fmt::format("there is no device '{}' any more", name));
+}
+
+std::string chosen(const ServoView& servo, const std::string& wanted) {
+    std::string names;
+    for (const DeviceView& device : servo.devices) {
+        const std::string name = device.info.name;
+        if (wanted.empty() ? servo.devices.size() == 1 : name == wanted) return name;
+        names += (names.empty() ? "" : ", ") + name;
+    }
+    throw UsageError(
+        wanted.empty() ? fmt::format("servo '{}' has several devices; say which: {}", servo.name, names)
+                       : fmt::format("servo '{}' has no device '{}'; it has: {}", servo.name, wanted, names));
+}
+
+std::string holders_of(const DeviceView& device) {
+    std::string text;
+    for (const ClientView& client : device.clients) {
+        if (client.observer) continue;
+        text += fmt::format("; pid {}{}{} holds it and has to arm it anew", client.pid,
+                            client.name.empty() ? "" : " ", client.name);
+    }
+    return text;
+}
+
+int reset(const Arguments& arguments) {
+    ConnectOptions options;
+    options.name = "knurl reset";
+    options.wait = 0ms;
+    options.reattach = false;
+    Client client = Client::connect("knurl:" + arguments.servo, options);
+    const ServoWatch watch(protocol::servo_socket(arguments.servo));
+    const std::string name = chosen(watch.look(), arguments.device);
+    const DeviceView before = view_of(watch, name);
+    const std::string who = fmt::format("knurl:{}: {}", arguments.servo, name);
+    if (state_of(before) != DeviceState::fault && state_of(before) != DeviceState::disconnected) {
+        fmt::print("{} is in no fault ({})\n", who, state_name(state_of(before)));
+        return 0;
+    }
+    Observer observer = client.observe(name);
+    client.reset_fault(name);
+    // What goes wrong again at once is told now, not to whoever comes next.
+    constexpr int cycles = 20;
+    for (int i = 0; i < cycles; ++i) {
+        const auto report = observer.next_report(500ms);
+        if (!report)
+            throw std::runtime_error(who + " has left its fault; the servo has ended or stands still");
+        if (i > 1 && report->state == DeviceState::fault)
+            throw std::runtime_error(fmt::format("{} left its fault ({}) and is in fault again: {}", who,
+                                                 fault_names(faults_of(before)),
+                                                 fault_names(report->faults)));
+    }
+    const DeviceView after = view_of(watch, name);
+    fmt::print("{} has left its fault ({}) and is {}{}\n", who, fault_names(faults_of(before)),
+               state_name(state_of(after)), holders_of(after));
+    return 0;
+}
+
+}  // namespace
+
+void add_reset(commandline::Command& program) {
+    auto& verb = program.verb("reset", "Leaves the fault of a device, whoever holds it");
+    auto arguments = std::make_shared<Arguments>();
+    verb.option("device", arguments->device, "of that servo; only if it has several").type_name("DEVICE");
+    verb.option("--servo", arguments->servo, "its name").shows_default().type_name("NAME");
+    verb.footer(
+        "A device in fault is without force until it is reset: the machine was suspended, the hand was too "
+        "fast, ...\n"
+        "Afterwards it is idle; force comes when a program that holds it arms it. While the cause goes on, "
+        "or "
+        "the hand\n"
+        "moves, it is refused with the reason. Who may connect to the servo may do so; over a network "
+        "nobody: "
+        "run it\n"
+        "on the servo's own host.");
+    verb.action([arguments] { return reset(*arguments); });
+}
+
+}  // namespace knurl::cli

@@ -1,0 +1,112 @@
+#pragma once
+// The command line of a program: what it takes, said once for reading it and for --help. The parser behind it
+// is CLI11, whose header costs 18 s in every source that includes it: only command.cpp does.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+namespace knurl::commandline {
+
+/// What the command line asks for makes no sense: exit code 2.
+class UsageError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+/// Where the value of an option goes. A number that does not fit, or is none (nan), is refused. The variable keeps its
+/// value where the option is not given. A vector takes one value, and one more each time that the option is repeated.
+class Target {
+  public:
+    using Variable =
+        std::variant<std::string*, std::filesystem::path*, double*, int*, long*, unsigned*, std::uint16_t*,
+                     std::uint64_t*, std::optional<std::string>*, std::optional<double>*, std::optional<int>*,
+                     std::optional<std::uint64_t>*, std::vector<std::string>*>;
+    template <class T>
+    requires std::is_constructible_v<Variable, T*> Target(T& variable) : variable_(&variable) {}
+
+    const Variable& variable() const { return variable_; }
+
+  private:
+    Variable variable_;
+};
+
+/// One of a Command's, in whose hands it lives.
+class Option {
+  public:
+    Option& required();
+    /// In --help, in place of TEXT, FLOAT, ...
+    Option& type_name(const std::string& name);
+    /// --help shows the value that the variable has now.
+    Option& shows_default();
+    Option& within(double low, double high);
+    Option& positive();
+    Option& not_negative();
+    Option& one_of(const std::vector<std::string>& words);
+    /// Of a vector: one argument may hold several values.
+    Option& separated_by(char separator);
+    /// "--json" alone is allowed beside "--json FILE": given() then, and the variable is empty.
+    Option& value_may_be_missing();
+    /// These are refused beside it. They must have been added before.
+    Option& excludes(const std::vector<std::string>& names);
+    /// Taken too, and not in --help: how it was called before.
+    Option& formerly(const std::string& name);
+
+    bool given() const;
+
+    struct Impl;
+    explicit Option(std::unique_ptr<Impl> impl);
+    ~Option();
+
+  private:
+    std::unique_ptr<Impl> impl_;
+};
+
+class Command {
+  public:
+    /// A program. It has --help and --version without being told.
+    Command(const std::string& name, const std::string& purpose);
+    ~Command();
+    Command(const Command&) = delete;
+    Command& operator=(const Command&) = delete;
+
+    /// "--rate": an option. "file": what stands without one. Both references live as long as the program's
+    /// Command.
+    Option& option(const std::string& name, const Target& to, const std::string& help);
+    Option& flag(const std::string& name, bool& to, const std::string& help);
+    /// --servo, spelled alike by all programs: "default", "knurl:default", a socket's path, and where the help says so
+    /// knurl://HOST:PORT.
+    Option& servo(std::string& to, const std::string& help);
+    /// knurl VERB. Verbs may have verbs.
+    Command& verb(const std::string& name, const std::string& purpose);
+    /// One of the verbs must be given.
+    Command& requires_verb();
+    /// Below the options in --help. The function is asked only then.
+    Command& footer(const std::string& text);
+    Command& footer(std::function<std::string()> text);
+    /// What it does once the line has been read: returns the exit code, or throws what guarded() says.
+    Command& action(std::function<int()> work);
+
+    enum class Answer { work, nothing };
+    /// Reads the line into the variables. `nothing`: --help or --version has been answered. Throws
+    /// UsageError, one line: what was wrong, and which --help to read.
+    Answer parse(int argc, const char* const* argv);
+    /// After parse(): "knurl record".
+    std::string chosen_path() const;
+    /// After parse(): the action of the verb that was chosen, or else of the program.
+    int act() const;
+
+  private:
+    struct Impl;
+    explicit Command(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace knurl::commandline

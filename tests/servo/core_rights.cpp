@@ -1,0 +1,117 @@
+// Why a priority was refused, from the kernel's files: each reason has a remedy of its own.
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "rights.hpp"
+
+namespace knurl::servo {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Files of a kernel, in a folder that goes with this object. Whoever is in it is root, with all capabilities.
+class Kernel {
+  public:
+    Kernel() : path_((fs::temp_directory_path() / "knurl-rights-XXXXXX").string()) {
+        if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error(path_);
+        rlimit limit{};  // that of this process counts too
+        ::getrlimit(RLIMIT_RTPRIO, &limit);
+        limit.rlim_cur = 0;
+        ::setrlimit(RLIMIT_RTPRIO, &limit);
+        with("proc/self/uid_map", "         0          0 4294967295\n");
+        with("proc/self/status", "Name:\ttest\nCapEff:\t000001ffffffffff\n");
+        with("proc/sys/kernel/sched_rt_runtime_us", "950000\n");
+    }
+    ~Kernel() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    Kernel(const Kernel&) = delete;
+    Kernel& operator=(const Kernel&) = delete;
+
+    Kernel& with(const std::string& file, const std::string& text) {
+        fs::create_directories((fs::path(path_) / file).parent_path());
+        std::ofstream(fs::path(path_) / file) << text;
+        return *this;
+    }
+    std::string why() const { return Rights(path_).why_no_priority(80); }
+    std::string path(const std::string& file) const { return (fs::path(path_) / file).string(); }
+
+  private:
+    std::string path_;
+};
+
+bool says(const std::string& text, const std::string& what) {
+    return text.find(what) != std::string::npos;
+}
+
+TEST(RightsOf, AnOrdinaryUserNeedsTheCapability) {
+    Kernel kernel;
+    kernel.with("proc/self/status", "CapEff:\t0000000000000000\n");
+    EXPECT_TRUE(says(kernel.why(), "run: sudo setcap cap_sys_nice,cap_ipc_lock=ep ")) << kernel.why();
+}
+
+TEST(RightsOf, InAUserNamespaceACapabilityGivesNothing) {
+    Kernel kernel;
+    kernel.with("proc/self/uid_map", "         0       1000          1\n");
+    EXPECT_FALSE(Rights(kernel.path("")).capable(Rights::sys_nice)) << "though CapEff has it";
+    EXPECT_TRUE(says(kernel.why(), "user namespace")) << kernel.why();
+    EXPECT_TRUE(says(kernel.why(), "--ulimit rtprio=95")) << kernel.why();
+    EXPECT_FALSE(says(kernel.why(), "setcap")) << kernel.why();
+    EXPECT_FALSE(says(Rights(kernel.path("")).memory_command(), "setcap"));
+}
+
+TEST(RightsOf, AMachineWithoutTimeForRealTimeThreads) {
+    Kernel kernel;
+    kernel.with("proc/sys/kernel/sched_rt_runtime_us", "0\n");
+    EXPECT_TRUE(says(kernel.why(), "run: sudo sysctl kernel.sched_rt_runtime_us=950000")) << kernel.why();
+}
+
+TEST(RightsOf, AGroupOfTheFirstKindWithoutABudgetIsNamedWithTheCommand) {
+    Kernel kernel;
+    kernel.with("proc/self/cgroup", "4:memory:/m\n3:cpu,cpuacct:/user.slice/mine\n0::/user.slice\n")
+        .with("sys/fs/cgroup/cpu,cpuacct/cpu.rt_runtime_us", "950000\n")
+        .with("sys/fs/cgroup/cpu,cpuacct/user.slice/mine/cpu.rt_runtime_us", "0\n");
+    EXPECT_TRUE(says(kernel.why(), "cgroup /user.slice/mine of this process has no real-time budget"))
+        << kernel.why();
+    EXPECT_TRUE(says(kernel.why(), "user.slice/mine/cpu.rt_runtime_us is 0")) << kernel.why();
+    EXPECT_TRUE(
+        says(kernel.why(), "run: echo $$ | sudo tee " + kernel.path("sys/fs/cgroup/cpu,cpuacct/tasks")))
+        << kernel.why();
+    EXPECT_FALSE(says(kernel.why(), "sysctl")) << "which is set: " << kernel.why();
+}
+
+TEST(RightsOf, AGroupOfTheSecondKindIsTheNearestForWhichTheControllerIsOn) {
+    Kernel kernel;
+    kernel.with("proc/self/cgroup", "0::/user.slice/session.scope/deep\n")
+        .with("sys/fs/cgroup/user.slice/cpu.max", "max 100000\n")
+        .with("sys/fs/cgroup/user.slice/session.scope/deep/cgroup.procs", "");
+    EXPECT_TRUE(says(kernel.why(), "cgroup /user.slice of this process")) << kernel.why();
+    EXPECT_TRUE(says(kernel.why(), "run: echo $$ | sudo tee " + kernel.path("sys/fs/cgroup/cgroup.procs")))
+        << kernel.why();
+}
+
+TEST(RightsOf, AContainersOwnGroupGetsItsBudgetFromOutside) {
+    Kernel kernel;
+    kernel.with("proc/self/cgroup", "1:cpu:/\n0::/\n").with("sys/fs/cgroup/cpu/cpu.rt_runtime_us", "0\n");
+    EXPECT_TRUE(says(kernel.why(), "docker run --cpu-rt-runtime")) << kernel.why();
+    kernel.with("proc/self/cgroup",
+                "1:cpu:/docker/0123\n");  // seen with the host's name, mounted as the root
+    EXPECT_TRUE(says(kernel.why(), "docker run --cpu-rt-runtime")) << kernel.why();
+}
+
+TEST(RightsOf, WhatHasARightAndABudgetIsRefusedBySomethingElse) {
+    Kernel kernel;
+    kernel.with("proc/self/cgroup", "1:cpu:/\n0::/\n")
+        .with("sys/fs/cgroup/cpu/cpu.rt_runtime_us", "950000\n");
+    EXPECT_TRUE(says(kernel.why(), "seccomp")) << kernel.why();
+}
+
+}  // namespace
+}  // namespace knurl::servo
