@@ -31,7 +31,7 @@ inline Missing missing(const std::string& right, const std::string& why, const s
     return "missing right: " + right + " (" + why + "); " + what_gives_it;
 }
 
-namespace detail {
+namespace trying {
 
 /// What `attempt` ends with in a child: 0, or the errno of what it was not allowed.
 template <class Attempt>
@@ -47,7 +47,7 @@ inline Missing unless(int error, const char* right, const std::string& what_give
     return error == 0 ? Missing{} : missing(right, std::strerror(error), what_gives_it);
 }
 
-}  // namespace detail
+}  // namespace trying
 
 /// SCHED_FIFO at this priority, for a thread.
 inline Missing missing_real_time(int priority) {
@@ -56,16 +56,16 @@ inline Missing missing_real_time(int priority) {
         const sched_param parameters{.sched_priority = priority};
         error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
     }).join();
-    return detail::unless(error, "real-time priority",
+    return trying::unless(error, "real-time priority",
                           "`ulimit -r " + std::to_string(priority) +
                               "` or CAP_SYS_NICE gives it, in a cgroup with real-time budget");
 }
 
 /// To start programs as somebody else, without any right.
 inline Missing missing_other_user() {
-    const int error = detail::tried_in_child(
+    const int error = trying::tried_in_child(
         [] { return ::setgroups(0, nullptr) == 0 && ::setgid(65534) == 0 && ::setuid(65534) == 0; });
-    return detail::unless(error, "to become another user",
+    return trying::unless(error, "to become another user",
                           "root has it, unless CAP_SETUID and CAP_SETGID were taken from it");
 }
 
@@ -83,14 +83,14 @@ inline Missing missing_terminal() {
         if (terminal >= 0) ::close(terminal);
         ::close(controller);
     }
-    return detail::unless(error, "a pseudo-terminal",
+    return trying::unless(error, "a pseudo-terminal",
                           "`mount -t devpts devpts /dev/pts` with /dev/ptmx gives it");
 }
 
 /// To follow a child instruction by instruction.
 inline Missing missing_ptrace() {
-    return detail::unless(
-        detail::tried_in_child([] { return ::ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) == 0; }), "ptrace",
+    return trying::unless(
+        trying::tried_in_child([] { return ::ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) == 0; }), "ptrace",
         "a container that allows it (docker: --cap-add SYS_PTRACE) gives it");
 }
 

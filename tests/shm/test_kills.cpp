@@ -267,7 +267,7 @@ TYPED_TEST(Kills, BeforeEveryInstructionOfAWriteShowItWhollyOrNotAtAll) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "instrumented code has far too many instructions";
 #endif
-    KNURL_NEEDS(test::missing_ptrace());
+    KNURL_NEEDS(knurl::test::missing_ptrace());
     Subject& subject = this->subject_;
     subject.start();
     const pid_t writer = ::fork();
