@@ -87,6 +87,7 @@ int run(const Wishes& wishes) {
     for (const auto& key : wishes.ways) ways.push_back(surface::way_of(key));
 
     const auto model = surface::load_elevation(wishes.model);
+    for (const auto& line : model.notes) fmt::print(stderr, "knurl-surface: {}: {}\n", wishes.model, line);
     const auto relief = surface::make_relief(model, wishes.relief);
     const surface::Terrain terrain(relief.grid);
     const auto path = surface::make_stroke(terrain, wishes.stroke);
