@@ -32,7 +32,6 @@ std::vector<std::string_view> beginnings(std::string_view behind) {
         if (end == rest.npos) break;
         rest = over_line_end(rest.substr(end));
         add(rest);
-        if (!rest.empty() && Words::blank.find(rest.front()) != rest.npos) add(rest.substr(1));
     }
     return found;
 }
