@@ -55,6 +55,8 @@ int run_eval(const Arguments& arguments) {
     const auto motion = drivers::load_motion(arguments.motion);
     const Evaluation evaluation = evaluate(scene, motion, arguments.options);
     measure::write_file(arguments.out, csv_of(evaluation.cycles));
+    if (const auto doubt = drivers::unit_doubt(motion))
+        fmt::print(stderr, "knurl eval: {}: {}\n", arguments.motion, *doubt);
     for (const auto& remark : evaluation.remarks) fmt::print(stderr, "knurl eval: {}\n", remark);
     return 0;
 }

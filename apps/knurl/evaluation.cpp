@@ -254,7 +254,8 @@ Evaluation evaluate(const SceneFile& scene, const drivers::Motion& motion, const
     const ProbePlacement probe0 = scene.probes.empty() ? ProbePlacement{} : scene.probes.front();
 
     Evaluation result;
-    result.remarks = std::move(built.remarks);
+    result.remarks = scene.remarks;
+    result.remarks.insert(result.remarks.end(), built.remarks.begin(), built.remarks.end());
     result.cycles.reserve(static_cast<std::size_t>(cycles.last - cycles.first + 1));
     for (std::int64_t i = cycles.first; i <= cycles.last; ++i) {
         const double t = static_cast<double>(i) / options.rate;

@@ -32,7 +32,6 @@ std::vector<std::string_view> beginnings(std::string_view behind) {
         if (end == rest.npos) break;
         rest = over_line_end(rest.substr(end));
         add(rest);
-        if (!rest.empty() && Words::blank.find(rest.front()) != rest.npos) add(rest.substr(1));
     }
     return found;
 }
@@ -59,7 +58,7 @@ std::string_view samples(std::string_view behind, std::size_t wanted, const std:
     }
     if (fitting.size() == 1) {
         if (fitting[0].size() > 2 * wanted + 2)
-            notes.push_back("the file holds several pictures; the first is read");
+            notes.emplace_back("the file holds several pictures; the first is read");
         return fitting[0].substr(0, 2 * wanted);
     }
     if (most < 2 * wanted) throw too_short(name, most / 2, wanted);

@@ -199,4 +199,16 @@ Motion load_motion(const std::string& path) {
     return parse_motion(text.str(), path);
 }
 
+std::optional<std::string> unit_doubt(const Motion& motion) {
+    constexpr double reach = 2;  // m
+    double farthest = 0;
+    for (const MotionRow& row : motion.rows())
+        farthest = std::max(farthest, row.position.lpNorm<Eigen::Infinity>());
+    if (!(farthest > reach)) return std::nullopt;
+    std::ostringstream text;
+    text << "the motion goes " << farthest << " m far, but a hand reaches " << reach
+         << " m: places are in metres; if these are mm, divide them by 1000";
+    return text.str();
+}
+
 }  // namespace knurl::drivers

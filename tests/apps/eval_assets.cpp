@@ -1,6 +1,7 @@
 // Scene files and `knurl eval`: surfaces that shapes are made of.
 
 #include <cmath>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -78,6 +79,63 @@ TEST(EvalAssets, AFileStandsBesideTheSceneAndHasAUnit) {
     refused("mesh = 'square.obj'\nunit = 'furlong'\n", "give one of mm, cm, m, in, um");
     refused("mesh = 'circle.obj'\nunit = 'mm'\n", "circle.obj: is not there");
     refused("vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\ntriangles = [[0, 1, 3]]\n", "out of range");
+}
+
+TEST(EvalAssets, NothingIsFeltInTheNotchOfAPolygonThatHasOne) {
+    const Folder folder;
+    folder.file(
+        "u.obj",
+        "v -30 -30 -10\nv 30 -30 -10\nv 30 30 -10\nv 10 30 -10\nv 10 -10 -10\nv -10 -10 -10\nv -10 30 -10\n"
+        "v -30 30 -10\nv -30 -30 10\nv 30 -30 10\nv 30 30 10\nv 10 30 10\nv 10 -10 10\nv -10 -10 10\n"
+        "v -10 30 10\nv -30 30 10\nf 9 10 11 12 13 14 15 16\nf 8 7 6 5 4 3 2 1\nf 1 2 10 9\nf 2 3 11 10\n"
+        "f 3 4 12 11\nf 4 5 13 12\nf 5 6 14 13\nf 6 7 15 14\nf 7 8 16 15\nf 8 1 9 16\n");
+    const Outcome felt =
+        knurl({"eval", "--scene",
+               folder.file("S.toml",
+                           "[[asset]]\nmesh = 'u.obj'\nunit = 'mm'\n[[shape]]\nasset = 1\n"
+                           "stiffness = 800\n"),
+               "--motion", folder.file("M.csv", "0,0,0.01,0.03\n1,0,0.01,-0.03\n"), "--out", "-"});
+    EXPECT_EQ(felt.code, 0) << felt.err;
+    EXPECT_NE(felt.err.find("2 polygons are not convex"), std::string::npos) << felt.err;
+    EXPECT_EQ(felt.err.find("open"), std::string::npos) << felt.err;
+    std::istringstream lines(felt.out.substr(felt.out.find('\n') + 1));
+    for (std::string line; std::getline(lines, line);)
+        EXPECT_NE(line.find(",0,0,0,0,0,0,"), std::string::npos) << line;
+}
+
+TEST(EvalAssets, WhatIsWoundInsideOutIsTurnedUnlessItIsToStay) {
+    const Folder folder;
+    folder.file("box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
+    for (const bool inside : {false, true}) {
+        const Outcome felt =
+            knurl({"eval", "--scene",
+                   folder.file("S.toml", std::string("[[asset]]\nmesh = 'box.obj'\nunit = 'm'\ninside = ") +
+                                             (inside ? "true" : "false") +
+                                             "\n[[shape]]\nasset = 1\nstiffness = 100\n"),
+                   "--motion", folder.file("M.csv", "0,0.2,0.2,-0.01\n0.01,0.2,0.2,-0.01\n1,0.2,0.2,0.01\n"),
+                   "--out", "-"});
+        EXPECT_EQ(felt.code, 0) << felt.err;
+        EXPECT_EQ(felt.err.find("a closed part was wound inside out and turned; inside = true keeps it so") ==
+                      std::string::npos,
+                  inside)
+            << felt.err;
+        const std::string last = felt.out.substr(felt.out.rfind("\n1,") + 1);
+        EXPECT_EQ(last.find("0.01,0,0,0,") != std::string::npos, inside) << last;
+    }
+}
+
+TEST(EvalUnits, AHandDoesNotReachForMetres) {
+    const Folder folder;
+    const Outcome felt = knurl(
+        {"eval", "--scene", folder.file("S.toml", "[[plane]]\nid = 'floor'\noffset = 5\nstiffness = 100\n"),
+         "--motion", folder.file("M.csv", "0,0,0,40\n0.1,0,0,-40\n"), "--out", "-"});
+    EXPECT_EQ(felt.code, 0);
+    EXPECT_NE(
+        felt.err.find("S.toml:3:10: offset of plane 'floor' is 5 m, but a hand reaches 2 m: lengths are in "
+                      "metres; if it is in mm, write 0.005"),
+        std::string::npos)
+        << felt.err;
+    EXPECT_NE(felt.err.find("M.csv: the motion goes 40 m far"), std::string::npos) << felt.err;
 }
 
 }  // namespace

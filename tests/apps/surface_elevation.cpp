@@ -61,6 +61,11 @@ class Elevation : public testing::Test {
             text.text = value.data();
             png_set_text(p, info, &text, 1);
         }
+        if (transparent_) {
+            png_color_16 colour_of{};
+            colour_of.gray = *transparent_;
+            png_set_tRNS(p, info, nullptr, 0, &colour_of);
+        }
         png_write_info(p, info);
         const auto row_bytes = png_get_rowbytes(p, info);
         std::vector<unsigned char> bytes(row_bytes * static_cast<std::size_t>(rows));
@@ -78,6 +83,7 @@ class Elevation : public testing::Test {
 
     std::filesystem::path folder_;
     std::vector<unsigned char> written_;
+    std::optional<png_uint_16> transparent_ = {};  // the grey that png() says is
 };
 
 TEST_F(Elevation, A16BitPngIsReadToTheCountWithItsScale) {
@@ -184,6 +190,157 @@ TEST_F(Elevation, BadEsriGridsAreRefused) {
     EXPECT_THAT(refusal(file("odd.asc", "ncols 4\nncows 4\ncellsize 1\n1 2 3")), HasSubstr("ncows"));
     EXPECT_THAT(refusal(file("row.asc", "ncols 9\nnrows 1\ncellsize 1\n1 2 3 4 5 6 7 8 9")),
                 HasSubstr("1 row of 9"));
+}
+
+const std::string sixteen = "1 2 3 4\n5 6 7 8\n9 10 11 12\n13 14 15 16\n";
+
+TEST_F(Elevation, AGridIsReadHoweverItsHeaderIsWritten) {
+    const std::string head = "ncols 4\nnrows 4\ncellsize 30\n";
+    for (const auto& [what, text] : std::vector<std::pair<std::string, std::string>>{
+             {"a byte order mark", "\xef\xbb\xbf" + head + sixteen},
+             {"dx and dy", "ncols 4\nnrows 4\ndx 30\ndy 30.0000\n" + sixteen},
+             {"comments", "# made by us\n// here\n; so\n" + head + "# heights\n" + sixteen + "# end\n"},
+             {"carriage returns",
+              "ncols 4\r\nnrows 4\r\ncellsize 30\r\n1 2 3 4\r\n5 6 7 8\r\n9 10 11 12\r\n13 14 15 16\r\n"},
+             {"another order",
+              "NODATA_value -9999\ncellsize 3.0e+01\nYLLCENTER 5e6\nNROWS 4\nNCOLS 4\n" + sixteen},
+             {"no value for what is not there", head + "NODATA_value null\n" + sixteen},
+             {"one line", "ncols 4 nrows 4 cellsize 30 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16"},
+         }) {
+        SCOPED_TRACE(what);
+        const ElevationModel model = surface::load_elevation(file("g.asc", text));
+        EXPECT_EQ(model.metres_per_cell, 30);
+        for (int i = 0; i < 16; ++i) EXPECT_EQ(model.counts[static_cast<std::size_t>(i)], i + 1);
+    }
+}
+
+TEST_F(Elevation, WhatStandsForNoHeightIsKnownHoweverItIsWritten) {
+    const std::string head = "ncols 4\nnrows 4\ncellsize 30\n";
+    for (const auto& [nodata, cell] : std::vector<std::pair<std::string, std::string>>{
+             {"", "-9999"},
+             {"", "-9999.0"},
+             {"", "-32768"},
+             {"", "-3.40282e+38"},
+             {"", "null"},
+             {"", "NaN"},
+             {"", "1.#QNAN"},
+             {"-9999", "-9999.000"},
+             {"-3.4028234663852886e+38", "-3.40282e+38"},
+             {"-3.40282e+38", "-3.4028234663852886e+38"},
+             {"-1.7976931348623157e+308", "-1.797693e+308"},
+             {"-99999.9", "-99999.8984375"},
+             {"9999", "9999"},
+             {"nan", "-nan"},
+             {"void", "VOID"},
+         }) {
+        SCOPED_TRACE(nodata + " in the header, " + cell);
+        const std::string text = head + (nodata.empty() ? "" : "NODATA_value " + nodata + "\n") +
+                                 "1 2 3 4\n5 6 7 " + cell + "\n9 10 11 12\n13 14 15 16\n";
+        EXPECT_THAT(refusal(file("gap.asc", text)),
+                    AllOf(HasSubstr("row 2, column 4 has no height (" + cell + ")")));
+    }
+    // The deepest sea: where the header says otherwise it is a height.
+    const auto deep =
+        surface::load_elevation(file("deep.asc", head + "NODATA_value -32768\n-9999" + sixteen.substr(1)));
+    EXPECT_EQ(deep.counts[0], -9999);
+}
+
+TEST_F(Elevation, GridsThatWouldBeReadAskewAreRefused) {
+    EXPECT_THAT(refusal(file("swapped.asc",
+                             "ncols 4\nnrows 5\ncellsize 1\n1 2 3 4 5\n6 7 8 9 10\n1 2 3 4 5\n6 7 8 9 10\n")),
+                HasSubstr("there are 4 lines of 5 heights; swap the two"));
+    EXPECT_THAT(refusal(file("oblong.asc", "ncols 4\nnrows 4\ndx 1\ndy 2\n" + sixteen)),
+                HasSubstr("are no squares"));
+    EXPECT_THAT(refusal(file("half.asc", "ncols 4\nnrows 4\ndx 1\n" + sixteen)),
+                HasSubstr("cellsize, or dx and dy"));
+    EXPECT_THAT(refusal(file("twice.asc", "ncols 4\nncols 5\nnrows 4\ncellsize 1\n" + sixteen)),
+                HasSubstr("ncols twice"));
+    EXPECT_THAT(refusal(file("utf16.asc", std::string("\xff\xfen\0c\0", 6))), HasSubstr("UTF-16"));
+    EXPECT_THAT(refusal(file("mixed.asc", "ncols 4\nnrows 4\ncellsize 1\n1,5 2.5 3 4\n" + sixteen)),
+                HasSubstr("row 1, column 2 is \"2.5\", but others have a decimal comma"));
+}
+
+TEST_F(Elevation, DecimalCommasAreReadAndSaid) {
+    const ElevationModel model = surface::load_elevation(
+        file("comma.asc", "ncols 4\nnrows 4\ncellsize 2,5\n1,25 2 3 4\n5 6 7 8\n9 10 11 12\n13 14 15 16\n"));
+    EXPECT_EQ(model.counts[0], 1.25);
+    EXPECT_EQ(model.metres_per_cell, 2.5);
+    EXPECT_THAT(model.notes, testing::ElementsAre(HasSubstr("decimal comma")));
+    const ElevationModel png_model = surface::load_elevation(
+        png("c.png", 4, 4, 16, PNG_COLOR_TYPE_GRAY, {{"knurl:metres_per_count", "0,25"}}));
+    EXPECT_EQ(png_model.metres_per_count, 0.25);
+    for (const char* text : {"1,234", "about 3", "-1", "1.000,5"})
+        EXPECT_THAT(refusal(png("c.png", 4, 4, 16, PNG_COLOR_TYPE_GRAY, {{"knurl:metres_per_cell", text}})),
+                    HasSubstr(std::string("metres_per_cell is \"") + text + "\", not a number above 0"));
+}
+
+TEST_F(Elevation, AFineLocalGridIsNotInDegrees) {
+    const std::string head = "ncols 4\nnrows 4\ncellsize 0.05\n";
+    for (const char* corner : {"xllcorner 0\nyllcorner 0\n", "xllcenter 0\nyllcenter 0\n",
+                               "xllcorner -0.1\nyllcorner -0.1\n", ""}) {
+        const ElevationModel model = surface::load_elevation(file("local.asc", corner + head + sixteen));
+        EXPECT_EQ(model.metres_per_cell, 0.05) << corner;
+    }
+    // Elsewhere by how steep it would be.
+    const std::string flat = "1.01 1.02 1.03 1.02 1.01 1.0 1.01 1.02 1.03 1.02 1.01 1.0 1.01 1.02 1.03 1.02";
+    EXPECT_EQ(surface::load_elevation(file("mm.asc", "xllcorner 12.5\nyllcorner 3\n" + head + flat))
+                  .metres_per_cell,
+              0.05);
+    EXPECT_NEAR(*surface::load_elevation(file("deg.asc", "xllcorner 12.5\nyllcorner 3\n" + head + sixteen))
+                     .metres_per_cell,
+                0.05 * 111195, 20);
+}
+
+/// 8 x 8 smooth samples as a P5 holds them, the first of which begin with a blank and a '#'.
+std::string samples(bool little = false) {
+    std::string bytes;
+    for (int i = 0; i < 64; ++i) {
+        const int value = 0x2023 + 300 * (i % 8) + 7 * i;
+        bytes += {static_cast<char>(value >> 8), static_cast<char>(value)};
+        if (little) std::swap(bytes[bytes.size() - 2], bytes[bytes.size() - 1]);
+    }
+    return bytes;
+}
+
+TEST_F(Elevation, APgmMayHaveCommentsAndLineEndsOfAnyKind) {
+    const std::string s = samples();
+    for (const std::string& head : std::vector<std::string>{
+             "P5\n8 8\n65535\n", "P5 8 8 65535 ", "P5\r\n8 8\r\n65535\r\n",
+             "P5 # gimp\n# by us\n8# w\n 8 # h\n65535\n", "P5\n8 8\n65535\n# by a camera\n",
+             "P5\n8 8\n65535 # c\n", "P5\n8 8\n65535# c\r\n", "P5\n8 8\n65535\n# a\n# b\r\n",
+             "P5#\n8#\n8#\n20000\n"}) {
+        for (const std::string& behind : std::vector<std::string>{"", "\n", "\r\n"}) {
+            const ElevationModel model = surface::load_elevation(file("c.pgm", head + s + behind));
+            for (int i = 0; i < 64; ++i)
+                ASSERT_EQ(model.counts[static_cast<std::size_t>(i)], 0x2023 + 300 * (i % 8) + 7 * i)
+                    << head << behind;
+        }
+    }
+    const ElevationModel two =
+        surface::load_elevation(file("two.pgm", "P5 8 8 65535\n" + s + "P5 8 8 65535\n" + s));
+    EXPECT_EQ(two.counts[0], 0x2023);
+    EXPECT_THAT(two.notes, testing::ElementsAre(HasSubstr("several pictures")));
+}
+
+TEST_F(Elevation, APgmThatIsNotWhatItsHeaderSaysIsRefused) {
+    const std::string s = samples();
+    EXPECT_THAT(refusal(file("more.pgm", "P5 8 8 65535\n" + s + "123")),
+                HasSubstr("131 bytes follow this PGM's header, but its 64 samples of 16 bits take 128"));
+    EXPECT_THAT(refusal(file("above.pgm", "P5 8 8 9000\n" + s)),
+                HasSubstr("row 1, column 4 is 9148, above the largest"));
+    EXPECT_THAT(refusal(file("little.pgm", "P5 8 8 65535\n" + samples(true))), HasSubstr("little-endian"));
+    EXPECT_THAT(refusal(file("plain.pgm", "P2 4 4 1000\n" + sixteen + "17\n")),
+                HasSubstr("\"17\" follows the 16"));
+    EXPECT_THAT(refusal(file("none.pgm", "P5 8 8 0\n" + s)), HasSubstr("largest value is 0: that is none"));
+    EXPECT_THAT(refusal(file("above16.pgm", "P5 8 8 70000\n" + s)), HasSubstr("at most 65535"));
+}
+
+TEST_F(Elevation, TransparentPixelsHaveNoHeight) {
+    transparent_ = 2 * 37 * 256 + 3 * 37;  // of the second pixel
+    EXPECT_THAT(refusal(png("gap.png", 4, 4, 16)),
+                HasSubstr("row 1, column 2 has no height (19055, transparent)"));
+    transparent_ = 1;
+    EXPECT_EQ(surface::load_elevation(png("whole.png", 4, 4, 16)).counts.size(), 16u);
 }
 
 TEST_F(Elevation, WhatIsNoModelAtAllIsRefused) {

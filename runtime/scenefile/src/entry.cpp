@@ -178,6 +178,23 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
     return entry;
 }
 
+void doubt_units(const std::string& path, const Entry& entry, std::vector<std::string>& remarks) {
+    constexpr double reach = 2, farthest = 1e3;  // m: of a hand; a world that has its own origin is beyond
+    for (const Setting& setting : entry.settings) {
+        const Field& field = kinds()[entry.kind].fields[setting.field];
+        if (field.unit != "m") continue;
+        double length = 0;
+        for (const double part : setting.parts)
+            if (std::isfinite(part) && std::abs(part) > std::abs(length)) length = part;
+        if (!(std::abs(length) > reach && std::abs(length) < farthest)) continue;
+        remarks.push_back(
+            fmt::format("{}:{}:{}: {} of {} is {:g} m, but a hand reaches {:g} m: lengths are in metres; if "
+                        "it is in mm, write {:g}",
+                        path, setting.at.line, setting.at.column, field.name, entry.called, length, reach,
+                        length * 1e-3));
+    }
+}
+
 ProbePlacement read_probe(const std::string& path, std::size_t index, const toml::table& table) {
     const std::string called = fmt::format("probe {}", index);
     ProbePlacement placement;

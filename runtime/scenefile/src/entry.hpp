@@ -34,6 +34,8 @@ struct Entry {
 
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table);
 ProbePlacement read_probe(const std::string& path, std::size_t index, const toml::table& table);
+/// Lengths that were probably meant in mm: a remark each.
+void doubt_units(const std::string& path, const Entry& entry, std::vector<std::string>& remarks);
 AssetEntry read_asset(const std::string& path, std::size_t number, const toml::table& table);
 
 [[noreturn]] void fail_unknown_key(const std::string& path, const Value& value, const std::string& called,

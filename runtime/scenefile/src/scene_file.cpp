@@ -235,7 +235,10 @@ SceneFile parse_scene(std::string_view text, const std::string& path) {
         return std::tie(a.at, a.where.line, a.where.column) < std::tie(b.at, b.where.line, b.where.column);
     });
     Resolver resolver(scene);
-    for (const Entry& entry : entries) resolver.take(entry);
+    for (const Entry& entry : entries) {
+        resolver.take(entry);
+        doubt_units(path, entry, scene.remarks);
+    }
     return scene;
 }
 

@@ -17,6 +17,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <knurl/drivers/motion.hpp>
 #include <knurl/drivers/registry.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/device_segment.hpp>
@@ -352,6 +353,12 @@ int run_daemon(const DaemonConfig& config) {
         say(fmt::format("  on CPU {}, {}", cpu, lateness));
         for (const auto& station : stations) say(station->description());
         for (const std::string& line : missing.report()) complain(line);
+        for (const auto& station : stations) {
+            const std::string& hand = station->config.hand_file;
+            if (hand.empty()) continue;
+            if (const auto doubt = drivers::unit_doubt(drivers::load_motion(hand)))
+                complain(fmt::format("{}: {}", hand, *doubt));
+        }
         say("knurld: ready");
 
         end = broker.run();

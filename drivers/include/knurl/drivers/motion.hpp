@@ -2,6 +2,7 @@
 // A motion over time from a CSV file: where a hand goes, or wants to go.
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,5 +54,9 @@ class Motion {
 Motion load_motion(const std::string& path);
 /// The same from text; `name` stands for the file in messages.
 Motion parse_motion(std::string_view text, const std::string& name);
+
+/// Beyond what a hand reaches a length was probably meant in mm: "..., but lengths are in metres; ...". None: it
+/// is not.
+std::optional<std::string> unit_doubt(const Motion& motion);
 
 }  // namespace knurl::drivers

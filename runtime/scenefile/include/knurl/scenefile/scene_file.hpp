@@ -71,6 +71,7 @@ struct SceneFile {
     std::vector<ProbePlacement> probes;  // of probes 0, 1, ...; the rest sit at the tip, with no radius
     std::vector<Change> changes;         // in order of time, then of the file
     std::uint32_t items = 0;             // representations that are ever added
+    std::vector<std::string> remarks;    // "file:line:column: ...", of what is legal and looks like a mistake
 };
 
 /// Reads the whole file or throws SceneError at the first thing wrong: nothing is half-applied.
