@@ -1,6 +1,7 @@
 // knurl-surface: lets a hand stroke a real relief through an application of 20 Hz, in several ways, and
 // judges them.
 
+#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 
@@ -79,7 +80,8 @@ void describe(CLI::App& app, Wishes& w) {
         "  knurl-surface --write-stroke stroke.csv hills.png\n"
         "  knurld --device sim:premium15 --hand stroke.csv &\n"
         "  knurl-surface hills.png --json out.json --csv out.csv --relief relief.asc\n"
-        "  scripts/plot_surface.py out.json out.csv relief.asc out.png\n");
+        "  scripts/plot_surface.py out.json out.csv relief.asc out.png\n"
+        "Exit code 1: of some way there is no verdict (the hand never touched, did not move, ...).\n");
 }
 
 int run(const Wishes& wishes) {
@@ -134,7 +136,11 @@ int run(const Wishes& wishes) {
     fmt::print("\n{}", surface::table(outcomes, text));
     if (!wishes.csv.empty()) surface::write_csv(wishes.csv, outcomes, terrain);
     if (!wishes.json.empty()) surface::write_json(wishes.json, outcomes, text);
-    return stop ? 130 : 0;
+    if (stop) return 130;
+    const bool all_judged = std::all_of(outcomes.begin(), outcomes.end(), [](const surface::Outcome& o) {
+        return o.judgement.stable().has_value();
+    });
+    return all_judged ? 0 : 1;
 }
 
 }  // namespace
