@@ -93,7 +93,7 @@ std::optional<HandReport> Reader::next_report(nanoseconds timeout) {
     return taken(*report);
 }
 
-std::optional<Frame> Reader::newest(nanoseconds timeout) {
+std::optional<HandFrame> Reader::newest(nanoseconds timeout) {
     Lock lock = enter();
     std::optional<Report> report = await(lock, timeout);
     if (!report) return std::nullopt;
@@ -105,7 +105,7 @@ std::optional<Frame> Reader::newest(nanoseconds timeout) {
         since_.add(*report = next);
     }
     settle(lock, false);
-    Frame frame;
+    HandFrame frame;
     static_cast<HandReport&>(frame) = taken(*report);
     since_.tell(frame);
     return frame;

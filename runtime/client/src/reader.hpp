@@ -34,7 +34,7 @@ class Reader {
 
     std::optional<HandReport> latest();
     std::optional<HandReport> next_report(std::chrono::nanoseconds timeout);
-    std::optional<Frame> newest(std::chrono::nanoseconds timeout);
+    std::optional<HandFrame> newest(std::chrono::nanoseconds timeout);
     int fd();
     std::uint64_t missed();
     DeviceDescription description();

@@ -29,7 +29,7 @@ class Since {
     }
 
     /// Since the call before; the next one begins here. `frame`: the report that was added last.
-    void tell(Frame& frame) noexcept {
+    void tell(HandFrame& frame) noexcept {
         frame.pressed = pressed_;
         frame.released = released_;
         frame.touched = touched_;

@@ -2,13 +2,12 @@
 // An application's view of Knurl.
 //
 //     auto client = knurl::Client::connect("knurl:default");
-//     auto hand = client.claim("right");  // refused: who holds it, by pid
-//     auto floor = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.0 /* m */, .stiffness = 800 /* N/m
-//     */}); hand.arm();  // force may follow while (auto frame = hand.newest(50ms)) {  // or hand.fd() in
-//     your event loop
-//         if (frame->pressed & 1) floor.set(...);
-//         floor.follow(terrain);  // plane where the hand will be
-//         hand.commit();  // all that changed takes effect in one cycle; also: "I am alive"
+//     auto hand = client.claim("right");        // refused: who holds it, by pid
+//     auto floor = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.0 /* m */, .stiffness = 800});
+//     hand.arm();                               // force may follow
+//     while (auto frame = hand.newest(50ms)) {  // or newest(0ns) when hand.fd() is readable
+//         floor.follow(terrain);                // plane where the hand will be; or floor.set(...)
+//         hand.commit();                        // all that changed takes effect in one cycle; "I am alive"
 //     }
 //
 // All calls throw knurl::Error. A Claim and its handles belong to one thread at a time; in the child of a
@@ -69,7 +68,7 @@ struct HandReport : Report {
 
 /// The newest report, and what happened since the call of newest() before: also in reports that nobody read,
 /// and in those that next_report() or latest() gave meanwhile. Of the first call: since the reader began.
-struct Frame : HandReport {
+struct HandFrame : HandReport {
     // A bit per button that went down, and that came up; in both: at least once each. Of reports that were
     // missed, or that a network thins out or loses, every second press between two that came is not known.
     std::uint32_t pressed = 0, released = 0;
@@ -126,7 +125,7 @@ class Observer {
     /// For a program that draws or computes, however often: the newest report, with all that happened to
     /// buttons and contacts since the call before. Waits until there is one that was not read. None: none
     /// came in time, or not connected.
-    std::optional<Frame> newest(std::chrono::nanoseconds timeout);
+    std::optional<HandFrame> newest(std::chrono::nanoseconds timeout);
     /// The newest report, though it may have been read already. None: before the first cycle, or not
     /// connected.
     std::optional<HandReport> latest();
