@@ -17,7 +17,7 @@ import numpy as np
 
 FORMAT = {"program": "scripts/bench", "version": 1}
 LEAST_BLOCKS, LEAST_ABOVE, RESAMPLES, STRETCHES = 30, 10, 4000, 8
-FALSE_ALARMS, MARGIN = 0.05, 1.05
+FALSE_ALARMS, MARGIN, MOST_MOVED = 0.05, 1.05, 1.3
 SHORTEST_REPETITION = 2e6  # ns; scripts/bench asks for 10e6 at least
 SMALLEST = 2.0**-10
 
@@ -124,12 +124,14 @@ def drawn(random, result, reference):
 
 
 def student(confidence, freedom):
-    """Two-sided, by Cornish and Fisher's expansion of the normal one: within 0.1 % from 29 degrees on, 3 % from 14."""
-    from statistics import NormalDist
-
-    z = NormalDist().inv_cdf((1 + confidence) / 2)
-    return (z + (z**3 + z) / (4 * freedom) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
-            + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * freedom**3))
+    """Two-sided, to 1e-6: by bisection of the distribution's integral, which Simpson's rule has of cos^(n-1)."""
+    half = np.pi / 2
+    # t = sqrt(n) tan(a) turns the density into cos(a)^(n - 1).
+    angles = np.linspace(0, half, 20001)
+    density = np.cos(angles) ** (freedom - 1)
+    steps = (density[:-2:2] + 4 * density[1:-1:2] + density[2::2]) * (angles[1] / 3)
+    share = np.concatenate([[0], np.cumsum(steps)])
+    return float(np.sqrt(freedom) * np.tan(np.interp(confidence, share / share[-1], angles[::2])))
 
 
 class Scatter:
@@ -137,6 +139,7 @@ class Scatter:
 
     def __init__(self, result, reference, seed=1):
         self.level, drawings, blocks = drawn(np.random.default_rng(seed), result, reference)
+        self.blocks = blocks
         self.variance = np.var(drawings) * blocks / (blocks - 1)
         edges = [i * blocks // STRETCHES for i in range(STRETCHES + 1)]
         weights = np.zeros((STRETCHES, blocks))
@@ -153,8 +156,9 @@ def typical_drift(scatters):
 
 def verdict_of(was, now, confidence, drift=0.0, moved=0.0):
     """Two Scatters -> (verdict, ratio, low, high)."""
-    variance = sum(s.variance + max(0.0, s.drift, drift) for s in (was, now))
-    reach = student(confidence, 2 * (STRETCHES - 1)) * np.sqrt(variance)
+    blocks = student(confidence, min(was.blocks, now.blocks) - 1)
+    stretches = student(confidence, STRETCHES - 1)  # few, and neighbours are alike: no more than one run's
+    reach = np.sqrt(sum(blocks**2 * s.variance + stretches**2 * max(0.0, s.drift, drift) for s in (was, now)))
     middle = now.level - was.level
     low, high = middle - reach, middle + reach
     verdict = "slower" if low > moved else "faster" if high < -moved else "undecided"
@@ -227,6 +231,10 @@ def main(arguments):
                 whole.append((name, now[0]["reference"], Scatter(*before), Scatter(*now)))
         drift = typical_drift([s for _, _, *both in whole for s in both])
         moved = references_apart([p for p in of_it if any(p[1] == name for name, *_ in whole)])
+        if moved > np.log(MOST_MOVED):
+            unsaid[(program, f"its references moved {np.exp(moved):.2f} times apart between the runs; measure again on a "
+                    "steadier machine")] = [name for name, *_ in whole]
+            continue
         for name, reference, was, is_now in whole:
             verdict, ratio, low, high = verdict_of(was, is_now, confidence, drift, moved)
             counts[verdict] += 1

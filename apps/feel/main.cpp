@@ -166,7 +166,11 @@ int run(Wishes& w) {
     const feel::Judgement judged = feel::judge(felt.cycles);
     fmt::print("  {} cycles, {} of them touching; mean {:.2f} N, peak {:.2f} N, at {:.0f} N/m\n",
                judged.cycles, judged.touching, judged.mean_force, judged.peak_force, felt.stiffness);
-    if (comparable)
+    const bool touched = judged.touching > 0;
+    if (!touched)
+        fmt::print("  it was never touched: there is nothing to compare{}\n",
+                   w.demo ? "; the simulated hand has missed it" : "");
+    if (comparable && touched)
         fmt::print(
             "  against the same mesh at the same places in this process: at most {:.2g} N off, {} contacts "
             "lost, "
@@ -181,7 +185,8 @@ int run(Wishes& w) {
                    fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
         fmt::print("  {}\n", w.picture);
     }
-    return felt.faults != 0 ? 1 : 0;
+    // A person may come and go; a demonstration of nothing is none.
+    return felt.faults != 0 || (w.demo && !touched && !stop) ? 1 : 0;
 }
 
 }  // namespace

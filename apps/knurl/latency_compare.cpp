@@ -161,9 +161,10 @@ LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now
         auto pair = runs.begin();
         for (PathComparison& path : all.paths) {
             if (path.q != q) continue;
-            path.result = measure::compare_apart(
-                pair->first, pair->second, q,
-                {.drift = middle_of(drifts), .moved = path.reference ? floors.apart : floors.farthest}, how);
+            // A floor is the machine: how far it moved, and no verdict.
+            const double moved = is_floor(path.name) ? 0 : path.reference ? floors.apart : floors.farthest;
+            path.result = measure::compare_apart(pair->first, pair->second, q,
+                                                 {.drift = middle_of(drifts), .moved = moved}, how);
             if (is_floor(path.name)) path.result.verdict = measure::Verdict::undecided;
             ++pair;
         }
@@ -175,8 +176,11 @@ std::string to_text(const LatencyComparison& comparison) {
     std::string text = fmt::format(
         "\ncompared with the run of {}; each verdict at {:.2f} %, so that of twenty pairs of equal runs at "
         "most one has any. The machine's floors moved by up to {:.2f} at the median, {:.2f} at 99 %: what "
-        "differs by no more, or by no more than the stretches of either run differ, may be the machine:\n",
-        comparison.date, comparison.confidence * 100, comparison.moved, comparison.moved_tail);
+        "differs by no more, or by no more than the stretches of either run differ, may be the machine; "
+        "where "
+        "they moved more than {:g} times there is no verdict:\n",
+        comparison.date, comparison.confidence * 100, comparison.moved, comparison.moved_tail,
+        measure::most_moved);
     for (const std::string& warning : comparison.warnings)
         text += fmt::format("not alike: {}; the difference may be that\n", warning);
     text += fmt::format("{:<34} {:>4} {:>8} {:>8}  {:<24} {}\n", "what", "", "was", "is", "new to old",

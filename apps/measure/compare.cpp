@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include <boost/math/distributions/students_t.hpp>
@@ -91,6 +92,12 @@ struct Scatter {
     double level = 0, blocks = 0, stretches = 0;
 };
 
+/// Of a variance between that many things.
+double reach_of(double variance, double things, double confidence) {
+    const double deviations = student(confidence, things - 1);
+    return deviations * deviations * variance;
+}
+
 std::optional<Scatter> scatter(const Measured& run, double q, const Bootstrap& how) {
     if (run.blocks.size() < least_blocks) return std::nullopt;
     Level level(run);
@@ -122,6 +129,12 @@ std::optional<Scatter> scatter(const Measured& run, double q, const Bootstrap& h
 
 double drift_of(const Scatter& run) {
     return run.stretches - run.blocks * stretches;
+}
+
+std::string two_digits(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f", value);
+    return text;
 }
 
 std::string shortage(const char* name, const Measured& run, double q) {
@@ -201,17 +214,22 @@ Comparison compare_apart(const Measured& before, const Measured& now, double q, 
     Comparison result;
     for (const auto& [name, run] : {std::pair("the old run", &before), {"the new run", &now}})
         if (result.problem.empty()) result.problem = shortage(name, *run, q);
+    if (result.problem.empty() && machine.moved > std::log(most_moved))
+        result.problem = "the machine's floors moved " + two_digits(std::exp(machine.moved)) +
+                         " times between the runs; measure again on a steadier one";
     if (!result.problem.empty()) return result;
     const auto was = scatter(before, q, how), is = scatter(now, q, how);
     if (!was || !is) {
         result.problem = "too few samples in some blocks; measure longer";
         return result;
     }
-    double variance = 0;
+    const auto blocks = static_cast<double>(std::min(before.blocks.size(), now.blocks.size()));
+    double squares = 0;
     for (const Scatter& run : {*was, *is})
-        variance += run.blocks + std::max({0.0, drift_of(run), machine.drift});
-    const double middle = is->level - was->level,
-                 reach = student(how.confidence, 2 * (stretches - 1)) * std::sqrt(variance);
+        // Few stretches, and neighbours are alike: no more degrees of freedom than one run's.
+        squares += reach_of(run.blocks, blocks, how.confidence) +
+                   reach_of(std::max({0.0, drift_of(run), machine.drift}), stretches, how.confidence);
+    const double middle = is->level - was->level, reach = std::sqrt(squares);
     result.ratio = std::exp(middle);
     result.interval = {.low = std::exp(middle - reach), .high = std::exp(middle + reach)};
     if (middle + reach < -machine.moved) result.verdict = Verdict::better;

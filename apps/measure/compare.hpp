@@ -3,7 +3,7 @@
 // two runs, one after the other, that is not enough: what a machine does meanwhile no block of either shows.
 // So their intervals are as wide as
 //
-//   Student's t x sqrt(scatter^2 + drift^2, of both runs)      and begin beyond what the machine itself did
+//   sqrt((t scatter)^2 + (t' drift)^2, of both runs)      and begin beyond what the machine itself did
 //
 // where the drift is how much more the stretches of a run (eight, one after another) differ than its blocks
 // explain: what a machine does between the stretches of a run it does between two runs as well. And what the
@@ -71,6 +71,9 @@ struct Machine {
     double drift = 0;  // as drift(): of a typical result; what one result shows can be less by chance
     double moved = 0;  // of the logarithm: a difference up to here is the machine's
 };
+
+/// Where floors moved farther, it was another machine: what else it did to a path, nobody knows.
+inline constexpr double most_moved = 1.3;  // times
 
 /// As compare(), of two runs that were made one after the other. The interval is of the ratio; a verdict is
 /// given where all of it is beyond what the machine moved.

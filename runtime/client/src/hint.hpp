@@ -1,6 +1,7 @@
 #pragma once
 // What a program learns that uses the library in a way that nobody wants: once each, in one line.
 
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
