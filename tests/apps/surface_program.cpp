@@ -69,7 +69,7 @@ TEST_F(SurfaceProgram, AHandThatDoesNotStrokeIsNoVerdictAndExitCode1) {
     EXPECT_EQ(outcome.code, 1) << outcome.out << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("no verdict: the hand "));
     EXPECT_THAT(outcome.out, HasSubstr("knurld --hand"));
-    const auto json = nlohmann::json::parse(knurl::test::text_of_file(folder_.path("out.json")));
+    const auto json = knurl::Json::parse(knurl::test::text_of_file(folder_.path("out.json")));
     EXPECT_TRUE(json.at("strokes").at(0).at("stable").is_null());
 }
 
