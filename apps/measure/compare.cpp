@@ -209,7 +209,7 @@ std::optional<double> drift(const Measured& run, double q, const Bootstrap& how)
     return found ? std::optional(drift_of(*found)) : std::nullopt;
 }
 
-Comparison compare_apart(const Measured& before, const Measured& now, double q, const Machine& machine,
+Comparison compare_apart(const Measured& before, const Measured& now, double q, const MachineShift& machine,
                          const Bootstrap& how) {
     Comparison result;
     for (const auto& [name, run] : {std::pair("the old run", &before), {"the new run", &now}})

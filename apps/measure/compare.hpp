@@ -67,7 +67,7 @@ inline constexpr std::size_t stretches = 8;
 std::optional<double> drift(const Measured& run, double q, const Bootstrap& how = {});
 
 /// What two runs as a whole show of the machine that they were on.
-struct Machine {
+struct MachineShift {
     double drift = 0;  // as drift(): of a typical result; what one result shows can be less by chance
     double moved = 0;  // of the logarithm: a difference up to here is the machine's
 };
@@ -77,7 +77,7 @@ inline constexpr double most_moved = 1.3;  // times
 
 /// As compare(), of two runs that were made one after the other. The interval is of the ratio; a verdict is
 /// given where all of it is beyond what the machine moved.
-Comparison compare_apart(const Measured& before, const Measured& now, double q, const Machine& machine,
+Comparison compare_apart(const Measured& before, const Measured& now, double q, const MachineShift& machine,
                          const Bootstrap& how = {});
 
 /// Of two things that were measured by turns: whether the percentile q has become smaller (better) or larger
