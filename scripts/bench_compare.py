@@ -3,8 +3,10 @@
 
 Each thing is compared as a multiple of the reference that ran interleaved with it, so that a machine that was slower as
 a whole is no difference. How sure that is comes from a bootstrap over the run's blocks (repetitions of a function,
-stretches of a long measurement), at least 30 in each. All verdicts together are wrong for one in twenty pairs of equal
-runs at most. Exit status 1: something got slower by more than 5 %, whatever the noise; 2: these are not two such runs.
+pieces of a long measurement), at least 30 in each, and from how much more than that eight stretches of a run differ: what
+the machine does between those it does between two runs as well. It is the rule of knurl latency --compare
+(apps/measure/compare.hpp). All verdicts together are wrong for one in twenty pairs of equal runs at most, beside load
+too (scripts/equal_runs counts). Exit status 1: something got slower by more than 5 %, whatever the noise; 2: these are not two such runs.
 Two runs of one build differ by a few per cent in where code and data lie, which no block of either run shows; hence
 the 5 %."""
 
@@ -14,8 +16,8 @@ import sys
 import numpy as np
 
 FORMAT = {"program": "scripts/bench", "version": 1}
-LEAST_BLOCKS, LEAST_ABOVE, RESAMPLES = 30, 10, 4000
-FALSE_ALARMS, MARGIN = 0.05, 1.05
+LEAST_BLOCKS, LEAST_ABOVE, RESAMPLES, STRETCHES = 30, 10, 4000, 8
+FALSE_ALARMS, MARGIN, MOST_MOVED = 0.05, 1.05, 1.3
 SHORTEST_REPETITION = 2e6  # ns; scripts/bench asks for 10e6 at least
 SMALLEST = 2.0**-10
 
@@ -105,40 +107,78 @@ def shortage(name, result, reference):
     return ""
 
 
-def drawn(random, result, reference):
-    """log(median) of the whole run, and of as many drawings; beside the reference's of the same blocks."""
-    median = Median(result)
-    weights = np.vstack([np.ones(median.blocks),
-                         random.multinomial(median.blocks, np.full(median.blocks, 1 / median.blocks), RESAMPLES)])
-    level = np.log(np.maximum(median.of(weights), SMALLEST / 2))
+def levels(result, reference, weights):
+    """log(median) of these drawings; beside the reference's of the same blocks."""
+    level = np.log(np.maximum(Median(result).of(weights), SMALLEST / 2))
     if reference is not None:
         level -= np.log(np.maximum(Median(reference).of(weights), SMALLEST / 2))
-    return level[0], level[1:], median.blocks
+    return level
+
+
+def drawn(random, result, reference):
+    """log(median) of the whole run, and of as many drawings; beside the reference's of the same blocks."""
+    blocks = Median(result).blocks
+    weights = np.vstack([np.ones(blocks), random.multinomial(blocks, np.full(blocks, 1 / blocks), RESAMPLES)])
+    level = levels(result, reference, weights)
+    return level[0], level[1:], blocks
 
 
 def student(confidence, freedom):
-    """Two-sided, by Cornish and Fisher's expansion of the normal one: within 0.1 % from 29 degrees on."""
-    from statistics import NormalDist
+    """Two-sided, to 1e-6: by bisection of the distribution's integral, which Simpson's rule has of cos^(n-1)."""
+    half = np.pi / 2
+    # t = sqrt(n) tan(a) turns the density into cos(a)^(n - 1).
+    angles = np.linspace(0, half, 20001)
+    density = np.cos(angles) ** (freedom - 1)
+    steps = (density[:-2:2] + 4 * density[1:-1:2] + density[2::2]) * (angles[1] / 3)
+    share = np.concatenate([[0], np.cumsum(steps)])
+    return float(np.sqrt(freedom) * np.tan(np.interp(confidence, share / share[-1], angles[::2])))
 
-    z = NormalDist().inv_cdf((1 + confidence) / 2)
-    return (z + (z**3 + z) / (4 * freedom) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
-            + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * freedom**3))
+
+class Scatter:
+    """Of one run: its level, how its blocks say that this scatters, and how much more its stretches differ (the drift)."""
+
+    def __init__(self, result, reference, seed=1):
+        self.level, drawings, blocks = drawn(np.random.default_rng(seed), result, reference)
+        self.blocks = blocks
+        self.variance = np.var(drawings) * blocks / (blocks - 1)
+        edges = [i * blocks // STRETCHES for i in range(STRETCHES + 1)]
+        weights = np.zeros((STRETCHES, blocks))
+        for row, first, end in zip(weights, edges, edges[1:]):
+            row[first:end] = 1
+        self.drift = np.var(levels(result, reference, weights), ddof=1) - STRETCHES * self.variance
 
 
-def compare(old, new, confidence, seed=1):
+def typical_drift(scatters):
+    """What one result shows of the machine's drift can be little by chance."""
+    drifts = sorted(s.drift for s in scatters)
+    return drifts[len(drifts) // 2] if drifts else 0.0
+
+
+def verdict_of(was, now, confidence, drift=0.0, moved=0.0):
+    """Two Scatters -> (verdict, ratio, low, high)."""
+    blocks = student(confidence, min(was.blocks, now.blocks) - 1)
+    stretches = student(confidence, STRETCHES - 1)  # few, and neighbours are alike: no more than one run's
+    reach = np.sqrt(sum(blocks**2 * s.variance + stretches**2 * max(0.0, s.drift, drift) for s in (was, now)))
+    middle = now.level - was.level
+    low, high = middle - reach, middle + reach
+    verdict = "slower" if low > moved else "faster" if high < -moved else "undecided"
+    return verdict, float(np.exp(middle)), float(np.exp(low)), float(np.exp(high))
+
+
+def compare(old, new, confidence, drift=0.0, moved=0.0):
     """((result, reference) of each run) -> (verdict, ratio, low, high) or (why not, None, None, None)."""
     for name, (result, reference) in (("the old run", old), ("the new run", new)):
         if problem := shortage(name, result, reference):
             return problem, None, None, None
-    random = np.random.default_rng(seed)
-    was, was_drawn, was_blocks = drawn(random, *old)
-    now, now_drawn, now_blocks = drawn(random, *new)
-    blocks = min(was_blocks, now_blocks)
-    spread = np.std(now_drawn - was_drawn) * np.sqrt(blocks / (blocks - 1))
-    reach = student(confidence, blocks - 1) * spread
-    low, high = now - was - reach, now - was + reach
-    verdict = "slower" if low > 0 else "faster" if high < 0 else "undecided"
-    return verdict, float(np.exp(now - was)), float(np.exp(low)), float(np.exp(high))
+    return verdict_of(Scatter(*old), Scatter(*new), confidence, drift, moved)
+
+
+def references_apart(pairs):
+    """How far apart the references of one program have moved, of the logarithm: beside one or the other a thing that did
+    not change would differ by so much."""
+    moved = {b["reference"]: np.log(now[1]["p50"] / was[1]["p50"]) for b, was, now in
+             ((before[0], before, now) for _, _, before, now in pairs) if was[1]["p50"] and now[1]["p50"]}
+    return float(max(moved.values()) - min(moved.values())) if moved else 0.0
 
 
 def pairs_of(old, new):
@@ -181,16 +221,27 @@ def main(arguments):
           f"{100 * confidence:.2f} %:\n\n| program | what | beside | new to old | |\n|---|---|---|---|---|")
     slower, counts = [], {"slower": 0, "faster": 0, "undecided": 0}
     unsaid = {}
-    for program, name, before, now in pairs:
-        verdict, ratio, low, high = compare(before, now, confidence)
-        if ratio is None:
-            unsaid.setdefault((program, verdict), []).append(name)
+    for program in dict.fromkeys(p[0] for p in pairs):
+        of_it = [p for p in pairs if p[0] == program]
+        whole = []
+        for _, name, before, now in of_it:
+            if problem := shortage("the old run", *before) or shortage("the new run", *now):
+                unsaid.setdefault((program, problem), []).append(name)
+            else:
+                whole.append((name, now[0]["reference"], Scatter(*before), Scatter(*now)))
+        drift = typical_drift([s for _, _, *both in whole for s in both])
+        moved = references_apart([p for p in of_it if any(p[1] == name for name, *_ in whole)])
+        if moved > np.log(MOST_MOVED):
+            unsaid[(program, f"its references moved {np.exp(moved):.2f} times apart between the runs; measure again on a "
+                    "steadier machine")] = [name for name, *_ in whole]
             continue
-        counts[verdict] += 1
-        if low > MARGIN:
-            slower.append(f"{program} {name}: {ratio:.2f} times ({low:.2f} to {high:.2f})")
-        if verdict != "undecided":
-            print(f"| {program} | {name} | {now[0]['reference']} | {ratio:.3f} ({low:.3f} to {high:.3f}) | {verdict} |")
+        for name, reference, was, is_now in whole:
+            verdict, ratio, low, high = verdict_of(was, is_now, confidence, drift, moved)
+            counts[verdict] += 1
+            if verdict == "slower" and low > MARGIN:
+                slower.append(f"{program} {name}: {ratio:.2f} times ({low:.2f} to {high:.2f})")
+            if verdict != "undecided":
+                print(f"| {program} | {name} | {reference} | {ratio:.3f} ({low:.3f} to {high:.3f}) | {verdict} |")
     print(f"\n{counts['slower']} slower, {counts['faster']} faster, {counts['undecided']} within noise.")
     for (program, why), names in unsaid.items():
         print(f"No verdict on {len(names)} of {program}: {why}.")

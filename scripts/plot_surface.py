@@ -135,7 +135,7 @@ def draw_table(page, left, right, top, strokes):
         for (x, _, _), (value, broken) in zip(heads, cells):
             page.text(left + x, y + 0.07, value, fontsize=9, ha="right",
                       color=INK if broken is None else BAD if broken else GOOD)
-        verdict = f"faulted at {s['fault_at']:.2f} s" if faulted else "stable" if s["stable"] else "not stable"
+        verdict = f"faulted at {s['fault_at']:.2f} s" if faulted else "no verdict" if s["stable"] is None else "stable" if s["stable"] else "not stable"
         page.text(right, y + 0.07, verdict, fontsize=9, ha="right", fontweight="bold", color=GOOD if s["stable"] else BAD)
 
 

@@ -98,6 +98,7 @@ void say(const bodies::World& world, const bodies::Played& played) {
         played.frames.size(), played.late, played.pushed, played.short_of);
     fmt::print("  the hand put in {:.1f} mJ, the bodies got {:.1f} and have {:.1f} more than before\n",
                1e3 * a.hand, 1e3 * a.body, 1e3 * gained);
+    if (played.pushed == 0) fmt::print("  no body was touched: these figures say nothing of a contact\n");
     if (played.jumps > 0) fmt::print("  bodies were put elsewhere {} times\n", played.jumps);
     if (played.faults != 0) fmt::print("  the device faulted (mask {:#x}); see `knurl ls`\n", played.faults);
 }

@@ -137,7 +137,8 @@ int run(Wishes& w) {
             fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
         fmt::print("  {}\n", w.picture);
     }
-    if (docked.ended.empty()) return 0;
+    // A demonstration of nothing is none.
+    if (docked.ended.empty()) return w.demo && docked.frames.empty() && !stop ? 1 : 0;
     fmt::print(stderr, "knurl-dock: {}\n", docked.ended);
     return 1;
 }

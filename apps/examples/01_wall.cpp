@@ -21,10 +21,10 @@ int main(int argc, char** argv) try {
     hand.arm();
 
     double strongest = 0, depth = 0;  // N, m
-    while (auto report = hand.next_report(50ms)) {
+    while (auto frame = hand.newest(50ms)) {
         hand.commit();  // "I am alive": a silent application's force fades
         if (auto felt = floor.felt()) strongest = std::max(strongest, felt->force.z);
-        depth = height - report->position.z;
+        depth = height - frame->position.z;
         if (std::chrono::steady_clock::now() > end) break;
     }
     std::printf("strongest %.2f N; at the end %.2f mm deep\n", strongest, depth * 1e3);

@@ -22,15 +22,15 @@ int main(int argc, char** argv) try {
 
     auto jump = std::chrono::steady_clock::now() + 1s;
     for (bool aside = true; std::chrono::steady_clock::now() < end;) {
-        const auto report = hand.next_report(50ms);
-        if (!report) throw std::runtime_error("no report for 50 ms: has the servo gone?");
+        const auto frame = hand.newest(50ms);
+        if (!frame) throw std::runtime_error("no report for 50 ms: has the servo gone?");
         if (std::chrono::steady_clock::now() > jump) {
             auto params = spring.params();
             params.anchor.x = home.x + (aside ? 0.02 : 0.0);  // m
             spring.set(params);
             const auto felt = spring.felt();
             std::printf("hand at x = %+5.1f mm, spring pulls %+5.2f N, end moves to %+5.1f mm\n",
-                        report->position.x * 1e3, felt ? felt->force.x : 0.0, params.anchor.x * 1e3);
+                        frame->position.x * 1e3, felt ? felt->force.x : 0.0, params.anchor.x * 1e3);
             aside = !aside;
             jump += 1s;
         }

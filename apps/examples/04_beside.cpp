@@ -22,7 +22,7 @@ int main(int argc, char** argv) try {
     std::fflush(stdout);
 
     auto next = std::chrono::steady_clock::now();
-    while (auto report = hand.next_report(50ms)) {
+    while (auto frame = hand.newest(50ms)) {
         hand.commit();  // "I am alive": a silent application's force fades
         const auto now = std::chrono::steady_clock::now();
         if (now > end) break;
@@ -30,7 +30,7 @@ int main(int argc, char** argv) try {
         if (now < next || !felt) continue;
         next += 1s;
         std::printf("%.2f N of the floor, %.2f N in all\n", knurl::to_eigen(felt->force).norm(),
-                    knurl::to_eigen(report->scene_force).norm());
+                    knurl::to_eigen(frame->scene_force).norm());
     }
 } catch (const std::exception& error) {
     return std::fprintf(stderr, "04_beside: %s\n", error.what()), 1;

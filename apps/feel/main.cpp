@@ -26,7 +26,7 @@ using knurl::commandline::stop;
 struct Wishes {
     std::vector<std::string> materials;
     std::string mesh, unit, connect = "knurl:default", picture, csv;
-    bool demo = false, smooth = false, no_fit = false;
+    bool demo = false, smooth = false, no_fit = false, inside = false;
     double scale = 1, wait = 2;
     double friction = 0;
     feel::FeelOptions feel;
@@ -52,6 +52,8 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
     app.option("--radius", w.feel.radius, "m, of the finger").shows_default().within(0.0, 1.0);
     app.flag("--exact", w.feel.send.exact,
              "corners as double: half as much memory again, and exact to 1e-11 m");
+    app.flag("--inside", w.inside,
+             "a closed thing that is wound inside out is felt from inside, as it is; else it is turned");
     app.flag("--no-fit", w.no_fit, "true size, though it is larger than the device's workspace");
     app.option("--seconds", w.feel.seconds, "s to feel; 0: until Ctrl-C").shows_default().not_negative();
     app.option("--connect", w.connect,
@@ -75,17 +77,17 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
         "  knurl-feel bunny.ply --demo --picture bunny.png  without a device\n");
 }
 
-meshfile::MeshFile load(const std::string& path) {
-    const meshfile::ReadingLimit limit("knurl-feel");
-    return meshfile::load_mesh(path);
+std::vector<knurl::Point3> scaled(const meshfile::MeshFile& file, double scale) {
+    std::vector<knurl::Point3> vertices = file.vertices;
+    for (knurl::Point3& vertex : vertices)
+        for (double& x : vertex) x *= scale;
+    return vertices;
 }
 
 std::unique_ptr<knurl::Mesh> mesh_here(const meshfile::MeshFile& file, const knurl::SendOptions& send) {
     knurl::measure::Progress progress("knurl-feel");
     progress.show(fmt::format("builds the shape of {} triangles here", file.triangles.size()));
-    std::vector<knurl::Point3> vertices = file.vertices;
-    for (knurl::Point3& vertex : vertices)
-        for (double& x : vertex) x *= send.scale;
+    const std::vector<knurl::Point3> vertices = scaled(file, send.scale);
     auto mesh = std::make_unique<knurl::Mesh>(
         knurl::Triangles{.vertices = vertices, .triangles = file.triangles, .materials = file.materials},
         knurl::MeshBuild{.exact = send.exact, .weld = send.weld});
@@ -93,10 +95,30 @@ std::unique_ptr<knurl::Mesh> mesh_here(const meshfile::MeshFile& file, const knu
     return mesh;
 }
 
+/// What of the file is felt otherwise than it stands there, and says so.
+void prepare(meshfile::MeshFile& file, const knurl::SendOptions& send, bool inside) {
+    for (const std::string& line : file.notes) fmt::print("  {}\n", line);
+    if (const auto middle = file.far_middle()) {
+        for (knurl::Point3& vertex : file.vertices)
+            for (std::size_t k = 0; k < 3; ++k) vertex[k] -= (*middle)[k];
+        fmt::print(
+            "  it lies far from its origin: places are counted from ({:.10g}, {:.10g}, {:.10g}) here\n",
+            (*middle)[0], (*middle)[1], (*middle)[2]);
+    }
+    if (inside) return;
+    std::vector<knurl::Point3> vertices = scaled(file, send.scale);
+    const knurl::Mesh mesh({.vertices = vertices, .triangles = file.triangles},
+                           {.weld = send.weld, .budget = SIZE_MAX, .find_crossings = false});
+    if (const std::size_t turned = meshfile::turn_inside_out(file, mesh); turned > 0)
+        fmt::print("  {} wound inside out and turned; --inside keeps {}\n",
+                   turned == 1 ? "a closed part was" : fmt::format("{} closed parts were", turned),
+                   turned == 1 ? "it so" : "them so");
+}
+
 int run(Wishes& w) {
     if (!w.picture.empty()) knurl::measure::require_writable(w.picture);
     if (!w.csv.empty()) knurl::measure::require_writable(w.csv);
-    const meshfile::MeshFile file = load(w.mesh);
+    meshfile::MeshFile file = meshfile::load_mesh(w.mesh);
     const meshfile::Unit unit =
         w.unit.empty() ? meshfile::guessed_unit(file.size()) : meshfile::unit_of(w.unit);
     knurl::SendOptions& send = w.feel.send;
@@ -110,9 +132,8 @@ int run(Wishes& w) {
                unit.guessed ? fmt::format("; the unit {} is a guess, --unit says another", unit.name) : "",
                w.scale != 1 ? fmt::format("; felt {:g} times as large, {:.4g} m", w.scale, size) : "");
     if (const auto odd = meshfile::odd_size(size)) fmt::print("  {}\n", *odd);
-    if (file.faces_of_other_kinds > 0)
-        fmt::print("  {} points and lines are left out\n", file.faces_of_other_kinds);
     if (file.material_names.size() > 1) fmt::print("  materials: {}\n", fmt::join(file.material_names, ", "));
+    prepare(file, send, w.inside);
     std::fflush(stdout);
 
     w.feel.shape.friction.dynamic = w.friction;
@@ -158,7 +179,11 @@ int run(Wishes& w) {
     const feel::Judgement judged = feel::judge(felt.cycles);
     fmt::print("  {} cycles, {} of them touching; mean {:.2f} N, peak {:.2f} N, at {:.0f} N/m\n",
                judged.cycles, judged.touching, judged.mean_force, judged.peak_force, felt.stiffness);
-    if (comparable)
+    const bool touched = judged.touching > 0;
+    if (!touched)
+        fmt::print("  it was never touched: there is nothing to compare{}\n",
+                   w.demo ? "; the simulated hand has missed it" : "");
+    if (comparable && touched)
         fmt::print(
             "  against the same mesh at the same places in this process: at most {:.2g} N off, {} contacts "
             "lost, "
@@ -173,7 +198,8 @@ int run(Wishes& w) {
                    fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
         fmt::print("  {}\n", w.picture);
     }
-    return felt.faults != 0 ? 1 : 0;
+    // A person may come and go; a demonstration of nothing is none.
+    return felt.faults != 0 || (w.demo && !touched && !stop) ? 1 : 0;
 }
 
 }  // namespace

@@ -5,14 +5,13 @@
 
 #include <fmt/format.h>
 
+#include <knurl/servo/servo.hpp>
+
 #include "device_trial.hpp"
 
 namespace knurl::cli {
 
 namespace {
-
-// A handle that is three times as hard to turn about one axis as about another goes 30 degrees astray.
-constexpr double least_turn_cosine = 0.85;
 
 double largest_delay(const Trial& trial) {
     double delay = 0;
@@ -26,11 +25,17 @@ std::string axis_name(const PushTrial& push) {
     return push.axis.x() != 0 ? "x" : push.axis.y() != 0 ? "y" : "z";
 }
 
+double promised_alone(const drivers::LinkConfig& link, double rate) {
+    drivers::LinkConfig alone = link;
+    alone.grip_damping = alone.measured_max_stiffness = 0;
+    return alone.damping > 0 ? servo::max_stiffness(alone, rate) : 0;
+}
+
 std::vector<std::string> findings(const Trial& trial) {
     std::vector<std::string> lines;
     const RestTrial& rest = trial.rest;
     const double share = static_cast<double>(rest.fresh) / static_cast<double>(rest.cycles);
-    if (share < 0.99)
+    if (share < bounds::fresh)
         lines.push_back(
             fmt::format("only {:.1f} % of the cycles had a new sample: lower the rate, or look at the cable",
                         100 * share));
@@ -51,14 +56,15 @@ std::vector<std::string> findings(const Trial& trial) {
             lines.push_back(
                 fmt::format("a push along {} moves it the other way: a motor's or encoder's sign is wrong",
                             axis_name(push)));
-        else if (push.cosine < 0.97)
+        else if (push.cosine < bounds::push_cosine)
             lines.push_back(fmt::format(
                 "a push along {} goes {:.0f} degrees astray: wrong link lengths, or one motor weaker",
                 axis_name(push), std::acos(push.cosine) * 180 / M_PI));
-        else if (push.size > 0 && (push.size < 0.7 || push.size > 1.4))
+        else if (push.size > 0 && (push.size < bounds::least_size || push.size > bounds::greatest_size))
             lines.push_back(
-                fmt::format("a push along {} is {:.2f} times as strong as it should be: calibrate the force",
-                            axis_name(push), push.size));
+                fmt::format("a push along {} is {:.2f} times as strong as it should be ({:g} to {:g}): "
+                            "calibrate the force",
+                            axis_name(push), push.size, bounds::least_size, bounds::greatest_size));
     }
     for (const PushTrial& turn : trial.turns) {
         if (turn.cosine == 0)
@@ -69,7 +75,7 @@ std::vector<std::string> findings(const Trial& trial) {
             lines.push_back(
                 fmt::format("a torque about {} turns it the other way: a motor's or encoder's sign is wrong",
                             axis_name(turn)));
-        else if (turn.cosine < least_turn_cosine)
+        else if (turn.cosine < bounds::turn_cosine)
             lines.push_back(fmt::format(
                 "a torque about {} turns it {:.0f} degrees astray: one motor weaker, or a lopsided handle",
                 axis_name(turn), std::acos(turn.cosine) * 180 / M_PI));
@@ -81,7 +87,7 @@ std::vector<std::string> findings(const Trial& trial) {
                         largest_delay(trial) * 1e3, trial.link.lag * 1e3));
     if (trial.link.actuated_joints > 0 && trial.wall.stiffness == 0)
         lines.push_back("no wall at all is stable: do not use it with force");
-    else if (trial.wall.stiffness < 0.9 * trial.wall.predicted)
+    else if (trial.wall.stiffness < bounds::wall * trial.wall.predicted)
         lines.push_back(fmt::format(
             "walls hum above {:.0f} N/m, {:.0f} were promised: lower damping or raise lag in its description",
             trial.wall.stiffness, trial.wall.predicted));

@@ -8,6 +8,7 @@
 #include <json.hpp>
 
 #include <knurl/drivers/registry.hpp>
+#include <knurl/servo/servo.hpp>
 
 #include "../measure/measure.hpp"
 #include "device_trial.hpp"
@@ -36,7 +37,35 @@ json spread_for_programs(const std::vector<double>& samples) {
     return {{"p50", or_null(all.p50)}, {"p99", or_null(all.p99)}, {"max", all.max}};
 }
 
-void print_text(const Trial& trial) {
+double degrees(double cosine) {
+    return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI;
+}
+
+/// One device has several stiffnesses: each with what it is of. `with_hand`: the device as knurld would have
+/// it, if that is held; else null.
+void print_walls(const Trial& trial, const drivers::LinkConfig* with_hand) {
+    const WallTrial& wall = trial.wall;
+    fmt::print("  stiffest wall    {:.0f} N/m{} measured, {}\n", wall.stiffness,
+               wall.bounded ? " or more" : "",
+               wall.held ? "in the hand that its address asks for" : "nobody's hand on it");
+    const double alone = promised_alone(trial.link, trial.rate);
+    if (trial.link.measured_max_stiffness > 0)
+        fmt::print("  stated wall      {:.0f} N/m (max_stiffness), to which knurld clamps\n",
+                   trial.link.measured_max_stiffness);
+    if (alone > 0)
+        fmt::print("  promised alone   {:.0f} N/m by its own damping, b / (T/2 + tau){}\n", alone,
+                   wall.held ? "" : fmt::format("; {:g} of that or more passes", bounds::wall));
+    const drivers::LinkConfig& held = with_hand != nullptr ? *with_hand : trial.link;
+    if (held.grip_damping > 0)
+        fmt::print("  promised held    {:.0f} N/m, the hand's {:g} N s/m added{}: what knurld clamps to\n",
+                   servo::max_stiffness(held, trial.rate), held.grip_damping,
+                   wall.held ? fmt::format("; {:g} of that or more passes", bounds::wall) : "");
+    else if (trial.link.measured_max_stiffness == 0)
+        fmt::print("  promised held    not known: a hand adds its damping; what knurld clamps to is {}\n",
+                   alone > 0 ? "that of the device alone" : fmt::format("{:.0f} N/m", wall.predicted));
+}
+
+void print_text(const Trial& trial, const drivers::LinkConfig* with_hand) {
     const RestTrial& rest = trial.rest;
     fmt::print("{}{}{}\n", trial.link.name, trial.link.serial.empty() ? "" : " ", trial.link.serial);
     if (!trial.link.description.empty()) fmt::print("  {}\n", trial.link.description);
@@ -64,18 +93,20 @@ void print_text(const Trial& trial) {
         return;
     }
     for (const PushTrial& push : trial.pushes) {
-        fmt::print("  push along {}     {:.0f} degrees off, {:.3f} kg moved", axis_name(push),
-                   std::acos(std::clamp(push.cosine, -1.0, 1.0)) * 180 / M_PI, push.mass);
-        if (push.size > 0) fmt::print(", {:.2f} x the model's force", push.size);
+        fmt::print("  push along {}     {:.0f} degrees off (up to {:.0f} pass), {:.3f} kg moved",
+                   axis_name(push), degrees(push.cosine), degrees(bounds::push_cosine), push.mass);
+        if (push.size > 0)
+            fmt::print(", {:.2f} x the model's force ({:g} to {:g} pass)", push.size, bounds::least_size,
+                       bounds::greatest_size);
         fmt::print(", friction {:.2f} N, begins after {:.2f} ms\n", push.friction, push.delay * 1e3);
     }
     for (const PushTrial& turn : trial.turns) {
-        fmt::print("  turn about {}     {:.0f} degrees off, {:.2g} kg m2 turned, friction {:.3f} N m\n",
-                   axis_name(turn), std::acos(std::clamp(turn.cosine, -1.0, 1.0)) * 180 / M_PI, turn.mass,
-                   turn.friction);
+        fmt::print(
+            "  turn about {}     {:.0f} degrees off (up to {:.0f} pass), {:.2g} kg m2 turned, friction "
+            "{:.3f} N m\n",
+            axis_name(turn), degrees(turn.cosine), degrees(bounds::turn_cosine), turn.mass, turn.friction);
     }
-    fmt::print("  stiffest wall    {:.0f} N/m{}, b / (T/2 + tau) promises {:.0f}\n", trial.wall.stiffness,
-               trial.wall.bounded ? " or more" : "", trial.wall.predicted);
+    print_walls(trial, with_hand);
 }
 
 json to_json(const Trial& trial, const std::string& address, const std::vector<std::string>& found) {
@@ -121,7 +152,9 @@ json to_json(const Trial& trial, const std::string& address, const std::vector<s
         {"turns", turns},
         {"wall",
          {{"stiffness", trial.wall.stiffness},
+          {"held", trial.wall.held},
           {"predicted", trial.wall.predicted},
+          {"predicted_alone", promised_alone(trial.link, trial.rate)},
           {"at_least", trial.wall.bounded}}},
         {"findings", found}};
 }
@@ -170,6 +203,9 @@ int test(const TestOptions& options) {
     if (options.trial.virtual_time && !options.address.starts_with("sim:"))
         throw UsageError("--virtual is for simulated devices: a real one has only this time");
     const std::string address = without_hand(options.address);
+    // As knurld would have it, before it is let go of.
+    std::optional<drivers::LinkConfig> hand;
+    if (address != options.address) hand = drivers::open_device(options.address)->link();
     const std::unique_ptr<drivers::Device> device = drivers::open_device(address);
     if (!options.as_json && address != options.address)
         fmt::print(stderr, "nobody's hand on it: tests {} (grip=0.5 would hold it)\n", address);
@@ -180,9 +216,9 @@ int test(const TestOptions& options) {
     if (options.as_json) {
         fmt::print("{}\n", to_json(trial, address, found).dump(2));
     } else {
-        print_text(trial);
+        print_text(trial, hand ? &*hand : nullptr);
         for (const std::string& line : found) fmt::print("  ! {}\n", line);
-        if (found.empty()) fmt::print("  as it should be\n");
+        if (found.empty()) fmt::print("  as it should be: all of it within the bounds stated\n");
     }
     return found.empty() ? 0 : 1;
 }

@@ -197,6 +197,7 @@ WallTrial wall(Bench& bench, const Moment& home, double mass, double count) {
     WallTrial trial;
     const TrialOptions& options = bench.options();
     trial.predicted = servo::max_stiffness(bench.link(), options.rate);
+    trial.held = bench.link().grip_damping > 0;
     constexpr double most = 1e4, deepest = 10e-3;  // N/m; m, that the pressing may sink into the softest
     double stable = std::clamp(trial.predicted / 4, options.push / 2 / deepest, most), unstable = stable;
     if (!rings_down(bench, home, stable, mass, count)) return trial;

@@ -12,6 +12,16 @@
 
 namespace knurl::cli {
 
+/// What is as it should be: the bounds of findings(), which the table states beside each figure.
+namespace bounds {
+inline constexpr double push_cosine = 0.97;  // 14 degrees
+// A handle that is three times as hard to turn about one axis as about another goes 30 degrees astray.
+inline constexpr double turn_cosine = 0.85;
+inline constexpr double least_size = 0.7, greatest_size = 1.4;  // of a force, times the model's
+inline constexpr double fresh = 0.99;                           // of the cycles with a new sample
+inline constexpr double wall = 0.9;                             // of what is promised
+}  // namespace bounds
+
 inline constexpr double twist_lever = 0.05;  // m: a torque is as large as the push at its end
 
 struct TrialOptions {
@@ -53,7 +63,8 @@ struct PushTrial {
 
 struct WallTrial {
     double stiffness = 0;  // N/m, the largest at which the ringing of a knock dies away
-    double predicted = 0;  // N/m, b / (T/2 + tau) by LinkConfig
+    double predicted = 0;  // N/m, b / (T/2 + tau) by LinkConfig, with the hand's damping if it is held
+    bool held = false;     // by a hand whose grip is known (LinkConfig::grip_damping)
     bool bounded = false;  // the search ended at its upper bound: it may be stiffer
 };
 
@@ -67,6 +78,9 @@ struct Trial {
     std::vector<PushTrial> turns;  // of devices that render torque
     WallTrial wall;
 };
+
+/// b / (T/2 + tau) with nobody's hand on it, N/m; 0: its damping is not known.
+double promised_alone(const drivers::LinkConfig& link, double rate);
 
 /// Runs all of it. `say`: one line about what comes next. Throws std::runtime_error: unplugged, too fast,
 /// not homed, out of its workspace; the motors are at zero then.

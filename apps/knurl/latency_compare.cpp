@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -48,6 +49,39 @@ std::vector<std::string> warnings(const LatencyFile& before, const LatencyFile& 
         differ(fmt::format("`{}`", key).c_str(), value(before), value(now));
     }
     return all;
+}
+
+/// What a run has that is the machine and nothing of ours.
+bool is_floor(const std::string& name) {
+    return name.starts_with("floor.");
+}
+
+double middle_of(std::vector<double> values) {
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+std::optional<double> percentile_of(const Result& result, double q) {
+    return q == 0.5 ? result.p50 : result.p99;
+}
+
+/// How far the floors have moved at this percentile: the farthest, and the two that went farthest apart.
+struct FloorsMoved {
+    double farthest = 0, apart = 0;  // of the logarithm
+};
+FloorsMoved floors_moved(const measure::Run& before, const measure::Run& now, double q) {
+    std::vector<double> by;
+    for (const Result& floor : now.results) {
+        const Result* was = is_floor(floor.name) ? find(before, floor.name) : nullptr;
+        if (was == nullptr) continue;
+        const auto old_level = percentile_of(*was, q), level = percentile_of(floor, q);
+        if (old_level && level && *old_level > 0 && *level > 0) by.push_back(std::log(*level / *old_level));
+    }
+    if (by.empty()) return {};
+    const auto [least, most] = std::ranges::minmax(by);
+    return {.farthest = std::max(std::abs(least), std::abs(most)), .apart = most - least};
 }
 
 std::string number(const std::optional<double>& value) {
@@ -106,14 +140,34 @@ LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now
     }
     all.confidence =
         1 - share_of_false_alarms / static_cast<double>(std::max<std::size_t>(1, all.paths.size()));
-    for (PathComparison& path : all.paths) {
-        const Result &was = *find(before.run, path.name), &is = *find(now.run, path.name);
-        path.before = path.q == 0.5 ? was.p50 : was.p99;
-        path.now = path.q == 0.5 ? is.p50 : is.p99;
-        const bool beside = was.ratio && is.ratio && was.reference == is.reference;
-        if (beside) path.reference = is.reference;
-        path.result = measure::compare(measured(before.run, was, beside), measured(now.run, is, beside),
-                                       path.q, {.confidence = all.confidence});
+    const measure::Bootstrap how{.confidence = all.confidence};
+    for (const double q : {0.5, 0.99}) {
+        const FloorsMoved floors = floors_moved(before.run, now.run, q);
+        (q == 0.5 ? all.moved : all.moved_tail) = std::exp(floors.farthest);
+        std::vector<std::pair<measure::Measured, measure::Measured>> runs;
+        std::vector<double> drifts;
+        for (PathComparison& path : all.paths) {
+            if (path.q != q) continue;
+            const Result &was = *find(before.run, path.name), &is = *find(now.run, path.name);
+            path.before = percentile_of(was, q);
+            path.now = percentile_of(is, q);
+            const bool beside = was.ratio && is.ratio && was.reference == is.reference;
+            if (beside) path.reference = is.reference;
+            const auto& [old_run, new_run] =
+                runs.emplace_back(measured(before.run, was, beside), measured(now.run, is, beside));
+            for (const measure::Measured* run : {&old_run, &new_run})
+                if (const auto found = measure::drift(*run, q, how)) drifts.push_back(*found);
+        }
+        auto pair = runs.begin();
+        for (PathComparison& path : all.paths) {
+            if (path.q != q) continue;
+            // A floor is the machine: how far it moved, and no verdict.
+            const double moved = is_floor(path.name) ? 0 : path.reference ? floors.apart : floors.farthest;
+            path.result = measure::compare_apart(pair->first, pair->second, q,
+                                                 {.drift = middle_of(drifts), .moved = moved}, how);
+            if (is_floor(path.name)) path.result.verdict = measure::Verdict::undecided;
+            ++pair;
+        }
     }
     return all;
 }
@@ -121,9 +175,12 @@ LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now
 std::string to_text(const LatencyComparison& comparison) {
     std::string text = fmt::format(
         "\ncompared with the run of {}; each verdict at {:.2f} %, so that of twenty pairs of equal runs at "
-        "most one "
-        "has any:\n",
-        comparison.date, comparison.confidence * 100);
+        "most one has any. The machine's floors moved by up to {:.2f} at the median, {:.2f} at 99 %: what "
+        "differs by no more, or by no more than the stretches of either run differ, may be the machine; "
+        "where "
+        "they moved more than {:g} times there is no verdict:\n",
+        comparison.date, comparison.confidence * 100, comparison.moved, comparison.moved_tail,
+        measure::most_moved);
     for (const std::string& warning : comparison.warnings)
         text += fmt::format("not alike: {}; the difference may be that\n", warning);
     text += fmt::format("{:<34} {:>4} {:>8} {:>8}  {:<24} {}\n", "what", "", "was", "is", "new to old",
@@ -138,10 +195,13 @@ std::string to_text(const LatencyComparison& comparison) {
             text += fmt::format(
                 "{:<24} {}{}\n",
                 fmt::format("{:.2f} ({:.2f} to {:.2f})", r.ratio, r.interval.low, r.interval.high),
-                measure::name_of(r.verdict), path.reference ? ", beside " + *path.reference : "");
+                is_floor(path.name) ? "the machine" : measure::name_of(r.verdict),
+                path.reference ? ", beside " + *path.reference : "");
     }
     return text +
-           "What has a floor is compared as a multiple of that floor's median; floor.* is the machine.\n";
+           "What has a floor is compared as a multiple of that floor's median; floor.* is the machine, and "
+           "has no "
+           "verdict.\n";
 }
 
 knurl::Json to_json(const LatencyComparison& comparison) {
@@ -163,6 +223,7 @@ knurl::Json to_json(const LatencyComparison& comparison) {
     }
     return {{"date", comparison.date},
             {"confidence", comparison.confidence},
+            {"floors_moved", {{"p50", comparison.moved}, {"p99", comparison.moved_tail}}},
             {"warnings", comparison.warnings},
             {"paths", paths}};
 }

@@ -36,13 +36,16 @@ struct PathComparison {
 struct LatencyComparison {
     std::string date;       // of the old run
     double confidence = 0;  // of each verdict
+    // How many times, up or down, the floor that moved farthest is what it was, at the median and at 99 %.
+    double moved = 1, moved_tail = 1;
     std::vector<std::string>
         warnings;  // another machine, another load, ...: what the difference may be as well
     std::vector<PathComparison> paths;
 };
 
-/// Medians and 99th percentiles of what both have. All verdicts together are wrong for one in twenty pairs of
-/// equal runs at most.
+/// Medians and 99th percentiles of what both have (measure::compare_apart). All verdicts together are wrong
+/// for one in twenty pairs of equal runs at most, beside load too: scripts/equal_runs counts. Floors have
+/// none: they say how far the machine moved, and what differs by no more than that has none either.
 LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now);
 
 std::string to_text(const LatencyComparison& comparison);

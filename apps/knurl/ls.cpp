@@ -30,7 +30,12 @@ void print_client(const ClientView& client) {
     }
     fmt::print(", gain {:.2f}", client.gain);
     if (client.refused > 0) fmt::print(", {} updates refused", client.refused);
-    if (client.silent) fmt::print(", silent");
+    if (!client.armed && client.has_representations())
+        fmt::print(", not armed: nothing of it is felt (its program has to call arm())");
+    if (client.silent)
+        fmt::print(", silent: its force fades ({})", client.commits > 0
+                                                         ? "its program does not call commit() any more"
+                                                         : "its program has never called commit()");
     fmt::print("\n");
 }
 
@@ -93,6 +98,7 @@ json json_of(const ClientView& client) {
             {"name", client.name},
             {"role", client.observer ? "observer" : "claim"},
             {"shared", client.shared},
+            {"armed", client.armed},
             {"silent", client.silent},
             {"update_rate", client.update_rate > 0 ? json(client.update_rate) : json()},
             {"age_at_use_s", client.age > 0 ? json(client.age) : json()},

@@ -52,7 +52,8 @@ bool parse_row(std::string_view row, Report& report) {
     while (good && to != reinterpret_cast<std::byte*>(&report) + offsetof(Report, state))
         good = take(double{});
     for (int i = 0; i < 4; ++i) good = good && take(std::uint32_t{});
-    return good && take(std::uint64_t{}) && row.empty() && report.state <= DeviceState::fault;
+    return good && take(std::uint64_t{}) && take(std::uint32_t{}) && take(std::uint32_t{}) && row.empty() &&
+           report.state <= DeviceState::fault;
 }
 
 /// "# build: 0.1.0 layout 0123": the words behind the colon.

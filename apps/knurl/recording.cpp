@@ -29,9 +29,10 @@ std::string asset_name(const protocol::AssetDigest& digest) {
 // CDR puts these fields one behind the other, each on a multiple of its size, as the compiler does: a
 // report's bytes are its encoding, behind four bytes that say so.
 constexpr std::array cdr_little_endian{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
-static_assert(sizeof(Report) == 46 * 8 && offsetof(Report, joints) == 4 * 8 &&
+static_assert(sizeof(Report) == 47 * 8 && offsetof(Report, joints) == 4 * 8 &&
               offsetof(Report, position) == 12 * 8 && offsetof(Report, velocity) == 19 * 8 &&
-              offsetof(Report, state) == 43 * 8 && offsetof(Report, late_count) == 45 * 8);
+              offsetof(Report, state) == 43 * 8 && offsetof(Report, late_count) == 45 * 8 &&
+              offsetof(Report, touches) == 46 * 8 + 4);
 
 const McapSchema& report_schema() {
     static const McapSchema schema{
@@ -57,6 +58,8 @@ uint32 faults       # bit mask
 uint32 buttons      # bit mask
 uint32 flags        # bit mask
 uint64 late_count   # cycles
+uint32 presses      # bit mask, a bit turned over by each press
+uint32 touches      # contacts that have begun
 ================================================================================
 MSG: geometry_msgs/Vector3
 float64 x

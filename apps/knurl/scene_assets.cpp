@@ -17,17 +17,26 @@ namespace {
 
 using scenefile::AssetEntry;
 
-std::unique_ptr<Mesh> mesh_of_file(const std::string& scene, const AssetEntry& entry) {
+std::unique_ptr<Mesh> mesh_of_file(const std::string& scene, const AssetEntry& entry,
+                                   std::vector<std::string>& notes) {
     if (entry.unit.empty())
         throw std::runtime_error("a mesh has no unit of its own; write unit = \"mm\", or cm, m, in, um");
     const meshfile::Unit unit = meshfile::unit_of(entry.unit);
-    meshfile::MeshFile file = [&] {
-        const meshfile::ReadingLimit limit("knurl");
-        return meshfile::load_mesh((std::filesystem::path(scene).parent_path() / entry.mesh).string());
-    }();
+    meshfile::MeshFile file =
+        meshfile::load_mesh((std::filesystem::path(scene).parent_path() / entry.mesh).string());
+    notes = file.notes;
     for (Point3& vertex : file.vertices)
         for (double& x : vertex) x *= unit.metres;
-    return std::make_unique<Mesh>(file.triangles_of(), MeshBuild{.exact = entry.exact});
+    const auto built = [&] {
+        return std::make_unique<Mesh>(file.triangles_of(), MeshBuild{.exact = entry.exact});
+    };
+    auto mesh = built();
+    const std::size_t turned = entry.inside ? 0 : meshfile::turn_inside_out(file, *mesh);
+    if (turned == 0) return mesh;
+    notes.push_back(
+        fmt::format("{} wound inside out and turned; inside = true keeps it so",
+                    turned == 1 ? "a closed part was" : fmt::format("{} closed parts were", turned)));
+    return built();
 }
 
 }  // namespace
@@ -44,12 +53,13 @@ SceneAssets build_assets(const scenefile::SceneFile& scene) {
                 built.assets.push_back(std::make_unique<HeightField>(entry.heights, entry.grid));
                 continue;
             }
-            auto mesh = !entry.mesh.empty() ? mesh_of_file(scene.path, entry)
+            std::vector<std::string> notes;
+            auto mesh = !entry.mesh.empty() ? mesh_of_file(scene.path, entry, notes)
                                             : std::make_unique<Mesh>(Triangles{.vertices = entry.vertices,
                                                                                .triangles = entry.triangles},
                                                                      MeshBuild{.exact = entry.exact});
-            for (const std::string& line : meshfile::notes_of(mesh->notes()))
-                built.remarks.push_back(fmt::format("{}: {}", where, line));
+            for (std::string& line : meshfile::notes_of(mesh->notes())) notes.push_back(std::move(line));
+            for (const std::string& line : notes) built.remarks.push_back(fmt::format("{}: {}", where, line));
             built.assets.push_back(std::move(mesh));
         } catch (const std::exception& error) {
             throw std::runtime_error(fmt::format("{}: {}", where, error.what()));

@@ -2,6 +2,7 @@
 // A look at a running servo: what its report memory says, read through a mapping that cannot be written.
 // Looking claims nothing, and the servo does nothing for it.
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -25,6 +26,7 @@ struct ClientView {
     std::string name;
     bool observer = false;                               // else it holds the device
     bool shared = false;                                 // lets others hold it too
+    bool armed = false;                                  // its force may follow
     bool silent = false;                                 // its representations act on its silence
     double update_rate = 0;                              // Hz, measured; 0: not yet
     double age = 0;                                      // s, of its newest batch when it was used
@@ -32,6 +34,10 @@ struct ClientView {
     std::uint64_t commits = 0, refused = 0, merged = 0;  // batches
     std::uint64_t missed = 0;                            // reports
     std::vector<std::uint64_t> present;                  // representations of each kind
+
+    bool has_representations() const {
+        return std::any_of(present.begin(), present.end(), [](std::uint64_t n) { return n > 0; });
+    }
 };
 
 struct DeviceView {

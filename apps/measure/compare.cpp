@@ -1,7 +1,9 @@
 #include "compare.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include <boost/math/distributions/students_t.hpp>
@@ -25,7 +27,7 @@ class Drawable {
         }
     }
 
-    std::optional<double> percentile(std::span<const std::size_t> drawn, double q) {
+    std::optional<double> percentile(std::span<const std::size_t> drawn, double q, std::size_t least) {
         sums_.assign(lower_.size(), 0);
         std::uint64_t n = 0;
         for (const std::size_t block : drawn)
@@ -34,7 +36,7 @@ class Drawable {
                 n += count;
             }
         const auto rank = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(n)));
-        if (rank == 0 || n - rank < least_above) return std::nullopt;
+        if (rank == 0 || n - rank < least) return std::nullopt;
         std::uint64_t below = 0;
         std::size_t bucket = 0;
         while (below + sums_[bucket] < rank) below += sums_[bucket++];
@@ -54,9 +56,11 @@ class Level {
   public:
     explicit Level(const Measured& run)
         : blocks_(run.blocks), reference_(run.reference), alone_(run.reference.empty()) {}
-    std::optional<double> operator()(std::span<const std::size_t> drawn, double q) {
-        const auto value = blocks_.percentile(drawn, q);
-        const auto beside = alone_ ? std::optional<double>(1) : reference_.percentile(drawn, 0.5);
+    /// `least`: samples above a percentile.
+    std::optional<double> operator()(std::span<const std::size_t> drawn, double q,
+                                     std::size_t least = least_above) {
+        const auto value = blocks_.percentile(drawn, q, least);
+        const auto beside = alone_ ? std::optional<double>(1) : reference_.percentile(drawn, 0.5, least);
         // Less than a bucket is none.
         constexpr double nothing = 0x1p-11;
         if (!value || !beside) return std::nullopt;
@@ -77,6 +81,60 @@ std::vector<std::size_t> numbers(std::size_t n) {
 std::string too_few(const char* run, std::size_t has, std::size_t needs, const char* what) {
     return std::string(run) + " has " + std::to_string(has) + " " + what + ", " + std::to_string(needs) +
            " are needed";
+}
+
+double student(double confidence, double freedom) {
+    return boost::math::quantile(boost::math::students_t(freedom), 1 - (1 - confidence) / 2);
+}
+
+/// Of one run alone: its level, and the two variances of it.
+struct Scatter {
+    double level = 0, blocks = 0, stretches = 0;
+};
+
+/// Of a variance between that many things.
+double reach_of(double variance, double things, double confidence) {
+    const double deviations = student(confidence, things - 1);
+    return deviations * deviations * variance;
+}
+
+std::optional<Scatter> scatter(const Measured& run, double q, const Bootstrap& how) {
+    if (run.blocks.size() < least_blocks) return std::nullopt;
+    Level level(run);
+    const auto of_one = [&](std::span<const std::size_t> a, std::span<const std::size_t>) {
+        return level(a, q);
+    };
+    // At one Student's t of 1 the interval's half is the standard deviation.
+    const double n = static_cast<double>(run.blocks.size());
+    const auto interval = bootstrap(run.blocks.size(), least_blocks, of_one, how);
+    const auto whole = level(numbers(run.blocks.size()), q);
+    if (!interval || !whole) return std::nullopt;
+    const double deviation =
+        (interval->high - interval->low) / 2 / student(how.confidence, std::min(n, double{least_blocks}) - 1);
+    std::array<double, stretches> levels{};
+    for (std::size_t i = 0; i < stretches; ++i) {
+        std::vector<std::size_t> stretch;
+        for (std::size_t b = i * run.blocks.size() / stretches; b < (i + 1) * run.blocks.size() / stretches;
+             ++b)
+            stretch.push_back(b);
+        const auto one = level(stretch, q, 0);
+        if (!one) return std::nullopt;
+        levels[i] = *one;
+    }
+    double mean = 0, squares = 0;
+    for (const double one : levels) mean += one / stretches;
+    for (const double one : levels) squares += (one - mean) * (one - mean);
+    return Scatter{.level = *whole, .blocks = deviation * deviation, .stretches = squares / (stretches - 1)};
+}
+
+double drift_of(const Scatter& run) {
+    return run.stretches - run.blocks * stretches;
+}
+
+std::string two_digits(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f", value);
+    return text;
 }
 
 std::string shortage(const char* name, const Measured& run, double q) {
@@ -120,8 +178,7 @@ std::optional<Interval> bootstrap(std::size_t blocks_a, std::size_t blocks_b, co
     const auto blocks = static_cast<double>(std::min(blocks_a, blocks_b));
     // Drawing from n blocks scatters by sqrt((n - 1) / n) too little.
     const double spread = std::sqrt(std::max(0.0, squares / n - mean * mean) * blocks / (blocks - 1));
-    const boost::math::students_t student(blocks - 1);
-    const double reach = boost::math::quantile(student, 1 - (1 - how.confidence) / 2) * spread;
+    const double reach = student(how.confidence, blocks - 1) * spread;
     return Interval{.low = *middle - reach, .high = *middle + reach};
 }
 
@@ -144,6 +201,39 @@ Comparison compare(const Measured& before, const Measured& now, double q, const 
     result.interval = {.low = std::exp(interval->low), .high = std::exp(interval->high)};
     if (interval->high < 0) result.verdict = Verdict::better;
     if (interval->low > 0) result.verdict = Verdict::worse;
+    return result;
+}
+
+std::optional<double> drift(const Measured& run, double q, const Bootstrap& how) {
+    const auto found = scatter(run, q, how);
+    return found ? std::optional(drift_of(*found)) : std::nullopt;
+}
+
+Comparison compare_apart(const Measured& before, const Measured& now, double q, const Machine& machine,
+                         const Bootstrap& how) {
+    Comparison result;
+    for (const auto& [name, run] : {std::pair("the old run", &before), {"the new run", &now}})
+        if (result.problem.empty()) result.problem = shortage(name, *run, q);
+    if (result.problem.empty() && machine.moved > std::log(most_moved))
+        result.problem = "the machine's floors moved " + two_digits(std::exp(machine.moved)) +
+                         " times between the runs; measure again on a steadier one";
+    if (!result.problem.empty()) return result;
+    const auto was = scatter(before, q, how), is = scatter(now, q, how);
+    if (!was || !is) {
+        result.problem = "too few samples in some blocks; measure longer";
+        return result;
+    }
+    const auto blocks = static_cast<double>(std::min(before.blocks.size(), now.blocks.size()));
+    double squares = 0;
+    for (const Scatter& run : {*was, *is})
+        // Few stretches, and neighbours are alike: no more degrees of freedom than one run's.
+        squares += reach_of(run.blocks, blocks, how.confidence) +
+                   reach_of(std::max({0.0, drift_of(run), machine.drift}), stretches, how.confidence);
+    const double middle = is->level - was->level, reach = std::sqrt(squares);
+    result.ratio = std::exp(middle);
+    result.interval = {.low = std::exp(middle - reach), .high = std::exp(middle + reach)};
+    if (middle + reach < -machine.moved) result.verdict = Verdict::better;
+    if (middle - reach > machine.moved) result.verdict = Verdict::worse;
     return result;
 }
 

@@ -1,5 +1,13 @@
 #pragma once
-// Is the difference between two runs noise? By bootstrap over the blocks of both.
+// Is a difference noise? Of two things that were measured by turns: by bootstrap over the blocks of both. Of
+// two runs, one after the other, that is not enough: what a machine does meanwhile no block of either shows.
+// So their intervals are as wide as
+//
+//   sqrt((t scatter)^2 + (t' drift)^2, of both runs)      and begin beyond what the machine itself did
+//
+// where the drift is how much more the stretches of a run (eight, one after another) differ than its blocks
+// explain: what a machine does between the stretches of a run it does between two runs as well. And what the
+// machine itself did is known from floors: how far they went apart, or moved.
 
 #include <cstdint>
 #include <functional>
@@ -52,8 +60,28 @@ struct Comparison {
     std::string problem;  // why there is none: too few blocks, too few samples; empty otherwise
 };
 
-/// Whether the percentile q has become smaller (better) or larger (worse): the whole interval lies on that
-/// side of 1. References are by their medians.
+inline constexpr std::size_t stretches = 8;
+
+/// The variance between a run's stretches that its blocks do not explain, of the logarithm; below 0: they
+/// explain more. None: too few samples.
+std::optional<double> drift(const Measured& run, double q, const Bootstrap& how = {});
+
+/// What two runs as a whole show of the machine that they were on.
+struct Machine {
+    double drift = 0;  // as drift(): of a typical result; what one result shows can be less by chance
+    double moved = 0;  // of the logarithm: a difference up to here is the machine's
+};
+
+/// Where floors moved farther, it was another machine: what else it did to a path, nobody knows.
+inline constexpr double most_moved = 1.3;  // times
+
+/// As compare(), of two runs that were made one after the other. The interval is of the ratio; a verdict is
+/// given where all of it is beyond what the machine moved.
+Comparison compare_apart(const Measured& before, const Measured& now, double q, const Machine& machine,
+                         const Bootstrap& how = {});
+
+/// Of two things that were measured by turns: whether the percentile q has become smaller (better) or larger
+/// (worse): the whole interval lies on that side of 1. References are by their medians.
 Comparison compare(const Measured& before, const Measured& now, double q, const Bootstrap& how = {});
 
 }  // namespace knurl::measure

@@ -1,53 +1,65 @@
 #include "mesh_file.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
 #include <Eigen/Geometry>
-#include <assimp/Importer.hpp>
-#include <assimp/importerdesc.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
-#include <unistd.h>
+
+#include "polygons.hpp"
+#include "soup.hpp"
+#include "words.hpp"
 
 namespace meshfile {
 
-namespace {
-
-constexpr unsigned most_materials = 256;
-
-[[noreturn]] void bad(const std::string& path, const std::string& text) {
+void bad(const std::string& path, const std::string& text) {
     throw std::runtime_error(path + ": " + text);
 }
 
-/// Every mesh of the scene, wherever it stands in it.
-void add(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, MeshFile& file) {
-    const aiMatrix4x4 here = above * node.mTransformation;
-    for (unsigned m = 0; m < node.mNumMeshes; ++m) {
-        const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
-        const auto first = static_cast<std::uint32_t>(file.vertices.size());
-        for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-            const aiVector3D at = here * mesh.mVertices[v];
-            file.vertices.push_back({double{at.x}, double{at.y}, double{at.z}});
-        }
-        for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-            const aiFace& face = mesh.mFaces[f];
-            if (face.mNumIndices < 3) {
-                ++file.faces_of_other_kinds;
-                continue;
-            }
-            // A polygon as a fan. (Assimp's own triangulation ends the program where a file is cut off.)
-            for (unsigned i = 2; i < face.mNumIndices; ++i) {
-                file.triangles.push_back(
-                    {first + face.mIndices[0], first + face.mIndices[i - 1], first + face.mIndices[i]});
-                file.materials.push_back(
-                    static_cast<std::uint8_t>(std::min(mesh.mMaterialIndex, most_materials - 1)));
-            }
-        }
-    }
-    for (unsigned c = 0; c < node.mNumChildren; ++c) add(scene, *node.mChildren[c], here, file);
+void bad_at(const Soup& soup, std::uint64_t place, const std::string& text) {
+    bad(fmt::format("{}{}{}", soup.path, soup.text ? ":" : ": face ", place), text);
+}
+
+namespace {
+
+constexpr std::uintmax_t most_bytes = std::uintmax_t{2} << 30;
+constexpr double bent_much = 1e-3;  // of its size
+
+std::string bytes_of(const std::string& path) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error))
+        bad(path, std::filesystem::exists(path, error) ? "is no file; give a mesh as STL, OBJ or PLY"
+                                                       : "is not there; give the path of a mesh");
+    const std::uintmax_t size = std::filesystem::file_size(path, error);
+    if (error) bad(path, "cannot be read: " + error.message() + "; check the path and that you may read it");
+    if (size == 0) bad(path, "is empty; write or fetch it again");
+    if (size > most_bytes)
+        bad(path, fmt::format("is {:.1f} GB large, at most {} GB are read; send fewer triangles",
+                              static_cast<double>(size) * 1e-9, most_bytes >> 30));
+    std::string bytes(size, '\0');
+    std::ifstream in(path, std::ios::binary);
+    if (!in || !in.read(bytes.data(), static_cast<std::streamsize>(size)))
+        bad(path, "cannot be read; check the path and that you may read it");
+    return bytes;
+}
+
+Soup soup_of(const std::string& path) {
+    const std::string extension = std::filesystem::path(path).extension().string();
+    const auto is = [&](const char* lower_case) { return same_word(extension, lower_case); };
+    const std::string bytes = bytes_of(path);
+    // By what is inside, then by what the name says.
+    if (is_ply(bytes)) return read_ply(bytes, path);
+    if (is(".ply")) bad(path, "is no PLY: its first line is not \"ply\"; write or fetch it again");
+    if (is(".obj")) return read_obj(bytes, path);
+    if (is(".stl") || is_stl(bytes)) return read_stl(bytes, path);
+    return read_by_assimp(path);
+}
+
+std::string counted(std::uint64_t n, const char* one, const char* many) {
+    return fmt::format("{} {}", n, n == 1 ? one : many);
 }
 
 }  // namespace
@@ -60,34 +72,69 @@ double MeshFile::size() const {
     return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
+std::optional<knurl::Point3> MeshFile::far_middle() const {
+    constexpr double far = 1e3;  // of its size
+    Eigen::AlignedBox3d box;
+    for (const knurl::Point3& v : vertices)
+        if (std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]))
+            box.extend(Eigen::Vector3d(v.data()));
+    if (box.isEmpty() || !(box.center().norm() > far * box.diagonal().norm())) return std::nullopt;
+    return knurl::Point3{box.center().x(), box.center().y(), box.center().z()};
+}
+
 MeshFile load_mesh(const std::string& path) {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error))
-        bad(path, std::filesystem::exists(path, error) ? "is no file; give a mesh as STL, OBJ or PLY"
-                                                       : "is not there; give the path of a mesh");
-    Assimp::Importer importer;
-    // Nothing is joined, split or smoothed here: the servo's builder does what is needed, and says so.
-    const aiScene* scene = importer.ReadFile(path, 0);
-    if (scene == nullptr || scene->mRootNode == nullptr) {
-        std::string why = importer.GetErrorString();
-        if (why.empty()) why = "no mesh in it";
-        std::replace(why.begin(), why.end(), '\n', ' ');
-        bad(path, fmt::format("cannot be read as a mesh ({}); is it whole, and an STL, OBJ or PLY?", why));
-    }
+    Soup soup = soup_of(path);
+    if (soup.polygons.empty())
+        bad(path, soup.points_and_lines > 0 || !soup.vertices.empty()
+                      ? "holds points or lines but no triangle; give a surface"
+                      : "holds nothing; give a file with triangles");
     MeshFile file;
     file.path = path;
-    const aiImporterDesc* format =
-        importer.GetImporterInfo(static_cast<std::size_t>(importer.GetPropertyInteger("importerIndex", 0)));
-    file.format = format != nullptr ? format->mName : "mesh";
-    add(*scene, *scene->mRootNode, aiMatrix4x4(), file);
-    if (file.triangles.empty())
-        bad(path, file.vertices.empty() ? "holds nothing; give a file with triangles"
-                                        : "holds points or lines but no triangle; give a surface");
-    if (scene->mNumMaterials > most_materials)
-        bad(path,
-            fmt::format("has {} materials; at most {}: join some", scene->mNumMaterials, most_materials));
-    for (unsigned m = 0; m < scene->mNumMaterials; ++m)
-        file.material_names.emplace_back(scene->mMaterials[m]->GetName().C_Str());
+    file.format = std::move(soup.format);
+    file.vertices = std::move(soup.vertices);
+    file.material_names = std::move(soup.material_names);
+    file.notes = std::move(soup.notes);
+    Cutter cutter;
+    std::span<const std::uint32_t> rest = soup.corners;
+    std::uint64_t concave = 0, nothing = 0, bent = 0;
+    double most_bent = 0;
+    for (const Soup::Polygon& polygon : soup.polygons) {
+        switch (cutter.cut(file.vertices, rest.first(polygon.corners), file.triangles)) {
+            case Cutter::Shape::convex:
+                break;
+            case Cutter::Shape::concave:
+                ++concave;
+                break;
+            case Cutter::Shape::nothing:
+                ++nothing;
+                break;
+            case Cutter::Shape::crossed:
+                bad_at(soup, polygon.place,
+                       fmt::format("the outline of a polygon of {} corners crosses itself, so nobody knows "
+                                   "its inside; let the program that made it write triangles",
+                                   polygon.corners));
+            case Cutter::Shape::too_large:
+                bad_at(soup, polygon.place,
+                       fmt::format("the polygon of {} corners takes too long to be cut into triangles; let "
+                                   "the program that made it write triangles",
+                                   polygon.corners));
+        }
+        file.materials.resize(file.triangles.size(), polygon.material);
+        rest = rest.subspan(polygon.corners);
+        bent += cutter.bent() > bent_much;
+        most_bent = std::max(most_bent, cutter.bent());
+    }
+    const auto note = [&](std::uint64_t n, const std::string& text) {
+        if (n > 0) file.notes.push_back(text);
+    };
+    note(concave, counted(concave, "polygon is", "polygons are") +
+                      " not convex, or with corners on edges: cut into triangles along the outline");
+    note(bent, counted(bent, "polygon is", "polygons are") +
+                   fmt::format(" not flat (by up to {:.2g} of the size): felt as triangles", most_bent));
+    note(nothing, counted(nothing, "polygon", "polygons") + " without an area are left out");
+    note(soup.points_and_lines,
+         counted(soup.points_and_lines, "point or line is", "points and lines are") + " left out");
+    if (file.triangles.empty()) bad(path, "none of its polygons has an area; give a surface");
     return file;
 }
 
@@ -106,22 +153,6 @@ std::vector<std::string> notes_of(const knurl::MeshNotes& n) {
     note(n.edges_non_manifold, "edges have more than two triangles");
     note(n.faces_crossed, "triangles cross others");
     return lines;
-}
-
-namespace {
-std::string too_long;  // what the signal's handler writes
-}
-
-ReadingLimit::ReadingLimit(const std::string& program) {
-    too_long = program + ": the file takes more than a minute to read; it is damaged, or far too large\n";
-    std::signal(SIGALRM, [](int) {
-        [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, too_long.data(), too_long.size());
-        _exit(1);
-    });
-    alarm(60);
-}
-ReadingLimit::~ReadingLimit() {
-    alarm(0);
 }
 
 }  // namespace meshfile

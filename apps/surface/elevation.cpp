@@ -1,10 +1,14 @@
 #include "elevation.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "elevation_words.hpp"
 
 namespace surface {
 
@@ -22,6 +26,57 @@ void check_sides(const std::string& name, long rows, long columns) {
                         name, rows, columns, largest_side, largest_side));
 }
 
+std::runtime_error cell_error(const std::string& name, std::size_t index, int columns,
+                              const std::string& what) {
+    const auto width = static_cast<std::size_t>(columns);
+    return std::runtime_error(
+        fmt::format("{}: row {}, column {} {}", name, index / width + 1, index % width + 1, what));
+}
+
+std::string no_height(std::string_view text) {
+    return fmt::format("has no height ({}); fill the gaps first (gdal_fillnodata), or cut them off",
+                       text.substr(0, 40));
+}
+
+std::runtime_error too_short(const std::string& name, std::size_t got, std::size_t wanted) {
+    return std::runtime_error(fmt::format(
+        "{}: is truncated: {} of {} heights are there; write or fetch it again", name, got, wanted));
+}
+
+std::optional<double> number_with_comma(std::string_view word) {
+    const auto comma = word.find(',');
+    if (comma == word.npos) return number(word);
+    if (word.find('.') != word.npos || comma == 0 || comma + 1 == word.size()) return std::nullopt;
+    std::string point(word);
+    point[comma] = '.';
+    return number(point);
+}
+
+void check_byte_order(const ElevationModel& model, const std::string& name) {
+    constexpr std::size_t fewest = 64;
+    if (model.counts.size() < fewest) return;
+    // Mean step between neighbours, of the range.
+    const auto roughness = [&](auto value_of) {
+        double sum = 0, low = value_of(model.counts[0]), high = low, last = low;
+        for (const double count : model.counts) {
+            const double value = value_of(count);
+            sum += std::abs(value - last);
+            low = std::min(low, value), high = std::max(high, value), last = value;
+        }
+        return high > low ? sum / static_cast<double>(model.counts.size()) / (high - low) : 0;
+    };
+    const double here = roughness([](double count) { return count; });
+    const double swapped = roughness([](double count) {
+        const auto bits = static_cast<unsigned>(count);
+        return static_cast<double>((bits & 255) << 8 | bits >> 8);
+    });
+    if (here > 0.02 && swapped < here / 8)
+        throw std::runtime_error(fmt::format(
+            "{}: its samples are noise as they stand and smooth with the bytes of each swapped: it was "
+            "written little-endian, and the format is big-endian; swap them (dd conv=swab on the samples)",
+            name));
+}
+
 ElevationModel load_elevation(const std::filesystem::path& file) {
     const std::string name = file.string();
     if (std::filesystem::is_directory(file))
@@ -32,15 +87,17 @@ ElevationModel load_elevation(const std::filesystem::path& file) {
     if (bytes.empty()) throw std::runtime_error(name + ": is empty; write or fetch it again");
 
     const auto begins = [&](std::string_view magic) { return std::string_view(bytes).starts_with(magic); };
+    std::string_view text = bytes;
+    if (begins("\xef\xbb\xbf")) text.remove_prefix(3);  // a byte order mark, of UTF-8
     ElevationModel model;
     if (begins("\x89PNG"))
         model = read_png(bytes, name);
-    else if (begins("P2") || begins("P5"))
-        model = read_pgm(bytes, name);
-    else if (const auto at = bytes.find_first_not_of(" \t\r\n");
-             at != std::string::npos && (bytes[at] == 'n' || bytes[at] == 'N') && bytes.size() > at + 5 &&
-             (bytes[at + 1] == 'c' || bytes[at + 1] == 'C' || bytes[at + 1] == 'r' || bytes[at + 1] == 'R'))
-        model = read_esri_grid(bytes, name);  // begins with ncols or nrows
+    else if (text.starts_with("P2") || text.starts_with("P5"))
+        model = read_pgm(text, name);
+    else if (begins("\xff\xfe") || begins("\xfe\xff"))
+        throw std::runtime_error(name + ": is UTF-16 text; save it as plain text (ASCII or UTF-8)");
+    else if (is_esri_grid(text))
+        model = read_esri_grid(text, name);
     else
         throw std::runtime_error(name +
                                  ": is no elevation model that is known here; give a 16-bit greyscale PNG, a "

@@ -14,8 +14,9 @@ struct ElevationModel {
     std::vector<double> counts = {};  // as the file has them, row by row from the north
     // What the file says of its scale; absent: it says nothing.
     std::optional<double> metres_per_count = {}, metres_per_cell = {};
-    std::string scale_source = {};  // where the scale comes from, for people
-    std::string name = {};          // the file's name without its folder
+    std::string scale_source = {};        // where the scale comes from, for people
+    std::string name = {};                // the file's name without its folder
+    std::vector<std::string> notes = {};  // what is not as it stands in the file; a line each
 };
 
 inline constexpr int smallest_side = 4;     // samples: a bicubic patch
@@ -28,9 +29,23 @@ ElevationModel load_elevation(const std::filesystem::path& file);
 ElevationModel read_png(std::string_view bytes, const std::string& name);
 ElevationModel read_pgm(std::string_view bytes, const std::string& name);
 ElevationModel read_esri_grid(std::string_view bytes, const std::string& name);
+/// By the bytes alone: is it that?
+bool is_esri_grid(std::string_view bytes);
 
 /// Throws unless rows and columns are within the bounds above.
 void check_sides(const std::string& name, long rows, long columns);
+/// Throws if samples of 16 bits are smooth once the bytes of each are swapped, and are not as they stand.
+void check_byte_order(const ElevationModel& model, const std::string& name);
+
+/// "NAME: row R, column C WHAT", from 1; of the `index`th height.
+std::runtime_error cell_error(const std::string& name, std::size_t index, int columns,
+                              const std::string& what);
+/// What cell_error() says of a cell without a height; `text` is what stands there.
+std::string no_height(std::string_view text);
+std::runtime_error too_short(const std::string& name, std::size_t got, std::size_t wanted);
+
+/// A number that may have a decimal comma, as some programs write by their locale. None: it is not one.
+std::optional<double> number_with_comma(std::string_view word);
 
 /// PNG text keys by which a model states its scale (scripts/dem_to_png.py writes them).
 inline constexpr const char* key_metres_per_count = "knurl:metres_per_count";

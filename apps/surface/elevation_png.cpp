@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 
@@ -5,6 +6,7 @@
 #include <png.h>
 
 #include "elevation.hpp"
+#include "elevation_words.hpp"
 
 namespace surface {
 namespace {
@@ -55,17 +57,34 @@ bool read_pixels(Decoding& d) {
     return true;
 }
 
-std::optional<double> text_number(const Decoding& d, const char* key) {
+std::optional<double> text_number(const Decoding& d, const char* key, const std::string& name) {
     png_textp texts = nullptr;
     int count = 0;
     png_get_text(d.png, d.info, &texts, &count);
     for (int i = 0; i < count; ++i) {
         if (std::strcmp(texts[i].key, key) != 0 || texts[i].text == nullptr) continue;
-        char* end = nullptr;
-        const double value = std::strtod(texts[i].text, &end);
-        if (end != texts[i].text && *end == '\0') return value;
+        Words words{.rest = texts[i].text};
+        const std::string_view word = words.next();
+        const auto value = number_with_comma(word);
+        const bool thousands =
+            word.find(',') != word.npos && word.size() - word.find(',') == 4 && word[0] != '0';
+        if (!value || !(*value > 0) || !std::isfinite(*value) || thousands || !words.next().empty())
+            throw std::runtime_error(fmt::format(
+                "{}: the PNG's text {} is \"{}\", not a number above 0; write it with a decimal point", name,
+                key, std::string_view(texts[i].text).substr(0, 40)));
+        return value;
     }
     return std::nullopt;
+}
+
+/// The grey that means "nothing here". None: every pixel is a height.
+std::optional<double> transparent(const Decoding& d) {
+    png_bytep alphas = nullptr;
+    int count = 0;
+    png_color_16p grey = nullptr;
+    if ((png_get_tRNS(d.png, d.info, &alphas, &count, &grey) & PNG_INFO_tRNS) == 0 || grey == nullptr)
+        return std::nullopt;
+    return grey->gray;
 }
 
 }  // namespace
@@ -105,8 +124,13 @@ ElevationModel read_png(std::string_view bytes, const std::string& name) {
     model.counts.reserve(d.bytes.size() / 2);
     for (std::size_t i = 0; i < d.bytes.size(); i += 2)
         model.counts.push_back(d.bytes[i] * 256 + d.bytes[i + 1]);
-    model.metres_per_count = text_number(d, key_metres_per_count);
-    model.metres_per_cell = text_number(d, key_metres_per_cell);
+    if (const auto gap = transparent(d))
+        for (std::size_t i = 0; i < model.counts.size(); ++i)
+            if (model.counts[i] == *gap)
+                throw cell_error(name, i, model.columns, no_height(fmt::format("{}, transparent", *gap)));
+    check_byte_order(model, name);
+    model.metres_per_count = text_number(d, key_metres_per_count, name);
+    model.metres_per_cell = text_number(d, key_metres_per_cell, name);
     model.scale_source = "the PNG's text";
     return model;
 }

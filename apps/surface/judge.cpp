@@ -56,6 +56,8 @@ Judgement judge(const std::vector<Cycle>& cycles, const std::vector<Terrain::Foo
 
         ++judged;
         inside += foot.distance < 0;
+        if (i > 0 && foot.distance < 0 && feet[i - 1].distance < 0)
+            result.travel += (foot.point - feet[i - 1].point).norm();
         const Eigen::Vector3d wanted = true_force(foot, ideal);
         squares += (cycle.force - wanted).squaredNorm();
         forces += wanted.norm();
@@ -72,19 +74,37 @@ Judgement judge(const std::vector<Cycle>& cycles, const std::vector<Terrain::Foo
         result.force_error = std::sqrt(squares / n);
         result.mean_force = forces / n;
         result.contact_share = static_cast<double>(inside) / n;
+        result.contact = static_cast<double>(inside) * span.period;
     }
     if (resting) result.limit_cycle = 0.5 * (highest - lowest);
     return result;
 }
 
-bool Judgement::stable(const Thresholds& limits) const {
-    return !fault_at && jump <= limits.jump && kick <= limits.kick &&
-           limit_cycle.value_or(0) < limits.limit_cycle;
+std::optional<bool> Judgement::stable(const Thresholds& limits) const {
+    if (fault_at || jump > limits.jump || kick > limits.kick || limit_cycle.value_or(0) >= limits.limit_cycle)
+        return false;
+    return unseen().empty() ? std::optional(true) : std::nullopt;
+}
+
+std::string Judgement::unseen(const Seen& needed) const {
+    constexpr const char* remedy = "does the servo play the stroke (knurld --hand, of --write-stroke)?";
+    if (contact == 0) return fmt::format("the hand never touched the surface; {}", remedy);
+    if (contact < needed.contact)
+        return fmt::format("the hand touched the surface for {:.0f} ms only; {}", contact * 1e3, remedy);
+    if (travel < needed.travel)
+        return fmt::format("the hand went {:.1f} mm along the surface only; {}", travel * 1e3, remedy);
+    if (!limit_cycle) return "the hand was not seen at rest";
+    const double all = static_cast<double>(cycles + missed);
+    if (static_cast<double>(missed) > needed.missed * all)
+        return fmt::format("{} of {:.0f} reports were missed: a jump between them is not seen", missed, all);
+    return "";
 }
 
 std::string Judgement::verdict(const Thresholds& limits) const {
     if (fault_at) return fmt::format("faulted at t = {:.2f} s ({})", *fault_at, fault_text(faults));
-    if (stable(limits)) return "stable";
+    const std::optional<bool> judged = stable(limits);
+    if (!judged) return "no verdict: " + unseen();
+    if (*judged) return "stable";
     std::string why;
     const auto add = [&](bool broken, const char* what) {
         if (broken) why += (why.empty() ? "" : ", ") + std::string(what);

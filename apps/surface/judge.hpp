@@ -3,6 +3,9 @@
 //
 //   stable  =  jump <= 1 N a cycle,  kick <= 0.3 m/s,  limit cycle < 0.1 mm,  no fault
 //
+// That is said of a stroke that was seen: one that never touched, did not move along the surface, was not
+// seen at rest, or of which too many reports were missed has no verdict, unless what was seen is not stable.
+//
 // All forces are the scene's wrench before the supervisor. The thresholds are a choice of ours (nobody
 // measured them on people): a step of 1 N is felt as a knock, and a hand thrown off at 0.3 m/s has lost the
 // surface.
@@ -35,6 +38,13 @@ struct Thresholds {
     double limit_cycle = 0.1e-3;  // m
 };
 
+/// What has to be seen of a stroke that is to be called stable.
+struct Seen {
+    double contact = 0.1;  // s below the surface
+    double travel = 5e-3;  // m along it meanwhile
+    double missed = 0.05;  // of the cycles, at most
+};
+
 struct Ideal {
     double stiffness = 0;       // N/m
     double greatest_force = 0;  // N: the device's own limit, for the true force as for the felt one; 0: none
@@ -58,13 +68,18 @@ struct Judgement {
     double mean_force = 0;         // N, of the true force
     std::optional<double> own_force_error;  // N, the same against the surface that was sent; none: none was
     double contact_share = 0;               // of the judged cycles with the probe below the surface
+    double contact = 0;                     // s below it
+    double travel = 0;                      // m along it, between cycles below it
     std::optional<double>
         limit_cycle;                 // m, half of peak to peak of the height at rest; none: it never rested
     std::optional<double> fault_at;  // s
     std::uint32_t faults = 0;
 
-    bool stable(const Thresholds& limits = {}) const;
-    /// "stable", "not stable: jump, kick", "faulted at t = 1.23 s (hand too fast)".
+    /// None: no verdict.
+    std::optional<bool> stable(const Thresholds& limits = {}) const;
+    /// Why a stroke in which nothing unstable was seen is not called stable; empty: it is.
+    std::string unseen(const Seen& needed = {}) const;
+    /// "stable", "not stable: jump, kick", "faulted at t = 1.23 s (hand too fast)", "no verdict: ...".
     std::string verdict(const Thresholds& limits = {}) const;
 };
 

@@ -1,6 +1,7 @@
 // knurl-surface: lets a hand stroke a real relief through an application of 20 Hz, in several ways, and
 // judges them.
 
+#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 
@@ -71,7 +72,8 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
         "  knurl-surface --write-stroke stroke.csv hills.png\n"
         "  knurld --device sim:premium15 --hand stroke.csv &\n"
         "  knurl-surface hills.png --json out.json --csv out.csv --relief relief.asc\n"
-        "  scripts/plot_surface.py out.json out.csv relief.asc out.png\n");
+        "  scripts/plot_surface.py out.json out.csv relief.asc out.png\n"
+        "Exit code 1: of some way there is no verdict (the hand never touched, did not move, ...).\n");
 }
 
 int run(const Wishes& wishes) {
@@ -79,6 +81,7 @@ int run(const Wishes& wishes) {
     for (const auto& key : wishes.ways) ways.push_back(surface::way_of(key));
 
     const auto model = surface::load_elevation(wishes.model);
+    for (const auto& line : model.notes) fmt::print(stderr, "knurl-surface: {}: {}\n", wishes.model, line);
     const auto relief = surface::make_relief(model, wishes.relief);
     const surface::Terrain terrain(relief.grid);
     const auto path = surface::make_stroke(terrain, wishes.stroke);
@@ -126,7 +129,11 @@ int run(const Wishes& wishes) {
     fmt::print("\n{}", surface::table(outcomes, text));
     if (!wishes.csv.empty()) surface::write_csv(wishes.csv, outcomes, terrain);
     if (!wishes.json.empty()) surface::write_json(wishes.json, outcomes, text);
-    return stop ? 130 : 0;
+    if (stop) return 130;
+    const bool all_judged = std::all_of(outcomes.begin(), outcomes.end(), [](const surface::Outcome& o) {
+        return o.judgement.stable().has_value();
+    });
+    return all_judged ? 0 : 1;
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ void write_json(const std::filesystem::path& file, const std::vector<Outcome>& o
         strokes.push_back({{"way", key},
                            {"title", title_of(o.recording.way, text.rate)},
                            {"verdict", j.verdict()},
-                           {"stable", j.stable()},
+                           {"stable", j.stable() ? Json(*j.stable()) : Json(nullptr)},
                            {"interrupted", o.recording.interrupted},
                            {"fault_at", j.fault_at ? Json(*j.fault_at) : Json(nullptr)},
                            {"stiffness", o.recording.stiffness},
@@ -54,7 +54,9 @@ void write_json(const std::filesystem::path& file, const std::vector<Outcome>& o
                            {"kick", j.kick},
                            {"kick_at", j.kick_at},
                            {"limit_cycle", j.limit_cycle ? Json(*j.limit_cycle) : Json(nullptr)},
-                           {"contact_share", j.contact_share}});
+                           {"contact_share", j.contact_share},
+                           {"contact_s", j.contact},
+                           {"travel_m", j.travel}});
     }
     Json json = Json::parse(knurl::measure::to_json(measured));
     json["run"] = {{"model", text.model},

@@ -1,9 +1,13 @@
+#include <charconv>
+#include <sstream>
 #include <stdexcept>
 
+#include <knurl/drivers/debounce.hpp>
 #include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/sim_device.hpp>
 #include <knurl/words/nearest.hpp>
 
+#include "debounced.hpp"
 #include "falcon/device.hpp"
 #include "spacemouse/device.hpp"
 #include "wooden/device.hpp"
@@ -20,13 +24,51 @@ std::vector<Driver>& drivers() {
     return all;
 }
 
+namespace {
+
+constexpr std::string_view debounce_option = "debounce=";
+
+/// An address without what is no driver's own matter.
+struct Wishes {
+    std::string what;
+    double debounce = Debounce::usual;  // s
+};
+
+Wishes wishes_of(std::string_view address, std::size_t at) {
+    Wishes wishes;
+    for (bool first = true, more = true; more; first = false) {
+        const std::size_t end = address.find(',', at);
+        more = end != std::string_view::npos;
+        const std::string_view item = address.substr(at, more ? end - at : end);
+        at = end + 1;
+        if (!item.starts_with(debounce_option)) {
+            wishes.what.append(first ? "" : ",").append(item);
+            continue;
+        }
+        const std::string_view text = item.substr(debounce_option.size());
+        const auto [stopped, error] =
+            std::from_chars(text.data(), text.data() + text.size(), wishes.debounce);
+        if (text.empty() || error != std::errc() || stopped != text.data() + text.size() ||
+            !(wishes.debounce >= 0 && wishes.debounce <= Debounce::longest)) {
+            std::ostringstream why;
+            why << address << ": cannot use " << item << "; give 0 to " << Debounce::longest
+                << " s that a button is left alone after an edge (0: every edge of its contacts is told)";
+            throw std::runtime_error(why.str());
+        }
+    }
+    return wishes;
+}
+
+}  // namespace
+
 std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions& options) {
     const auto colon = address.find(':');
     const std::string_view scheme = address.substr(0, colon);
     std::string known;
     for (const Driver& driver : drivers()) {
         if (colon != std::string_view::npos && driver.scheme == scheme) {
-            return driver.open(address.substr(colon + 1), options);
+            const Wishes wishes = wishes_of(address, colon + 1);
+            return debounced(driver.open(wishes.what, options), wishes.debounce);
         }
         known += (known.empty() ? "" : "; ") + driver.scheme + ":" + driver.help;
     }

@@ -17,6 +17,7 @@ namespace {
 
 using cli::Trial;
 using testing::Contains;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -170,6 +171,13 @@ TEST(DeviceTest, ASimulatedArmIsLetGoOfUnlessAHandIsAskedFor) {
     EXPECT_EQ(free.code, 0) << free.out;
     EXPECT_THAT(free.err, HasSubstr("nobody's hand on it: tests sim:premium15,grip=0 "));
     EXPECT_THAT(free.out, HasSubstr("as it should be"));
+    // One device, three stiffnesses: each with what it is of.
+    EXPECT_THAT(free.out, ContainsRegex("stiffest wall +[0-9]+ N/m measured, nobody's hand on it\n"));
+    EXPECT_THAT(free.out,
+                ContainsRegex("promised alone +194 N/m by its own damping.*; 0.9 of that or more passes\n"));
+    EXPECT_THAT(free.out,
+                ContainsRegex("promised held +3105 N/m, the hand's 3 N s/m added: what knurld clamps to\n"));
+    EXPECT_THAT(free.out, ContainsRegex("x the model's force .0.7 to 1.4 pass"));
     const Outcome held = knurl({"device", "test", "sim:premium15,seed=2,grip=1", "--virtual"});
     EXPECT_EQ(held.code, 1) << held.out;
     EXPECT_THAT(held.err, Not(HasSubstr("nobody's hand")));

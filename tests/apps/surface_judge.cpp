@@ -51,7 +51,7 @@ struct Made {
 
 TEST(Judge, AFaithfulStrokeIsStable) {
     const Judgement j = Made().judged();
-    EXPECT_TRUE(j.stable());
+    EXPECT_EQ(j.stable(), true);
     EXPECT_EQ(j.verdict(), "stable");
     EXPECT_EQ(j.cycles, 3001u);
     EXPECT_EQ(j.missed, 0u);
@@ -76,7 +76,7 @@ TEST(Judge, AForceStepAboveOneNewtonIsAJumpInWhateverDirection) {
     }
     Made gentle;
     for (std::size_t i = 1500; i < gentle.cycles.size(); ++i) gentle.cycles[i].force.z() += 0.95;
-    EXPECT_TRUE(gentle.judged().stable());
+    EXPECT_EQ(gentle.judged().stable(), true);
 }
 
 TEST(Judge, AStepAtTheFirstTouchCountsToo) {
@@ -118,11 +118,11 @@ TEST(Judge, SpeedAwayFromTheSurfaceIsAKickSpeedAlongOrIntoItIsNot) {
 
     Made along;
     along.cycles[1000].velocity = {2, 0, -2};
-    EXPECT_TRUE(along.judged().stable());
+    EXPECT_EQ(along.judged().stable(), true);
 
     Made before;  // the hand may do as it likes before it has touched
     before.cycles[200].velocity = {0, 0, 0.9};
-    EXPECT_TRUE(before.judged().stable());
+    EXPECT_EQ(before.judged().stable(), true);
 }
 
 TEST(Judge, ASwingAtRestIsALimitCycleOneDuringTheStrokeIsNot) {
@@ -143,6 +143,40 @@ TEST(Judge, AStrokeThatEndsEarlySaysNothingOfTheRest) {
     made.cycles.resize(1800);
     made.feet.resize(1800);
     EXPECT_FALSE(made.judged().limit_cycle);
+    EXPECT_EQ(made.judged().verdict(), "no verdict: the hand was not seen at rest");
+    made.cycles[1500].force.z() += 3;
+    EXPECT_EQ(made.judged().verdict(), "not stable: jump") << "what was seen is enough for that";
+}
+
+TEST(Judge, NoContactIsNoVerdict) {
+    Made above;
+    for (std::size_t i = 0; i < above.cycles.size(); ++i)
+        above.place(i, 2e-3), above.cycles[i].force.setZero();
+    EXPECT_FALSE(above.judged().stable());
+    EXPECT_THAT(above.judged().verdict(),
+                testing::StartsWith("no verdict: the hand never touched the surface; "));
+
+    Made brushed;
+    for (std::size_t i = 450; i < brushed.cycles.size(); ++i)
+        brushed.place(i, 2e-3), brushed.cycles[i].force.setZero(), brushed.cycles[449].force.setZero();
+    EXPECT_THAT(brushed.judged().verdict(),
+                testing::HasSubstr("no verdict: the hand touched the surface for"));
+    brushed.cycles[2000].faults = knurl::fault::speed;
+    EXPECT_EQ(brushed.judged().stable(), false) << "a fault is one wherever the hand was";
+}
+
+TEST(Judge, AHandThatRestsOnTheSurfaceHasNotStrokedIt) {
+    Made made;
+    for (std::size_t i = 0; i < made.cycles.size(); ++i) made.feet[i].point = {0.03, 0, 0};
+    EXPECT_THAT(made.judged().verdict(),
+                testing::StartsWith("no verdict: the hand went 0.0 mm along the surface only"));
+}
+
+TEST(Judge, WhereTooManyReportsWereMissedNothingIsStable) {
+    Made made;
+    for (std::size_t i = 1500; i < made.cycles.size(); ++i) made.cycles[i].number += 200;
+    EXPECT_EQ(made.judged().verdict(),
+              "no verdict: 200 of 3201 reports were missed: a jump between them is not seen");
 }
 
 TEST(Judge, ForceErrorIsTheRootMeanSquareAgainstTheTrueSurface) {
@@ -164,7 +198,7 @@ TEST(Judge, AFaultEndsTheStrokeAndNamesItsReason) {
     const Judgement j = made.judged();
     EXPECT_EQ(j.cycles, 1234u);
     EXPECT_LT(j.jump, 0.1);
-    EXPECT_FALSE(j.stable());
+    EXPECT_EQ(j.stable(), false);
     EXPECT_EQ(j.verdict(), "faulted at t = 1.23 s (hand too fast, too much power into the hand)");
 }
 

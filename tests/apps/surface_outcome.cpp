@@ -33,7 +33,7 @@ Recording recording(Way way, int cycles = 2000) {
         surface::Cycle cycle;
         cycle.number = static_cast<std::uint64_t>(i);
         cycle.t = i * 1e-3;
-        cycle.position = {0, 0, -1e-3};
+        cycle.position = {std::min(6e-3, i * 1e-5) - 3e-3, 0, -1e-3};  // 6 mm along it, then at rest
         cycle.force = {0, 0, 1};
         r.cycles.push_back(cycle);
         r.read_ns.push_back(i * ms);

@@ -62,6 +62,17 @@ TEST_F(SurfaceProgram, StrokesOncePerWayAndSaysHowItWent) {
     EXPECT_EQ(knurld.end(SIGTERM), 0);
 }
 
+TEST_F(SurfaceProgram, AHandThatDoesNotStrokeIsNoVerdictAndExitCode1) {
+    const Background knurld({KNURLD_PROGRAM, "--device", "sim:premium15"});  // forgotten: --hand
+    const auto outcome = run({KNURL_SURFACE_PROGRAM, model_, "--wait", "30", "--ways", "knurl", "--json",
+                              folder_.path("out.json")});
+    EXPECT_EQ(outcome.code, 1) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("no verdict: the hand "));
+    EXPECT_THAT(outcome.out, HasSubstr("knurld --hand"));
+    const auto json = knurl::Json::parse(knurl::test::text_of_file(folder_.path("out.json")));
+    EXPECT_TRUE(json.at("strokes").at(0).at("stable").is_null());
+}
+
 TEST_F(SurfaceProgram, EachIsJudgedAgainstWhatItSentToo) {
     Background knurld(servo());
     const auto outcome = run({KNURL_SURFACE_PROGRAM, model_, "--wait", "30", "--ways", "planes,field",

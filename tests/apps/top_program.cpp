@@ -147,6 +147,7 @@ const std::vector<std::string>& quickly() {
 }
 
 TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
+    KNURL_NEEDS(missing_terminal());
     const Home home;
     const Servo servo({"--device", "sim:cartesian3"});
     ::setenv("NO_COLOR", "1", 1);
@@ -198,6 +199,7 @@ TEST(Top, WhatIsWrongIsRedUnlessNobodyWantsColours) {
 }
 
 TEST(Top, SuspendedItGivesTheTerminalBackAndTakesItAgain) {
+    KNURL_NEEDS(missing_terminal());
     const Home home;
     const Servo servo({"--device", "sim:cartesian3"});
     OnTerminal top(quickly(), 100, 30);

@@ -1,5 +1,6 @@
 // Reports: polled, waited for, through a descriptor; none lost without being counted.
 
+#include <algorithm>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -132,6 +133,132 @@ TEST(Reports, an_epoll_loop_sees_every_report_of_two_readers) {
         }
     }
     ::close(loop);
+}
+
+TEST(Reports, newest_is_the_last_one_however_many_came_since) {
+    ServoProcess servo;
+    Client client = connect(), beside = connect_beside();
+    Observer observer = client.observe(), watch = beside.observe();
+    const auto first = observer.newest(10s);
+    ASSERT_TRUE(first);
+    for (int i = 0; i < 200; ++i) watch.next_report(1s);
+    servo.stop();
+    const std::uint64_t last_cycle = watch.latest()->cycle;
+    std::optional<HandFrame> newest;
+    std::uint64_t passed = 0;
+    ASSERT_TRUE(eventually([&] {
+        if (const auto frame = observer.newest(10ms)) {
+            newest = frame;
+            passed += 1 + frame->skipped;
+        }
+        return newest && newest->cycle == last_cycle;
+    }));
+    EXPECT_EQ(newest->cycle - first->cycle, passed);
+    EXPECT_EQ(newest->unread, 0u);
+    EXPECT_FALSE(observer.newest(0ns)) << "it was read";
+    servo.go_on();
+    EXPECT_GT(observer.newest(10s)->cycle, last_cycle);
+}
+
+TEST(Reports, newest_tells_of_a_contact_that_has_ended_meanwhile) {
+    ServoProcess servo;
+    Client client = connect(), beside = connect_beside();
+    Claim hand = client.claim();
+    Observer watch = beside.observe();
+    ASSERT_TRUE(hand.newest(10s));
+    const auto touching = [&](bool wanted) {
+        return eventually([&] {
+            const auto report = watch.next_report(1s);
+            return report && ((report->flags & report_flags::touching) != 0) == wanted;
+        });
+    };
+    auto floor = hand.add(Plane{.normal = {0, 0, 1}, .offset = 0.002, .stiffness = 300});
+    ASSERT_TRUE(touching(true));
+    floor.remove();
+    ASSERT_TRUE(touching(false));
+    bool touched = false;
+    std::uint32_t touches = 0;
+    ASSERT_TRUE(eventually([&] {
+        const auto frame = hand.newest(1s);
+        if (!frame) return false;
+        touched = touched || frame->touched;
+        touches += frame->touches;
+        return touched && (frame->flags & report_flags::touching) == 0;
+    }));
+    EXPECT_EQ(touches, 1u);
+    EXPECT_FALSE(hand.newest(10s)->touched) << "told once";
+}
+
+/// What this process says on standard error, into a file.
+class Errors {
+  public:
+    Errors()
+        : path_(std::filesystem::temp_directory_path() / ("knurl-errors-" + std::to_string(::getpid()))) {
+        const int file = ::open(path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+        ::dup2(file, 2);
+        ::close(file);
+    }
+    ~Errors() {
+        ::dup2(kept_, 2);
+        ::close(kept_);
+        std::filesystem::remove(path_);
+    }
+    std::string said() const {
+        std::ostringstream all;
+        all << std::ifstream(path_).rdbuf();
+        return all.str();
+    }
+    bool say(const std::string& what) const { return said().find(what) != std::string::npos; }
+
+  private:
+    std::filesystem::path path_;
+    const int kept_ = ::dup(2);
+};
+
+TEST(Hints, a_reader_that_falls_behind_is_told_once) {
+    if (ServoProcess::through_bridge()) return;  // the library's, whatever carries the reports
+    ServoProcess servo;
+    Client client = connect(), silent = Client::connect("knurl:default", {.wait = 20s, .hints = false});
+    Observer slow = client.observe(), unhinted = silent.observe(), watch = silent.observe();
+    const Errors errors;
+    std::uint64_t unread = 0;
+    const auto falls_behind = [&](int reads) {
+        for (int i = 0; i < reads; ++i) {
+            for (int passed = 0; passed < 30; ++passed) watch.next_report(1s);
+            unhinted.next_report(1s);
+            if (const auto report = slow.next_report(1s)) unread = report->unread;
+        }
+    };
+    ASSERT_TRUE(eventually([&] {
+        falls_behind(1);
+        return errors.say("newest() gives the newest");
+    }));
+    EXPECT_GT(unread, 200u);
+    const std::string said = errors.said();
+    falls_behind(20);
+    EXPECT_EQ(errors.said(), said) << "once, and not at all where hints are off";
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+}
+
+TEST(Hints, a_program_that_forgets_arm_or_commit_is_told_once) {
+    if (ServoProcess::through_bridge()) return;
+    ServoProcess servo({"--device", "left=sim:cartesian3", "--device", "right=sim:cartesian3"});
+    Client client = connect();
+    Claim unarmed = client.claim("left"), uncommitted = client.claim("right", {.update_interval = 1ms});
+    const Errors errors;
+    unarmed.add(Plane{.offset = -0.08});
+    uncommitted.add(Plane{.offset = -0.08});
+    uncommitted.arm();
+    ASSERT_TRUE(eventually([&] {
+        unarmed.newest(1s);
+        unarmed.commit();
+        uncommitted.newest(1s);
+        return errors.say("device 'left'") && errors.say("device 'right'");
+    }));
+    EXPECT_TRUE(errors.say("device 'left': nothing of what was added is felt: arm() was not called"));
+    EXPECT_TRUE(errors.say("device 'right': commit() was never called"));
+    const std::string said = errors.said();
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << said;
 }
 
 }  // namespace

@@ -92,6 +92,8 @@ void Judge::fault() {
 }
 
 Figures Judge::finish() {
+    // What was never touched has no verdict: a search for the stiffest must not take it for stable.
+    if (begun_ && figures_.peak == 0) fault();
     if (!std::isinf(figures_.cycle)) {
         figures_.cycle = 0.5 * (highest_ - lowest_);
         figures_.power = (work_ - work_at_start_) / (run_end - judged_from);

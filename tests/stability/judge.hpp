@@ -47,7 +47,7 @@ class Judge {
     /// the actuators have done since the start (J).
     void add(double t, const Eigen::Vector3d& position, const Eigen::Vector3d& velocity,
              const Eigen::Vector3d& force, double work);
-    /// A fault of the supervisor: nothing is stable after it.
+    /// A fault of the supervisor, or a surface that was never touched: nothing is stable after it.
     void fault();
 
     /// As of now; `power` and `cycle` are known at the end alone.

@@ -289,6 +289,10 @@ SimDevice::~SimDevice() = default;
 const LinkConfig& SimDevice::link() const noexcept {
     return body_->link;
 }
+bool SimDevice::has_buttons() const noexcept {
+    return body_->live != nullptr;
+}
+
 const Mechanism& SimDevice::mechanism() const noexcept {
     return *body_->profile.mechanism;
 }

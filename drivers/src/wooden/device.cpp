@@ -54,6 +54,7 @@ class WoodenHaptics final : public Device {
 
     const LinkConfig& link() const noexcept override { return link_; }
     const Mechanism& mechanism() const noexcept override { return mechanism_; }
+    bool has_buttons() const noexcept override { return false; }
 
     ReadStatus read(Nanoseconds, JointSample& sample) noexcept override {
         const ReadStatus status = io_.take(reading_);

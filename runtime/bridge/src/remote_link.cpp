@@ -28,6 +28,7 @@ class RemoteReports final : public detail::ReportSource {
     bool latest(Report& out) noexcept override { return stream_->latest(out); }
     bool newest(Report& out) const noexcept override { return stream_->newest(out); }
     bool fresh() const noexcept override { return stream_->fresh(); }
+    std::uint64_t unread() const noexcept override { return stream_->unread(); }
     std::uint64_t missed() const noexcept override { return stream_->missed(); }
     void wait(std::chrono::nanoseconds timeout) noexcept override { stream_->wait(timeout, false); }
     void wait_cycle(std::chrono::nanoseconds timeout) noexcept override { stream_->wait(timeout, true); }

@@ -35,6 +35,7 @@ class Stream {
     bool latest(Report& out) noexcept;
     bool newest(Report& out) noexcept;
     bool fresh() const noexcept { return reader_.fresh(); }
+    std::uint64_t unread() const noexcept { return reader_.unread(); }
     std::uint64_t missed() const noexcept { return reader_.missed() + gap_read_; }
     void wait(std::chrono::nanoseconds timeout, bool for_any) noexcept;
     int event() const noexcept { return loop_.get(); }

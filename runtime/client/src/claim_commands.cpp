@@ -105,6 +105,7 @@ void ClaimState::ask(CommandType type) {
     Lock lock = enter();
     if (channel() == nullptr) throw_disconnected();
     issue({.type = type});
+    arm_asked_ = arm_asked_ || type == CommandType::arm;
     if (depth_ == 0) wait_for_answer(issued_, type, lock);
 }
 

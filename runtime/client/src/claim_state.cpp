@@ -65,6 +65,8 @@ std::uint64_t ClaimState::commit() {
     if (last_commit_ns_ != 0) intervals_.add(static_cast<double>(now - last_commit_ns_) * 1e-9);
     last_commit_ns_ = now;
     ++sequence_;
+    silent_.restart();
+    if (hints()) look_for_force(now);
     if (channel() == nullptr) {
         table_.committed_for_replay();
         basis_cycle_ = 0;
@@ -198,6 +200,29 @@ void ClaimState::refresh() {
     }
 }
 
+void ClaimState::on_read() {
+    look_for_force(monotonic_ns());
+}
+
+void ClaimState::look_for_force(std::int64_t now) {
+    constexpr std::int64_t every = 100'000'000, unarmed_for = 3'000'000'000,
+                           silent_for = 1'000'000'000;  // ns
+    if (now - looked_ns_ < every || (unarmed_.said() && silent_.said())) return;
+    looked_ns_ = now;
+    if (unarmed_.now(!arm_asked_ && table_.any_issued(), now, unarmed_for))
+        hint(device_name(), detail::format("nothing of what was added is felt: arm() was not called{}",
+                                           is_back_ ? " since the servo is back" : ""));
+    refresh();
+    if (!silent_.now(arm_asked_ && feedback_.silence > 0, now, silent_for)) return;
+    hint(device_name(),
+         detail::format(
+             "{}, so the servo takes the program for dead and the force fades: call it once in each "
+             "turn of the loop, also when nothing has changed",
+             sequence_ > first_of_channel_ ? detail::format("commit() was not called for {:.1f} s",
+                                                            static_cast<double>(now - last_commit_ns_) * 1e-9)
+                                           : std::string("commit() was never called")));
+}
+
 void ClaimState::take_feedback(ClaimChannel& channel) {
     const std::uint64_t refused = feedback_.batches_refused;
     if (!channel.feedback(feedback_, felt_)) return;
@@ -223,6 +248,10 @@ void ClaimState::on_attach(Attachment& attachment, bool again) {
     }
     limits_ = attachment.terms.limits;
     issued_ = 0;
+    arm_asked_ = false;
+    is_back_ = again;
+    unarmed_.restart();
+    silent_.restart();
     for (const Outstanding& command : outstanding_)
         if (command.type == protocol::CommandType::remove) table_.remove(command.handle);
     outstanding_.clear();

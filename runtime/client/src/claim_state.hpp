@@ -75,6 +75,7 @@ class ClaimState final : public Reader {
     void leave_behind(Attachment& attachment);
     void on_attach(Attachment& attachment, bool again) override;
     void on_detach() override;
+    void on_read() override;
 
     // All of these with `mutex_` held.
     Entry& entry(Handle handle);  // throws Error::stale_handle
@@ -96,6 +97,7 @@ class ClaimState final : public Reader {
     void answered(const protocol::Reply& reply);
     void take_feedback(ClaimChannel& channel);
     void refresh();
+    void look_for_force(std::int64_t now);  // whether it could follow
     std::string about(protocol::CommandType type, Kind kind) const;
     const protocol::FeedbackEntry* felt_entry(Handle handle) const;
     void note_basis(std::uint64_t cycle);
@@ -137,6 +139,11 @@ class ClaimState final : public Reader {
     Recent intervals_, ages_;  // s
     std::uint64_t undersampled_ = 0;
     std::string deferred_;  // a refusal that nobody waited for
+
+    bool arm_asked_ = false;  // of the present servo
+    bool is_back_ = false;    // it is not the first
+    Lasting unarmed_, silent_;
+    std::int64_t looked_ns_ = 0;  // for that
 };
 
 }  // namespace knurl::detail

@@ -60,6 +60,9 @@ std::optional<HandReport> Observer::latest() {
 std::optional<HandReport> Observer::next_report(std::chrono::nanoseconds timeout) {
     return reader_->next_report(timeout);
 }
+std::optional<HandFrame> Observer::newest(std::chrono::nanoseconds timeout) {
+    return reader_->newest(timeout);
+}
 int Observer::fd() {
     return reader_->fd();
 }

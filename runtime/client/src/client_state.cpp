@@ -17,6 +17,7 @@
 #include <knurl/link/thread.hpp>
 
 #include "address.hpp"
+#include "hint.hpp"
 #include "reader.hpp"
 
 namespace knurl::detail {
@@ -45,6 +46,7 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
     : bridge_(bridge_endpoints(address)),
       servo_(bridge_.empty() ? servo_name(address) : bridge_.front().text),
       options_(options),
+      hints_(hints_wanted(options.hints)),
       stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (!stop_)
         throw Error(Error::Kind::exhausted,

@@ -41,6 +41,7 @@ class ClientState {
 
     void close();                    // ends the watcher
     bool stopping() const noexcept;  // close() has begun
+    bool hints() const noexcept { return hints_; }
 
   private:
     using Lock = std::unique_lock<std::mutex>;
@@ -58,6 +59,7 @@ class ClientState {
     const std::vector<bridge::Endpoint> bridge_;  // its addresses; none: on this box
     const std::string servo_;                     // its name; through a bridge: host and port
     const ConnectOptions options_;
+    const bool hints_;
     shm::UniqueFd stop_;  // readable: the watcher ends
     pthread_t watcher_{};
 

@@ -23,6 +23,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
 
+// When next_report() falls behind for good.
+constexpr std::uint64_t behind_from = 16;                                    // unread reports
+constexpr std::int64_t behind_by = 250'000'000, behind_for = 1'000'000'000;  // ns
+
 }  // namespace
 
 Reader::Reader(std::shared_ptr<ClientState> client, std::string device, const protocol::ClaimRequest& request)
@@ -44,10 +48,20 @@ void Reader::throw_disconnected() const {
         detail::format("device '{}': {}; once connected() is true again, call arm()", device_, lost_));
 }
 
+bool Reader::hints() const noexcept {
+    return client_->hints();
+}
+
+void Reader::fill(HandReport& report) const {
+    report.missed = missed_before_ + attachment_->reports->missed();
+    report.unread = attachment_->reports->unread();
+}
+
 HandReport Reader::taken(const Report& report) {
     HandReport result;
     static_cast<Report&>(result) = last_.emplace(to_world(attachment_->terms.frame, report));
-    result.missed = missed_before_ + attachment_->reports->missed();
+    fill(result);
+    if (hints()) on_read();
     return result;
 }
 
@@ -60,17 +74,45 @@ std::optional<HandReport> Reader::latest() {
     Report report;
     const bool fresh = attachment_->reports->latest(report);
     settle(lock, false);
-    if (fresh) return taken(report);
+    if (fresh) {
+        since_.add(report);
+        return taken(report);
+    }
     if (!last_) return std::nullopt;
     HandReport again;
     static_cast<Report&>(again) = *last_;
-    again.missed = missed_before_ + attachment_->reports->missed();
+    fill(again);
     return again;
 }
 
 std::optional<HandReport> Reader::next_report(nanoseconds timeout) {
-    const auto deadline = shm::deadline_after(timeout);
     Lock lock = enter();
+    const std::optional<Report> report = await(lock, timeout);
+    if (!report) return std::nullopt;
+    if (hints() && !behind_.said()) look_behind(*report);
+    return taken(*report);
+}
+
+std::optional<HandFrame> Reader::newest(nanoseconds timeout) {
+    Lock lock = enter();
+    std::optional<Report> report = await(lock, timeout);
+    if (!report) return std::nullopt;
+    // One by one, since a press between two calls may have been several. No more than there are now: a fast
+    // servo does not keep a slow machine here.
+    for (std::uint64_t left = attachment_->reports->unread(); left > 0; --left) {
+        Report next;
+        if (!attachment_->reports->next(next)) break;
+        since_.add(*report = next);
+    }
+    settle(lock, false);
+    HandFrame frame;
+    static_cast<HandReport&>(frame) = taken(*report);
+    since_.tell(frame);
+    return frame;
+}
+
+std::optional<Report> Reader::await(Lock& lock, nanoseconds timeout) {
+    const auto deadline = shm::deadline_after(timeout);
     bool waited = false;
     for (;;) {
         if (!attachment_) {
@@ -89,7 +131,9 @@ std::optional<HandReport> Reader::next_report(nanoseconds timeout) {
         const nanoseconds left = deadline - Clock::now();
         if (got || left <= nanoseconds(0)) {
             settle(lock, waited);
-            return got ? std::optional(taken(report)) : std::nullopt;
+            if (!got) return std::nullopt;
+            since_.add(report);
+            return report;
         }
         const std::shared_ptr<ReportSource> source = attachment_->reports;  // stays mapped while we sleep
         lock.unlock();
@@ -97,6 +141,20 @@ std::optional<HandReport> Reader::next_report(nanoseconds timeout) {
         waited = true;
         lock = enter();
     }
+}
+
+void Reader::look_behind(const Report& read) {
+    const std::uint64_t unread = attachment_->reports->unread();
+    Report newest;
+    const std::int64_t behind =
+        unread > behind_from && attachment_->reports->newest(newest) ? newest.read_ns - read.read_ns : 0;
+    // What was held up once and reads on catches up sooner.
+    if (!behind_.now(behind > behind_by, monotonic_ns(), behind_for)) return;
+    hint(device_, detail::format("next_report() gave a report that is {:.2f} s older than the newest, and {} "
+                                 "are unread: it gives every report in order, and is called less often than "
+                                 "they come; newest() gives the newest, with all that happened to buttons "
+                                 "and contacts since",
+                                 static_cast<double>(behind) * 1e-9, unread));
 }
 
 std::optional<Report> Reader::peek(const Lock&) const {
@@ -196,6 +254,7 @@ void Reader::attach(Attachment& attachment) {
     attachment_ = std::move(attachment);
     was_attached_ = true;
     last_.reset();
+    since_ = {};
     reattachments_ += again ? 1 : 0;
     notify_loop(false);
     watch_event(EPOLL_CTL_ADD);

@@ -14,6 +14,9 @@
 #include <knurl/link/transport.hpp>
 #include <knurl/shm/fd.hpp>
 
+#include "hint.hpp"
+#include "since.hpp"
+
 namespace knurl::detail {
 
 class ClientState;
@@ -31,6 +34,7 @@ class Reader {
 
     std::optional<HandReport> latest();
     std::optional<HandReport> next_report(std::chrono::nanoseconds timeout);
+    std::optional<HandFrame> newest(std::chrono::nanoseconds timeout);
     int fd();
     std::uint64_t missed();
     DeviceDescription description();
@@ -67,6 +71,9 @@ class Reader {
     bool is_leaving() const noexcept;
     virtual void on_attach(Attachment& attachment, bool again);  // `mutex_` held
     virtual void on_detach() {}                                  // `mutex_` held
+    /// The application reads. Where hints are wanted. `mutex_` held
+    virtual void on_read() {}
+    bool hints() const noexcept;
 
     const std::uint64_t made_in_ = fork_generation();
     // Held while anything below is looked at or changed, never while sleeping: the watcher may come in then.
@@ -76,7 +83,11 @@ class Reader {
     std::optional<Report> last_;  // read last, world frame
 
   private:
+    /// The next report, in the device's frame, waiting for it.
+    std::optional<Report> await(Lock& lock, std::chrono::nanoseconds timeout);
     HandReport taken(const Report& report);
+    void fill(HandReport& report) const;  // with what only the client knows
+    void look_behind(const Report& read);
     void watch_event(int operation);
     void notify_loop(bool raise);
 
@@ -94,6 +105,8 @@ class Reader {
     // notice of our own.
     shm::UniqueFd loop_, notice_;
     bool noticed_ = false;
+    Since since_;
+    Lasting behind_;
 };
 
 }  // namespace knurl::detail

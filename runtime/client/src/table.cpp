@@ -105,6 +105,11 @@ std::vector<Handle> Table::issued() const {
     return result;
 }
 
+bool Table::any_issued() const {
+    return std::any_of(entries_.begin(), entries_.end(),
+                       [](const Entry& entry) { return entry.live && entry.issued; });
+}
+
 std::span<const std::byte> Table::batch() {
     batch_.clear();
     for (const std::uint32_t slot : pending_) {

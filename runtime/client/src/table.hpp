@@ -64,6 +64,7 @@ class Table {
     std::vector<Handle> live() const;
     /// Live entries whose `add` was sent, in the order in which they were added.
     std::vector<Handle> issued() const;
+    bool any_issued() const;
     Handle handle_of(std::uint32_t slot) const {
         return {.slot = slot, .generation = entries_[slot].generation};
     }

@@ -42,6 +42,7 @@ class LocalReports final : public ReportSource {
         return false;
     }
     bool fresh() const noexcept override { return reader_.fresh(); }
+    std::uint64_t unread() const noexcept override { return reader_.unread(); }
     std::uint64_t missed() const noexcept override { return reader_.missed(); }
     void wait(std::chrono::nanoseconds timeout) noexcept override { waiter_.wait(timeout); }
     void wait_cycle(std::chrono::nanoseconds timeout) noexcept override {

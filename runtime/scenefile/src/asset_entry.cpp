@@ -11,8 +11,8 @@ namespace knurl::scenefile {
 
 namespace {
 
-constexpr std::string_view keys[] = {"mesh",  "unit",    "vertices", "triangles",
-                                     "exact", "heights", "spacing",  "corner"};
+constexpr std::string_view keys[] = {"mesh",  "unit",    "inside",  "vertices", "triangles",
+                                     "exact", "heights", "spacing", "corner"};
 
 /// The rows of an array of arrays.
 std::vector<const toml::array*> rows_of(const std::string& path, const Value& value, const std::string& what,
@@ -95,6 +95,9 @@ AssetEntry read_asset(const std::string& path, std::size_t number, const toml::t
             of_file = &value;
         } else if (value.key == "unit") {
             asset.unit = word(path, value, what);
+            of_file = &value;
+        } else if (value.key == "inside") {
+            asset.inside = boolean(path, value, what);
             of_file = &value;
         } else if (value.key == "vertices") {
             const auto parts = points(path, value, what, "m", 3, std::numeric_limits<std::uint32_t>::max());

@@ -193,6 +193,7 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
         put(row->interval_ns, static_cast<std::uint64_t>(silence.interval() * 1e9));
         put(row->gain_ppm, static_cast<std::uint64_t>(gain * 1e6));
         put(row->silent, std::uint64_t{silent_for > 0});
+        put(row->armed, std::uint64_t{armed});
         if (counts_changed)
             for (Kind kind = 0; kind < Representations::size; ++kind)
                 put(row->present[kind], std::uint64_t{scene.count(kind)});

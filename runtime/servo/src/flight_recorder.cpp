@@ -22,7 +22,8 @@ const std::string_view report_columns =
     "slow_vz,"
     "wx,wy,wz,scene_fx,scene_fy,scene_fz,scene_tx,scene_ty,scene_tz,sent_fx,sent_fy,sent_fz,sent_tx,sent_ty,"
     "sent_tz,"
-    "contact_x,contact_y,contact_z,state,faults,buttons,flags,late_count";
+    "contact_x,contact_y,contact_z,state,faults,buttons,flags,late_count,presses,"
+    "touches";
 
 namespace {
 
@@ -62,8 +63,8 @@ std::string report_row(const Report& r) {
                           r.sent_force, r.sent_torque, r.contact_point}) {
         vector(v);
     }
-    fmt::format_to(out, ",{},{},{},{},{}\n", static_cast<std::uint32_t>(r.state), r.faults, r.buttons,
-                   r.flags, r.late_count);
+    fmt::format_to(out, ",{},{},{},{},{},{},{}\n", static_cast<std::uint32_t>(r.state), r.faults, r.buttons,
+                   r.flags, r.late_count, r.presses, r.touches);
     return fmt::to_string(line);
 }
 

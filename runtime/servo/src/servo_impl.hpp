@@ -65,7 +65,7 @@ struct Servo::Impl {
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(first, last_now, stiffness_scale, enabled, guardian, unplugged, ending, late, report.cycle,
-              claims_seen, hand, supervisor);
+              report.buttons, report.flags, report.presses, report.touches, claims_seen, hand, supervisor);
     }
 
     void adopt(Claim* claim, Nanoseconds now) noexcept;

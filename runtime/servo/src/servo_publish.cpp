@@ -26,7 +26,9 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
         to_plain(in_contact != nullptr ? in_contact->device_contact_point() : hand.pose.position);
     report.state = supervisor.state();
     report.faults = supervisor.faults();
+    report.presses ^= hand.sample.buttons & ~report.buttons;
     report.buttons = hand.sample.buttons;
+    report.touches += in_contact != nullptr && (report.flags & report_flags::touching) == 0 ? 1 : 0;
     report.flags = out.flags | (hand.stale ? report_flags::stale : 0) |
                    (guardian ? report_flags::guardian : 0) |
                    (in_contact != nullptr ? report_flags::touching : 0) |

@@ -37,6 +37,7 @@ struct NoReports final : detail::ReportSource {
     bool latest(Report&) noexcept override { return false; }
     bool newest(Report&) const noexcept override { return false; }
     bool fresh() const noexcept override { return false; }
+    std::uint64_t unread() const noexcept override { return 0; }
     std::uint64_t missed() const noexcept override { return 0; }
     void wait(std::chrono::nanoseconds) noexcept override {}
     void wait_cycle(std::chrono::nanoseconds) noexcept override {}

@@ -24,7 +24,7 @@ struct JointSample {
     std::array<double, max_joints> velocity = {};  // rad/s, only if has_velocity
     bool has_velocity = false;  // the device measures velocity itself; else the servo differentiates
     bool calibrated = true;     // homing is done
-    std::uint32_t buttons = 0;  // bit mask
+    std::uint32_t buttons = 0;  // bit mask, as the contacts are: open_device() debounces (debounce.hpp)
 };
 
 using JointEfforts = std::array<double, max_joints>;  // N m (N if prismatic)
@@ -44,6 +44,8 @@ class Device {
 
     virtual const LinkConfig& link() const noexcept = 0;
     virtual const Mechanism& mechanism() const noexcept = 0;
+    /// False: `JointSample::buttons` stays 0.
+    virtual bool has_buttons() const noexcept { return true; }
 
     virtual ReadStatus read(Nanoseconds now, JointSample& sample) noexcept = 0;
     /// Returns false when the device is gone.

@@ -18,6 +18,7 @@ class MotionDevice final : public Device {
 
     const LinkConfig& link() const noexcept override { return link_; }
     const Mechanism& mechanism() const noexcept override { return mechanism_; }
+    bool has_buttons() const noexcept override { return false; }
 
     /// The motion at the time set by `at`, else at `now` (0 ns is the motion's t = 0). A motion's row that is
     /// less than a nanosecond from `now` counts as now, since the clock cannot say its time more exactly.

@@ -37,7 +37,9 @@ struct Driver {
 /// All drivers of this build.
 std::vector<Driver>& drivers();
 
-/// Opens "scheme:what". Throws std::runtime_error that names the known schemes if there is none such.
+/// Opens "scheme:what". Of its options "debounce=S" is every device's: how long a button is left alone after
+/// an edge (debounce.hpp), 0 for the contacts as they are. Throws std::runtime_error that names the known
+/// schemes if there is none such.
 std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions& options = {});
 
 }  // namespace knurl::drivers

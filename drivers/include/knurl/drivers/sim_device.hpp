@@ -68,6 +68,7 @@ class SimDevice final : public Device {
 
     const LinkConfig& link() const noexcept override;
     const Mechanism& mechanism() const noexcept override;
+    bool has_buttons() const noexcept override;
     ReadStatus read(Nanoseconds now, JointSample& sample) noexcept override;
     bool write(Nanoseconds now, const JointEfforts& efforts) noexcept override;
     void notify(Notice notice) noexcept override;

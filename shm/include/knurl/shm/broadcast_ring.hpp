@@ -117,6 +117,11 @@ class BasicBroadcastReader {
 
     /// next() or latest() has something to say (or the writer has restarted).
     bool fresh() const noexcept { return published() != next_; }
+    /// How many that is, those that were overwritten included.
+    std::uint64_t unread() const noexcept {
+        const std::uint64_t end = published();
+        return end > next_ ? end - next_ : 0;
+    }
     std::uint64_t published() const noexcept { return Memory::load(*places_.end, Orders::see_end); }
     /// The number of the report that next() would read. position() - start == read + missed() + skipped().
     std::uint64_t position() const noexcept { return next_; }

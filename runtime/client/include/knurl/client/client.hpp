@@ -2,21 +2,21 @@
 // An application's view of Knurl.
 //
 //     auto client = knurl::Client::connect("knurl:default");
-//     auto hand   = client.claim("right");                    // refused: who holds it, by pid
-//     auto floor  = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.0 /* m */, .stiffness = 800 /* N/m
-//     */}); hand.arm(); while (auto report = hand.next_report(50ms)) {          // or hand.latest(), or
-//     hand.fd() in your event loop
-//         floor.follow(terrain);                              // plane where the hand will be; or
-//         floor.set(...) hand.commit();                                      // all that changed takes effect
-//         in one cycle
+//     auto hand = client.claim("right");        // refused: who holds it, by pid
+//     auto floor = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.0 /* m */, .stiffness = 800});
+//     hand.arm();                               // force may follow
+//     while (auto frame = hand.newest(50ms)) {  // or newest(0ns) when hand.fd() is readable
+//         floor.follow(terrain);                // plane where the hand will be; or floor.set(...)
+//         hand.commit();                        // all that changed takes effect in one cycle; "I am alive"
 //     }
 //
 // All calls throw knurl::Error. A Claim and its handles belong to one thread at a time; in the child of a
 // fork they are inert: every call throws, no destructor does anything to the parent's claim.
 //
-// When the servo dies the library knows within 10 ms: connected() is false, next_report() and latest() return
-// nothing, fd() becomes readable once. When a servo of that name is back, everything that was added is added
-// again under the same handles (ConnectOptions::reattach); force stays off until arm() is called again.
+// When the servo dies the library knows within 10 ms: connected() is false, newest(), next_report() and
+// latest() return nothing, fd() becomes readable once. When a servo of that name is back, everything that was
+// added is added again under the same handles (ConnectOptions::reattach); force stays off until arm() is
+// called again.
 
 #include <chrono>
 #include <concepts>
@@ -44,6 +44,9 @@ struct ConnectOptions {
     std::string name{};                    // what `knurl ls` shows; empty: the program's
     std::chrono::milliseconds wait{2000};  // for a servo that starts, or is full
     bool reattach = true;                  // after a restart of the servo, and add everything again
+    // A line on standard error, once each, where a program forgets arm() or commit() or reads fewer reports
+    // than come. KNURL_HINTS=0 in the environment switches it off as well.
+    bool hints = true;
     // Of a servo on another host, "knurl://host:port":
     double report_rate = 0;  // Hz, at most, by datagrams; 0: every report
     std::string key_file{};  // one line of knurl-bridge's keys file; empty: $KNURL_KEY, or none
@@ -53,13 +56,25 @@ struct ClaimOptions {
     bool shared = false;                          // others may hold the device as well
     double workspace_radius = 0;                  // m, of the application's world; 0: the device's own
     Vec3 workspace_centre = {};                   // m, where the device's centre lies in that world
-    std::chrono::nanoseconds update_interval{0};  // how often it means to commit; 0: measured
+    std::chrono::nanoseconds update_interval{0};  // how often it means to commit; 0: measured, see commit()
     std::uint32_t representations = 128;          // at most
 };
 
 /// A report in the claim's world frame (an observer's: the device's), with what only the client knows.
 struct HandReport : Report {
     std::uint64_t missed = 0;  // reports never seen by this reader, in all
+    std::uint64_t unread = 0;  // newer ones that are there: a reader that falls behind sees it grow
+};
+
+/// The newest report, and what happened since the call of newest() before: also in reports that nobody read,
+/// and in those that next_report() or latest() gave meanwhile. Of the first call: since the reader began.
+struct HandFrame : HandReport {
+    // A bit per button that went down, and that came up; in both: at least once each. Of reports that were
+    // missed, or that a network thins out or loses, every second press between two that came is not known.
+    std::uint32_t pressed = 0, released = 0;
+    bool touched = false;       // a surface of any claim on the device was felt, though it may not be now
+    std::uint32_t touches = 0;  // contacts that began
+    std::uint64_t skipped = 0;  // cycles between the two frames
 };
 
 /// How late this application is, as measured by the servo.
@@ -107,10 +122,16 @@ class Observer {
   public:
     explicit Observer(std::shared_ptr<detail::Reader> reader);
 
+    /// For a program that draws or computes, however often: the newest report, with all that happened to
+    /// buttons and contacts since the call before. Waits until there is one that was not read. None: none
+    /// came in time, or not connected.
+    std::optional<HandFrame> newest(std::chrono::nanoseconds timeout);
     /// The newest report, though it may have been read already. None: before the first cycle, or not
     /// connected.
     std::optional<HandReport> latest();
-    /// The next report in order, waiting for it. None: none came in time, or not connected.
+    /// For a program that wants every report: the next one in order, waiting for it. Called less often than
+    /// reports come it falls behind, by up to 4095 of them, before any is missed (HandReport::unread). None:
+    /// none came in time, or not connected.
     std::optional<HandReport> next_report(std::chrono::nanoseconds timeout);
     /// For poll, epoll, any loop: readable while a report is there that was not read, and once when the servo
     /// has gone. One descriptor for life, also across a restart of the servo; it stays the library's: do not
@@ -168,7 +189,9 @@ class Claim : public Observer {
 
     void release();  // force fades, the device is free; also done by the destructor
     /// Renews the claim and makes all changes since the last commit take effect in one cycle. An empty commit
-    /// says "I am alive". Returns the batch's number. Throws, after it has sent this batch, if the servo has
+    /// says "I am alive": a claim that says nothing is silent after max(250 ms, 3 of its intervals), and its
+    /// force fades. Until three intervals were measured that is 3.5 s, unless ClaimOptions::update_interval
+    /// states one. Returns the batch's number. Throws, after it has sent this batch, if the servo has
     /// refused a command or a batch since the last call (once for each; the library checks before it sends,
     /// so this means that the two disagree). Not connected, it keeps the changes for the servo's return.
     std::uint64_t commit();

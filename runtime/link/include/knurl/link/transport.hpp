@@ -29,6 +29,7 @@ class ReportSource {
     virtual bool latest(Report& out) noexcept = 0;  // the newest, if it was not read yet; skips the others
     virtual bool newest(Report& out) const noexcept = 0;  // the newest; moves nothing
     virtual bool fresh() const noexcept = 0;              // next() has something
+    virtual std::uint64_t unread() const noexcept = 0;    // how many that are
     virtual std::uint64_t missed() const noexcept = 0;
 
     /// Sleeps until fresh(), at most `timeout`.

@@ -133,6 +133,7 @@ struct alignas(128) ClientRow {
     std::atomic<std::uint64_t> interval_ns;  // measured between commits
     std::atomic<std::uint64_t> gain_ppm;
     std::atomic<std::uint64_t> silent;  // 1 while its representations act on silence
+    std::atomic<std::uint64_t> armed;   // 1: its force may follow
     std::atomic<std::uint64_t> missed;  // reports, as it says itself; some cycles late
     std::atomic<std::uint64_t> present[Representations::size];  // representations of each kind
 };

@@ -55,6 +55,9 @@ struct Report {
     std::uint32_t buttons = 0;
     std::uint32_t flags = 0;       // report_flags
     std::uint64_t late_count = 0;  // cycles whose write ended after the next deadline
+    // What happened in reports that a reader did not get:
+    std::uint32_t presses = 0;  // a bit per button, turned over whenever the button goes down
+    std::uint32_t touches = 0;  // how often `touching` began
 };
 
 namespace report_flags {
@@ -70,7 +73,7 @@ inline constexpr std::uint32_t near_singular = 1u << 4;
 inline constexpr std::uint32_t at_joint_limit = 1u << 5;
 }  // namespace report_flags
 
-static_assert(std::is_trivially_copyable_v<Report> && sizeof(Report) == 368 && sizeof(Report) <= 384);
+static_assert(std::is_trivially_copyable_v<Report> && sizeof(Report) == 376 && sizeof(Report) <= 384);
 static_assert(sizeof(Report) % 8 == 0);
 
 }  // namespace knurl

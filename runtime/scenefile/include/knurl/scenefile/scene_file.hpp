@@ -57,6 +57,7 @@ struct AssetEntry {
     std::uint32_t line = 0;
     std::string mesh;              // a file, seen from the folder of the scene file
     std::string unit;              //   of its numbers: "mm"
+    bool inside = false;           //   a closed part that is wound inside out stays so
     std::vector<Point3> vertices;  // or these; m
     std::vector<Triangle> triangles;
     bool exact = false;          // of both

@@ -1,0 +1,471 @@
+// A cube, 2 wide, in every form that a mesh file may have; and the one line that answers what is none.
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <knurl/geometry/mesh.hpp>
+
+#include "mesh_file.hpp"
+#include "program.hpp"
+
+namespace {
+
+using knurl::test::Folder;
+using meshfile::MeshFile;
+
+// Corner c of the cube lies at (c & 1, c >> 1 & 1, c >> 2) * 2 - 1.
+constexpr int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                             {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+// The first one twice: so the first triangle, which has no area, is the one that looks inwards.
+constexpr int strip[15] = {2, 2, 3, 6, 7, 5, 3, 1, 2, 0, 6, 4, 5, 0, 1};
+
+double place(int corner, int axis) {
+    return (corner >> axis & 1) * 2 - 1;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += by.size())
+        text.replace(at, what.size(), by);
+    return text;
+}
+
+std::string obj_vertices() {
+    std::ostringstream out;
+    for (int c = 0; c < 8; ++c)
+        out << "v " << place(c, 0) << ' ' << place(c, 1) << ' ' << place(c, 2) << '\n';
+    return out.str();
+}
+/// `corner` with its number, from 1, for every #.
+std::string obj_faces(const std::string& corner = "#", int count_from = 1) {
+    std::ostringstream out;
+    for (const auto& quad : quads) {
+        out << "f";
+        for (const int c : quad) out << ' ' << replaced(corner, "#", std::to_string(c + count_from));
+        out << '\n';
+    }
+    return out.str();
+}
+std::string obj() {
+    return obj_vertices() + obj_faces();
+}
+
+std::string stl_text() {
+    std::ostringstream out;
+    out << "solid a cube of ours\n";
+    for (const auto& quad : quads)
+        for (int half = 0; half < 2; ++half) {
+            out << "  facet normal 0 0 0\n    outer loop\n";
+            for (const int c : {quad[0], quad[1 + half], quad[2 + half]})
+                out << "      vertex " << place(c, 0) << ' ' << place(c, 1) << ' ' << place(c, 2) << '\n';
+            out << "    endloop\n  endfacet\n";
+        }
+    out << "endsolid a cube of ours\n";
+    return out.str();
+}
+
+template <class T>
+void put(std::string& out, T value, bool big = false) {
+    char bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof value);
+    if (big) std::reverse(bytes, bytes + sizeof value);
+    out.append(bytes, sizeof value);
+}
+
+std::string stl_binary(std::uint32_t count = 12, const std::string& title = "") {
+    std::string out = title;
+    out.resize(80, ' ');
+    put(out, count);
+    for (const auto& quad : quads)
+        for (int half = 0; half < 2; ++half) {
+            for (int k = 0; k < 3; ++k) put(out, 0.0f);
+            for (const int c : {quad[0], quad[1 + half], quad[2 + half]})
+                for (int k = 0; k < 3; ++k) put(out, static_cast<float>(place(c, k)));
+            put(out, std::uint16_t{0});
+        }
+    return out;
+}
+
+const std::string ply_text_head =
+    "ply\nformat ascii 1.0\ncomment by hand\nobj_info nothing\nelement vertex 8\nproperty float x\n"
+    "property float y\nproperty float z\n";
+const std::string ply_faces_head = "element face 6\nproperty list uchar int vertex_indices\nend_header\n";
+
+std::string ply_vertices() {
+    return replaced(obj_vertices(), "v ", "");
+}
+std::string ply_faces() {
+    return replaced(obj_faces("#", 0), "f ", "4 ");
+}
+std::string ply_text() {
+    return ply_text_head + ply_faces_head + ply_vertices() + ply_faces();
+}
+
+template <class Real, class Index>
+std::string ply_binary(bool big, const std::string& real, const std::string& index,
+                       const std::string& line_end) {
+    std::string out =
+        std::string("ply\nformat binary_") + (big ? "big" : "little") +
+        "_endian 1.0\nelement vertex 8\nproperty " + real + " x\nproperty " + real + " y\nproperty " + real +
+        " z\nproperty uchar red\nelement face 6\nproperty uchar flags\nproperty list uchar " + index +
+        " vertex_indices\nelement extra 2\nproperty list ushort double more\nend_header\n";
+    out = replaced(out, "\n", line_end);
+    for (int c = 0; c < 8; ++c) {
+        for (int k = 0; k < 3; ++k) put(out, static_cast<Real>(place(c, k)), big);
+        put(out, std::uint8_t{10});
+    }
+    for (const auto& quad : quads) {
+        put(out, std::uint8_t{7});
+        put(out, std::uint8_t{4});
+        for (const int c : quad) put(out, static_cast<Index>(c), big);
+    }
+    put(out, std::uint16_t{0}, big);
+    put(out, std::uint16_t{1}, big);
+    put(out, 1.0, big);
+    return out;
+}
+
+/// Its first byte behind the head is what ends a line.
+std::string ply_from_0x0a() {
+    std::string out =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 8\nproperty short x\nproperty short "
+        "y\nproperty "
+        "short z\nelement face 6\nproperty list uchar uchar vertex_index\nend_header\n";
+    for (int c = 0; c < 8; ++c)
+        for (int k = 0; k < 3; ++k) put(out, static_cast<std::int16_t>(place(c, k) + 11));  // 0x0a and 0x0c
+    for (const auto& quad : quads) {
+        put(out, std::uint8_t{4});
+        for (const int c : quad) put(out, static_cast<std::uint8_t>(c));
+    }
+    return out;
+}
+
+std::string ply_strip(const std::string& entries) {
+    return ply_text_head + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" +
+           ply_vertices() + entries + "\n";
+}
+std::string one_strip() {
+    std::string out = "15";
+    for (const int c : strip) out += " " + std::to_string(c);
+    return out;
+}
+/// Each side a strip of its own, joined by -1.
+std::string six_strips() {
+    std::string out = "29";
+    for (int i = 0; i < 6; ++i) {
+        const auto& q = quads[i];
+        if (i > 0) out += " -1";
+        for (const int c : {q[0], q[1], q[3], q[2]}) out += " " + std::to_string(c);
+    }
+    return out;
+}
+
+double volume(const MeshFile& file) {
+    double six = 0;
+    for (const knurl::Triangle& t : file.triangles) {
+        const auto &a = file.vertices[t[0]], &b = file.vertices[t[1]], &c = file.vertices[t[2]];
+        six += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+               a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    return six / 6;
+}
+
+struct Written {
+    const char* name;
+    std::string bytes;
+    const char* note = nullptr;  // the only one; none: nothing is said
+};
+
+TEST(MeshFormats, ACubeIsReadFromEveryFormThatItMayHave) {
+    const std::string turned_faces = replaced(obj_faces(), "f ", "f -");
+    const std::string v = obj_vertices();
+    const std::vector<Written> all = {
+        {"plain.obj", obj()},
+        {"texture_and_normal_that_are_not_there.obj", v + "vn 0 0 1\n" + obj_faces("#/#/1")},
+        {"normal.obj", v + "vn 0 0 1\n" + obj_faces("#//1")},
+        {"texture.obj", v + "vt 0 0\n" + obj_faces("#/1")},
+        {"open_slash.obj", v + obj_faces("#/")},
+        {"from_the_end.obj", v + obj_faces("#", -8)},
+        {"crlf.obj", replaced(obj(), "\n", "\r\n")},
+        {"cr.obj", replaced(obj(), "\n", "\r")},
+        {"tabs.obj", replaced(obj(), " ", "\t ")},
+        {"bom.obj", "\xef\xbb\xbf" + obj()},
+        {"goes_on.obj", replaced(v, "v ", "v \\\n") + replaced(obj_faces(), "f ", "f\\\r\n ")},
+        {"comment_that_ends_with_a_backslash.obj", "# of C:\\parts\\\n" + v + "# C:\\\n" + obj_faces()},
+        {"comment_behind.obj", replaced(obj(), "\n", " # here\n")},
+        {"colours.obj", replaced(v, "\n", " 0.5 0.5 0.5\n") + obj_faces()},
+        {"weight.obj", replaced(v, "\n", " 1.0\n") + obj_faces()},
+        {"faces_first.obj", obj_faces() + v},
+        {"groups.obj", "mtllib none.mtl\no cube\ng a b\ns off\n" + v + "usemtl steel plate\n" + obj_faces()},
+        {"exponents.obj", replaced(replaced(v, "-1", "-1.0E+00"), " 1", " +10.e-1") + obj_faces()},
+        {"points_too.obj", obj() + "p 1\nl 1 2 3\n", "2 points and lines are left out"},
+        {"unknown.obj", obj() + "zz 1\nyy\n",
+         "2 lines of other kinds are left out, the first is line 15: \"zz\""},
+        {"plain.stl", stl_text()},
+        {"upper.stl",
+         [] {
+             std::string text = stl_text();
+             for (char& c : text) c = static_cast<char>(std::toupper(c));
+             return text;
+         }()},
+        {"crlf.stl", replaced(stl_text(), "\n", "\r\n")},
+        {"one_word_a_line.stl", replaced(replaced(stl_text(), "outer ", "outer\n"), "vertex ", "\nvertex ")},
+        {"normals_that_are_none.stl", replaced(stl_text(), "normal 0 0 0", "normal nan -nan(ind) 1.#QNAN")},
+        {"two_solids.stl", stl_text().substr(0, stl_text().find("  facet", 400)) + "endsolid\nSOLID\n" +
+                               stl_text().substr(stl_text().find("  facet", 400))},
+        {"no_end.stl", stl_text().substr(0, stl_text().find("endsolid")),
+         "no \"endsolid\" at the end of the file: is it whole?"},
+        {"binary.stl", stl_binary()},
+        {"binary_that_begins_with_solid.stl", stl_binary(12, "solid cube\n facet normal")},
+        {"count_of_0.stl", stl_binary(0), "its header counts 0 triangles; all 12 of the file are read"},
+        {"count_of_-1.stl", stl_binary(0xffffffff),
+         "its header counts -1 triangles; all 12 of the file are read"},
+        {"solid_and_count_of_0.stl", stl_binary(0, std::string("solid x\n facet\0", 15)),
+         "its header counts 0 triangles; all 12 of the file are read"},
+        {"bytes_behind.stl", stl_binary() + "made by us", "10 bytes behind its 12 triangles are left out"},
+        {"an_stl_of_another_name.dat", stl_binary()},
+        {"plain.ply", ply_text()},
+        {"crlf.ply", replaced(ply_text(), "\n", "\r\n")},
+        {"cr.ply", replaced(ply_text(), "\n", "\r")},
+        {"vertex_index.ply", replaced(ply_text(), "vertex_indices", "vertex_index")},
+        {"lists_of_other_types.ply", replaced(ply_text(), "list uchar int", "list double float")},
+        {"a_ply_of_another_name.stl", ply_text()},
+        {"edges.ply",
+         replaced(ply_text(), "end_header",
+                  "element edge 1\nproperty int vertex1\nproperty int vertex2\n"
+                  "end_header") +
+             "0 1\n",
+         "1 point or line is left out"},
+        {"little.ply", ply_binary<float, std::int32_t>(false, "float", "int", "\n")},
+        {"big.ply", ply_binary<float, std::int32_t>(true, "float32", "int32", "\n")},
+        {"doubles.ply", ply_binary<double, std::uint16_t>(true, "double", "ushort", "\n")},
+        {"integers.ply", ply_binary<std::int8_t, std::uint8_t>(false, "char", "uchar", "\n")},
+        {"crlf_and_bytes.ply", ply_binary<float, std::uint32_t>(false, "float", "uint", "\r\n")},
+        {"cr_and_bytes.ply", ply_binary<float, std::uint32_t>(false, "float", "uint", "\r")},
+        {"begins_with_0x0a.ply", ply_from_0x0a()},
+        {"newline_behind_bytes.ply", ply_from_0x0a() + "\n"},
+        {"strip.ply", ply_strip(one_strip())},
+        {"strips.ply", ply_strip(six_strips())},
+    };
+    const Folder folder;
+    for (const Written& written : all) {
+        SCOPED_TRACE(written.name);
+        MeshFile file;
+        try {
+            file = meshfile::load_mesh(folder.file(written.name, written.bytes));
+        } catch (const std::exception& error) {
+            ADD_FAILURE() << error.what();
+            continue;
+        }
+        EXPECT_EQ(file.triangles.size(), 12u);
+        EXPECT_NEAR(volume(file), 8, 1e-12) << "all sides out";
+        EXPECT_EQ(knurl::Mesh(file.triangles_of()).notes().edges_open, 0u);
+        EXPECT_EQ(file.notes, written.note != nullptr ? std::vector<std::string>{written.note}
+                                                      : std::vector<std::string>{});
+    }
+}
+
+struct Refused {
+    const char* name;
+    std::string bytes;
+    const char* says;  // behind the path, to its end
+};
+
+TEST(MeshFormats, WhatIsNoneIsRefusedAtItsPlace) {
+    const std::string v = obj_vertices();
+    const std::string cut = "write or fetch it again";
+    const std::vector<Refused> all = {
+        {"zero.obj", v + "f 0 1 2\n",
+         ":9: f: a vertex has the number 0, they are counted from 1; write the file again"},
+        {"above.obj", v + "f 1 2 3\nf 1 2 9\n",
+         ":10: f: vertex 9 is not there, the file has 8; is it whole? Write or fetch it again"},
+        {"back.obj", v + "f -1 -2 -9\n",
+         ":9: f: vertex -9 is further back than the 8 before it; write the file again"},
+        {"corner.obj", v + "f 1/1/1/1 2 3\n",
+         ":9: f: \"1/1/1/1\" is not v, v/vt, v//vn or v/vt/vn; write the file again"},
+        {"two.obj", "v 1 2\n", ":1: a vertex has 2 numbers instead of x, y and z; write the file again"},
+        {"comma.obj", "v 1 2,5 3\n",
+         ":1: v: \"2,5\" is not a number: the format has decimal points, no commas; write 2.5"},
+        {"word.obj", "v 1 x 3\n", ":1: v: \"x\" is not a number; write the file again"},
+        {"weight.obj", "v 1 2 3 0.5\n",
+         ":1: a vertex has the weight 0.5, which only free-form surfaces have; leave it out"},
+        {"surface.obj", v + "surf 0 1 0 1 1 2 3 4\n",
+         ":9: \"surf\" is a free-form surface, and only polygons are read; let the program that made it "
+         "write triangles"},
+        {"bowtie.obj", "v 0 0 0\nv 3 2 0\nv 3 0 0\nv 0 3 0\nf 1 2 3 4\n",
+         ":5: the outline of a polygon of 4 corners crosses itself, so nobody knows its inside; let the "
+         "program that "
+         "made it write triangles"},
+        {"star.obj", "v 0 3 0\nv 2 -3 0\nv -3 1 0\nv 3 1 0\nv -2 -3 0\nf 1 2 3 4 5\n",
+         ":6: the outline of a polygon of 5 corners crosses itself, so nobody knows its inside; let the "
+         "program that "
+         "made it write triangles"},
+        {"points.obj", v, ": holds points or lines but no triangle; give a surface"},
+        {"letter.obj", "Dear aunt,\n", ": holds nothing; give a file with triangles"},
+        {"cut.stl", stl_text().substr(0, 300),
+         ":17: the file ends within a facet: it is cut off; write or fetch it again"},
+        {"comma.stl", replaced(stl_text(), "vertex -1", "vertex -1,5"),
+         ":4: vertex: \"-1,5\" is not a number: the format has decimal points, no commas; write -1.5"},
+        {"quads.stl", replaced(stl_text(), "    endloop", "vertex 0 0 0\nendloop"),
+         ":7: a facet has a fourth vertex; STL has triangles: cut it into some"},
+        {"cut_bytes.stl", stl_binary().substr(0, 300),
+         ": byte 80: the header counts 12 triangles, which take 684 bytes, but the file has 300: it is cut "
+         "off, or no "
+         "STL; write or fetch it again"},
+        {"count.stl", stl_binary(10),
+         ": byte 80: the header counts 10 triangles, but 100 bytes follow them; write it again with the "
+         "right count"},
+        {"letter.stl", "this is a letter to my aunt\n",
+         ": is no STL: neither \"solid\" and facets, nor the 84 bytes that a binary file has before its "
+         "triangles (28 "
+         "are there); write or fetch it again"},
+        {"head.ply", "ply\nformat ascii 1.0\n",
+         ":3: the head has no \"end_header\": the file is cut off; write or fetch it again"},
+        {"letter.ply", "this is a letter to my aunt\n",
+         ": is no PLY: its first line is not \"ply\"; write or fetch it again"},
+        {"version.ply", "ply\nformat ascii 2.0\n",
+         ":2: version \"2.0\" of PLY is not known, 1.0 is; convert it"},
+        {"type.ply", replaced(ply_text(), "float x", "real x"),
+         ":6: \"real\" is no type of PLY; known are char, uchar, short, ushort, int, uint, float, double"},
+        {"places.ply", replaced(ply_text(), "float z", "float w"),
+         ": the head's vertices have no x, y and z; give a file with places"},
+        {"index.ply", replaced(ply_text(), "4 0 2", "4 8 2"),
+         ":20: vertex 8 is not there, the file has 8, counted from 0; write the file again"},
+        {"below.ply", replaced(ply_text(), "4 0 2", "4 -1 2"),
+         ":20: a vertex has a number below 0; write the file again"},
+        {"more.ply", ply_text() + "3 0 1 2\n", ":26: more lines than the head counts; write the file again"},
+        {"behind.ply", replaced(ply_text(), "1 1 1\n", "1 1 1 0\n"),
+         ":18: \"0\" behind the values that the head states for element vertex; write the file again"},
+        {"cut.ply", ply_text().substr(0, ply_text().size() - 6),
+         ": ends within element face, after 5 of 6: it is cut off; write or fetch it again"},
+        {"cut_bytes.ply", ply_from_0x0a().substr(0, 190),
+         ": the head counts 8 of element vertex, which take 48 bytes or more, but 21 are left: it is cut "
+         "off; "
+         "write or "
+         "fetch it again"},
+        {"busy.ply", replaced(ply_from_0x0a(), "vertex 8", "vertex 4000000000"), nullptr},
+        {"patches.ply", replaced(ply_text(), "element face", "element patch"),
+         ": element patch has lists of vertices, and only face and tristrips are known; let the program that "
+         "made it "
+         "write faces"},
+        {"empty.obj", "", ": is empty; write or fetch it again"},
+    };
+    const Folder folder;
+    for (const Refused& refused : all) {
+        SCOPED_TRACE(refused.name);
+        const std::string path = folder.file(refused.name, refused.bytes);
+        try {
+            meshfile::load_mesh(path);
+            ADD_FAILURE() << "was read";
+        } catch (const std::runtime_error& error) {
+            const std::string line = error.what();
+            EXPECT_EQ(line.find('\n'), line.npos);
+            if (refused.says != nullptr) EXPECT_EQ(line, path + refused.says);
+        }
+    }
+}
+
+TEST(MeshFormats, EveryCutOfAFileIsReadOrRefusedAndNothingElse) {
+    const Folder folder;
+    for (const auto& [name, bytes] :
+         {std::pair{"c.obj", obj()},
+          {"t.stl", stl_text()},
+          {"b.stl", stl_binary()},
+          {"t.ply", ply_text()},
+          {"b.ply", ply_binary<double, std::int32_t>(false, "double", "int", "\n")},
+          {"s.ply", ply_strip(six_strips())}})
+        for (std::size_t length = 1; length < bytes.size(); length += 5) {
+            try {
+                const MeshFile file = meshfile::load_mesh(folder.file(name, bytes.substr(0, length)));
+                for (const knurl::Triangle& t : file.triangles)
+                    for (const std::uint32_t v : t) ASSERT_LT(v, file.vertices.size()) << name << length;
+            } catch (const std::runtime_error& error) {
+                EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+            }
+        }
+}
+
+TEST(MeshFormats, WhatLiesFarFromItsOriginIsReadToTheLastDigit) {
+    const Folder folder;
+    const std::string far =
+        "v 412345.678 5654321.123 100.25\nv 412345.928 5654321.123 100.5\n"
+        "v 412345.678 5654321.373 100.125\nf 1 2 3\n";
+    const MeshFile file = meshfile::load_mesh(folder.file("utm.obj", far));
+    EXPECT_EQ(file.vertices[1], (knurl::Point3{412345.928, 5654321.123, 100.5}));
+    ASSERT_TRUE(file.far_middle());
+    EXPECT_NEAR((*file.far_middle())[1], 5654321.248, 1e-6);
+    EXPECT_FALSE(meshfile::load_mesh(folder.file("cube.obj", obj())).far_middle());
+}
+
+MeshFile loaded(const Folder& folder, const std::string& bytes) {
+    return meshfile::load_mesh(folder.file("parts.obj", bytes));
+}
+/// A cube whose faces look inwards or outwards, `size` times as large, about (x, 0, 0).
+std::string cube_obj(double size, double x, bool inside, int vertices_before) {
+    std::ostringstream out;
+    for (int c = 0; c < 8; ++c)
+        out << "v " << size * place(c, 0) + x << ' ' << size * place(c, 1) << ' ' << size * place(c, 2)
+            << '\n';
+    for (const auto& q : quads) {
+        out << "f";
+        for (int i = 0; i < 4; ++i) out << ' ' << q[inside ? 3 - i : i] + 1 + vertices_before;
+        out << '\n';
+    }
+    return out.str();
+}
+
+TEST(InsideOut, AClosedPartIsTurnedWithWhatLiesInItAndACavityStays) {
+    struct Case {
+        const char* what;
+        std::string bytes;
+        std::size_t turned;
+        double volume;
+    };
+    const Folder folder;
+    for (const Case& each : {
+             Case{"outwards", cube_obj(1, 0, false, 0), 0, 8},
+             Case{"inwards", cube_obj(1, 0, true, 0), 1, 8},
+             Case{"a hollow one", cube_obj(1, 0, false, 0) + cube_obj(0.5, 0, true, 8), 0, 8 - 1},
+             Case{"a hollow one, inwards", cube_obj(1, 0, true, 0) + cube_obj(0.5, 0, false, 8), 1, 8 - 1},
+             Case{"one of two", cube_obj(1, 0, true, 0) + cube_obj(1, 3, false, 8), 1, 16},
+             Case{"both", cube_obj(1, 0, true, 0) + cube_obj(1, 3, true, 8), 2, 16},
+             Case{"in the box of the other, not in it", cube_obj(1, 0, false, 0) + cube_obj(0.2, 5, true, 8),
+                  1, 8 + 0.064},
+         }) {
+        SCOPED_TRACE(each.what);
+        MeshFile file = loaded(folder, each.bytes);
+        const knurl::Mesh mesh(file.triangles_of());
+        EXPECT_EQ(meshfile::turn_inside_out(file, mesh), each.turned);
+        EXPECT_NEAR(volume(file), each.volume, 1e-9);
+    }
+    MeshFile open = loaded(folder, replaced(cube_obj(1, 0, true, 0), "f 7 8 6 5\n", ""));
+    const knurl::Mesh mesh(open.triangles_of());
+    EXPECT_EQ(meshfile::turn_inside_out(open, mesh), 0u) << "has no inside";
+}
+
+const std::string off_cube = [] {
+    std::string out = "OFF\n8 6 0\n" + ply_vertices();
+    return out + ply_faces();
+}();
+
+TEST(OtherFormats, AreReadInAProcessOfItsOwn) {
+    const Folder folder;
+    const MeshFile file = meshfile::load_mesh(folder.file("cube.off", off_cube));
+    EXPECT_EQ(file.triangles.size(), 12u);
+    EXPECT_NEAR(volume(file), 8, 1e-6);
+    for (const char* name : {"letter.off", "letter.gltf", "letter.xyzzy"}) {
+        try {
+            meshfile::load_mesh(folder.file(name, "this is a letter to my aunt\n"));
+            ADD_FAILURE() << name << " was read";
+        } catch (const std::runtime_error& error) {
+            EXPECT_THAT(error.what(), testing::HasSubstr(name));
+            EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+        }
+    }
+}
+
+}  // namespace
