@@ -121,7 +121,7 @@ json json_of(const DeviceView& device) {
     return {{"name", info.name},
             {"address", info.address},
             {"profile", info.profile},
-            {"serial", info.serial},
+            {"serial", *info.serial == '\0' ? json() : json(info.serial)},
             {"rate", info.rate},
             {"state", state_name(state_of(device))},
             {"faults", faults_of(device)},
