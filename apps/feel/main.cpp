@@ -56,8 +56,9 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
              "a closed thing that is wound inside out is felt from inside, as it is; else it is turned");
     app.flag("--no-fit", w.no_fit, "true size, though it is larger than the device's workspace");
     app.option("--seconds", w.feel.seconds, "s to feel; 0: until Ctrl-C").shows_default().not_negative();
-    app.option("--connect", w.connect,
-               "knurl:NAME, or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
+    app.servo(
+           w.connect,
+           "the servo that has the device; or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
         .shows_default();
     app.option("--device", w.feel.device, "the servo's device; may be left out if it has one");
     app.option("--wait", w.wait, "s to wait for a servo that is still starting")

@@ -32,9 +32,9 @@ void check(const LatencyArguments& arguments) {
 }
 
 std::function<void()> add_latency_options(commandline::Command& verb, LatencyArguments& arguments) {
-    verb.option("--connect", arguments.connect,
-                "measure this servo, whose device is armed and feels forces of 4 mN at most; "
-                "default: a private one on sim:cartesian3")
+    verb.servo(arguments.connect,
+               "measure this servo, whose device is armed and feels forces of 4 mN at most; "
+               "default: a private one on sim:cartesian3")
         .type_name("knurl:NAME|knurl://HOST:PORT");
     verb.option("--echo", arguments.echo,
                 "a plain UDP and TCP echo on the servo's host: the floors of a measurement over a "
@@ -83,7 +83,7 @@ std::function<void()> add_latency_options(commandline::Command& verb, LatencyArg
                      .type_name("FILE");
     verb.footer(
         "A bridge that asks for keys: KNURL_KEY names the file with yours, as for every application "
-        "(KNURL_KEY=~/anna.key knurl latency --connect knurl://lab:4096).\n"
+        "(KNURL_KEY=~/anna.key knurl latency --servo knurl://lab:4096).\n"
         "A percentile with fewer than ten samples above it is left out (null).\n"
         "Coordinated omission: whoever waits for a late answer before asking again asks too seldom just when "
         "it is "

@@ -51,11 +51,11 @@ std::int64_t clock_ns(clockid_t clock) {
 /// The memory of one device of a running servo: its reports and its tape.
 class Source {
   public:
-    Source(const std::string& servo, const std::string& wanted)
-        : connection_(shm::connect_to(protocol::servo_socket(servo))) {
+    Source(const protocol::ServoAddress& servo, const std::string& wanted)
+        : connection_(connect_to_servo(servo)) {
         std::vector<shm::UniqueFd> segments;
         const protocol::Welcome welcome = greet(connection_, answer_time, segments);
-        const std::size_t device = choose(welcome, servo, wanted);
+        const std::size_t device = choose(welcome, servo.name, wanted);
         reports_ = shm::Segment::open(segments[device].get(), protocol::device_layout().total,
                                       shm::Segment::Access::read_only);
         std::memcpy(&device_, reports_.data() + protocol::device_layout().info, sizeof device_);
@@ -328,7 +328,8 @@ int record(const Arguments& arguments) {
     }
     using Clock = std::chrono::steady_clock;
     const shm::UniqueFd signals = take_signals();
-    Source source(arguments.servo, arguments.device);
+    const protocol::ServoAddress servo = servo_said(arguments.servo);
+    Source source(servo, arguments.device);
     RecordingWriter file(arguments.file, source.info(), existing);
     Recorder recorder(source, file);
 
@@ -349,7 +350,7 @@ int record(const Arguments& arguments) {
         recorder.drain();
         if (recorder.has_to_say()) progress.clear();
         recorder.say_when_begun(fmt::format("recording device '{}' of servo '{}' into {}",
-                                            source.info().device, arguments.servo, arguments.file));
+                                            source.info().device, servo.name, arguments.file));
         recorder.say_when_exact();
         progress.show(fmt::format(
             "{}, {}",
@@ -377,7 +378,7 @@ void add_record(commandline::Command& program) {
     verb.option("file", arguments->file, "the recording, for knurl replay, Foxglove, PlotJuggler")
         .required()
         .type_name("FILE.mcap");
-    verb.option("--servo", arguments->servo, "its name").shows_default().type_name("NAME");
+    verb.servo(arguments->servo, "its name").shows_default();
     verb.option("--device", arguments->device, "of that servo; only if it has several").type_name("NAME");
     verb.option("--for", arguments->seconds, "end after this time; default: when interrupted")
         .type_name("SECONDS")

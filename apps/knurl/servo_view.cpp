@@ -18,6 +18,8 @@
 #include <knurl/shm/counters.hpp>
 #include <knurl/shm/socket.hpp>
 
+#include "verbs.hpp"
+
 namespace knurl::cli {
 
 namespace {
@@ -137,8 +139,33 @@ protocol::Welcome greet(const shm::UniqueFd& connection, std::chrono::millisecon
     return welcome;
 }
 
+protocol::ServoAddress servo_said(const std::string& said) {
+    try {
+        return protocol::servo_address(said);
+    } catch (const std::runtime_error& error) {
+        throw UsageError(error.what());
+    }
+}
+
+shm::UniqueFd connect_to_servo(const protocol::ServoAddress& servo) {
+    try {
+        return shm::connect_to(servo.socket);
+    } catch (const std::runtime_error& error) {
+        const std::vector<std::string> running = protocol::running_servos();
+        if (std::find(running.begin(), running.end(), servo.name) != running.end()) throw;
+        throw std::runtime_error(std::string(error.what()) + "; " + protocol::instead_of_servo(servo.name));
+    }
+}
+
 ServoWatch::ServoWatch(const std::string& socket, std::chrono::milliseconds answer_time) : socket_(socket) {
-    const auto connection = shm::connect_to(socket);
+    attach(shm::connect_to(socket), answer_time);
+}
+
+ServoWatch::ServoWatch(const protocol::ServoAddress& servo) : socket_(servo.socket) {
+    attach(connect_to_servo(servo), std::chrono::seconds(2));
+}
+
+void ServoWatch::attach(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time) {
     std::vector<shm::UniqueFd> descriptors;
     const auto welcome = greet(connection, answer_time, descriptors);
     pid_ = static_cast<pid_t>(welcome.servo_pid);

@@ -15,6 +15,7 @@
 
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/device_segment.hpp>
+#include <knurl/protocol/servo_address.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/segment.hpp>
 
@@ -64,6 +65,7 @@ class ServoWatch {
     /// build.
     explicit ServoWatch(const std::string& socket,
                         std::chrono::milliseconds answer_time = std::chrono::seconds(2));
+    explicit ServoWatch(const protocol::ServoAddress& servo);
 
     ServoView look() const;
     /// Of each device, the reports since the last call (the first one begins with the newest). What was
@@ -73,6 +75,8 @@ class ServoWatch {
     std::vector<Report> history(std::size_t device) const;
 
   private:
+    void attach(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time);
+
     std::string socket_;
     pid_t pid_ = 0;
     std::vector<shm::Segment> segments_;
@@ -93,6 +97,11 @@ Message answer(const shm::UniqueFd& connection, protocol::MessageType expected,
 /// Says Hello. `segments`: the report memory of each device.
 protocol::Welcome greet(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
                         std::vector<shm::UniqueFd>& segments);
+
+/// The servo that --servo means. Throws UsageError.
+protocol::ServoAddress servo_said(const std::string& said);
+/// Throws std::runtime_error, which names the servo that was probably meant.
+shm::UniqueFd connect_to_servo(const protocol::ServoAddress& servo);
 
 /// All servos whose sockets lie in protocol::servo_directories(), by name; dead ones, strangers, and folders
 /// that may not be read say so.

@@ -43,9 +43,7 @@ struct Look {
 /// Looks again and again, also at the servo that takes the place of one that has ended.
 class Looker {
   public:
-    explicit Looker(const std::string& name) : socket_(protocol::servo_socket(name)), servo_(socket_) {
-        begin();
-    }
+    explicit Looker(const protocol::ServoAddress& servo) : socket_(servo.socket), servo_(servo) { begin(); }
 
     Look look() {
         const auto reports = servo_.new_reports();
@@ -119,13 +117,14 @@ std::string line_of(const std::string& servo, const Look& look) {
 int watch(const Arguments& arguments) {
     if (!(arguments.hertz >= 0.1 && arguments.hertz <= 20))
         throw UsageError(fmt::format("--rate is {:g} Hz; give 0.1 to 20", arguments.hertz));
-    Looker looker(arguments.servo);
+    const protocol::ServoAddress servo = servo_said(arguments.servo);
+    Looker looker(servo);
     std::string problem;
     Terminal terminal(!arguments.json);
     for (std::uint64_t n = 0; arguments.count == 0 || n < arguments.count; ++n) {
         if (!terminal.wait(1 / arguments.hertz)) return 0;
         const Look look = looker.look();
-        terminal.show(arguments.json ? line_of(arguments.servo, look) : text_of(arguments.servo, look));
+        terminal.show(arguments.json ? line_of(servo.name, look) : text_of(servo.name, look));
         problem = look.problem;
     }
     if (!problem.empty()) throw std::runtime_error(problem);
@@ -137,7 +136,7 @@ int watch(const Arguments& arguments) {
 void add_top(commandline::Command& program) {
     auto& verb = program.verb("top", "A servo at work, live: where its time goes, what its clients do");
     auto arguments = std::make_shared<Arguments>();
-    verb.option("servo", arguments->servo, "its name").shows_default().type_name("NAME");
+    verb.servo(arguments->servo, "its name").shows_default().formerly("servo");
     verb.option("--rate", arguments->hertz, "looks a second, 0.1 to 20").shows_default().type_name("HZ");
     verb.option("--count", arguments->count, "end after so many looks; default: when interrupted")
         .type_name("N");

@@ -51,7 +51,7 @@ std::size_t find_device(const ServoView& view, const Arguments& arguments) {
 
 /// Looks at a servo's counters so often that the parts of each cycle that it stamps are known by themselves.
 Timeline watch(const Arguments& arguments) {
-    ServoWatch servo(protocol::servo_socket(arguments.servo));
+    ServoWatch servo(servo_said(arguments.servo));
     ServoView view = servo.look();
     const std::size_t place = find_device(view, arguments);
     const protocol::DeviceInfo info = view.devices[place].info;  // the view changes
@@ -132,7 +132,7 @@ void add_trace(commandline::Command& program) {
     verb.option("--out", arguments->out, "trace JSON, as Chrome and Perfetto read it; - is standard output")
         .required()
         .type_name("T.json");
-    verb.option("--servo", arguments->servo, "its name").shows_default().type_name("NAME");
+    verb.servo(arguments->servo, "its name").shows_default();
     verb.option("--device", arguments->device, "which of its devices; default: the only one")
         .type_name("NAME");
     verb.option("--around", arguments->around,
@@ -154,7 +154,10 @@ void add_trace(commandline::Command& program) {
         "A cycle begins at its deadline, or when the one before it ended; it is late if it ends after the "
         "next "
         "deadline.");
-    verb.action([arguments] { return run_trace(*arguments); });
+    verb.action([arguments] {
+        arguments->servo = servo_said(arguments->servo).name;
+        return run_trace(*arguments);
+    });
 }
 
 }  // namespace knurl::cli

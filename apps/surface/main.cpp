@@ -32,8 +32,9 @@ struct Wishes {
 void describe(knurl::commandline::Command& app, Wishes& w) {
     app.option("MODEL", w.model, "elevation model: 16-bit greyscale PNG, 16-bit PGM, ESRI ASCII grid")
         .required();
-    app.option("--connect", w.connect,
-               "knurl:NAME, or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
+    app.servo(
+           w.connect,
+           "the servo that has the device; or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
         .shows_default();
     app.option("--device", w.device, "the servo's device; may be left out if it has one");
     app.option("--wait", w.wait, "s to wait for a servo that is still starting")

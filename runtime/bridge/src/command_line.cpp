@@ -11,7 +11,7 @@
 #include <knurl/bridge/bridge.hpp>
 #include <knurl/commandline/program.hpp>
 #include <knurl/link/text.hpp>
-#include <knurl/protocol/name.hpp>
+#include <knurl/protocol/servo_address.hpp>
 
 #include "relay.hpp"
 
@@ -72,12 +72,11 @@ std::string about(const std::string& servo) {
 }
 
 int serve(const std::string& servo, const std::string& listen, const std::string& keys_file) {
-    if (!protocol::is_name(servo))
-        throw std::runtime_error(detail::format(
-            "--servo {}: no servo has such a name; give that of `knurld --name`, as `knurl ls` "
-            "shows it: 1 to {} "
-            "of the characters a-z A-Z 0-9 _ . - without a dot in front",
-            servo, protocol::name_bytes - 1));
+    try {
+        protocol::servo_address(servo);
+    } catch (const std::runtime_error& error) {
+        throw commandline::UsageError(std::string("--servo ") + error.what());
+    }
     RelayOptions options;
     options.servo = servo;
     options.listen = resolve_all(listen);
@@ -107,7 +106,8 @@ int serve(const std::string& servo, const std::string& listen, const std::string
 int generate(const std::string& file, const std::string& name, const std::string& role_word) {
     const std::optional<Role> role = parse_role(role_word);
     if (!role)
-        throw std::runtime_error(detail::format("--role {}: give observe, render or control", role_word));
+        throw commandline::UsageError(
+            detail::format("--role {}: give observe, render or control", role_word));
     const Key key = make_key(name, *role);
     add_key(file, key);
     std::printf(
@@ -124,7 +124,7 @@ int bridge_main(int argc, char** argv) {
     std::string file = "/etc/knurl/bridge.keys";
     commandline::Command app("knurl-bridge", description);
     app.footer(bounds());
-    app.option("--servo", servo, "The servo's name").shows_default();
+    app.servo(servo, "The servo's name").shows_default();
     app.option("--listen", listen, "HOST:PORT, for TCP and UDP; any but this host's own needs --keys")
         .shows_default();
     app.option("--keys", keys, "File of those who may come in (mode 0600); read again on SIGHUP");

@@ -2,13 +2,12 @@
 
 #include <knurl/client/error.hpp>
 #include <knurl/link/text.hpp>
-#include <knurl/protocol/name.hpp>
+#include <knurl/protocol/servo_address.hpp>
 
 namespace knurl::detail {
 
 namespace {
 
-constexpr std::string_view local_prefix = "knurl:";
 constexpr std::string_view remote_prefix = "knurl://";
 
 }  // namespace
@@ -23,15 +22,12 @@ std::vector<bridge::Endpoint> bridge_endpoints(const std::string& address) {
 }
 
 std::string servo_name(const std::string& address) {
-    const std::string name =
-        address.starts_with(local_prefix) ? address.substr(local_prefix.size()) : address;
-    if (!protocol::is_name(name))
-        throw Error(Error::Kind::no_servo,
-                    detail::format(
-                        "address '{}': no servo has such a name; give 'knurl:NAME', NAME of 1 to {} letters, "
-                        "digits, '-', '_' and '.', as `knurl ls` shows it",
-                        address, protocol::name_bytes - 1));
-    return name;
+    try {
+        const protocol::ServoAddress servo = protocol::servo_address(address);
+        return address.find('/') != std::string::npos ? servo.socket : servo.name;
+    } catch (const std::runtime_error& reason) {
+        throw Error(Error::Kind::no_servo, detail::format("address {}", reason.what()));
+    }
 }
 
 }  // namespace knurl::detail

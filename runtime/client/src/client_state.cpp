@@ -15,6 +15,7 @@
 #include <knurl/link/local.hpp>
 #include <knurl/link/text.hpp>
 #include <knurl/link/thread.hpp>
+#include <knurl/protocol/servo_address.hpp>
 
 #include "address.hpp"
 #include "hint.hpp"
@@ -40,6 +41,12 @@ bool may_pass(const Error& error) {
            error.kind == Error::Kind::refused;
 }
 
+/// Which servos there are instead of one that is not there.
+std::string instead_of(const std::string& servo, const Error& error) {
+    if (error.kind != Error::Kind::no_servo || protocol::running_servos().empty()) return {};
+    return "; " + protocol::instead_of_servo(protocol::servo_address(servo).name);
+}
+
 }  // namespace
 
 ClientState::ClientState(const std::string& address, const ConnectOptions& options)
@@ -60,7 +67,8 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
             const auto left = std::chrono::floor<milliseconds>(deadline - Clock::now());
             if (left < first_try)
                 throw Error(error.kind,
-                            detail::format("{} (waited {} ms)", error.what(), options_.wait.count()));
+                            detail::format("{} (waited {} ms{})", error.what(), options_.wait.count(),
+                                           bridge_.empty() ? instead_of(servo_, error) : std::string()));
             std::this_thread::sleep_for(std::min(pause, left));
             if (error.kind == Error::Kind::refused) pause = std::min(2 * pause, last_try);
         }

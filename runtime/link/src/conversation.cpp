@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <knurl/link/text.hpp>
+#include <knurl/protocol/servo_address.hpp>
 
 namespace knurl::detail {
 
@@ -36,7 +37,7 @@ std::optional<std::string> forbidden(const std::string& path) {
 }
 
 shm::UniqueFd connected(const std::string& servo) {
-    const std::string path = protocol::servo_socket(servo);
+    const auto [name, path] = protocol::servo_address(servo);
     if (const auto reason = forbidden(path)) throw Error(Error::Kind::permission, *reason);
     shm::UniqueFd socket;
     try {
@@ -48,7 +49,7 @@ shm::UniqueFd connected(const std::string& servo) {
         throw Error(Error::Kind::no_servo,
                     detail::format("no servo '{}' listens at {}; start one with `knurld --name {} --device "
                                    "sim:premium15`, or see with `knurl ls` which ones run",
-                                   servo, path, servo));
+                                   name, path, name));
     }
     return socket;
 }

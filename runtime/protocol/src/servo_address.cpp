@@ -25,11 +25,12 @@ ServoAddress servo_address(const std::string& said) {
             "shows it");
     const bool is_path = said.find('/') != std::string::npos;
     std::string name = said;
-    if (is_path)
+    if (is_path) {
         name = std::filesystem::path(said).filename().string();
-    else if (said.starts_with(local_prefix))
+        name = name.ends_with(suffix) ? name.substr(0, name.size() - suffix.size()) : std::string();
+    } else if (said.starts_with(local_prefix)) {
         name = said.substr(local_prefix.size());
-    if (is_path && name.ends_with(suffix)) name.resize(name.size() - suffix.size());
+    }
     if (!is_name(name))
         throw std::runtime_error(
             "'" + said +
