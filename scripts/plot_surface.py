@@ -125,7 +125,7 @@ def draw_table(page, left, right, top, strokes):
         page.text(left, y, str(i + 1), fontsize=16, color=COLOURS[s["way"]], fontweight="bold")
         page.text(left + 0.25, y - 0.02, title, fontsize=9, fontweight="bold")
         page.text(left + 0.25, y + 0.16, detail, fontsize=7.5, color=FAINT)
-        faulted = s["fault_at"] is not None
+        faulted = s["fault_at_s"] is not None
         sent = s["own_force_error"]
         cells = [(f"{s['jump']:.2f} N", s["jump"] > 1), (f"{s['force_error']:.2f} N", None),
                  ("" if sent is None else f"{sent:.2f} N", None),
@@ -135,7 +135,7 @@ def draw_table(page, left, right, top, strokes):
         for (x, _, _), (value, broken) in zip(heads, cells):
             page.text(left + x, y + 0.07, value, fontsize=9, ha="right",
                       color=INK if broken is None else BAD if broken else GOOD)
-        verdict = f"faulted at {s['fault_at']:.2f} s" if faulted else "no verdict" if s["stable"] is None else "stable" if s["stable"] else "not stable"
+        verdict = f"faulted at {s['fault_at_s']:.2f} s" if faulted else "no verdict" if s["stable"] is None else "stable" if s["stable"] else "not stable"
         page.text(right, y + 0.07, verdict, fontsize=9, ha="right", fontweight="bold", color=GOOD if s["stable"] else BAD)
 
 
@@ -153,8 +153,8 @@ def draw_way(page, top, number, s, c, end, window, force_top, heights, last):
                             page.axes(7.2, top, 3.5, 1.05))
     title, _ = NAMES[s["way"]]
     page.text(0.5, top - 0.22, f"{number}   {title}", fontsize=9, fontweight="bold", color=colour)
-    if s["fault_at"] is not None:
-        window = (max(0, s["fault_at"] - (window[1] - window[0])), s["fault_at"])
+    if s["fault_at_s"] is not None:
+        window = (max(0, s["fault_at_s"] - (window[1] - window[0])), s["fault_at_s"])
     for axes in (whole, close):
         axes.plot(c["t"], size(c, "true_f"), color=TRUE, lw=1.5)
         axes.plot(c["t"], size(c, "f"), color=colour, lw=0.8 if axes is whole else 1.1)
@@ -176,10 +176,10 @@ def draw_way(page, top, number, s, c, end, window, force_top, heights, last):
     plain(close, True)
     close.set_yticklabels([])
     close.locator_params(axis="x", nbins=3)
-    if s["fault_at"] is not None:
+    if s["fault_at_s"] is not None:
         for axes in (whole, height):
-            axes.axvspan(s["fault_at"], end, facecolor="white", edgecolor="#e8eaed", hatch="////", lw=0, zorder=3)
-        whole.text((s["fault_at"] + end) / 2, force_top / 2, s["verdict"].replace(" (", "\n(") + "\nthe servo let go",
+            axes.axvspan(s["fault_at_s"], end, facecolor="white", edgecolor="#e8eaed", hatch="////", lw=0, zorder=3)
+        whole.text((s["fault_at_s"] + end) / 2, force_top / 2, s["verdict"].replace(" (", "\n(") + "\nthe servo let go",
                    fontsize=8, color=BAD, ha="center", va="center", zorder=4, linespacing=1.4,
                    bbox={"facecolor": "white", "edgecolor": "none", "pad": 4})
 
@@ -194,7 +194,7 @@ def draw(outcome, cycles, relief, path):
     page.text(0.35, 0.20, f"Hills felt through an application that manages {run['application_rate']:g} Hz", fontsize=16,
               fontweight="bold")
     page.text(0.35, 0.57, f"One hand strokes one relief {TIMES.get(len(strokes), f'{len(strokes)} times')} at {strokes[0]['stiffness']:.0f} N/m: servo "
-              f"{run['servo_rate']:g} Hz; the application answers {run['think'] * 1e3:g} ms after it has read the hand.",
+              f"{run['servo_rate']:g} Hz; the application answers {run['think_s'] * 1e3:g} ms after it has read the hand.",
               fontsize=9, color=FAINT)
     draw_relief(page.axes(0.55, 0.98, 3.5, 2.85), relief, cycles, 100)
     draw_table(page, 4.25, 10.7, 0.98, strokes)
@@ -206,9 +206,9 @@ def draw(outcome, cycles, relief, path):
     page.text(5.1, top, "0.6 s; dots: what was sent", fontsize=8, color=FAINT)
     page.text(7.2, top, "height of the hand over the relief, mm", fontsize=8, color=FAINT)
     end = max(c["t"][-1] for c in cycles.values())
-    rough = next((s for s in strokes if s["way"] == "planes" and s["fault_at"] is None), strokes[-1])
-    window = (max(0, rough["jump_at"] - 0.3), max(0, rough["jump_at"] - 0.3) + 0.6)
-    unfaulted = [cycles[s["way"]] for s in strokes if s["fault_at"] is None] or list(cycles.values())
+    rough = next((s for s in strokes if s["way"] == "planes" and s["fault_at_s"] is None), strokes[-1])
+    window = (max(0, rough["jump_at_s"] - 0.3), max(0, rough["jump_at_s"] - 0.3) + 0.6)
+    unfaulted = [cycles[s["way"]] for s in strokes if s["fault_at_s"] is None] or list(cycles.values())
     force_top = min(9.0, 1.05 * max(size(c, "f").max() for c in cycles.values()))
     ground = np.concatenate([c["surface_z"] for c in unfaulted]) * 1e3
     heights = (ground.min() - 2.5, ground.max() + 2.5)

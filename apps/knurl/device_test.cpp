@@ -34,7 +34,7 @@ json spread_for_programs(const std::vector<double>& samples) {
     if (samples.empty()) return nullptr;
     const measure::Result all = measure::summarise("", "s", samples);
     const auto or_null = [](const std::optional<double>& s) { return s ? json(*s) : json(); };
-    return {{"p50", or_null(all.p50)}, {"p99", or_null(all.p99)}, {"max", all.max}};
+    return {{"p50_s", or_null(all.p50)}, {"p99_s", or_null(all.p99)}, {"max_s", all.max}};
 }
 
 double degrees(double cosine) {
@@ -117,7 +117,7 @@ json to_json(const Trial& trial, const std::string& address, const std::vector<s
                           {"cosine", push.cosine},
                           {"mass", push.mass},
                           {"friction", push.friction},
-                          {"delay", push.delay},
+                          {"delay_s", push.delay},
                           {"size", push.size > 0 ? json(push.size) : json()}});
     }
     json turns = json::array();
@@ -131,11 +131,11 @@ json to_json(const Trial& trial, const std::string& address, const std::vector<s
     return {
         {"device", trial.link.name},
         {"address", address},
-        {"serial", trial.link.serial},
+        {"serial", trial.link.serial.empty() ? json() : json(trial.link.serial)},
         {"machine", {{"processor", machine.processor}, {"kernel", machine.kernel}, {"date", machine.date}}},
         {"rate", trial.rate},
         {"real_time", trial.real_time},
-        {"homing", trial.homing.seconds},
+        {"homing_s", trial.homing.seconds},
         {"rest",
          {{"sample_rate", rest.sample_rate},
           {"fresh", rest.fresh},

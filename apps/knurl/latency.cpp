@@ -173,8 +173,7 @@ bool look_at_rights_here(const measure::PrivateServo* servo) {
     if (!real_time)
         fmt::print(stderr,
                    "knurl latency: no right to real-time priority: floor.* are those of ordinary threads, "
-                   "and standstills "
-                   "of the machine are not told apart; the rest is measured; {}\n",
+                   "and standstills of the machine are not told apart; the rest is measured; {}\n",
                    servo::why_no_priority(witness_priority));
     if (servo == nullptr) return real_time;
     for (const Finding& finding : look_at_rights(servo->said()))

@@ -121,7 +121,7 @@ json json_of(const DeviceView& device) {
     return {{"name", info.name},
             {"address", info.address},
             {"profile", info.profile},
-            {"serial", info.serial},
+            {"serial", *info.serial == '\0' ? json() : json(info.serial)},
             {"rate", info.rate},
             {"state", state_name(state_of(device))},
             {"faults", faults_of(device)},
@@ -161,9 +161,8 @@ void add_ls(commandline::Command& program) {
     auto as_json = std::make_shared<bool>(false);
     verb.flag("--json", *as_json, "the same for programs (SI units)");
     verb.footer(
-        "Without any servo it says so and succeeds: an empty list is an answer. Where it may not look it "
-        "says "
-        "so, and ends with 1.");
+        "Without any servo it says so and succeeds: an empty list is an answer.\n"
+        "Where it may not look it says so, and ends with 1.");
     verb.action([as_json] { return *as_json ? print_json(look_at_all()) : print_text(look_at_all()); });
 }
 

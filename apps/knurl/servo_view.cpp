@@ -105,9 +105,8 @@ void receive_answer(const shm::UniqueFd& connection, std::chrono::milliseconds a
     auto received = shm::receive_message(connection, buffer);
     if (received.descriptors_lost)
         throw shm::SystemError(
-            "the servo answers, but this process has no descriptor left for the memory that it sends; raise "
-            "the "
-            "limit (ulimit -n)",
+            "the servo answers, but this process has no descriptor left for the memory that it sends; "
+            "raise the limit (ulimit -n)",
             EMFILE);
     protocol::MessageHeader header;
     if (received.closed || received.bytes < sizeof header) throw std::runtime_error("the servo hung up");
@@ -255,10 +254,14 @@ std::vector<ServoView> look_at_all() {
                 views.push_back(not_seen(socket, error.what()));
             }
         }
-        if (none && none != std::errc::no_such_file_or_directory) {
+        if (none && none != std::errc::no_such_file_or_directory && none != std::errc::not_a_directory) {
             // Whoever may not look into the service's folder still sees what lies elsewhere.
-            views.push_back(not_seen(directory, directory + " cannot be looked into: " + none.message() +
-                                                    "; " + who_may_look(directory)));
+            const std::string remedy =
+                none == std::errc::permission_denied
+                    ? who_may_look(directory)
+                    : "this process has no descriptor left: raise its limit (ulimit -n)";
+            views.push_back(
+                not_seen(directory, directory + " cannot be looked into: " + none.message() + "; " + remedy));
             views.back().name = "?";
             views.back().unseen = true;
         }

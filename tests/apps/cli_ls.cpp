@@ -87,10 +87,8 @@ TEST(Ls, WithoutADescriptorLeftItSaysSo) {
         return run(
             {"/bin/sh", "-c", std::string("ulimit -n ") + most + "; exec " + knurl_program() + " " + words});
     };
-    for (const char* words : {"ls", "top --count 1",
-                              "record "
-                              "/dev/null",
-                              "reset", "latency --connect knurl:default"}) {
+    for (const char* words :
+         {"ls", "top --count 1", "record /dev/null", "reset", "latency --connect knurl:default"}) {
         const Outcome outcome = limited("4", words);
         EXPECT_EQ(outcome.code, 1) << words;
         EXPECT_TRUE(outcome.err.find("no descriptor left") != std::string::npos)

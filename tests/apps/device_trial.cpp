@@ -162,7 +162,7 @@ TEST(DeviceTest, TheProgramSaysItAsTextAndAsJson) {
     EXPECT_EQ(json.at("device"), "premium15");
     EXPECT_EQ(json.at("pushes").size(), 3u);
     EXPECT_TRUE(json.at("turns").empty()) << "it renders no torque";
-    EXPECT_GT(json.at("rest").at("round_trip").at("p50"), 0);
+    EXPECT_GT(json.at("rest").at("round_trip").at("p50_s"), 0);
     EXPECT_TRUE(json.at("findings").empty());
 }
 

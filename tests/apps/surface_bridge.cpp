@@ -65,12 +65,12 @@ TEST(SurfaceOverABridge, StrokesAReliefOfAnotherHostAndIsJudgedStable) {
     for (const auto* stroke_made : {&force, &knurl}) EXPECT_GT(stroke_made->at("updates"), 5) << *stroke_made;
     for (const auto* felt : {&knurl, &mesh}) {
         EXPECT_GT(felt->at("cycles"), 1000) << "to its end: " << *felt;
-        EXPECT_TRUE(felt->at("fault_at").is_null()) << *felt;
+        EXPECT_TRUE(felt->at("fault_at_s").is_null()) << *felt;
         EXPECT_GT(felt->at("mean_force"), 0.5) << *felt;
         EXPECT_GT(felt->at("contact_share"), 0.5) << *felt;
         // A machine that stands still loses reports, and updates come late: that is the machine's, and the
         // judge counts it.
-        const double late = felt->at("age_max").get<double>() - felt->at("age_p50").get<double>();
+        const double late = felt->at("age_max_s").get<double>() - felt->at("age_p50_s").get<double>();
         if (felt->at("stalls") == 0 && felt->at("missed") == 0 && late < 0.01) {
             EXPECT_TRUE(felt->at("stable")) << *felt;
         }

@@ -125,7 +125,7 @@ TEST_F(Files, JsonHasTheCommonFormAndTheStrokes) {
     EXPECT_EQ(json.at("strokes").at(0).at("verdict"), "stable");
     EXPECT_EQ(json.at("strokes").at(1).at("verdict"), "not stable: jump");
     EXPECT_NEAR(json.at("strokes").at(1).at("jump").get<double>(), 2, 1e-12);
-    EXPECT_TRUE(json.at("strokes").at(1).at("fault_at").is_null());
+    EXPECT_TRUE(json.at("strokes").at(1).at("fault_at_s").is_null());
 }
 
 TEST_F(Files, CsvHasARowPerCycle) {

@@ -106,9 +106,8 @@ std::string Rights::why_no_priority(int priority) const {
     }
     // The right is there: what is left are the budgets of real time.
     if (number_in(root_ / "proc/sys/kernel/sched_rt_runtime_us", -1) == 0)
-        return "the machine has no time for real-time threads (kernel.sched_rt_runtime_us is 0); run: sudo "
-               "sysctl "
-               "kernel.sched_rt_runtime_us=950000";
+        return "the machine has no time for real-time threads (kernel.sched_rt_runtime_us is 0); run: "
+               "sudo sysctl kernel.sched_rt_runtime_us=950000";
     const Group group = budget_group();
     const std::string mine = fmt::format("cgroup {} of this process", group.name);
     const fs::path budget = group.folder / "cpu.rt_runtime_us";
