@@ -51,13 +51,13 @@ endfunction()
 
 set(knurl_test_optimization $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 
-# knurl_test(name SOURCES a.cpp ... LINK targets ... [TIMEOUT s] [PREFIX p.] [OPTIMIZED] [SERIAL]): a GoogleTest program, its cases
-# in ctest. Most of what a test compiles is headers and its own prose: the headers that all of them read are read once
+# knurl_test(name SOURCES a.cpp ... LINK targets ... [TIMEOUT s] [PREFIX p.] [OPTIMIZED] [SERIAL] [PROCESS]): a GoogleTest
+# program, its cases in ctest. Most of what a test compiles is headers and its own prose: the headers that all of them read are read once
 # (knurl_test_headers, in tests/), and the test's own code is built with -O1, in half the time; what it tests is a library
 # and keeps its -O3. OPTIMIZED is for tests whose subject is a template, so that they see the code that users run. SERIAL
-# ones run beside no other.
+# ones run beside no other. PROCESS ones start programs: CI runs them once more without any right (scripts/test --restricted).
 function(knurl_test name)
-    cmake_parse_arguments(arg "OPTIMIZED;SERIAL" "TIMEOUT;PREFIX" "SOURCES;LINK" ${ARGN})
+    cmake_parse_arguments(arg "OPTIMIZED;SERIAL;PROCESS" "TIMEOUT;PREFIX" "SOURCES;LINK" ${ARGN})
     if(NOT arg_TIMEOUT)
         set(arg_TIMEOUT 120)
     endif()
@@ -69,7 +69,11 @@ function(knurl_test name)
             target_precompile_headers(${name} REUSE_FROM knurl_test_headers)
         endif()
     endif()
-    gtest_discover_tests(${name} TEST_PREFIX "${arg_PREFIX}" PROPERTIES TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL}
+    set(labels "")
+    if(arg_PROCESS)
+        set(labels LABELS process)
+    endif()
+    gtest_discover_tests(${name} TEST_PREFIX "${arg_PREFIX}" PROPERTIES TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} ${labels}
                          DISCOVERY_TIMEOUT 60)
 endfunction()
 

@@ -199,6 +199,7 @@ TEST_F(OnAServo, SaysThatTheServoHasGone) {
 }
 
 TEST_F(OnAServo, TakesLetsGoPutsBackAndEndsByKeys) {
+    KNURL_NEEDS(knurl::test::missing_terminal());
     OnTerminal program({KNURL_BODIES_PROGRAM});
     ASSERT_TRUE(eventually([&] { return active(); }));
     program.type(' ');

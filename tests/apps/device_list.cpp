@@ -98,7 +98,7 @@ TEST(Devices, TwoOfOneSerialNumberAreToldApartByTheirPorts) {
 }
 
 TEST(Devices, WithoutTheRightToOpenItSaysWhatGivesIt) {
-    if (geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
+    KNURL_NEEDS(missing_other_user());
     const Outcome text = as_nobody("devices");
     EXPECT_EQ(text.code, 0) << text.err;
     EXPECT_THAT(text.out, HasSubstr("no right to open it"));
@@ -108,7 +108,7 @@ TEST(Devices, WithoutTheRightToOpenItSaysWhatGivesIt) {
 }
 
 TEST(Devices, AServiceThatIsNotOursToSeeHidesNoDevice) {
-    if (geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
+    KNURL_NEEDS(missing_other_user());
     const Folder folder;
     std::filesystem::permissions(folder.path(""), std::filesystem::perms(0700));
     setenv("KNURL_RUNTIME_DIR", folder.path("").c_str(), 1);

@@ -44,7 +44,7 @@ TEST(Doctor, WithoutRightsItSaysWhatIsLostAndMeasuresTheRest) {
     // So that no priority is ever refused to it, and none is missed (runtime/servo/src/realtime.cpp).
     GTEST_SKIP() << "knurld asks for no real-time priority in a build with ThreadSanitizer";
 #endif
-    if (geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
+    KNURL_NEEDS(missing_loss_of_rights());
     const Folder folder;
     const Outcome outcome = knurl_without_rights(folder, {"doctor", "--seconds", "5"});
     ASSERT_LE(outcome.code, 1) << outcome.err;

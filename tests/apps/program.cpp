@@ -189,15 +189,37 @@ Outcome knurl(std::vector<std::string> words) {
     return run(words);
 }
 
+namespace {
+
+/// In front of a command.
+std::vector<std::string> without_rights() {
+    std::vector<std::string> words;
+    if (missing_other_user().empty())
+        words = {"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "--bounding-set=-all"};
+    words.insert(words.end(), {"/usr/bin/prlimit", "--rtprio=0", "--memlock=65536"});
+    return words;
+}
+
+}  // namespace
+
 Outcome knurl_without_rights(const Folder& folder, std::vector<std::string> words) {
     fs::permissions(folder.path(""), fs::perms(0755));
     // The folder that they were built in may be closed to nobody.
     for (const auto& [from, name] :
          {std::pair{knurl_program(), "knurl"}, std::pair{knurld_program(), "knurld"}})
         fs::copy_file(from, folder.path(name));
-    words.insert(words.begin(), {"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "--bounding-set=-all",
-                                 "/usr/bin/prlimit", "--rtprio=0", "--memlock=65536", folder.path("knurl")});
+    words.insert(words.begin(), folder.path("knurl"));
+    const std::vector<std::string> without = without_rights();
+    words.insert(words.begin(), without.begin(), without.end());
     return run(words);
+}
+
+Missing missing_loss_of_rights() {
+    std::vector<std::string> words = without_rights();
+    for (const char* word : {"/usr/bin/chrt", "--fifo", "1", "/bin/true"}) words.emplace_back(word);
+    if (run(words).code != 0) return {};
+    return missing("to give up rights", "real-time priority is not to be got rid of",
+                   "an ordinary user has none, root needs CAP_SETUID");
 }
 
 }  // namespace knurl::test

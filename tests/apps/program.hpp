@@ -10,6 +10,7 @@
 #include <knurl/shm/fd.hpp>
 
 #include "../eventually.hpp"
+#include "../rights.hpp"
 
 namespace knurl::test {
 
@@ -95,8 +96,10 @@ class Folder {
     std::string path_;
 };
 
-/// `knurl WORDS...` of a copy in `folder`, and knurld beside it, as nobody: without real-time priority, 64
-/// KiB to lock. Only root can.
+/// Whether this process can start another one that has no right to real-time priority.
+Missing missing_loss_of_rights();
+/// `knurl WORDS...` of a copy in `folder`, and knurld beside it: without real-time priority, 64 KiB to lock;
+/// as nobody, where this is somebody who may become that.
 Outcome knurl_without_rights(const Folder& folder, std::vector<std::string> words);
 
 /// A directory for sockets and saved state, to which KNURL_RUNTIME_DIR and KNURL_STATE_DIR point.

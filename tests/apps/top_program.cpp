@@ -147,6 +147,7 @@ const std::vector<std::string>& quickly() {
 }
 
 TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
+    KNURL_NEEDS(missing_terminal());
     const Home home;
     const Servo servo({"--device", "sim:cartesian3"});
     OnTerminal top(quickly(), 40, 10);
@@ -167,6 +168,7 @@ TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
 }
 
 TEST(Top, SuspendedItGivesTheTerminalBackAndTakesItAgain) {
+    KNURL_NEEDS(missing_terminal());
     const Home home;
     const Servo servo({"--device", "sim:cartesian3"});
     OnTerminal top(quickly(), 100, 30);

@@ -10,6 +10,8 @@
 #include <top_terminal.hpp>
 #include <unistd.h>
 
+#include "../rights.hpp"
+
 namespace knurl::test {
 namespace {
 
@@ -41,6 +43,7 @@ TEST(TopTerminal, TheLastLineSaysHowManyFoundNoRoom) {
 }
 
 TEST(TopTerminal, AResizedPageIsDrawnAnewAtOnce) {
+    KNURL_NEEDS(missing_terminal());
     winsize size{.ws_row = 20, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
     int screen = -1;
     const pid_t pid = ::forkpty(&screen, nullptr, nullptr, &size);

@@ -10,6 +10,7 @@
 #include <knurl/link/clock.hpp>
 #include <knurl/shm/fd.hpp>
 
+#include "../rights.hpp"
 #include "relay_support.hpp"
 
 namespace knurl::bridge::test {
@@ -28,7 +29,7 @@ constexpr bool watched = false;
 #endif
 
 /// While it lives, CLOCK_MONOTONIC of what this process starts is `apart` ahead of ours (time_namespaces(7)).
-/// Making it takes root; where that is missing, or the kernel's support, why() says so.
+/// Where the right to make it is missing, or the kernel's support, why() says so.
 class OtherClock {
   public:
     OtherClock()
@@ -36,7 +37,8 @@ class OtherClock {
           made_(before_ && !watched && ::unshare(CLONE_NEWTIME) == 0) {
         if (!made_) {
             why_ = watched ? "setns wants a process of one thread, ThreadSanitizer adds its own"
-                           : std::strerror(errno);
+                           : knurl::test::missing("a time namespace", std::strerror(errno),
+                                                  "root has it, with CAP_SYS_ADMIN, on Linux 5.6 or later");
             return;
         }
         std::ofstream offsets("/proc/self/timens_offsets");
@@ -99,7 +101,7 @@ void expect_right(const BridgeProcess& bridge, std::chrono::nanoseconds offset) 
 
 TEST(FarClock, a_servo_that_has_been_up_for_longer_is_read_right) {
     const OtherClock theirs;
-    if (!theirs.why().empty()) GTEST_SKIP() << "no time namespace (" << theirs.why() << "): not tested";
+    if (!theirs.why().empty()) GTEST_SKIP() << theirs.why();
     ServoProcess servo;
     BridgeProcess bridge;
     expect_right(bridge, apart);
@@ -109,7 +111,7 @@ TEST(FarClock, a_servo_that_has_just_come_up_is_read_right) {
     ServoProcess servo;
     BridgeProcess bridge;
     const OtherClock ours;
-    if (!ours.why().empty()) GTEST_SKIP() << "no time namespace (" << ours.why() << "): not tested";
+    if (!ours.why().empty()) GTEST_SKIP() << ours.why();
     ours.enter();
     if (HasFatalFailure()) return;
     expect_right(bridge, -apart);

@@ -31,11 +31,12 @@ Stage::Stage(unsigned seed) : random(seed) {
 
 void Stage::begin_anew() {
     clear();
+    constexpr std::uint64_t capacity = 1 << 20;
     device = std::make_unique<drivers::shared_sim::FakeDevice>(
-        KNURL_FAKE_DEVICE,
-        drivers::shared_sim::FakeDevice::Settings{.path = drivers::shared_sim::file_in_memory("knurl-chaos"),
-                                                  .profile = "cartesian3",
-                                                  .capacity = 1 << 20});
+        KNURL_FAKE_DEVICE, drivers::shared_sim::FakeDevice::Settings{
+                               .path = drivers::shared_sim::file_in_memory("knurl-chaos", capacity),
+                               .profile = "cartesian3",
+                               .capacity = capacity});
     start_servo();
     start_wall();
 }

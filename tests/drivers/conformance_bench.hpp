@@ -119,11 +119,12 @@ class SharedSimBench final : public Bench {
 
   private:
     static shared_sim::FakeDevice& process() {
+        static constexpr std::uint64_t capacity = 1 << 16;
         static const struct File {
-            std::string path = shared_sim::file_in_memory("knurl-conformance");
+            std::string path = shared_sim::file_in_memory("knurl-conformance", capacity);
             ~File() { std::filesystem::remove(path); }
         } file;
-        static shared_sim::FakeDevice device(KNURL_FAKE_DEVICE, {.path = file.path, .capacity = 1 << 16});
+        static shared_sim::FakeDevice device(KNURL_FAKE_DEVICE, {.path = file.path, .capacity = capacity});
         return device;
     }
     static void obey(std::uint64_t control) {

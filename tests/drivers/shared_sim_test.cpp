@@ -21,11 +21,12 @@ namespace {
 
 class SharedSim : public testing::Test {
   protected:
-    std::string path_ = file_in_memory("knurl-shared-sim");
+    static constexpr std::uint64_t capacity = 1 << 14;
+    std::string path_ = file_in_memory("knurl-shared-sim", capacity);
     ~SharedSim() override { std::filesystem::remove(path_); }
 
     FakeDevice::Settings settings(const std::string& profile = "cartesian3") const {
-        return {.path = path_, .profile = profile, .capacity = 1 << 14};
+        return {.path = path_, .profile = profile, .capacity = capacity};
     }
     /// Waits (on the device's own clock) for a record that satisfies the predicate.
     template <class Predicate>

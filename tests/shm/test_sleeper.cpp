@@ -8,6 +8,8 @@
 #include <measure.hpp>
 #include <sleeper.hpp>
 
+#include "../rights.hpp"
+
 namespace knurl::measure {
 namespace {
 
@@ -61,9 +63,10 @@ TEST(Witness, GivesEachGapOnceAndOnlyLongOnes) {
 }
 
 TEST(Witness, SeesThatItsCpuWasTakenFromIt) {
+    KNURL_NEEDS(test::missing_real_time(2));
     const unsigned cpu = allowed_cpus().back();
     Witness witness({cpu}, 1);
-    if (witness.watching() == 0) GTEST_SKIP() << "no right to SCHED_FIFO";
+    ASSERT_EQ(witness.watching(), 1u);
     witness.gaps();
     Nanoseconds begin = 0, end = 0;
     std::thread([&] {  // above it, and never asleep

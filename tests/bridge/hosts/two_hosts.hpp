@@ -1,6 +1,6 @@
 #pragma once
-// Two hosts in one machine: two network namespaces with a pair of veth between them. Making them takes root
-// and `ip`; where that is missing both are this host, and why() says so.
+// Two hosts in one machine: two network namespaces with a pair of veth between them. Where the right to make
+// them is missing, or `ip`, both are this host, and why() says so.
 
 #include <cstdint>
 #include <string>
@@ -44,6 +44,7 @@ class TwoHosts {
 
   private:
     void run(const std::string& command);
+    void give_up(const std::string& why);
     std::string name(Host host) const;
 
     bool two_ = true;

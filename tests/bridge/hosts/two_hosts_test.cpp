@@ -23,7 +23,7 @@ sockaddr_in at(const std::string& address, std::uint16_t port) {
 
 TEST(TwoHosts, ReachEachOtherOverTheWire) {
     const TwoHosts hosts;
-    if (!hosts.two()) GTEST_SKIP() << "one host only: " << hosts.why();
+    if (!hosts.two()) GTEST_SKIP() << hosts.why();
     shm::UniqueFd server, client;
     sockaddr_in to = at(hosts.address(Host::server), 0);
     {

@@ -36,8 +36,7 @@ template <int server_mtu, int client_mtu = server_mtu>
 struct With : testing::Test, Apart {
     With() : Apart(server_mtu, client_mtu) {}
     void SetUp() override {
-        if (!hosts.two())
-            GTEST_SKIP() << "one host only (" << hosts.why() << "): the other tests go over loopback";
+        if (!hosts.two()) GTEST_SKIP() << hosts.why();
     }
 };
 using TwoHostsApart = With<1400>;

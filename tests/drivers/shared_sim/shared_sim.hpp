@@ -34,10 +34,10 @@ class Mapping {
 /// The records written so far. The file stays when its process is killed.
 std::vector<Record> read_log(const Mapping& mapping);
 
-/// A path of this process's own for such a file, in memory where that is possible: a log on a disk that is
+/// A path of this process's own for such a file, in memory where there is room for `capacity` records: a log on a disk that is
 /// busy makes the device wait for it, and the servo then ramps down as it should before a device that stands
 /// still.
-std::string file_in_memory(const std::string& name);
+std::string file_in_memory(const std::string& name, std::uint64_t capacity);
 
 /// A knurl-fake-device of our own: started in the constructor, running and mapped when that returns.
 class FakeDevice {

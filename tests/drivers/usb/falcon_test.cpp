@@ -166,7 +166,9 @@ TEST_F(FalconOnABus, SaysWhichRuleGivesTheRights) {
     std::filesystem::permissions(bus_.real_path(""), std::filesystem::perms(0777));
     for (const auto& entry : std::filesystem::recursive_directory_iterator(bus_.real_path("/ioctl")))
         std::filesystem::permissions(entry.path(), std::filesystem::perms(0777));
-    // This thread as nobody, for files only: root may open anything.
+    std::filesystem::permissions(bus_.real_path(node), std::filesystem::perms::none);
+    // This thread as nobody, for files only: root may open anything. Whoever may not become that is stopped
+    // already.
     syscall(SYS_setfsuid, 65534);
     const std::string error = error_of("falcon:");
     syscall(SYS_setfsuid, getuid());

@@ -10,6 +10,7 @@
 
 #include <sched.h>
 
+#include "../../rights.hpp"
 #include "motor_bench.hpp"
 
 namespace knurl::drivers {
@@ -233,6 +234,7 @@ TEST_P(Faults, UnpluggedIsSeenAndPluggedInAgainItIsFoundWithMotorsAtZero) {
 /// Looking for a device takes milliseconds at a time, which are the other hand's.
 TEST_P(Faults, WhoLooksForALostDeviceStandsBelowTheServo) {
     constexpr int priority = 56;
+    KNURL_NEEDS(test::missing_real_time(priority));
     const auto device =
         open_device(GetParam().address, {.hand_file = "", .seed = 1, .io_priority = priority});
     const auto now_at = [] {
@@ -246,7 +248,7 @@ TEST_P(Faults, WhoLooksForALostDeviceStandsBelowTheServo) {
         return -1;
     };
     ASSERT_TRUE(pushes(*device));
-    if (now_at() != priority) GTEST_SKIP() << "no right to SCHED_FIFO " << priority;
+    ASSERT_EQ(now_at(), priority);
     bus_.unplug("1-1");
     ASSERT_TRUE(until(*device, ReadStatus::unplugged));
     EXPECT_TRUE(bus_.wait(5000, [&] { return now_at() == 1; }));

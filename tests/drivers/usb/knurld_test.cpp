@@ -12,9 +12,9 @@
 #include <random>
 
 #include <gmock/gmock.h>
-#include <sched.h>
 #include <sys/syscall.h>
 
+#include "../../rights.hpp"
 #include "chances.hpp"
 #include "knurld_bench.hpp"
 
@@ -32,6 +32,7 @@ int number_in(const char* variable, int otherwise) {
 class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
   public:
     static constexpr int promised = 5;  // ms of the bus's clock, from the servo's death or stop to zero
+    static constexpr int guardian_priority = 85;  // the servo's 80, and five above
 
     void SetUp() override {
         if (not_here != nullptr) GTEST_SKIP() << not_here;
@@ -229,20 +230,14 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
         std::printf("  a sanitizer's build: %d ms are not held against it\n", late);
 #else
-        if (real_time_)
-            EXPECT_LE(late, promised);
-        else
-            std::printf("  knurld was not allowed SCHED_FIFO: the time is not held against it\n");
+        KNURL_NEEDS(test::missing_real_time(guardian_priority));  // all the rest was as it should be
+        EXPECT_LE(late, promised);
 #endif
-    }
-    void note_policy() {
-        real_time_ = (::sched_getscheduler(servo_->pid()) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO;
     }
 
     /// The bus runs from the moment of the kill: what the kernel takes to end the process counts.
     void kill_servo() {
         for (Chances chances(promised);;) {
-            note_policy();
             let_it_run_dry();
             ASSERT_FALSE(HasFatalFailure());
             const std::uint64_t since = bus_.frame();
@@ -270,7 +265,6 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
     }
     void stop_servo() {
         start_anew();  // its claim lives, and under the mock the guardian shares it only of what it inherited
-        note_policy();
         for (Chances chances(promised);;) {
             std::uint64_t since = 0;
             stop_it_while_active(chances, since);
@@ -324,7 +318,6 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
     std::optional<Client> client_;
     std::optional<Claim> hand_;
     std::optional<Representing<Plane>> floor_;
-    bool real_time_ = false;
     int steady_ = 0;  // of the strongest motor, in the device's unit, with the floor felt
 };
 
