@@ -10,6 +10,7 @@
 #include <json.hpp>
 #include <sleeper.hpp>
 
+#include <knurl/commandline/program.hpp>
 #include <knurl/protocol/attach.hpp>
 
 #include "top_terminal.hpp"
@@ -125,6 +126,7 @@ int watch(const Arguments& arguments) {
         if (!terminal.wait(1 / arguments.hertz)) return 0;
         const Look look = looker.look();
         terminal.show(arguments.json ? line_of(servo.name, look) : text_of(servo.name, look));
+        commandline::flush_output();  // whoever read it may have gone
         problem = look.problem;
     }
     if (!problem.empty()) throw std::runtime_error(problem);

@@ -50,8 +50,10 @@ std::size_t find_device(const ServoView& view, const Arguments& arguments) {
 }
 
 /// Looks at a servo's counters so often that the parts of each cycle that it stamps are known by themselves.
-Timeline watch(const Arguments& arguments) {
-    ServoWatch servo(servo_said(arguments.servo));
+Timeline watch(Arguments arguments) {
+    const protocol::ServoAddress address = servo_said(arguments.servo);
+    arguments.servo = address.name;
+    ServoWatch servo(address);
     ServoView view = servo.look();
     const std::size_t place = find_device(view, arguments);
     const protocol::DeviceInfo info = view.devices[place].info;  // the view changes
@@ -154,10 +156,7 @@ void add_trace(commandline::Command& program) {
         "A cycle begins at its deadline, or when the one before it ended; it is late if it ends after the "
         "next "
         "deadline.");
-    verb.action([arguments] {
-        arguments->servo = servo_said(arguments->servo).name;
-        return run_trace(*arguments);
-    });
+    verb.action([arguments] { return run_trace(*arguments); });
 }
 
 }  // namespace knurl::cli

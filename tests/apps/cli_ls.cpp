@@ -218,7 +218,9 @@ TEST(Knurl, AnUnknownVerbIsOneLineAndAFailure) {
     const Outcome outcome = knurl({"frobnicate"});
     EXPECT_EQ(outcome.code, 2);
     EXPECT_EQ(outcome.err, "knurl: there is no verb 'frobnicate'; see knurl --help\n");
-    EXPECT_EQ(knurl({}).code, 2);
+    const Outcome nothing = knurl({});
+    EXPECT_EQ(nothing.code, 2);
+    EXPECT_EQ(nothing.err.find("knurl: which of ls, "), 0u) << nothing.err;
     EXPECT_EQ(knurl({"ls", "--loud"}).code, 2);
 }
 

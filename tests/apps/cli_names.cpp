@@ -1,8 +1,10 @@
 // How a servo is named: every form that a program prints is taken by every option.
 
+#include <algorithm>
 #include <csignal>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <knurl/client/client.hpp>
 

@@ -269,6 +269,35 @@ TEST(CommandLine, HelpMentionsEveryOptionKeyAndBound) {
     EXPECT_NE(version.output().find("knurld "), std::string::npos);
 }
 
+TEST(CommandLine, ChecksAConfigurationWithoutRunningIt) {
+    const test::Home home;
+    const auto checked = [&](const std::vector<std::string>& arguments, int code) {
+        test::Program program(home, KNURLD, arguments);
+        EXPECT_EQ(program.wait(), code) << program.output();
+        EXPECT_TRUE(test::files_in(home.runtime()).empty());
+        return program.output();
+    };
+    const std::string file = (home.path() / "lab.toml").string();
+    const auto write = [&](const std::string& text) { std::ofstream(file) << text; };
+    write(
+        "name = \"lab\"\n[[device]]\naddress = \"sim:premium15\"\nrate = 2000\n"
+        "[[device]]\nname = \"left\"\naddress = \"falcon:,port=9-9\"\n");
+    const std::string plan = checked({"--check-config", file}, 0);
+    for (const char* part : {"knurl:lab", "premium15 (sim:premium15): 2000 Hz", "left (falcon:,port=9-9)"})
+        EXPECT_NE(plan.find(part), std::string::npos) << plan;
+    EXPECT_EQ(checked({"--config", file, "--check-config"}, 0), plan);
+    write("nmae = \"lab\"\n");
+    EXPECT_NE(checked({"--check-config", file}, 2).find("did you mean 'name'?"), std::string::npos);
+    write("[[device]]\naddress = \"sim:premium15\"\n[[device]]\naddress = \"sim:premium15\"\n");
+    EXPECT_NE(checked({"--check-config", file}, 2).find("two devices are called"), std::string::npos);
+    write("[[device]]\naddress = \"sim:arm=/no/such/arm.toml\"\n");
+    EXPECT_NE(checked({"--check-config", file}, 2).find("/no/such/arm.toml"), std::string::npos);
+    write("[[device]]\naddress = \"falcon:,lowpass=3\"\n");
+    EXPECT_NE(checked({"--check-config", file}, 2).find("did you mean 'low_pass'?"), std::string::npos);
+    EXPECT_NE(checked({"--check-config", "/no/such.toml"}, 2).find("/no/such.toml"), std::string::npos);
+    EXPECT_NE(checked({"--check-config"}, 2).find("no device"), std::string::npos);
+}
+
 TEST(CommandLine, WhatCannotStartSaysWhyAndLeavesNothingBehind) {
     const test::Home home;
     const std::pair<std::vector<std::string>, const char*> mistakes[] = {

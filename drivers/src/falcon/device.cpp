@@ -153,6 +153,7 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
     const std::string firmware = address.text("firmware");
     address.done();
     if (!firmware.empty()) settings.firmware = load_firmware(firmware);
+    if (options.check_only) return nullptr;
     return std::make_unique<Falcon>(address.wanted(), std::move(settings), options.io_priority);
 }
 

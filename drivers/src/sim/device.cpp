@@ -371,6 +371,7 @@ Driver sim_driver() {
             .help = names + "[,grip=0.5,push=1.5,live=/dev/input/event3,...]",
             .open = [](std::string_view what, const OpenOptions& options) -> std::unique_ptr<Device> {
                 SimProfile profile = sim_profile(what);
+                if (options.check_only) profile.live.clear();
                 if (what.find(",seed=") == std::string_view::npos) {
                     profile.seed = options.seed;
                 }

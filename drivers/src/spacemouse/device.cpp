@@ -146,6 +146,7 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
     settings.speed = address.number("speed", settings.speed, 0.001, 1, "m/s");
     settings.follow = address.number("follow", settings.follow, 0.1, 50, "Hz");
     address.done();
+    if (options.check_only) return nullptr;
     return std::make_unique<SpaceMouse>(address.wanted(), settings, options.io_priority);
 }
 

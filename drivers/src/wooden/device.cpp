@@ -140,6 +140,7 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
                                      "effort_per_count (N m per mA)");
     std::optional<std::array<double, motors>> at;
     if (!home.empty()) at = degrees(home);
+    if (options.check_only) return nullptr;
     return std::make_unique<WoodenHaptics>(address.wanted(), arm, at, damping, lag, options.io_priority);
 }
 

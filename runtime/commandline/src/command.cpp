@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <list>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 
@@ -25,6 +27,25 @@ std::string require_number(const std::string& text) {
     double value = 0;
     const bool none = CLI::detail::lexical_cast(text, value) && std::isnan(value);
     return none ? text + " is no number" : std::string();
+}
+
+std::string in_text(double number) {
+    std::ostringstream text;
+    text.precision(15);
+    text << number;
+    return text.str();
+}
+
+CLI::Validator within_range(double low, double high, bool whole) {
+    const std::string range = in_text(low) + " to " + in_text(high);
+    const auto problem = [=](const std::string& text) {
+        double value = 0;
+        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high &&
+            (!whole || value == std::floor(value)))
+            return std::string();
+        return "'" + text + "'; give " + (whole ? "a whole number, " : "") + range;
+    };
+    return {problem, (whole ? "INT in [" : "FLOAT in [") + in_text(low) + " - " + in_text(high) + "]"};
 }
 
 CLI::Option* add_to(CLI::App& app, const std::string& name, const Target::Variable& to,
@@ -77,10 +98,9 @@ Option& Option::shows_default() {
 }
 
 Option& Option::within(double low, double high) {
-    if (std::visit([](auto* to) { return IsInteger<std::remove_pointer_t<decltype(to)>>::value; }, impl_->to))
-        impl_->option->check(CLI::Range(static_cast<std::int64_t>(low), static_cast<std::int64_t>(high)));
-    else
-        impl_->option->check(CLI::Range(low, high));
+    const bool whole =
+        std::visit([](auto* to) { return IsInteger<std::remove_pointer_t<decltype(to)>>::value; }, impl_->to);
+    impl_->option->check(within_range(low, high, whole));
     return *this;
 }
 
@@ -121,9 +141,17 @@ Option& Option::excludes(const std::vector<std::string>& names) {
 }
 
 Option& Option::formerly(const std::string& name) {
-    impl_->former = add_to(*impl_->app, name, impl_->to, impl_->help)->group("");
-    impl_->former->excludes(impl_->option);
+    impl_->former = add_to(*impl_->app, name, impl_->to, impl_->help);
+    if (name.starts_with('-')) impl_->former->group("");
     return *this;
+}
+
+bool Option::given_twice() const {
+    return impl_->option->count() > 0 && impl_->former != nullptr && impl_->former->count() > 0;
+}
+
+std::string Option::name() const {
+    return impl_->option->get_name();
 }
 
 bool Option::given() const {
@@ -133,6 +161,7 @@ bool Option::given() const {
 struct Command::Impl {
     std::unique_ptr<CLI::App> own;  // of the program; its verbs live in it
     CLI::App* app = nullptr;
+    bool requires_verb = false;
     std::list<Option> options;
     std::list<std::unique_ptr<Command>> verbs;
     std::function<int()> work;
@@ -153,7 +182,13 @@ struct Command::Impl {
 
     /// A word where a verb belongs that is none.
     void require_verbs(int argc, const char* const* argv, int at = 1) const {
-        if (verbs.empty() || at >= argc || argv[at][0] == '-') return;
+        if (verbs.empty() || (at < argc && argv[at][0] == '-')) return;
+        if (at >= argc) {
+            if (!requires_verb) return;
+            std::string all;
+            for (const auto& verb : verbs) all += (all.empty() ? "" : ", ") + verb->impl_->app->get_name();
+            throw UsageError("which of " + all + "?" + see_help());
+        }
         std::vector<std::string> names;
         for (const auto& verb : verbs) {
             names.push_back(verb->impl_->app->get_name());
@@ -161,6 +196,13 @@ struct Command::Impl {
         }
         throw UsageError(std::string("there is no verb '") + argv[at] + "'" + words::meant(argv[at], names) +
                          see_help());
+    }
+    /// An option and its former name.
+    void require_once() const {
+        for (const Option& option : options)
+            if (option.given_twice())
+                throw UsageError("one thing is said twice: " + option.name() +
+                                 " is given under both its names" + see_help());
     }
     /// A slip in an option's name is what is wrong, whatever else is missing because of it.
     std::string unknown_option() const {
@@ -204,12 +246,12 @@ Option& Command::servo(std::string& to, const std::string& help) {
 Command& Command::verb(const std::string& name, const std::string& purpose) {
     auto impl = std::make_unique<Impl>();
     impl->app = impl_->app->add_subcommand(name, purpose);
-    impl_->app->require_subcommand(0, 1);
+    impl_->app->require_subcommand(impl_->requires_verb ? 1 : 0, 1);
     return *impl_->verbs.emplace_back(std::unique_ptr<Command>(new Command(std::move(impl))));
 }
 
 Command& Command::requires_verb() {
-    impl_->app->require_subcommand(1);
+    impl_->requires_verb = true;
     return *this;
 }
 
@@ -232,14 +274,18 @@ Command::Answer Command::parse(int argc, const char* const* argv) {
     impl_->require_verbs(argc, argv);
     try {
         impl_->app->parse(argc, argv);
-    } catch (const CLI::Success& wanted) {
-        impl_->app->exit(wanted);
+    } catch (const CLI::CallForVersion& version) {
+        std::printf("%s\n", version.what());
+        return Answer::nothing;
+    } catch (const CLI::Success&) {
+        std::printf("%s", impl_->app->help().c_str());
         return Answer::nothing;
     } catch (const CLI::ParseError& error) {
         const Impl& chosen = impl_->chosen();
         const std::string slip = chosen.unknown_option();
         throw UsageError((slip.empty() ? error.what() : slip) + chosen.see_help());
     }
+    impl_->chosen().require_once();
     return Answer::work;
 }
 

@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -53,7 +54,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     commandline::Command app("knurld",
                              "knurld: the servo of Knurl. Owns force-feedback devices and runs their loops.");
     DaemonConfig told;
-    std::string config_file, hand, idle;
+    std::string config_file, checked_file, hand, idle;
     std::vector<std::string> devices;
     const auto& name =
         app.option("--name", told.name, "of the servo; clients connect to knurl:NAME (default)");
@@ -69,17 +70,31 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     app.option("--hand", hand,
                "motion of the simulated hands, CSV t,x,y,z[,qw,qx,qy,qz]; begins with each claim");
     app.option("--config", config_file, "TOML file; the command line wins over it");
+    const auto& check_config =
+        app.option(
+               "--check-config", checked_file,
+               "reads the configuration (FILE, or that of --config and the other options) and the arm and "
+               "motion files that it names, says what would run, and ends: 0 it can, 2 it cannot")
+            .value_may_be_missing()
+            .type_name("[FILE]");
     app.footer([] { return drivers_help() + "\n" + examples + "\n" + config_help() + "\n" + bounds_help(); });
 
     try {
         if (app.parse(argc, argv) == commandline::Command::Answer::nothing)
-            return {.config = {}, .answered = true};
+            return {.config = {}, .answered = true, .check_only = false};
     } catch (const commandline::UsageError& error) {
         throw ConfigError(error.what());
     }
 
+    if (!checked_file.empty()) {
+        if (!config_file.empty())
+            throw ConfigError("--check-config and --config both name a file; give one of them");
+        config_file = checked_file;
+    }
     DaemonConfig config = config_file.empty() ? DaemonConfig{} : load_config(config_file);
     if (name.given()) {
+        constexpr std::string_view prefix = "knurl:";  // as clients say it
+        if (told.name.starts_with(prefix)) told.name.erase(0, prefix.size());
         require_name(told.name, "--name");
         config.name = told.name;
     }
@@ -106,7 +121,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
         for (DeviceConfig& device : config.devices) device.hand_file = hand;
     }
     check(config);
-    return {.config = std::move(config), .answered = false};
+    return {.config = std::move(config), .answered = false, .check_only = check_config.given()};
 }
 
 int knurld_main(int argc, const char* const* argv) {
@@ -115,7 +130,10 @@ int knurld_main(int argc, const char* const* argv) {
                                 [&] {
                                     try {
                                         const CommandLine line = parse_command_line(argc, argv);
-                                        return line.answered ? 0 : run_daemon(line.config);
+                                        if (line.answered) return 0;
+                                        if (!line.check_only) return run_daemon(line.config);
+                                        std::printf("%s", plan_of(line.config).c_str());
+                                        return 0;
                                     } catch (const ConfigError& error) {
                                         throw commandline::UsageError(error.what());
                                     }

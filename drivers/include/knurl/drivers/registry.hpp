@@ -17,7 +17,8 @@ struct OpenOptions {
     std::string
         hand_file;  // motion of a simulated hand (t,x,y,z[,qw,qx,qy,qz]); empty: it rests at the centre
     std::uint64_t seed = 1;
-    int io_priority = 0;  // SCHED_FIFO of a driver's own threads; 0: ordinary
+    int io_priority = 0;      // SCHED_FIFO of a driver's own threads; 0: ordinary
+    bool check_only = false;  // reads address and files, touches no hardware: there may be no device then
 };
 
 /// What a device on USB says it is.
@@ -37,9 +38,9 @@ struct Driver {
 /// All drivers of this build.
 std::vector<Driver>& drivers();
 
-/// Opens "scheme:what". Of its options "debounce=S" is every device's: how long a button is left alone after
-/// an edge (debounce.hpp), 0 for the contacts as they are. Throws std::runtime_error that names the known
-/// schemes if there is none such.
+/// Opens "scheme:what"; with check_only it may return none. Of its options "debounce=S" is every device's: how
+/// long a button is left alone after an edge (debounce.hpp), 0 for the contacts as they are. Throws
+/// std::runtime_error that names the known schemes if there is none such.
 std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions& options = {});
 
 }  // namespace knurl::drivers

@@ -56,10 +56,12 @@ class Option {
     Option& value_may_be_missing();
     /// These are refused beside it. They must have been added before.
     Option& excludes(const std::vector<std::string>& names);
-    /// Taken too, and not in --help: how it was called before.
+    /// Taken too, and not in --help (without a dash: what stands for it without one, which is): how it was called before.
     Option& formerly(const std::string& name);
 
     bool given() const;
+    bool given_twice() const;  // under this name and the former one
+    std::string name() const;
 
     struct Impl;
     explicit Option(std::unique_ptr<Impl> impl);

@@ -10,10 +10,15 @@ namespace knurl::servo {
 /// left behind then.
 int run_daemon(const DaemonConfig& config);
 
+/// What a servo would run with it, for people: a line for itself and one for each device. Reads arm and motion files,
+/// touches no hardware. Throws ConfigError for what could not run on any machine.
+std::string plan_of(const DaemonConfig& config);
+
 /// Command line over configuration file. Throws ConfigError.
 struct CommandLine {
     DaemonConfig config;
-    bool answered = false;  // --help or --version was: nothing is to be run
+    bool answered = false;    // --help or --version was: nothing is to be run
+    bool check_only = false;  // --check-config: what would be run is to be told
 };
 CommandLine parse_command_line(int argc, const char* const* argv);
 
