@@ -68,7 +68,8 @@ std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions&
     for (const Driver& driver : drivers()) {
         if (colon != std::string_view::npos && driver.scheme == scheme) {
             const Wishes wishes = wishes_of(address, colon + 1);
-            return debounced(driver.open(wishes.what, options), wishes.debounce);
+            std::unique_ptr<Device> device = driver.open(wishes.what, options);
+            return device ? debounced(std::move(device), wishes.debounce) : nullptr;
         }
         known += (known.empty() ? "" : "; ") + driver.scheme + ":" + driver.help;
     }
