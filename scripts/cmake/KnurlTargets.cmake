@@ -21,12 +21,14 @@ if(KNURL_SANITIZE)
     endif()
 endif()
 
-# knurl_module(shm DEPENDS ... [PRECOMPILE <header> ...]): a library knurl::shm from src/*.cpp whose include root is ./include.
+# knurl_module(shm DEPENDS ... [NEEDS package ...] [PRECOMPILE <header> ...]): a library knurl::shm from src/*.cpp whose
+# include root is ./include.
 # A target sees the headers of another module only by linking it: the compiler guards the walls between the modules.
+# NEEDS names the packages (KnurlDependencies.cmake) of what it links, so that who finds an installed Knurl finds them.
 # PRECOMPILE names what most of its sources include from outside of Knurl: of a source that includes Eigen nine tenths of
 # the time to build it go there, so it is read once for all of them.
 function(knurl_module name)
-    cmake_parse_arguments(arg "" "" "DEPENDS;PRIVATE;PRECOMPILE" ${ARGN})
+    cmake_parse_arguments(arg "" "" "DEPENDS;PRIVATE;NEEDS;PRECOMPILE" ${ARGN})
     file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
     if(sources)
         add_library(knurl_${name} STATIC ${sources})
@@ -45,8 +47,32 @@ function(knurl_module name)
     endif()
     set_target_properties(knurl_${name} PROPERTIES EXPORT_NAME ${name})
     add_library(knurl::${name} ALIAS knurl_${name})
-    install(TARGETS knurl_${name} EXPORT knurlTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-    install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+
+    # With what its modules link and need: users before what they use, as a linker wants them.
+    set(uses "")
+    if(sources)
+        set(uses ${name})
+    endif()
+    foreach(target IN LISTS arg_DEPENDS arg_PRIVATE)
+        if(target MATCHES "^knurl::(.*)")
+            get_property(of_module GLOBAL PROPERTY KNURL_USES_${CMAKE_MATCH_1})
+            get_property(needs GLOBAL PROPERTY KNURL_NEEDS_${CMAKE_MATCH_1})
+            list(APPEND uses ${of_module})
+            list(APPEND arg_NEEDS ${needs})
+        endif()
+    endforeach()
+    list(REVERSE uses)
+    list(REMOVE_DUPLICATES uses)
+    list(REVERSE uses)
+    list(REMOVE_DUPLICATES arg_NEEDS)
+    set_property(GLOBAL PROPERTY KNURL_USES_${name} ${uses})
+    set_property(GLOBAL PROPERTY KNURL_NEEDS_${name} ${arg_NEEDS})
+    set_property(GLOBAL APPEND PROPERTY KNURL_MODULES ${name})
+
+    if(KNURL_INSTALL)
+        install(TARGETS knurl_${name} EXPORT knurlTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+        install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+    endif()
 endfunction()
 
 set(knurl_test_optimization $<$<CONFIG:Release,RelWithDebInfo>:-O1>)

@@ -1,5 +1,5 @@
-# Run by ctest: installs the build tree, then builds and runs the outside program against it, once found by CMake and
-# once by pkg-config. -D: BUILD, SOURCE (this folder), WORK (scratch), CXX, GENERATOR, LIBDIR, FLAGS.
+# Run by ctest: installs the build tree, then builds and runs programs against it, found by CMake and by pkg-config.
+# -D: BUILD, SOURCE (this folder), WORK (scratch), CXX, GENERATOR, LIBDIR, FLAGS.
 
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
@@ -25,23 +25,54 @@ foreach(file lib/udev/rules.d/70-knurl.rules lib/sysusers.d/knurl.conf share/knu
     endif()
 endforeach()
 
-run("configure" ${CMAKE_COMMAND} -S ${SOURCE}/outside -B ${WORK}/by-cmake -G ${GENERATOR}
+# Every module, found by find_package(knurl REQUIRED) and as the only component. It is found where the tree is now, so it
+# is moved first.
+file(RENAME ${prefix} ${WORK}/moved)
+set(prefix ${WORK}/moved)
+set(by_cmake ${WORK}/by-cmake)
+run("configure" ${CMAKE_COMMAND} -S ${SOURCE}/outside -B ${by_cmake} -G ${GENERATOR}
     -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${FLAGS}" -DCMAKE_PREFIX_PATH=${prefix})
-run("build" ${CMAKE_COMMAND} --build ${WORK}/by-cmake)
-run("program found by CMake" ${WORK}/by-cmake/outside)
+run("build" ${CMAKE_COMMAND} --build ${by_cmake})
+file(GLOB programs ${by_cmake}/bin/*)
+foreach(program IN LISTS programs)
+    run("${program}" ${program})
+endforeach()
+run("the client" ${by_cmake}/bin/client_alone)
 if(NOT output MATCHES "nobody-listens-here")
     message(FATAL_ERROR "the program did not say which servo is missing:\n${output}")
 endif()
 
+# What cannot be had is said, with the name of what is missing.
+function(refused with components what)
+    file(WRITE ${WORK}/refused/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(refused LANGUAGES CXX)\n${with}\n"
+                                              "find_package(knurl REQUIRED ${components})\n")
+    execute_process(COMMAND ${CMAKE_COMMAND} -S ${WORK}/refused -B ${WORK}/refused/build -G ${GENERATOR}
+                            -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${prefix}
+                    RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE errors)
+    file(REMOVE_RECURSE ${WORK}/refused)
+    string(REGEX REPLACE "[ \n]+" " " errors "${errors}")
+    if(result EQUAL 0 OR NOT errors MATCHES "${what}")
+        message(FATAL_ERROR "not refused with \"${what}\": find_package(knurl ${components}) ${with}:\n${errors}")
+    endif()
+endfunction()
+refused("" "COMPONENTS clent" "knurl has no component clent; it has .*client")
+refused("set(CMAKE_DISABLE_FIND_PACKAGE_fmt ON)" "COMPONENTS servo" "knurl::servo needs fmt, .*libfmt-dev")
+refused("set(CMAKE_DISABLE_FIND_PACKAGE_OpenSSL ON)" "" "knurl::client needs OpenSSL, .*libssl-dev")
+
+# With pkg-config; and all of it static, as far as --static says what that takes.
 set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
 run("pkg-config" pkg-config --cflags --libs knurl)
 separate_arguments(found UNIX_COMMAND "${FLAGS} ${output}")
-run("compile with pkg-config" ${CXX} -std=c++20 ${SOURCE}/outside/main.cpp -o ${WORK}/by-pkg-config ${found})
+run("compile with pkg-config" ${CXX} -std=c++20 ${SOURCE}/outside/modules/client.cpp -o ${WORK}/by-pkg-config ${found})
 run("program found by pkg-config" ${WORK}/by-pkg-config)
+run("pkg-config --static" pkg-config --static --libs knurl)
+separate_arguments(found UNIX_COMMAND "${FLAGS} ${output}")
+file(GLOB_RECURSE object ${by_cmake}/all/CMakeFiles/client.dir/*.o)
+run("link with pkg-config --static" ${CXX} ${object} -o ${WORK}/by-pkg-config-static ${found})
 
 # An application links the client alone: no TOML, no libusb, nothing of the servo.
 find_program(readelf readelf REQUIRED)
-run("readelf" ${readelf} -d ${WORK}/by-pkg-config)
+run("readelf" ${readelf} -d ${WORK}/by-pkg-config ${by_cmake}/bin/client_of_all)
 if(output MATCHES "tomlplusplus|libusb|libfmt|boost")
     message(FATAL_ERROR "an application needs a library of the servo's:\n${output}")
 endif()

@@ -1,4 +1,4 @@
-// Uses enough of the client to need all of its libraries, and no servo: it must be told that there is none.
+// No servo: it must be told that there is none.
 #include <chrono>
 #include <cstdio>
 
