@@ -1,5 +1,6 @@
-# libFuzzer targets, built by Clang whatever the rest is built with. ctest runs each over its kept corpus and then for
-# two seconds on inputs of its own; what breaks one is left beside it as crash-*. For longer:
+# libFuzzer targets, built by Clang whatever the rest is built with. ctest runs each over its kept corpus and then on some
+# thousand inputs of its own, by a seed and for two seconds at most; with scripts/test --long a minute more. What breaks
+# one is left beside it as crash-*. For longer:
 #   build/release/tests/bridge/fuzz/knurl_fuzz_framing -max_total_time=600 work/ tests/bridge/fuzz/corpus/framing
 find_program(KNURL_CLANG clang++-14)
 set(KNURL_FUZZING OFF)
@@ -12,7 +13,7 @@ else()
     set(KNURL_FUZZING ON)
 endif()
 
-set(fuzz_flags -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Wall -Wextra)
+set(fuzz_flags -std=c++20 -O1 -gline-tables-only -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Wall -Wextra)
 
 # One object per source, shared by the targets of a folder: each compiles once. Uses the folder's fuzz_flags and fuzz_includes.
 function(knurl_fuzz_object source out)
@@ -51,8 +52,9 @@ function(knurl_fuzz name library max_len)
     add_dependencies(fuzz_${name} ${library})
     set(found ${CMAKE_CURRENT_BINARY_DIR}/found_${name})
     file(MAKE_DIRECTORY ${found})
-    add_test(NAME fuzz.${name}
-             COMMAND ${program} -seed=1 -max_total_time=2 -max_len=${max_len} -timeout=5 -rss_limit_mb=1000 -print_final_stats=1
-                     ${found} ${arg_CORPUS})
+    set(run ${program} -max_len=${max_len} -timeout=5 -rss_limit_mb=1000 -print_final_stats=1)
+    add_test(NAME fuzz.${name} COMMAND ${run} -seed=1 -runs=5000 -max_total_time=2 ${found} ${arg_CORPUS})
     set_tests_properties(fuzz.${name} PROPERTIES TIMEOUT 60 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+    add_test(NAME fuzz.${name}.long COMMAND ${run} -max_total_time=60 ${found} ${arg_CORPUS})
+    set_tests_properties(fuzz.${name}.long PROPERTIES TIMEOUT 180 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} LABELS long)
 endfunction()

@@ -9,6 +9,7 @@
 
 #include "pull_bound.hpp"
 
+namespace dock_pull_bound_tests {
 namespace {
 
 struct Outcome {
@@ -106,3 +107,5 @@ TEST(DockPullBound, ASimulationThatTellsNoTemperatureIsBoundedByItsBoxAlone) {
 }
 
 }  // namespace
+
+}  // namespace dock_pull_bound_tests

@@ -17,6 +17,7 @@
 #include "fake_imd.hpp"
 #include "program.hpp"
 
+namespace dock_shared_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -246,3 +247,5 @@ TEST_F(DockShared, SharingIsForThoseWhoBothSaySo) {
 }
 
 }  // namespace
+
+}  // namespace dock_shared_tests

@@ -13,7 +13,7 @@
 
 #include "program.hpp"
 
-namespace knurl::test {
+namespace knurl::test::record_assets_tests {
 namespace {
 
 using namespace std::chrono_literals;
@@ -239,4 +239,4 @@ TEST(RecordAssets, OneThatWasTakenOutOrChangedIsSaid) {
 }
 
 }  // namespace
-}  // namespace knurl::test
+}  // namespace knurl::test::record_assets_tests

@@ -9,6 +9,7 @@
 #include "surface/stated.hpp"
 #include "surface/terrain_whole.hpp"
 
+namespace surface_stated_tests {
 namespace {
 
 using surface::Recording;
@@ -90,3 +91,5 @@ TEST(Whole, TheFieldIsTheMesh) {
 }
 
 }  // namespace
+
+}  // namespace surface_stated_tests

@@ -7,7 +7,7 @@
 
 #include "clock_estimate.hpp"
 
-namespace knurl::bridge::test {
+namespace knurl::bridge::test::net_clock_tests {
 namespace {
 
 using Ns = std::int64_t;
@@ -197,4 +197,4 @@ TEST(ClockEstimate, StampsThatCannotBeAreIgnored) {
 }
 
 }  // namespace
-}  // namespace knurl::bridge::test
+}  // namespace knurl::bridge::test::net_clock_tests

@@ -10,7 +10,7 @@
 
 #include "journal.hpp"
 
-namespace knurl::bridge::test {
+namespace knurl::bridge::test::net_journal_tests {
 namespace {
 
 using testing::ElementsAre;
@@ -92,4 +92,4 @@ TEST_F(Log, that_nobody_reads_is_not_waited_for_and_says_later_how_much_is_missi
 }
 
 }  // namespace
-}  // namespace knurl::bridge::test
+}  // namespace knurl::bridge::test::net_journal_tests

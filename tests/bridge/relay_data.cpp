@@ -13,7 +13,7 @@
 #include "seed.hpp"
 #include "unanswered.hpp"
 
-namespace knurl::bridge {
+namespace knurl::bridge::relay_data_tests {
 namespace {
 
 constexpr std::uint32_t slots = 39;
@@ -355,4 +355,4 @@ TEST(Data, an_acknowledgement_never_goes_back) {
 }
 
 }  // namespace
-}  // namespace knurl::bridge
+}  // namespace knurl::bridge::relay_data_tests

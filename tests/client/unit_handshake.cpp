@@ -20,6 +20,7 @@
 
 #include "refusal.hpp"
 
+namespace unit_handshake_tests {
 namespace {
 
 using namespace knurl;
@@ -174,3 +175,5 @@ TEST(Handshake, refusals_leak_no_descriptor) {
 }
 
 }  // namespace
+
+}  // namespace unit_handshake_tests

@@ -20,6 +20,7 @@
 
 #include "table.hpp"
 
+namespace unit_pending_tests {
 namespace {
 
 using namespace knurl;
@@ -259,3 +260,5 @@ TEST(Pending, a_new_servo_gets_what_was_committed_and_keeps_what_was_not) {
 }
 
 }  // namespace
+
+}  // namespace unit_pending_tests

@@ -6,7 +6,7 @@
 
 #include <knurl/drivers/sim_device.hpp>
 
-namespace knurl::drivers {
+namespace knurl::drivers::sim_hand_tests {
 namespace {
 
 using Eigen::Vector3d;
@@ -180,4 +180,4 @@ TEST(Hand, TurnsATipThatHasOrientation) {
 }
 
 }  // namespace
-}  // namespace knurl::drivers
+}  // namespace knurl::drivers::sim_hand_tests

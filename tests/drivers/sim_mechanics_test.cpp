@@ -9,7 +9,7 @@
 
 #include <knurl/drivers/sim_device.hpp>
 
-namespace knurl::drivers {
+namespace knurl::drivers::sim_mechanics_tests {
 namespace {
 
 using Eigen::Vector3d;
@@ -323,4 +323,4 @@ TEST(Actuator, WatchdogSwitchesOffAfterSilenceAndOnWithTheNextWrite) {
 }
 
 }  // namespace
-}  // namespace knurl::drivers
+}  // namespace knurl::drivers::sim_mechanics_tests

@@ -11,7 +11,7 @@
 #include "paths.hpp"
 #include "walk_tools.hpp"
 
-namespace knurl::test {
+namespace knurl::test::height_field_tests {
 namespace {
 
 using Eigen::Vector3d;
@@ -253,4 +253,4 @@ TEST(HeightField, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace knurl::test
+}  // namespace knurl::test::height_field_tests

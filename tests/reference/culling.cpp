@@ -9,6 +9,7 @@
 using namespace judge;
 using knurl::Feedback;
 
+namespace culling_tests {
 namespace {
 
 template <class R>
@@ -255,3 +256,5 @@ TEST(Culling, AnswersAsIfEverySurfaceWereAsked) {
         EXPECT_LT(figures.skipped * 5, figures.asked) << "a test in which hardly anything is skipped";
     }
 }
+
+}  // namespace culling_tests

@@ -6,6 +6,7 @@
 using namespace judge;
 using knurl::Spring;
 
+namespace springs_tests {
 namespace {
 
 exact::Tip tip_of(const Probe& p) {
@@ -182,3 +183,5 @@ TEST(Springs, ManyOnSeveralProbesActAsTheirSum) {
         }
     });
 }
+
+}  // namespace springs_tests

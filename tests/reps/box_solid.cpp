@@ -7,6 +7,7 @@
 using namespace knurl;
 using namespace knurl::test;
 
+namespace box_solid_tests {
 namespace {
 constexpr std::uint64_t seed = 4711;
 }  // namespace
@@ -239,3 +240,5 @@ TEST(SolidBox, NoPathThroughItGivesBackMoreThanItTook) {
         ASSERT_GE(sum, -1000 * small * path) << "seed " << seed << " round " << round;
     }
 }
+
+}  // namespace box_solid_tests

@@ -18,6 +18,7 @@
 using namespace knurl;
 using namespace knurl::test;
 
+namespace held_velocity_tests {
 namespace {
 
 constexpr double k = 500;                  // N/m
@@ -263,3 +264,5 @@ TEST(HeldVelocity, WhateverTheSilenceNoCycleChangesTheForceByMore) {
         }
     }
 }
+
+}  // namespace held_velocity_tests

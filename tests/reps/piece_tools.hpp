@@ -9,6 +9,7 @@
 #include <knurl/reps/concepts.hpp>
 
 #include "random_polygon.hpp"
+#include "scene_tools.hpp"
 
 namespace knurl::test {
 
@@ -16,7 +17,6 @@ using Real = long double;
 using Vec = Eigen::Matrix<Real, 3, 1>;
 
 inline constexpr double step = 1e-3;  // s, a cycle
-inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 inline Vec exact(const Vec3& v) {
     return {v.x, v.y, v.z};

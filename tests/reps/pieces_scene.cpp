@@ -8,6 +8,7 @@
 using namespace knurl;
 using namespace knurl::test;
 
+namespace pieces_scene_tests {
 namespace {
 
 constexpr std::uint64_t seed = 515;
@@ -125,3 +126,5 @@ TEST(PiecesInAScene, AChangeWhileTouchedIsFadedAndTheHoldIsKept) {
     }
     EXPECT_NEAR(last.z(), 5, 1e-9);
 }
+
+}  // namespace pieces_scene_tests

@@ -8,6 +8,7 @@
 using namespace knurl;
 using namespace knurl::test;
 
+namespace still_scene_tests {
 namespace {
 
 constexpr std::uint32_t slots = 6;
@@ -211,3 +212,5 @@ TEST(StillScene, IsNoneThatIsFeltFadesMovesOrIsAskedInEachCycle) {
 }
 
 }  // namespace
+
+}  // namespace still_scene_tests

@@ -11,6 +11,7 @@
 using namespace knurl;
 using namespace knurl::test;
 
+namespace texture_tests {
 namespace {
 
 using Vector = Eigen::Vector3d;
@@ -189,3 +190,5 @@ TEST(Texture, IsFiniteForAnyLegalParameters) {
         ASSERT_TRUE(gain >= 0 && gain <= 1);
     }
 }
+
+}  // namespace texture_tests

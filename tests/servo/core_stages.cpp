@@ -6,7 +6,7 @@
 
 #include "core_gate.hpp"
 
-namespace knurl::servo {
+namespace knurl::servo::core_stages_tests {
 namespace {
 
 using namespace testing;
@@ -380,4 +380,4 @@ TEST(Stages, SwitchedOffOnlyTheJacobianIsLeft) {
 }
 
 }  // namespace
-}  // namespace knurl::servo
+}  // namespace knurl::servo::core_stages_tests

@@ -9,7 +9,7 @@
 
 #include "tape_run.hpp"
 
-namespace knurl::servo {
+namespace knurl::servo::core_tape_tests {
 namespace {
 
 using namespace testing;
@@ -319,4 +319,4 @@ TEST(Tape, ADeviceOfOtherFiguresIsAnotherDevice) {
 }
 
 }  // namespace
-}  // namespace knurl::servo
+}  // namespace knurl::servo::core_tape_tests

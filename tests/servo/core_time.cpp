@@ -4,7 +4,7 @@
 
 #include "core_active.hpp"
 
-namespace knurl::servo {
+namespace knurl::servo::core_time_tests {
 namespace {
 
 using namespace testing;
@@ -125,4 +125,4 @@ TEST(Time, ACycleIsLateIfItsWriteEndsAfterTheNextDeadline) {
 }
 
 }  // namespace
-}  // namespace knurl::servo
+}  // namespace knurl::servo::core_time_tests

@@ -14,7 +14,7 @@
 #include "probe_device.hpp"
 #include "process_knurld.hpp"
 
-namespace knurl::test {
+namespace knurl::test::process_life_tests {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -253,4 +253,4 @@ TEST(Memory, SixteenClientsFitInto32MiBLocked) {
 }
 
 }  // namespace
-}  // namespace knurl::test
+}  // namespace knurl::test::process_life_tests

@@ -14,7 +14,7 @@
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/socket.hpp>
 
-namespace knurl::shm {
+namespace knurl::shm::socket_tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -207,4 +207,4 @@ TEST_F(Socket, SaysWhatToDoAboutAPathThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace knurl::shm
+}  // namespace knurl::shm::socket_tests

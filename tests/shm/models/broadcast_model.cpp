@@ -2,7 +2,7 @@
 
 #include "model.hpp"
 
-namespace knurl::shm::model {
+namespace knurl::shm::model::broadcast_model_tests {
 namespace {
 
 using Memory = SimulatedMemory<AtomicPayload>;
@@ -106,4 +106,4 @@ TEST(BroadcastModel, WrongTwinOneSlotTooMany) {
 }
 
 }  // namespace
-}  // namespace knurl::shm::model
+}  // namespace knurl::shm::model::broadcast_model_tests

@@ -2,7 +2,7 @@
 
 #include "model.hpp"
 
-namespace knurl::shm::model {
+namespace knurl::shm::model::triple_model_tests {
 namespace {
 
 using Memory = SimulatedMemory<PlainPayload>;
@@ -122,4 +122,4 @@ TEST(TripleModel, WrongTwinLookThenExchange) {
 }
 
 }  // namespace
-}  // namespace knurl::shm::model
+}  // namespace knurl::shm::model::triple_model_tests

@@ -3,7 +3,7 @@
 
 #include "model.hpp"
 
-namespace knurl::shm::model {
+namespace knurl::shm::model::waiter_model_tests {
 namespace {
 
 using Memory = SimulatedMemory<AtomicPayload>;
@@ -155,4 +155,4 @@ TEST(RestModel, WrongTwinRelaxedSeeSent) {
 }
 
 }  // namespace
-}  // namespace knurl::shm::model
+}  // namespace knurl::shm::model::waiter_model_tests
