@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <output_file.hpp>
 #include <program_main.hpp>
+#include <script.hpp>
 
 #include "outcome.hpp"
 #include "relief.hpp"
@@ -79,7 +80,8 @@ void describe(CLI::App& app, Wishes& w) {
         "  knurl-surface --write-stroke stroke.csv hills.png\n"
         "  knurld --device sim:premium15 --hand stroke.csv &\n"
         "  knurl-surface hills.png --json out.json --csv out.csv --relief relief.asc\n"
-        "  scripts/plot_surface.py out.json out.csv relief.asc out.png\n");
+        "  " +
+        knurl::measure::script("plot_surface.py") + " out.json out.csv relief.asc out.png\n");
 }
 
 int run(const Wishes& wishes) {
