@@ -3,12 +3,11 @@
 //
 //     auto client = knurl::Client::connect("knurl:default");
 //     auto hand   = client.claim("right");                    // refused: who holds it, by pid
-//     auto floor  = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = 0.0 /* m */, .stiffness = 800 /* N/m
-//     */}); hand.arm(); while (auto report = hand.next_report(50ms)) {          // or hand.latest(), or
-//     hand.fd() in your event loop
-//         floor.follow(terrain);                              // plane where the hand will be; or
-//         floor.set(...) hand.commit();                                      // all that changed takes effect
-//         in one cycle
+//     auto floor  = hand.add(knurl::Plane{.normal = {0, 0, 1}, .stiffness = 800 /* N/m */});
+//     hand.arm();
+//     while (auto report = hand.next_report(50ms)) {          // or hand.latest(), or hand.fd() in an event loop
+//         floor.follow(terrain);                              // a plane where the hand will be; or floor.set(...)
+//         hand.commit();                                      // all that changed takes effect in one cycle
 //     }
 //
 // All calls throw knurl::Error. A Claim and its handles belong to one thread at a time; in the child of a
@@ -67,10 +66,10 @@ struct Timing {
     // Of the report that a batch was computed from, when the first force made of it had been written; the
     // median of the last seven batches. 0: not measured yet.
     std::chrono::nanoseconds age_at_use{0};
-    std::chrono::nanoseconds interval{
-        0};                     // between commits, the median of the last seven; as claimed until measured
-    std::uint64_t batches = 0;  // taken by the servo; those it did not take alone it had in a later one
-    std::uint64_t refused = 0;  // by the servo's own check of its copy
+    // between commits, the median of the last seven; as claimed until measured
+    std::chrono::nanoseconds interval{0};
+    std::uint64_t batches = 0;       // taken by the servo; those it did not take alone it had in a later one
+    std::uint64_t refused = 0;       // by the servo's own check of its copy
     std::uint64_t undersampled = 0;  // calls of follow() that were too seldom for the surface's curvature
 };
 
@@ -116,8 +115,8 @@ class Observer {
     /// has gone. One descriptor for life, also across a restart of the servo; it stays the library's: do not
     /// close it.
     int fd();
-    std::uint64_t missed()
-        const;  // reports overwritten before they were read; those latest() passes over are not
+    // reports overwritten before they were read; those latest() passes over are not
+    std::uint64_t missed() const;
     DeviceDescription device() const;
 
     /// How old a report is now: since the device was read, by the servo's clock. Throws while detached.
