@@ -72,8 +72,7 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
         "Space (or the device's first button, while pressed) takes the atom and lets go, q ends.\n"
         "Examples:\n"
         "  knurl-dock localhost:8889 --atom 0                  on the device of knurl:default\n"
-        "  knurl-dock localhost:8889 --demo --picture dock.png without a device\n"
-        "  scripts/dock                                        with GROMACS and a box of water\n");
+        "  knurl-dock localhost:8889 --demo --picture dock.png without a device\n");
 }
 
 int run(Wishes& w) {

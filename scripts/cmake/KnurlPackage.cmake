@@ -1,15 +1,95 @@
-# `cpack` in a build folder makes knurl_VERSION_ARCHITECTURE.deb: programs, headers, libraries, the service and the udev
-# rules, under /usr.
+# `cpack` in a build folder makes three packages of Debian's, under /usr:
+#   libknurl-dev   headers, static libraries, find_package and pkg-config, examples
+#   knurl-server   knurld, knurl-bridge, their units, the udev rules, user and group, arms
+#   knurl-tools    knurl, and the demonstration programs with the scripts that draw what they measured
+# A component of the installation is a package; each thing says where it is installed to which it belongs.
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "the makers of Knurl <knurl@localhost>")
-set(CPACK_PACKAGE_DESCRIPTION "Owns force-feedback devices and runs their loops at 1 kHz or more; applications describe
- what the hand should feel and read where it is, through shared memory.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+    OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_COMPONENTS_ALL libknurl-dev knurl-server knurl-tools)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libeigen3-dev, libssl-dev")  # whoever builds an application needs them
-set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/postinst ${CMAKE_CURRENT_LIST_DIR}/deb/prerm)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+foreach(package LIBKNURL-DEV KNURL-SERVER KNURL-TOOLS)
+    string(TOLOWER ${package} CPACK_DEBIAN_${package}_PACKAGE_NAME)
+    set(CPACK_DEBIAN_${package}_PACKAGE_SECTION science)
+    # All was one package once.
+    set(CPACK_DEBIAN_${package}_PACKAGE_CONFLICTS knurl)
+    set(CPACK_DEBIAN_${package}_PACKAGE_REPLACES knurl)
+endforeach()
+
+# Whoever builds an application needs what the libraries are linked with: all of it, so that every module can be found.
+set(knurl_depends "")
+foreach(module IN LISTS knurl_modules)
+    get_property(needs GLOBAL PROPERTY KNURL_NEEDS_${module})
+    foreach(package IN LISTS needs)
+        list(APPEND knurl_depends ${knurl_debian_${package}})
+    endforeach()
+endforeach()
+list(REMOVE_DUPLICATES knurl_depends)
+list(JOIN knurl_depends ", " CPACK_DEBIAN_LIBKNURL-DEV_PACKAGE_DEPENDS)
+set(CPACK_DEBIAN_LIBKNURL-DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_LIBKNURL-DEV_PACKAGE_SUGGESTS "cmake, g++ (>= 4:12), knurl-server (= ${PROJECT_VERSION}), pkg-config")
+set(CPACK_DEBIAN_LIBKNURL-DEV_DESCRIPTION "haptics server for Linux - client library
+ Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+ applications describe what the hand should feel and read where it is, through
+ shared memory.
+ .
+ This package has the library that an application links (C++20), and those that
+ the server is made of.")
+
+set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_DEPENDS passwd)
+set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_SUGGESTS knurl-tools)
+set(CPACK_DEBIAN_KNURL-SERVER_DESCRIPTION "haptics server for Linux - server
+ Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+ applications describe what the hand should feel and read where it is, through
+ shared memory.
+ .
+ This package has the server, the bridge that lets applications on other hosts
+ use it, services for both (which are not enabled by themselves), and rules that
+ give the group haptics the devices.")
+
+# They start servers of their own, and a server of another build refuses them.
+set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_DEPENDS "knurl-server (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_SUGGESTS "python3-matplotlib, python3-numpy, python3-pil")
+set(CPACK_DEBIAN_KNURL-TOOLS_DESCRIPTION "haptics server for Linux - tools
+ Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+ applications describe what the hand should feel and read where it is, through
+ shared memory.
+ .
+ This package has knurl, which lists, records, replays, measures and tests
+ servers and devices, and programs that put a relief, a mesh, an atom of a
+ running simulation or rigid bodies in the hand.")
+
+set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postinst
+    ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/prerm ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postrm)
+
+# What Debian asks of every package; left out by `cmake --install`.
+file(READ ${PROJECT_SOURCE_DIR}/LICENSE knurl_licence)
+string(STRIP "${knurl_licence}" knurl_licence)
+string(REPLACE "\n\n" "\n.\n" knurl_licence "${knurl_licence}")
+string(REPLACE "\n" "\n " knurl_licence " ${knurl_licence}")
+configure_file(${CMAKE_CURRENT_LIST_DIR}/deb/copyright.in ${PROJECT_BINARY_DIR}/deb/copyright @ONLY)
+string(TIMESTAMP knurl_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
+find_program(KNURL_GZIP gzip)
+foreach(package IN LISTS CPACK_COMPONENTS_ALL)
+    set(folder ${PROJECT_BINARY_DIR}/deb/${package})
+    file(WRITE ${folder}/changelog "${package} (${PROJECT_VERSION}) unstable; urgency=medium\n
+  * What is new: CHANGELOG.md, beside this file in knurl-server.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${knurl_date}\n")
+    if(KNURL_GZIP)
+        execute_process(COMMAND ${KNURL_GZIP} -9nf ${folder}/changelog)
+        install(FILES ${folder}/changelog.gz DESTINATION share/doc/${package} COMPONENT ${package} EXCLUDE_FROM_ALL)
+    endif()
+    install(FILES ${PROJECT_BINARY_DIR}/deb/copyright DESTINATION share/doc/${package} COMPONENT ${package} EXCLUDE_FROM_ALL)
+    install(FILES ${CMAKE_CURRENT_LIST_DIR}/deb/${package}/overrides DESTINATION share/lintian/overrides RENAME ${package}
+            COMPONENT ${package} EXCLUDE_FROM_ALL)
+endforeach()
+install(FILES ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/README.md DESTINATION share/doc/knurl-server
+        COMPONENT knurl-server EXCLUDE_FROM_ALL)
 include(CPack)

@@ -7,6 +7,7 @@ file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 set(prefix ${WORK}/prefix)
 set(ENV{KNURL_RUNTIME_DIR} ${WORK})
+set(ENV{KNURL_STATE_DIR} ${WORK}/state)
 
 run("install" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 if(NOT EXISTS ${prefix}/include/knurl/client/client.hpp)
@@ -58,6 +59,27 @@ endfunction()
 refused("" "COMPONENTS clent" "knurl has no component clent; it has .*client")
 refused("set(CMAKE_DISABLE_FIND_PACKAGE_fmt ON)" "COMPONENTS servo" "knurl::servo needs fmt, .*libfmt-dev")
 refused("set(CMAKE_DISABLE_FIND_PACKAGE_OpenSSL ON)" "" "knurl::client needs OpenSSL, .*libssl-dev")
+
+# The programs that the READMEs show, with what the README says of CMakeLists.txt, beside a servo.
+set(README ${WORK}/readme)
+run("readme.py" ${SOURCE}/readme.py extract ${README})
+file(GLOB programs ${README}/program_*.cpp)
+if(NOT programs)
+    message(FATAL_ERROR "the READMEs show no program")
+endif()
+foreach(source IN LISTS programs)
+    file(WRITE ${WORK}/simulation/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(simulation LANGUAGES CXX)\n"
+                                                 "add_executable(my_simulation ${source})\ninclude(${README}/my_simulation.cmake)\n")
+    run("configure" ${CMAKE_COMMAND} -S ${WORK}/simulation -B ${WORK}/simulation/build -G ${GENERATOR}
+        -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${FLAGS}" -DCMAKE_PREFIX_PATH=${prefix})
+    run("build" ${CMAKE_COMMAND} --build ${WORK}/simulation/build)
+    run("${source}" sh -c "${prefix}/bin/knurld --device right=sim:premium15 >/dev/null 2>&1 & servo=$!
+        ${WORK}/simulation/build/my_simulation; code=$?; kill $servo; wait $servo; exit $code")
+    if(NOT output MATCHES "hand at")
+        message(FATAL_ERROR "the README's program felt nothing:\n${output}")
+    endif()
+    file(REMOVE_RECURSE ${WORK}/simulation)
+endforeach()
 
 # With pkg-config; and all of it static, as far as --static says what that takes.
 set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)

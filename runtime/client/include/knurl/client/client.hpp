@@ -82,10 +82,10 @@ struct Timing {
     // Of the report that a batch was computed from, when the first force made of it had been written; the
     // median of the last seven batches. 0: not measured yet.
     std::chrono::nanoseconds age_at_use{0};
-    std::chrono::nanoseconds interval{
-        0};                     // between commits, the median of the last seven; as claimed until measured
-    std::uint64_t batches = 0;  // taken by the servo; those it did not take alone it had in a later one
-    std::uint64_t refused = 0;  // by the servo's own check of its copy
+    // between commits, the median of the last seven; as claimed until measured
+    std::chrono::nanoseconds interval{0};
+    std::uint64_t batches = 0;       // taken by the servo; those it did not take alone it had in a later one
+    std::uint64_t refused = 0;       // by the servo's own check of its copy
     std::uint64_t undersampled = 0;  // calls of follow() that were too seldom for the surface's curvature
 };
 
@@ -137,8 +137,8 @@ class Observer {
     /// has gone. One descriptor for life, also across a restart of the servo; it stays the library's: do not
     /// close it.
     int fd();
-    std::uint64_t missed()
-        const;  // reports overwritten before they were read; those latest() passes over are not
+    // reports overwritten before they were read; those latest() passes over are not
+    std::uint64_t missed() const;
     DeviceDescription device() const;
 
     /// How old a report is now: since the device was read, by the servo's clock. Throws while detached.

@@ -1,0 +1,82 @@
+# Run by scripts/deb-test in a root with nothing installed. $1: the packages, and in later/ the same of a later version.
+packages=$1
+fail() { echo "deb-test: $1" >&2; exit 1; }
+installed() { dpkg-query --show --showformat='${Package}\n' 'knurl*' 'libknurl*' 2>/dev/null; }
+install() { apt-get install -y -qq --no-install-recommends "$@" >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail "apt-get install failed"; }; }
+
+echo "== install: libknurl-dev and a compiler, as the README says"
+apt-get update -qq
+install "$packages"/libknurl-dev_*.deb g++ cmake make pkg-config
+
+echo "== the README's program, by CMake and by pkg-config, with what apt brought"
+work="$(mktemp -d)"
+awk '/^```cpp/ { inside = 1; next } /^```/ { if (inside) exit } inside' README.md >"$work/main.cpp"
+grep -q 'int main' "$work/main.cpp" || fail "the first cpp block of README.md is no program"
+{
+    echo 'cmake_minimum_required(VERSION 3.25)'
+    echo 'project(simulation LANGUAGES CXX)'
+    echo 'add_executable(my_simulation main.cpp)'
+    awk '/^```cmake/ { inside = 1; next } /^```/ { inside = 0 } inside' README.md
+} >"$work/CMakeLists.txt"
+cmake -S "$work" -B "$work/build" >"$work/log" 2>&1 && cmake --build "$work/build" >>"$work/log" 2>&1 ||
+    { cat "$work/log"; fail "the README's program does not build by CMake"; }
+g++ -std=c++20 "$work/main.cpp" -o "$work/by-pkg-config" $(pkg-config --cflags --libs knurl)
+
+echo "== install: knurl-server and knurl-tools"
+install "$packages"/knurl-server_*.deb "$packages"/knurl-tools_*.deb
+getent passwd knurl >/dev/null || fail "there is no user knurl"
+getent group haptics >/dev/null || fail "there is no group haptics"
+for package in libknurl-dev knurl-server knurl-tools; do
+    grep -q 'Boost Software License' "/usr/share/doc/$package/copyright" || fail "$package comes without its licence"
+done
+
+echo "== a servo, knurl ls, the README's program"
+export KNURL_RUNTIME_DIR="$work" KNURL_STATE_DIR="$work/state"
+knurld --device right=sim:premium15 >"$work/servo" 2>&1 &
+servo=$!
+"$work/build/my_simulation" | tee "$work/felt"
+grep -q 'hand at' "$work/felt" || { cat "$work/servo"; fail "the README's program felt nothing"; }
+knurl ls | tee "$work/listed"
+grep -q 'knurl:default' "$work/listed" || fail "knurl ls does not show the servo"
+kill $servo
+wait $servo || fail "knurld ended with $?"
+
+# systemd cannot run here: a script in its place writes down what the packages ask of it.
+mkdir -p /run/systemd/system /etc/systemd/system/multi-user.target.wants
+cat >/usr/local/bin/systemctl <<'S'
+#!/bin/sh
+echo "$*" >>/tmp/systemctl
+S
+chmod +x /usr/local/bin/systemctl
+ln -s /lib/systemd/system/knurld.service /etc/systemd/system/multi-user.target.wants/
+cp /usr/share/knurl/knurld.toml /etc/knurl/
+
+echo "== upgrade: what runs is restarted, and not stopped before"
+: >/tmp/systemctl
+export PATH=/usr/local/bin:$PATH
+install "$packages"/later/*.deb
+cat /tmp/systemctl
+grep -q '^try-restart knurld.service knurl-bridge.service$' /tmp/systemctl || fail "an upgrade does not restart the services"
+! grep -q '^stop' /tmp/systemctl || fail "an upgrade stops the services before their programs are there"
+[[ -L /etc/systemd/system/multi-user.target.wants/knurld.service ]] || fail "an upgrade disables the service"
+[[ -e /etc/knurl/knurld.toml ]] || fail "an upgrade loses the configuration"
+
+echo "== remove: stopped, no link to what is gone, the configuration stays"
+: >/tmp/systemctl
+apt-get remove -y -qq knurl-server knurl-tools libknurl-dev >/dev/null 2>&1
+cat /tmp/systemctl
+grep -q '^stop knurl-bridge.service knurld.service$' /tmp/systemctl || fail "a removal does not stop the services"
+[[ ! -L /etc/systemd/system/multi-user.target.wants/knurld.service ]] || fail "a removal leaves the service enabled"
+[[ -e /etc/knurl/knurld.toml ]] || fail "a removal loses the configuration"
+
+echo "== purge: nothing"
+apt-get purge -y -qq knurl-server knurl-tools libknurl-dev >/dev/null 2>&1
+left="$(find / -xdev \( -path /proc -o -path /root -o -path /tmp -o -path /sys \) -prune -o \( -iname '*knurl*' -o -name '*haptics*' \) -print |
+    grep -v '^/var/log/\|^/var/cache/' || true)"
+[[ -z "$left" ]] || fail "left behind:"$'\n'"$left"
+! grep -rIl 'knurl\|haptics' /etc || fail "left behind in these files of /etc"
+! getent passwd knurl || fail "the user is left behind"
+! getent group haptics || fail "the group is left behind"
+[[ -z "$(installed)" ]] || fail "still known to dpkg: $(installed)"
+rm -r /run/systemd /usr/local/bin/systemctl
+echo "== the packages are as they should be"
