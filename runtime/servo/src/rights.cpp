@@ -88,8 +88,8 @@ Rights::Group Rights::budget_group() const {
         const fs::path top = root_ / "sys/fs/cgroup";
         fs::path at = below;
         while (!at.empty() && !fs::exists(top / at / "cpu.max")) at = at.parent_path();
-        if (!at.empty()) v2 = {.name = "/" + at.string(), .folder = top / at, .top = top};
-        if (at.empty() && fs::exists(top / "cpu.max")) v2 = {.name = "/", .folder = top, .top = top};
+        if (!at.empty()) v2 = {.name = fmt::format("/{}", at.string()), .folder = top / at, .top = top};
+        if (at.empty() && fs::exists(top / "cpu.max")) v2 = {.name = std::string("/"), .folder = top, .top = top};
     }
     return v2;
 }
