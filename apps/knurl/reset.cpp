@@ -57,11 +57,12 @@ int reset(const Arguments& arguments) {
     options.name = "knurl reset";
     options.wait = 0ms;
     options.reattach = false;
-    Client client = Client::connect("knurl:" + arguments.servo, options);
-    const ServoWatch watch(protocol::servo_socket(arguments.servo));
+    const protocol::ServoAddress servo = servo_said(arguments.servo);
+    Client client = Client::connect(servo.socket, options);
+    const ServoWatch watch(servo.socket);
     const std::string name = chosen(watch.look(), arguments.device);
     const DeviceView before = view_of(watch, name);
-    const std::string who = fmt::format("knurl:{}: {}", arguments.servo, name);
+    const std::string who = fmt::format("knurl:{}: {}", servo.name, name);
     if (state_of(before) != DeviceState::fault && state_of(before) != DeviceState::disconnected) {
         fmt::print("{} is in no fault ({})\n", who, state_name(state_of(before)));
         return 0;
@@ -91,7 +92,7 @@ void add_reset(commandline::Command& program) {
     auto& verb = program.verb("reset", "Leaves the fault of a device, whoever holds it");
     auto arguments = std::make_shared<Arguments>();
     verb.option("device", arguments->device, "of that servo; only if it has several").type_name("DEVICE");
-    verb.option("--servo", arguments->servo, "its name").shows_default().type_name("NAME");
+    verb.servo(arguments->servo, "the servo that has the device").shows_default();
     verb.footer(
         "A device in fault is without force until it is reset: the machine was suspended, the hand was too fast.\n"
         "Afterwards it is idle; force comes when a program that holds it arms it. While the cause goes on, or\n"

@@ -37,35 +37,35 @@ list(JOIN knurl_depends ", " CPACK_DEBIAN_LIBKNURL-DEV_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_LIBKNURL-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBKNURL-DEV_PACKAGE_SUGGESTS "cmake, g++ (>= 4:12), knurl-server (= ${PROJECT_VERSION}), pkg-config")
 set(CPACK_DEBIAN_LIBKNURL-DEV_DESCRIPTION "haptics server for Linux - client library
- Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
- applications describe what the hand should feel and read where it is, through
- shared memory.
- .
- This package has the library that an application links (C++20), and those that
- the server is made of.")
+Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+applications describe what the hand should feel and read where it is, through
+shared memory.
+
+This package has the library that an application links (C++20), and those that
+the server is made of.")
 
 set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_DEPENDS passwd)
 set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_SUGGESTS knurl-tools)
 set(CPACK_DEBIAN_KNURL-SERVER_DESCRIPTION "haptics server for Linux - server
- Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
- applications describe what the hand should feel and read where it is, through
- shared memory.
- .
- This package has the server, the bridge that lets applications on other hosts
- use it, services for both (which are not enabled by themselves), and rules that
- give the group haptics the devices.")
+Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+applications describe what the hand should feel and read where it is, through
+shared memory.
+
+This package has the server, the bridge that lets applications on other hosts
+use it, services for both (which are not enabled by themselves), and rules that
+give the group haptics the devices.")
 
 # They start servers of their own, and a server of another build refuses them.
 set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_DEPENDS "knurl-server (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_SUGGESTS "python3-matplotlib, python3-numpy, python3-pil")
 set(CPACK_DEBIAN_KNURL-TOOLS_DESCRIPTION "haptics server for Linux - tools
- Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
- applications describe what the hand should feel and read where it is, through
- shared memory.
- .
- This package has knurl, which lists, records, replays, measures and tests
- servers and devices, and programs that put a relief, a mesh, an atom of a
- running simulation or rigid bodies in the hand.")
+Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+applications describe what the hand should feel and read where it is, through
+shared memory.
+
+This package has knurl, which lists, records, replays, measures and tests
+servers and devices, and programs that put a relief, a mesh, an atom of a
+running simulation or rigid bodies in the hand.")
 
 set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postinst
     ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/prerm ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postrm)
