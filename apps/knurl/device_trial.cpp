@@ -225,7 +225,7 @@ Trial try_device(drivers::Device& device, const TrialOptions& options,
     const bool takes_force = trial.link.actuated_joints > 0;
     const bool turns = takes_force && trial.link.renders_torque && trial.link.senses_orientation;
     const int parts = 2 + (takes_force ? 2 : 0) + (turns ? 1 : 0);
-    const auto say = [&, part = 0](const std::string& text) mutable {
+    auto say = [&, part = 0](const std::string& text) mutable {
         tell(fmt::format("{} of {}: {}", ++part, parts, text));
     };
     trial.rate = options.rate;
