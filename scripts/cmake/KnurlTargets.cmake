@@ -87,13 +87,6 @@ function(knurl_batches target)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 5)
 endfunction()
 
-# knurl_batches(target): its sources are compiled five at a time. Most of the time for a test goes into templates that its
-# neighbours instantiate too: three sources of the servo's tests take 18 s one by one and 8 s together. Two sources
-# that give one name to different things in an unnamed namespace need namespaces of their own (x_tests for x.cpp).
-function(knurl_batches target)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 5)
-endfunction()
-
 set(knurl_test_optimization $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 
 # knurl_test(name SOURCES a.cpp ... LINK targets ... [TIMEOUT s] [PREFIX p.] [OPTIMIZED] [SERIAL] [PROCESS]): a GoogleTest
