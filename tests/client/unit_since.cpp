@@ -97,7 +97,7 @@ TEST(Since, WhenEveryReportIsReadNoEdgeIsMissedAndNoneIsMadeUp) {
     since.add(servo.cycle(0));
     std::uint32_t pressed = 0, released = 0, before = 0;
     for (int i = 0; i < 20'000; ++i) {
-        const std::uint32_t buttons = random() & random();
+        const auto buttons = static_cast<std::uint32_t>(random() & random());
         pressed |= buttons & ~before;
         released |= before & ~buttons;
         before = buttons;
