@@ -1,5 +1,6 @@
 // The handshake over the servo's socket: who is let in, who gets a device, who is told what.
 
+#include <filesystem>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -49,7 +50,11 @@ TEST(Attach, WithoutADescriptorLeftTheServoSaysSo) {
     rlimit before{};
     ASSERT_EQ(::prlimit(knurld.pid(), RLIMIT_NOFILE, nullptr, &before), 0);
     rlimit full = before;
-    full.rlim_cur = descriptors_of(knurld.pid());
+    // The limit is one of numbers, so it is the lowest that is free.
+    const std::filesystem::path descriptors = "/proc/" + std::to_string(knurld.pid()) + "/fd";
+    full.rlim_cur = 0;
+    while (std::filesystem::exists(std::filesystem::symlink_status(descriptors / std::to_string(full.rlim_cur))))
+        ++full.rlim_cur;
     ASSERT_EQ(::prlimit(knurld.pid(), RLIMIT_NOFILE, &full, nullptr), 0);
     for (int i = 0; i < 3; ++i) {
         RawClient client(home);
@@ -218,7 +223,7 @@ TEST(Attach, WhatAClaimMayAskForHasBounds) {
     using protocol::ClaimRequest;
     const std::pair<ClaimRequest, const char*> mistakes[] = {
         {{.device = 1}, "device 1 of 1"},
-        {{.observe = 2}, "observe"},
+        {{.observe = 3}, "observe"},
         {{.shared = 7}, "shared"},
         {{.capacity = {.representations = 0}}, "0 representations; allowed: 1 to 1024"},
         {{.capacity = {.representations = 1025}}, "1025 representations"},
