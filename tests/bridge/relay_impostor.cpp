@@ -195,7 +195,7 @@ TEST(Impostor, what_it_says_of_itself_and_its_devices) {
         {"a name without an end", welcome_with([](DeviceRow& d) { std::memset(d.name, 'a', sizeof d.name); }),
          incompatible, no_bridge},
         {"half a refusal", framed(FrameType::refused, 0, raw(Nothing{})), incompatible, no_bridge},
-        {"a refusal without an end", framed(FrameType::refused, 0, raw(shouting)), Error::Kind::stale_handle,
+        {"a refusal without an end", framed(FrameType::refused, 0, raw(shouting)), Error::Kind::exhausted,
          "????"},
         {"a refusal without a word", framed(FrameType::refused, 0, raw(mute)), Error::Kind::no_servo,
          "does not say why"},
