@@ -364,7 +364,9 @@ TEST(MeshFormats, WhatIsNoneIsRefusedAtItsPlace) {
         } catch (const std::runtime_error& error) {
             const std::string line = error.what();
             EXPECT_EQ(line.find('\n'), line.npos);
-            if (refused.says != nullptr) EXPECT_EQ(line, path + refused.says);
+            if (refused.says != nullptr) {
+                EXPECT_EQ(line, path + refused.says);
+            }
         }
     }
 }

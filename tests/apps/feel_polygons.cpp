@@ -82,7 +82,9 @@ void expect_filled(const Outline& outline, std::uint32_t seed) {
             over += a > 1e-9 && b > 1e-9 && c > 1e-9;
             if (std::min({a, b, c}) > -1e-9 && std::min({a, b, c}) <= 1e-9) over = -1000;  // on a diagonal
         }
-        if (over >= 0) EXPECT_EQ(over, within(outline, p) ? 1 : 0) << "seed " << seed;
+        if (over >= 0) {
+            EXPECT_EQ(over, within(outline, p) ? 1 : 0) << "seed " << seed;
+        }
     }
 }
 
