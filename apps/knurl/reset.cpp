@@ -94,9 +94,12 @@ void add_reset(commandline::Command& program) {
     verb.option("device", arguments->device, "of that servo; only if it has several").type_name("DEVICE");
     verb.servo(arguments->servo, "the servo that has the device").shows_default();
     verb.footer(
-        "A device in fault is without force until it is reset: the machine was suspended, the hand was too fast.\n"
-        "Afterwards it is idle; force comes when a program that holds it arms it. While the cause goes on, or\n"
-        "the hand moves, it is refused with the reason. Who may connect to the servo may do so; over a network\n"
+        "A device in fault is without force until it is reset: the machine was suspended, the hand was too "
+        "fast.\n"
+        "Afterwards it is idle; force comes when a program that holds it arms it. While the cause goes on, "
+        "or\n"
+        "the hand moves, it is refused with the reason. Who may connect to the servo may do so; over a "
+        "network\n"
         "nobody: run it on the servo's own host.");
     verb.action([arguments] { return reset(*arguments); });
 }

@@ -75,7 +75,8 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
         "  knurld --device sim:premium15 --hand stroke.csv &\n"
         "  knurl-surface hills.png --json out.json --csv out.csv --relief relief.asc\n"
         "  " +
-        knurl::measure::script("plot_surface.py") + " out.json out.csv relief.asc out.png\n"
+        knurl::measure::script("plot_surface.py") +
+        " out.json out.csv relief.asc out.png\n"
         "Exit code 1: of some way there is no verdict (the hand never touched, did not move, ...).\n");
 }
 

@@ -67,7 +67,8 @@ TEST(Reset, BesideWhoHoldsTheDeviceSwitchesNothingOn) {
     const Outcome outcome = knurl({"reset", "right"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(says(outcome.out, "right has left its fault (clock jump) and is idle; pid " +
-                                      std::to_string(::getpid()) + " painter holds it and has to arm it anew"))
+                                      std::to_string(::getpid()) +
+                                      " painter holds it and has to arm it anew"))
         << outcome.out;
     EXPECT_TRUE(eventually([&] { return state_of(hand) == DeviceState::idle; }));
     for (int i = 0; i < 50; ++i)
@@ -75,9 +76,8 @@ TEST(Reset, BesideWhoHoldsTheDeviceSwitchesNothingOn) {
             EXPECT_EQ(report->state, DeviceState::idle) << "no force without its holder's arm()";
         }
     hand.arm();
-    EXPECT_TRUE(eventually([&] {
-        return state_of(hand) == DeviceState::ramp_up || state_of(hand) == DeviceState::active;
-    }));
+    EXPECT_TRUE(eventually(
+        [&] { return state_of(hand) == DeviceState::ramp_up || state_of(hand) == DeviceState::active; }));
 }
 
 TEST(Reset, WithoutAServoItSaysHowToStartOne) {

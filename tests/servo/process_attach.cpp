@@ -53,7 +53,8 @@ TEST(Attach, WithoutADescriptorLeftTheServoSaysSo) {
     // The limit is one of numbers, so it is the lowest that is free.
     const std::filesystem::path descriptors = "/proc/" + std::to_string(knurld.pid()) + "/fd";
     full.rlim_cur = 0;
-    while (std::filesystem::exists(std::filesystem::symlink_status(descriptors / std::to_string(full.rlim_cur))))
+    while (
+        std::filesystem::exists(std::filesystem::symlink_status(descriptors / std::to_string(full.rlim_cur))))
         ++full.rlim_cur;
     ASSERT_EQ(::prlimit(knurld.pid(), RLIMIT_NOFILE, &full, nullptr), 0);
     for (int i = 0; i < 3; ++i) {

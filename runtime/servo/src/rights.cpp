@@ -89,7 +89,8 @@ Rights::Group Rights::budget_group() const {
         fs::path at = below;
         while (!at.empty() && !fs::exists(top / at / "cpu.max")) at = at.parent_path();
         if (!at.empty()) v2 = {.name = fmt::format("/{}", at.string()), .folder = top / at, .top = top};
-        if (at.empty() && fs::exists(top / "cpu.max")) v2 = {.name = std::string("/"), .folder = top, .top = top};
+        if (at.empty() && fs::exists(top / "cpu.max"))
+            v2 = {.name = std::string("/"), .folder = top, .top = top};
     }
     return v2;
 }
