@@ -62,7 +62,8 @@ TEST(Address, of_another_host_that_cannot_be_says_what_is_wrong_with_it) {
 
 TEST(Address, that_can_be_no_servo_is_refused_with_what_would_do) {
     for (const char* bad : {"", "knurl:", "knurl:a/b", "../default", "knurl:a b", ".hidden", "knurl:\n"})
-        EXPECT_NE(refusal(bad).find("give 'knurl:NAME'"), std::string::npos) << '"' << bad << '"';
+        EXPECT_NE(refusal(bad).find("give NAME, knurl:NAME or the path of its socket"), std::string::npos)
+            << '"' << bad << '"';
     EXPECT_NE(refusal(std::string(64, 'x')).find("1 to 63"), std::string::npos);
 }
 

@@ -43,10 +43,10 @@ TEST(ArmFile, SaysWhatIsWrongWhereAndWhatToDo) {
          "mine.toml:8:13: row 1 has both alpha and alpha_deg; keep one"},
         {with("alpha_deg = 90", "alhpa_deg = 90"),
          "mine.toml:7:13: unknown key 'alhpa_deg' in row 1; it takes theta, theta_deg, d, a, alpha, "
-         "alpha_deg, prismatic, limits, limits_deg"},
+         "alpha_deg, prismatic, limits, limits_deg; did you mean 'alpha_deg'?"},
         {with("[workspace]", "[wrkspace]"),
          "mine.toml:28:1: unknown key 'wrkspace' in an arm; it takes name, description, position_only, "
-         "coupling, row, axis, base, tool, workspace, tip, drive"},
+         "coupling, row, axis, base, tool, workspace, tip, drive; did you mean 'workspace'?"},
         {with("friction_source", "frcition_source"),
          "mine.toml:34:19: frcition_source in [tip] is the source of a figure that is not known there"},
         {with("limits_deg = [-60, 60]", "limits_deg = [60, -60]"),

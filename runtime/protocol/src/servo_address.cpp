@@ -31,12 +31,16 @@ ServoAddress servo_address(const std::string& said) {
     } else if (said.starts_with(local_prefix)) {
         name = said.substr(local_prefix.size());
     }
-    if (!is_name(name))
+    if (!is_name(name)) {
+        std::string shown = said;  // on one line, whatever it is
+        std::replace_if(
+            shown.begin(), shown.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
         throw std::runtime_error(
-            "'" + said +
+            "'" + shown +
             "': no servo has such a name; give NAME, knurl:NAME or the path of its socket, as `knurl ls` "
             "shows it: NAME is 1 to " +
             std::to_string(name_bytes - 1) + " of the characters a-z A-Z 0-9 _ . - without a dot in front");
+    }
     return {.name = name, .socket = is_path ? said : servo_socket(name)};
 }
 
