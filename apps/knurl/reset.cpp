@@ -69,13 +69,17 @@ int reset(const Arguments& arguments) {
     }
     Observer observer = client.observe(name);
     client.reset_fault(name);
-    // What goes wrong again at once is told now, not to whoever comes next.
-    constexpr int cycles = 20;
-    for (int i = 0; i < cycles; ++i) {
+    // What goes wrong again at once is told now, not to whoever comes next. Reports up to the cycle in which it
+    // was reset still show the fault, and under load several of them wait here.
+    const auto newest = observer.latest();
+    const std::uint64_t reset_by = newest ? newest->cycle + 1 : 0;
+    constexpr std::uint64_t cycles = 20;
+    for (std::uint64_t cycle = 0; cycle < reset_by + cycles;) {
         const auto report = observer.next_report(500ms);
         if (!report)
             throw std::runtime_error(who + " has left its fault; the servo has ended or stands still");
-        if (i > 1 && report->state == DeviceState::fault)
+        cycle = report->cycle;
+        if (cycle > reset_by && report->state == DeviceState::fault)
             throw std::runtime_error(fmt::format("{} left its fault ({}) and is in fault again: {}", who,
                                                  fault_names(faults_of(before)),
                                                  fault_names(report->faults)));

@@ -101,9 +101,14 @@ void put_line(std::string& all, const std::string& token, const knurl::Json& val
     all.replace(all.find(quoted), quoted.size(), value.dump());
 }
 
+const knurl::Json& array_of(const knurl::Json& value, const char* what) {
+    if (!value.is_array()) throw knurl::JsonError(std::string("\"") + what + "\" is no array");
+    return value;
+}
+
 Histogram histogram_from(const knurl::Json& buckets) {
     Histogram made;
-    for (const auto& bucket : buckets) {
+    for (const auto& bucket : array_of(buckets, "blocks")) {
         const double lower = bucket.at(0);
         if (Histogram::lower_edge(lower) != lower || !bucket.at(1).is_number_unsigned())
             throw std::runtime_error("a bucket " + bucket.dump() + " is none of ours");
@@ -254,7 +259,7 @@ Run from_json(const std::string& text) {
         const auto number = [](const knurl::Json& value) {
             return value.is_null() ? std::nullopt : std::optional<double>(value.get<double>());
         };
-        for (const auto& r : all.at("results")) {
+        for (const auto& r : array_of(all.at("results"), "results")) {
             Result result;
             result.name = r.at("name");
             result.unit = r.at("unit");
@@ -266,7 +271,8 @@ Run from_json(const std::string& text) {
             if (!r.at("reference").is_null()) result.reference = r.at("reference");
             result.ratio = number(r.at("ratio"));
             if (r.contains("blocks"))
-                for (const auto& block : r.at("blocks")) result.blocks.push_back(histogram_from(block));
+                for (const auto& block : array_of(r.at("blocks"), "blocks"))
+                    result.blocks.push_back(histogram_from(block));
             run.results.push_back(std::move(result));
         }
         return run;

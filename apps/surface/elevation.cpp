@@ -55,12 +55,14 @@ std::optional<double> number_with_comma(std::string_view word) {
 void check_byte_order(const ElevationModel& model, const std::string& name) {
     constexpr std::size_t fewest = 64;
     if (model.counts.size() < fewest) return;
-    // Mean step between neighbours, of the range.
+    // Mean step between neighbours in a row, of the range.
     const auto roughness = [&](auto value_of) {
         double sum = 0, low = value_of(model.counts[0]), high = low, last = low;
+        int column = 0;
         for (const double count : model.counts) {
             const double value = value_of(count);
-            sum += std::abs(value - last);
+            if (column != 0) sum += std::abs(value - last);
+            column = column + 1 < model.columns ? column + 1 : 0;
             low = std::min(low, value), high = std::max(high, value), last = value;
         }
         return high > low ? sum / static_cast<double>(model.counts.size()) / (high - low) : 0;

@@ -47,19 +47,15 @@ bool is_tail(std::string_view tail) {
 /// header says.
 std::string_view samples(std::string_view behind, std::size_t wanted, const std::string& name,
                          std::vector<std::string>& notes) {
-    const auto places = beginnings(behind);
-    for (const auto& data : places)
-        if (data.size() == 2 * wanted) return data;
-    std::vector<std::string_view> fitting;
     std::size_t most = 0;
-    for (const auto& data : places) {
+    for (const auto& data :
+         beginnings(behind)) {  // what the format says first: samples may look like a comment
         most = std::max(most, data.size());
-        if (data.size() > 2 * wanted && is_tail(data.substr(2 * wanted))) fitting.push_back(data);
-    }
-    if (fitting.size() == 1) {
-        if (fitting[0].size() > 2 * wanted + 2)
+        if (data.size() == 2 * wanted) return data;
+        if (data.size() < 2 * wanted || !is_tail(data.substr(2 * wanted))) continue;
+        if (data.size() > 2 * wanted + 2)
             notes.emplace_back("the file holds several pictures; the first is read");
-        return fitting[0].substr(0, 2 * wanted);
+        return data.substr(0, 2 * wanted);
     }
     if (most < 2 * wanted) throw too_short(name, most / 2, wanted);
     throw std::runtime_error(fmt::format(

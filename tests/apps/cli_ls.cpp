@@ -84,11 +84,13 @@ TEST(Ls, WithoutADescriptorLeftItSaysSo) {
     const Home home;
     const Servo servo({"--device", "sim:premium15"});
     const auto limited = [&](const char* most, const std::string& words) {
-        return run(
-            {"/bin/sh", "-c", std::string("ulimit -n ") + most + "; exec " + knurl_program() + " " + words});
+        return run({"/bin/sh", "-c",
+                    std::string("exec 3>&- 4>&- 5>&- 6>&- 7>&- 8>&- 9>&-; ulimit -n ") +
+                        most +  // who runs the tests may leave some
+                        "; exec " + knurl_program() + " " + words});
     };
     for (const char* words :
-         {"ls", "top --count 1", "record /dev/null", "reset", "latency --connect knurl:default"}) {
+         {"ls", "top --count 1", "record /dev/null", "reset", "latency --servo default"}) {
         const Outcome outcome = limited("4", words);
         EXPECT_EQ(outcome.code, 1) << words;
         EXPECT_TRUE(outcome.err.find("no descriptor left") != std::string::npos)

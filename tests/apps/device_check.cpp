@@ -244,7 +244,7 @@ TEST(DeviceCheck, ABadFileIsOneLineAndExitCodeTwo) {
     EXPECT_EQ(outcome.code, 2);
     EXPECT_EQ(outcome.out, "");
     EXPECT_EQ(outcome.err,
-              "knurl device: " + path +
+              "knurl device check: " + path +
                   ":7:5: a of row 2 is 200 m: links are in metres, at most 3 m; did you mean 0.2?\n");
     EXPECT_EQ(knurl({"device", "check", folder.path("none.toml")}).code, 2);
     EXPECT_NE(knurl({"device", "check", "onmi"}).err.find("no arm \"onmi\"; there are"), std::string::npos);

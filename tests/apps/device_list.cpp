@@ -117,8 +117,8 @@ TEST(Devices, AServiceThatIsNotOursToSeeHidesNoDevice) {
     unsetenv("KNURL_RUNTIME_DIR");
     EXPECT_EQ(devices.code, 0) << devices.err;
     EXPECT_THAT(devices.out, HasSubstr("falcon:FALCON01"));
-    EXPECT_EQ(servos.code, 0) << servos.err;
-    EXPECT_THAT(servos.out, HasSubstr("cannot be read: Permission denied; sudo usermod"));
+    EXPECT_EQ(servos.code, 1) << servos.out;
+    EXPECT_THAT(servos.err, HasSubstr("cannot be looked into: Permission denied"));
 }
 
 TEST(Devices, NothingPluggedInIsAnAnswer) {

@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"RateTooLow", "", a_motion, {"--rate", "499"}, "500 to 20000 Hz"},
                     Refusal{"RateTooHigh", "", a_motion, {"--rate", "20001"}, "500 to 20000 Hz"},
                     Refusal{"RateIsNoNumber", "", a_motion, {"--rate", "fast"}, "fast"},
-                    Refusal{"RateIsNan", "", a_motion, {"--rate", "nan"}, "500 to 20000 Hz"},
+                    Refusal{"RateIsNan", "", a_motion, {"--rate", "nan"}, "nan is no number"},
                     Refusal{"MotionNumber", "", "t,x,y,z\n0,0,0,zero\n", {}, "M.csv:2: "},
                     Refusal{"MotionNan", "", "t,x,y,z\n0,0,0,nan\n", {}, "M.csv:2: "},
                     Refusal{"MotionColumns", "", "t,x,y\n0,0,0\n", {}, "M.csv:1: "},

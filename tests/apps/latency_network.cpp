@@ -25,7 +25,7 @@ TEST(LatencyNetwork, IsTheSameInTextAndForPrograms) {
                               .encrypted = encrypted};
         const knurl::Json json = cli::network_json(network, sizes);
         EXPECT_EQ(json["encrypted"], encrypted);
-        EXPECT_EQ(json["clock_offset_s"], -45.6e-6);
+        EXPECT_DOUBLE_EQ(json["clock_offset_s"].get<double>(), -45.6e-6);
         const auto number = [&](const char* key) { return json.at(key).get<double>(); };
         const auto us = [&](const char* key) { return number(key) * 1e6; };
         const std::string text = cli::network_text(network, sizes);

@@ -207,7 +207,7 @@ Outcome knurl_without_rights(const Folder& folder, std::vector<std::string> word
     // The folder that they were built in may be closed to nobody.
     for (const auto& [from, name] :
          {std::pair{knurl_program(), "knurl"}, std::pair{knurld_program(), "knurld"}})
-        fs::copy_file(from, folder.path(name));
+        fs::copy_file(from, folder.path(name), fs::copy_options::skip_existing);
     words.insert(words.begin(), folder.path("knurl"));
     const std::vector<std::string> without = without_rights();
     words.insert(words.begin(), without.begin(), without.end());
