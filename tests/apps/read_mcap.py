@@ -112,7 +112,7 @@ def main(path):
                 places.setdefault(channel, []).append((log_time, inner_at))
                 if channels[channel][0] == "/knurl/report":
                     body = m.rest()
-                    assert body[:4] == b"\0\1\0\0" and len(body) == 4 + 368
+                    assert body[:4] == b"\0\1\0\0" and len(body) == 4 + 376
                     values = struct.unpack_from("<Q3q8d3d4d24d4IQ", body, 4)
                     reports.append({"cycle": values[0], "sent_fz": values[36], "state": values[43]})
             assert (first, last) == (min(times), max(times))

@@ -76,7 +76,7 @@ TEST(TopTerminal, AResizedPageIsDrawnAnewAtOnce) {
     ASSERT_TRUE(shows("5")) << shown;
     size.ws_row = 3;
     ASSERT_EQ(::ioctl(screen, TIOCSWINSZ, &size), 0);
-    EXPECT_TRUE(shows("... and 3 lines more")) << shown;
+    EXPECT_TRUE(shows("... and 4 lines more")) << shown;
     ::kill(pid, SIGTERM);
     int status = 0;
     ASSERT_EQ(::waitpid(pid, &status, 0), pid);

@@ -75,7 +75,7 @@ foreach(source IN LISTS programs)
     run("build" ${CMAKE_COMMAND} --build ${WORK}/simulation/build)
     run("${source}" sh -c "${prefix}/bin/knurld --device right=sim:premium15 >/dev/null 2>&1 & servo=$!
         ${WORK}/simulation/build/my_simulation; code=$?; kill $servo; wait $servo; exit $code")
-    if(NOT output MATCHES "hand at")
+    if(NOT output MATCHES "mm, [0-9.]*[1-9][0-9]* N")
         message(FATAL_ERROR "the README's program felt nothing:\n${output}")
     endif()
     file(REMOVE_RECURSE ${WORK}/simulation)

@@ -128,8 +128,9 @@ def known_options(words, programs):
             return None
     # Of tests and benchmarks, which need not be built: the target, and the sources beside it.
     name = os.path.basename(program)
+    wanted = re.escape(name) if not name.startswith("knurl_fuzz_") else "knurl_fuzz\\(" + re.escape(name[len("knurl_fuzz_"):])
     for lists in ROOT.rglob("CMakeLists.txt"):
-        if lists.relative_to(ROOT).parts[0] not in ("build", "out") and re.search(rf"\b{re.escape(name)}\b", lists.read_text()):
+        if lists.relative_to(ROOT).parts[0] not in ("build", "out") and re.search(rf"\b{wanted}\b", lists.read_text()):
             if name.startswith("knurl") or name[:2].isdigit():
                 return "".join(file.read_text() for file in lists.parent.rglob("*.?pp")) + "--benchmark_ -max_total_time"
     return None

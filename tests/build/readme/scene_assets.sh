@@ -20,5 +20,5 @@ end_header
 PLY
 cp "$BLOCK" scene.toml
 printf 't,x,y,z\n0,0.01,0.01,0.2\n1,0.01,0.01,0.1\n' >motion.csv
-knurl eval scene.toml motion.csv >felt.csv
+knurl eval --scene scene.toml --motion motion.csv --out felt.csv
 test "$(wc -l <felt.csv)" -gt 100
