@@ -127,7 +127,7 @@ std::string report_json(const CheckedArm& arm, const ArmCheck& c) {
     const drivers::SimProfile& p = arm.profile;
     json figures = json::array();
     for (const drivers::ArmFigure& f : arm.figures)
-        figures.push_back({{"name", f.name}, {"value", f.value}, {"source", f.source}});
+        figures.push_back({{"name", f.name}, {"stated", f.value}, {"source", f.source}});
     json directions = json::array();
     for (const Extreme& way : c.every_way_at_centre) directions.push_back(extreme(way, "along"));
     const json report = {

@@ -75,7 +75,7 @@ TEST(Ls, WhereItMayNotLookItSaysSoAndFails) {
     ASSERT_EQ(::chmod(home.path("").c_str(), 0755), 0);
     const Servo servo({"--device", "sim:premium15"});
     const Outcome closed = knurl_without_rights(folder, {"ls"});
-    EXPECT_EQ(closed.code, 1) << "the socket's mode lets nobody in";
+    EXPECT_EQ(closed.code, 1) << "the socket's mode lets nobody in\n" << closed.out << closed.err;
     EXPECT_TRUE(closed.err.find("knurl:default: socket ") != std::string::npos) << closed.err;
     EXPECT_FALSE(says(closed, "no servo is running")) << closed.out;
 }

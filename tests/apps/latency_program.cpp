@@ -246,7 +246,7 @@ TEST(LatencyOf, ARunningServoIsMeasuredThroughItsBridgeBesidePlainEchoes) {
               network["clock_uncertainty_s"].get<double>());
     EXPECT_LE(std::abs(network["drift_ppm"].get<double>()), network["drift_uncertainty_ppm"].get<double>());
     EXPECT_GT(network["round_trip_s"].get<double>(), 0);
-    for (const char* count : {"lost", "late", "duplicated", "resent"})
+    for (const char* count : {"reports_lost", "reports_late", "datagrams_doubled", "batches_resent"})
         EXPECT_TRUE(network[count].is_number_unsigned()) << count;
 }
 

@@ -195,7 +195,8 @@ namespace {
 std::vector<std::string> without_rights() {
     std::vector<std::string> words;
     if (missing_other_user().empty())
-        words = {"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "--bounding-set=-all"};
+        words = {"/usr/bin/setpriv", "--reuid=65534", "--regid=65534", "--clear-groups",
+                 "--bounding-set=-all"};
     words.insert(words.end(), {"/usr/bin/prlimit", "--rtprio=0", "--memlock=65536"});
     return words;
 }
