@@ -26,7 +26,8 @@ endforeach()
 
 # Whoever builds an application needs what the libraries are linked with: all of it, so that every module can be found.
 set(knurl_depends "")
-foreach(module IN LISTS knurl_modules)
+get_property(knurl_package_modules GLOBAL PROPERTY KNURL_MODULES)
+foreach(module IN LISTS knurl_package_modules)
     get_property(needs GLOBAL PROPERTY KNURL_NEEDS_${module})
     foreach(package IN LISTS needs)
         list(APPEND knurl_depends ${knurl_debian_${package}})
