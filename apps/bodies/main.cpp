@@ -9,6 +9,7 @@
 #include <private_servo.hpp>
 #include <temporary_file.hpp>
 
+#include <knurl/client/address.hpp>
 #include <knurl/commandline/program.hpp>
 
 #include "compare.hpp"
@@ -53,7 +54,7 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
                "like")
         .within(0.0, 1e6);
     app.option("--seconds", w.play.seconds, "s to play; 0: until Ctrl-C").shows_default().not_negative();
-    app.servo(w.connect, "the servo that has the device").shows_default();
+    app.servo(w.connect, "the servo that has the device").shows_default().checked(knurl::check_address);
     app.option("--device", w.play.device,
                "the servo's device; may be left out if it has one. With --demo: what is simulated, else "
                "sim:premium15");

@@ -12,6 +12,7 @@
 #include <temporary_file.hpp>
 #include <unistd.h>
 
+#include <knurl/client/address.hpp>
 #include <knurl/commandline/program.hpp>
 
 #include "dock.hpp"
@@ -56,7 +57,9 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
     app.flag("--at-once", o.at_once, "holds an atom as soon as the device is active");
     app.flag("--no-account", w.no_account,
              "the spring and nothing else: what the coupling's account is good for");
-    app.servo(w.connect, "the servo that has the device; or knurl://HOST:PORT").shows_default();
+    app.servo(w.connect, "the servo that has the device; or knurl://HOST:PORT")
+        .shows_default()
+        .checked(knurl::check_address);
     app.option("--device", o.device, "the servo's device; may be left out if it has one");
     app.flag("--share", o.share, "other programs that share may hold the device as well");
     app.option("--wait", w.wait, "s to wait for simulation and servo").shows_default().within(0.0, 3600.0);

@@ -125,8 +125,8 @@ std::string json_of(const Summary& s, const Docked& d, const DockOptions& o) {
         {"force_scale_mn_per_pn", o.force_scale},
         {"keep_account", o.keep_account},
         {"atoms", d.atoms},
-        {"atom", d.atom},
-        {"seconds", s.seconds},
+        {"atom", d.atom < 0 ? knurl::Json(nullptr) : knurl::Json(d.atom)},
+        {"held_s", s.seconds},
         {"frames", d.frames.size()},
         {"frames_per_second", s.frames_per_second},
         {"steps_per_second", d.steps_per_second},
@@ -145,9 +145,9 @@ std::string json_of(const Summary& s, const Docked& d, const DockOptions& o) {
         {"created_share", s.created_share},
         {"hand_kj_per_mol", s.hand_kj},
         {"body_kj_per_mol", s.body_kj},
-        {"simulation_total_energy", s.simulation_tells ? knurl::Json(s.simulation_kj) : nullptr},
-        {"temperature", s.temperature},
-        {"peak_temperature", s.peak_temperature},
+        {"simulation_kj_per_mol", s.simulation_tells ? knurl::Json(s.simulation_kj) : nullptr},
+        {"temperature", s.simulation_tells ? knurl::Json(s.temperature) : nullptr},
+        {"peak_temperature", s.simulation_tells ? knurl::Json(s.peak_temperature) : nullptr},
         {"bounded", d.counts.bounded},
         {"hot", d.hot},
         {"short_of", d.counts.short_of},
@@ -156,7 +156,7 @@ std::string json_of(const Summary& s, const Docked& d, const DockOptions& o) {
         {"unread", d.unread},
         {"late", d.late},
         {"faults", d.faults},
-        {"ended", d.ended},
+        {"ended", d.ended.empty() ? knurl::Json(nullptr) : knurl::Json(d.ended)},
     };
     return json.dump(1) + "\n";
 }

@@ -12,6 +12,7 @@
 #include <temporary_file.hpp>
 #include <unit.hpp>
 
+#include <knurl/client/address.hpp>
 #include <knurl/commandline/program.hpp>
 
 #include "feel.hpp"
@@ -59,7 +60,8 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
     app.servo(
            w.connect,
            "the servo that has the device; or knurl://HOST:PORT of a knurl-bridge (its key: KNURL_KEY=FILE)")
-        .shows_default();
+        .shows_default()
+        .checked(knurl::check_address);
     app.option("--device", w.feel.device, "the servo's device; may be left out if it has one");
     app.option("--wait", w.wait, "s to wait for a servo that is still starting")
         .shows_default()

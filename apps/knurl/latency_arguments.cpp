@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <knurl/client/address.hpp>
+
 #include "measure.hpp"
 #include "verbs.hpp"
 
@@ -35,7 +37,8 @@ std::function<void()> add_latency_options(commandline::Command& verb, LatencyArg
     verb.servo(arguments.connect,
                "measure this servo, whose device is armed and feels forces of 4 mN at most; "
                "default: a private one on sim:cartesian3")
-        .type_name("knurl:NAME|knurl://HOST:PORT");
+        .type_name("knurl:NAME|knurl://HOST:PORT")
+        .checked(check_address);
     verb.option("--echo", arguments.echo,
                 "a plain UDP and TCP echo on the servo's host: the floors of a measurement over a "
                 "network; default: an own one, where that is this host")

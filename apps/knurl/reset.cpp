@@ -31,15 +31,15 @@ DeviceView view_of(const ServoWatch& watch, const std::string& name) {
 }
 
 std::string chosen(const ServoView& servo, const std::string& wanted) {
-    std::string names;
+    std::vector<std::string> names;
     for (const DeviceView& device : servo.devices) {
-        const std::string name = device.info.name;
-        if (wanted.empty() ? servo.devices.size() == 1 : name == wanted) return name;
-        names += (names.empty() ? "" : ", ") + name;
+        names.emplace_back(device.info.name);
+        if (wanted.empty() ? servo.devices.size() == 1 : names.back() == wanted) return names.back();
     }
-    throw UsageError(
-        wanted.empty() ? fmt::format("servo '{}' has several devices; say which: {}", servo.name, names)
-                       : fmt::format("servo '{}' has no device '{}'; it has: {}", servo.name, wanted, names));
+    throw UsageError(wanted.empty() ? fmt::format("servo '{}' has several devices; say which: {}", servo.name,
+                                                  fmt::join(names, ", "))
+                                    : fmt::format("servo '{}' has no device '{}'; {}", servo.name, wanted,
+                                                  protocol::instead_of_device(wanted, names)));
 }
 
 std::string holders_of(const DeviceView& device) {

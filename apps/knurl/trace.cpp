@@ -45,8 +45,9 @@ std::size_t find_device(const ServoView& view, const Arguments& arguments) {
     throw std::runtime_error(arguments.device.empty()
                                  ? fmt::format("knurl:{} has {} devices; name one by --device: {}",
                                                arguments.servo, names.size(), fmt::join(names, ", "))
-                                 : fmt::format("knurl:{} has no device '{}'; it has {}", arguments.servo,
-                                               arguments.device, fmt::join(names, ", ")));
+                                 : fmt::format("knurl:{} has no device '{}'; {}", arguments.servo,
+                                               arguments.device,
+                                               protocol::instead_of_device(arguments.device, names)));
 }
 
 /// Looks at a servo's counters so often that the parts of each cycle that it stamps are known by themselves.

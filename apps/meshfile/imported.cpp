@@ -6,6 +6,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 
 #include <assimp/Importer.hpp>
 #include <assimp/importerdesc.h>
@@ -18,13 +19,12 @@
 #include <unistd.h>
 
 #include "soup.hpp"
+#include "words.hpp"
 
 namespace meshfile {
 
 namespace {
 
-constexpr int most_seconds = 30;
-constexpr rlim_t most_memory = rlim_t{4} << 30;  // bytes
 constexpr bool checked_memory =
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     true;  // a sanitizer reserves more than any limit
@@ -57,7 +57,12 @@ void add(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, Sou
     for (unsigned c = 0; c < node.mNumChildren; ++c) add(scene, *node.mChildren[c], here, soup);
 }
 
-Soup imported(const std::string& path) {
+[[noreturn]] void too_much_memory(const std::string& path, const ReadLimits& limits) {
+    bad(path, fmt::format("takes more than {:.2g} GB of memory to read: it is damaged, or far too large",
+                          static_cast<double>(limits.bytes) * 1e-9));
+}
+
+Soup imported(const std::string& path, const ReadLimits& limits) {
     Soup soup;
     soup.path = path;
     Assimp::Importer importer;
@@ -66,6 +71,7 @@ Soup imported(const std::string& path) {
     if (scene == nullptr || scene->mRootNode == nullptr) {
         std::string why = importer.GetErrorString();
         if (why.empty()) why = "no mesh in it";
+        if (why.find("bad_alloc") != why.npos) too_much_memory(path, limits);
         for (char& c : why)
             if (c == '\n' || c == '\r') c = ' ';
         bad(path, fmt::format("cannot be read as a mesh ({}); is it whole, and an STL, OBJ or PLY?", why));
@@ -138,7 +144,7 @@ bool taken(std::string_view in, Soup& soup) {
     return true;
 }
 
-[[noreturn]] void read_in_the_child(const std::string& path, int out) {
+[[noreturn]] void read_in_the_child(const std::string& path, const ReadLimits& limits, int out) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGSEGV, SIGABRT, SIGBUS, SIGFPE})
         std::signal(signal, SIG_DFL);
@@ -147,15 +153,15 @@ bool taken(std::string_view in, Soup& soup) {
         setrlimit(resource, &both);
     };
     limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_CPU, most_seconds);
-    if (!checked_memory) limit(RLIMIT_AS, most_memory);
+    limit(RLIMIT_CPU, static_cast<rlim_t>(limits.seconds));
+    if (!checked_memory) limit(RLIMIT_AS, limits.bytes);
     std::string answer;
     try {
-        answer = written(imported(path));
-    } catch (const std::bad_alloc&) {
-        answer = "-" + path +
-                 fmt::format(": takes more than {} GB of memory to read: it is damaged, or far too large",
-                             most_memory >> 30);
+        try {
+            answer = written(imported(path, limits));
+        } catch (const std::bad_alloc&) {
+            too_much_memory(path, limits);
+        }
     } catch (const std::exception& error) {
         answer = std::string("-") + error.what();
     }
@@ -165,6 +171,24 @@ bool taken(std::string_view in, Soup& soup) {
         if (n > 0) rest.remove_prefix(static_cast<std::size_t>(n));
     }
     _exit(0);
+}
+
+/// Faces that the importer drops without a word: as many as the head of an OFF counts are there.
+void check_count(const Soup& soup) {
+    std::ifstream in(soup.path);
+    std::string line;
+    if (!std::getline(in, line) || line.find("OFF") == line.npos) return;
+    while (std::getline(in, line)) {
+        std::string_view rest = std::string_view(line).substr(0, line.find('#'));
+        next_word(rest);  // vertices
+        const auto counted = integer_of(next_word(rest));
+        if (!counted) continue;
+        const std::uint64_t read = soup.polygons.size() + soup.points_and_lines;
+        if (static_cast<std::uint64_t>(std::max(0ll, *counted)) > read)
+            bad(soup.path, fmt::format("its head counts {} faces, of which {} can be read; write it again",
+                                       *counted, read));
+        return;
+    }
 }
 
 /// Assimp's places are of single precision: far from the origin that is coarse.
@@ -188,9 +212,9 @@ void note_rounding(Soup& soup) {
 }
 
 /// All that comes through the pipe until its end; false: the time is over.
-bool read_all(int in, std::string& answer) {
+bool read_all(int in, int seconds, std::string& answer) {
     using Clock = std::chrono::steady_clock;
-    const auto end = Clock::now() + std::chrono::seconds(most_seconds);
+    const auto end = Clock::now() + std::chrono::seconds(seconds);
     std::vector<char> some(1 << 20);
     for (;;) {
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
@@ -206,18 +230,18 @@ bool read_all(int in, std::string& answer) {
 
 }  // namespace
 
-Soup read_by_assimp(const std::string& path) {
+Soup read_by_assimp(const std::string& path, const ReadLimits& limits) {
     int pipes[2];
     if (pipe(pipes) != 0) bad(path, std::string("cannot be read: no pipe: ") + std::strerror(errno));
     const pid_t child = fork();
     if (child == 0) {
         close(pipes[0]);
-        read_in_the_child(path, pipes[1]);
+        read_in_the_child(path, limits, pipes[1]);
     }
     const int why_not = errno;
     close(pipes[1]);
     std::string answer;
-    const bool ended = child > 0 && read_all(pipes[0], answer);
+    const bool ended = child > 0 && read_all(pipes[0], limits.seconds, answer);
     close(pipes[0]);
     if (child < 0) bad(path, std::string("cannot be read: no process: ") + std::strerror(why_not));
     if (!ended) kill(child, SIGKILL);
@@ -225,7 +249,8 @@ Soup read_by_assimp(const std::string& path) {
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }
     if (!ended || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU))
-        bad(path, fmt::format("takes more than {} s to read: it is damaged, or far too large", most_seconds));
+        bad(path,
+            fmt::format("takes more than {} s to read: it is damaged, or far too large", limits.seconds));
     if (answer.starts_with('-')) throw std::runtime_error(answer.substr(1));
     if (WIFSIGNALED(status) &&
         (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM || WTERMSIG(status) == SIGHUP))
@@ -237,6 +262,7 @@ Soup read_by_assimp(const std::string& path) {
                       ? fmt::format("is damaged: reading it ends the reader ({}); write or fetch it again",
                                     strsignal(WTERMSIG(status)))
                       : "cannot be read: its reader ended early; is there memory left?");
+    check_count(soup);
     note_rounding(soup);
     return soup;
 }

@@ -46,10 +46,9 @@ std::string bytes_of(const std::string& path) {
     return bytes;
 }
 
-Soup soup_of(const std::string& path) {
+Soup soup_of(std::string_view bytes, const std::string& path) {
     const std::string extension = std::filesystem::path(path).extension().string();
     const auto is = [&](const char* lower_case) { return same_word(extension, lower_case); };
-    const std::string bytes = bytes_of(path);
     // By what is inside, then by what the name says.
     if (is_ply(bytes)) return read_ply(bytes, path);
     if (is(".ply")) bad(path, "is no PLY: its first line is not \"ply\"; write or fetch it again");
@@ -83,7 +82,11 @@ std::optional<knurl::Point3> MeshFile::far_middle() const {
 }
 
 MeshFile load_mesh(const std::string& path) {
-    Soup soup = soup_of(path);
+    return read_mesh(bytes_of(path), path);
+}
+
+MeshFile read_mesh(std::string_view bytes, const std::string& path) {
+    Soup soup = soup_of(bytes, path);
     if (soup.polygons.empty())
         bad(path, soup.points_and_lines > 0 || !soup.vertices.empty()
                       ? "holds points or lines but no triangle; give a surface"

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <knurl/geometry/mesh.hpp>
@@ -32,6 +33,8 @@ struct MeshFile {
 /// Throws std::runtime_error: one line with the path, what is wrong with it and where, and what to do. Ends
 /// after a minute at most, whatever the file is.
 MeshFile load_mesh(const std::string& path);
+/// The same of a file's bytes; formats that Assimp reads are read from `path`.
+MeshFile read_mesh(std::string_view bytes, const std::string& path);
 
 /// Turns what is wound inside out: closed parts that lie in no other and have a volume below 0, each with
 /// what lies in it. The walls of a cavity stay what they are. `mesh` was built of the file's triangles, at

@@ -48,18 +48,24 @@ class Reader {
 
     /// A line that ends with a backslash goes on in the next; a comment does not (it may name a folder).
     std::string_view joined(std::string_view line) {
-        if (!line.ends_with('\\') || line.find('#') != line.npos) return line;
+        if (!goes_on(line) || line.find('#') != line.npos) return line;
         whole_.clear();
-        while (line.ends_with('\\')) {
-            whole_.append(line.substr(0, line.size() - 1)).append(" ");
+        while (goes_on(line)) {
+            whole_.append(line.substr(0, line.rfind('\\'))).append(" ");
             if (!lines_.next(line)) fail("the file ends in a line that goes on (\\): it is cut off");
         }
         return whole_.append(line);
     }
 
+    /// Some programs leave blanks behind the backslash.
+    static bool goes_on(std::string_view line) {
+        const auto last = line.find_last_not_of(" \t\v\f");
+        return last != line.npos && line[last] == '\\';
+    }
+
     void statement(std::string_view line) {
         std::string_view rest = line;
-        const std::string_view key = next_word(rest);
+        const std::string key = lower(next_word(rest));
         if (key.empty() || key.front() == '#') return;
         if (key == "v") {
             vertex(uncommented(rest));

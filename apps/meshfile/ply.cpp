@@ -132,6 +132,8 @@ class Reader {
         : head_(head), body_(bytes, head, soup), soup_(soup) {}
 
     void read() {
+        for (const PlyElement& element : head_.elements)
+            if (element.name == "vertex") vertices_ = static_cast<double>(element.count);
         for (const PlyElement& element : head_.elements) {
             const bool vertices = element.name == "vertex", faces = element.name == "face",
                        strips = element.name == "tristrips";
@@ -139,6 +141,7 @@ class Reader {
             const std::size_t corners = vertices ? PlyElement::absent : corners_of(element, faces || strips);
             if (element.name == "edge") soup_.points_and_lines += element.count;
             if (element.properties.empty()) continue;
+            strips_ = strips;
             body_.begin(element);
             values_.resize(element.properties.size());
             for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -191,9 +194,17 @@ class Reader {
             if (kept) list_.clear();
             for (auto left = static_cast<std::uint64_t>(values_[p]); left > 0; --left) {
                 const double entry = body_.value(property.type);
-                if (kept) list_.push_back(entry < 0 ? new_strip : index(entry));
+                if (kept) list_.push_back(begins_anew(entry, property.type) ? new_strip : index(entry));
             }
         }
+    }
+
+    /// -1; or what becomes of it in a strip of a type without signs, unless there is such a vertex.
+    bool begins_anew(double entry, PlyType type) const {
+        if (entry < 0) return true;
+        const bool is_unsigned = type == PlyType::u8 || type == PlyType::u16 || type == PlyType::u32;
+        return strips_ && is_unsigned && entry >= vertices_ &&
+               entry == std::ldexp(1.0, static_cast<int>(8 * bytes_of(type))) - 1;
     }
 
     std::uint32_t index(double entry) {
@@ -251,6 +262,8 @@ class Reader {
     Body body_;
     Soup& soup_;
     static constexpr std::uint32_t new_strip = 0xffffffff;
+    double vertices_ = 0;              // that the head counts
+    bool strips_ = false;              // is what is read
     std::vector<double> values_;       // of the item
     std::vector<std::uint32_t> list_;  //   and of its list of vertices
     std::uint64_t place_ = 0;          // where it began

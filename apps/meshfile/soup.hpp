@@ -44,6 +44,10 @@ bool is_ply(std::string_view bytes);
 bool is_stl(std::string_view bytes);
 
 /// What else there is, by Assimp: in a process of its own, for a limited time and in limited memory.
-Soup read_by_assimp(const std::string& path);
+struct ReadLimits {
+    int seconds = 30;
+    std::uint64_t bytes = std::uint64_t{4} << 30;
+};
+Soup read_by_assimp(const std::string& path, const ReadLimits& limits = {});
 
 }  // namespace meshfile

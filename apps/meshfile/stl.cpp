@@ -1,5 +1,6 @@
 // STL, text and binary.
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -30,6 +31,17 @@ bool fits_its_count(std::string_view bytes) {
     return bytes.size() >= head && bytes.size() == head + record * std::size_t{count_of(bytes)};
 }
 
+/// Without what some programs fill the last block of a text with: zeros, or the end of a file in CP/M.
+std::string_view unfilled(std::string_view bytes) {
+    const auto last = bytes.find_last_not_of(std::string_view("\0\x1a", 2));
+    return bytes.substr(0, last == bytes.npos ? 0 : last + 1);
+}
+
+bool is_printable(std::string_view bytes) {
+    return std::all_of(bytes.begin(), bytes.end(),
+                       [](char c) { return c >= ' ' || (c >= '\t' && c <= '\r'); });
+}
+
 /// "solid", and behind its line a word of the format. Binary files may begin with "solid", too.
 bool is_text(std::string_view bytes) {
     if (bytes.substr(0, 2000).find('\0') != bytes.npos) return false;
@@ -53,8 +65,9 @@ class TextReader {
         while (advance()) {
             if (!take("solid")) fail("solid");
             // Its name goes on to the end of the line.
+            line_ = {};
             bool ended = false;
-            while (!ended && advance()) {
+            while (!ended && more()) {
                 ended = take("endsolid");
                 if (!ended) facet();
             }
@@ -80,18 +93,14 @@ class TextReader {
         line_ = look;
         return true;
     }
-    /// The next word, on this line or one of the next.
-    void need(std::string_view wanted) {
+    /// To the next word, on this line or one of the next.
+    bool more() {
         std::string_view look = line_;
-        if (next_word(look).empty() && !advance()) cut_off();
-        if (!take(wanted)) fail(wanted);
+        return !next_word(look).empty() || advance();
     }
-    void nothing_more(std::string_view behind) {
-        std::string_view look = line_;
-        if (const auto word = next_word(look); !word.empty())
-            bad_at(soup_, lines_.number(),
-                   fmt::format("{} behind {} is none of the format; write the file again", quoted(word),
-                               behind));
+    void need(std::string_view wanted) {
+        if (!more()) cut_off();
+        if (!take(wanted)) fail(wanted);
     }
     [[noreturn]] void cut_off() {
         bad_at(soup_, lines_.number(),
@@ -110,11 +119,15 @@ class TextReader {
     void facet() {
         if (!take("facet")) fail("facet");
         const auto place = static_cast<std::uint32_t>(lines_.number());
-        line_ = {};  // the normal: the corners' order says it
+        // The normal, if it is there: the corners' order says it.
+        if (take("normal"))
+            for (int k = 0; k < 3; ++k) {
+                std::string_view look = line_;
+                if (!same_word(next_word(look), "outer")) line_ = look;
+            }
         need("outer");
         need("loop");
         for (int k = 0; k < 3; ++k) {
-            nothing_more(k == 0 ? "\"outer loop\"" : "a vertex");
             need("vertex");
             knurl::Point3 at;
             for (double& x : at) {
@@ -126,10 +139,8 @@ class TextReader {
             soup_.corners.push_back(static_cast<std::uint32_t>(soup_.vertices.size()));
             soup_.vertices.push_back(at);
         }
-        nothing_more("a vertex");
         need("endloop");
         need("endfacet");
-        nothing_more("\"endfacet\"");
         soup_.polygons.push_back({.corners = 3, .place = place});
     }
 
@@ -160,23 +171,27 @@ std::size_t triangles_of(std::string_view bytes, Soup& soup) {
             fmt::format("byte 80: the header counts {} triangle{}, but {} bytes follow {}; write it "
                         "again with the right count",
                         counted, counted == 1 ? "" : "s", more, counted == 0 ? "it" : "them"));
-    soup.notes.push_back(fmt::format("{} bytes behind its {} triangles are left out", more, counted));
+    soup.notes.push_back(fmt::format("{} byte{} behind its {} triangles {} left out", more,
+                                     more == 1 ? "" : "s", counted, more == 1 ? "is" : "are"));
     return counted;
 }
 
 }  // namespace
 
 bool is_stl(std::string_view bytes) {
-    return is_text(bytes) || fits_its_count(bytes);
+    return is_text(unfilled(bytes)) || fits_its_count(bytes);
 }
 
 Soup read_stl(std::string_view bytes, const std::string& path) {
     Soup soup;
     soup.path = path;
-    if (!fits_its_count(bytes) && is_text(bytes)) {
+    // What is no text of the format, but a text, is told its first wrong line.
+    const std::string_view text = unfilled(bytes);
+    if (!fits_its_count(bytes) &&
+        (is_text(text) || (text.size() > head && is_printable(text.substr(0, 2000))))) {
         soup.format = "STL, text";
         soup.text = true;
-        TextReader(bytes, soup).read();
+        TextReader(text, soup).read();
         return soup;
     }
     if (bytes.size() < head)

@@ -64,9 +64,15 @@ std::string no_number(std::string_view word) {
     return quoted(word) + " is not a number; write the file again";
 }
 
+std::string lower(std::string_view word) {
+    std::string out(word);
+    for (char& c : out)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return out;
+}
+
 bool same_word(std::string_view word, std::string_view lower_case) {
-    return std::equal(word.begin(), word.end(), lower_case.begin(), lower_case.end(),
-                      [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+    return lower(word) == lower_case;
 }
 
 }  // namespace meshfile

@@ -2,6 +2,7 @@
 // Lines, words and numbers of a text, whatever the locale is and whichever line ends it has.
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace meshfile {
@@ -31,6 +32,7 @@ std::optional<long long> integer_of(std::string_view word);
 std::string quoted(std::string_view word);
 /// Why a word is no number, and what to do: `"1,5" is not a number; write ...`.
 std::string no_number(std::string_view word);
+std::string lower(std::string_view word);
 bool same_word(std::string_view word, std::string_view lower_case);
 
 }  // namespace meshfile

@@ -35,7 +35,7 @@ std::runtime_error cell_error(const std::string& name, std::size_t index, int co
 
 std::string no_height(std::string_view text) {
     return fmt::format("has no height ({}); fill the gaps first (gdal_fillnodata), or cut them off",
-                       text.substr(0, 40));
+                       shown(text));
 }
 
 std::runtime_error too_short(const std::string& name, std::size_t got, std::size_t wanted) {
@@ -50,6 +50,20 @@ std::optional<double> number_with_comma(std::string_view word) {
     std::string point(word);
     point[comma] = '.';
     return number(point);
+}
+
+namespace {
+
+double swapped(double count) {
+    const auto bits = static_cast<unsigned>(count);
+    return static_cast<double>((bits & 255) << 8 | bits >> 8);
+}
+
+}  // namespace
+
+bool fits_swapped(const ElevationModel& model, double greatest) {
+    return std::all_of(model.counts.begin(), model.counts.end(),
+                       [&](double count) { return swapped(count) <= greatest; });
 }
 
 void check_byte_order(const ElevationModel& model, const std::string& name) {
@@ -68,11 +82,7 @@ void check_byte_order(const ElevationModel& model, const std::string& name) {
         return high > low ? sum / static_cast<double>(model.counts.size()) / (high - low) : 0;
     };
     const double here = roughness([](double count) { return count; });
-    const double swapped = roughness([](double count) {
-        const auto bits = static_cast<unsigned>(count);
-        return static_cast<double>((bits & 255) << 8 | bits >> 8);
-    });
-    if (here > 0.02 && swapped < here / 8)
+    if (here > 0.02 && roughness(swapped) < here / 8)
         throw std::runtime_error(fmt::format(
             "{}: its samples are noise as they stand and smooth with the bytes of each swapped: it was "
             "written little-endian, and the format is big-endian; swap them (dd conv=swab on the samples)",
@@ -86,26 +96,25 @@ ElevationModel load_elevation(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     if (!in) throw std::runtime_error(name + ": cannot be opened; check the path and that you may read it");
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-    if (bytes.empty()) throw std::runtime_error(name + ": is empty; write or fetch it again");
-
-    const auto begins = [&](std::string_view magic) { return std::string_view(bytes).starts_with(magic); };
-    std::string_view text = bytes;
-    if (begins("\xef\xbb\xbf")) text.remove_prefix(3);  // a byte order mark, of UTF-8
-    ElevationModel model;
-    if (begins("\x89PNG"))
-        model = read_png(bytes, name);
-    else if (text.starts_with("P2") || text.starts_with("P5"))
-        model = read_pgm(text, name);
-    else if (begins("\xff\xfe") || begins("\xfe\xff"))
-        throw std::runtime_error(name + ": is UTF-16 text; save it as plain text (ASCII or UTF-8)");
-    else if (is_esri_grid(text))
-        model = read_esri_grid(text, name);
-    else
-        throw std::runtime_error(name +
-                                 ": is no elevation model that is known here; give a 16-bit greyscale PNG, a "
-                                 "16-bit PGM (P2 or P5) or an ESRI ASCII grid (ncols ...)");
+    ElevationModel model = read_elevation(bytes, name);
     model.name = file.filename().string();
     return model;
+}
+
+ElevationModel read_elevation(std::string_view bytes, const std::string& name) {
+    if (bytes.empty()) throw std::runtime_error(name + ": is empty; write or fetch it again");
+
+    const auto begins = [&](std::string_view magic) { return bytes.starts_with(magic); };
+    std::string_view text = bytes;
+    if (begins("\xef\xbb\xbf")) text.remove_prefix(3);  // a byte order mark, of UTF-8
+    if (begins("\x89PNG")) return read_png(bytes, name);
+    if (text.starts_with("P2") || text.starts_with("P5")) return read_pgm(text, name);
+    if (begins("\xff\xfe") || begins("\xfe\xff"))
+        throw std::runtime_error(name + ": is UTF-16 text; save it as plain text (ASCII or UTF-8)");
+    if (is_esri_grid(text)) return read_esri_grid(text, name);
+    throw std::runtime_error(name +
+                             ": is no elevation model that is known here; give a 16-bit greyscale PNG, a "
+                             "16-bit PGM (P2 or P5) or an ESRI ASCII grid (ncols ...)");
 }
 
 }  // namespace surface

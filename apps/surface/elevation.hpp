@@ -25,6 +25,9 @@ inline constexpr int largest_side = 16384;  // samples
 /// Throws std::runtime_error: file, what is wrong and where in it, what to do.
 ElevationModel load_elevation(const std::filesystem::path& file);
 
+/// The same of a file's bytes. `name` begins its errors.
+ElevationModel read_elevation(std::string_view bytes, const std::string& name);
+
 /// The readers of one format each, from a file's bytes. `name` begins their errors.
 ElevationModel read_png(std::string_view bytes, const std::string& name);
 ElevationModel read_pgm(std::string_view bytes, const std::string& name);
@@ -36,6 +39,8 @@ bool is_esri_grid(std::string_view bytes);
 void check_sides(const std::string& name, long rows, long columns);
 /// Throws if samples of 16 bits are smooth once the bytes of each are swapped, and are not as they stand.
 void check_byte_order(const ElevationModel& model, const std::string& name);
+/// Is no sample above `greatest` once the bytes of each are swapped?
+bool fits_swapped(const ElevationModel& model, double greatest);
 
 /// "NAME: row R, column C WHAT", from 1; of the `index`th height.
 std::runtime_error cell_error(const std::string& name, std::size_t index, int columns,

@@ -18,7 +18,7 @@ constexpr std::array known = {"ncols",    "nrows", "xllcorner", "xllcenter",    
                               "cellsize", "dx",    "dy",        "nodata_value", "nodata"};
 /// What programs write where there is no height, if the header does not say what.
 constexpr std::array unstated = {-9999.0, -32768.0, -32767.0, -99999.0};
-constexpr double beyond = 1e30;  // no height, whatever the header says
+constexpr double beyond = 1e12;  // no height in any unit, whatever the header says
 constexpr std::array no_number = {"nan",  "-nan", "+nan", "null", "na", "n/a", "none", "nodata", "no_data",
                                   "void", "*",    "-",    "--",   "?",  "inf", "-inf", "+inf",   "nil"};
 
@@ -41,8 +41,9 @@ struct Header {
         if (found == words.end()) return std::nullopt;
         const auto value = number_with_comma(found->second);
         if (!value || !std::isfinite(*value))
-            throw std::runtime_error(fmt::format(
-                "{}: the header's {} is \"{}\", not a number; mend that line", name, key, found->second));
+            throw std::runtime_error(
+                fmt::format("{}: the header's {} is \"{}\", not a number; mend that line", name, key,
+                            shown(found->second)));
         return value;
     }
     long side(const std::string& name, const std::string& key) const {
@@ -53,7 +54,7 @@ struct Header {
         if (!side)
             throw std::runtime_error(
                 fmt::format("{}: the header's {} is \"{}\", not a whole number; mend that line", name, key,
-                            words.at(key)));
+                            shown(words.at(key))));
         return *side;
     }
 };
@@ -77,7 +78,7 @@ Header take_header(Words& words, const std::string& name) {
                 throw std::runtime_error(
                     fmt::format("{}: the header's \"{}\" is unknown; known are ncols, nrows, xllcorner, "
                                 "yllcorner, cellsize, dx, dy, NODATA_value",
-                                name, key));
+                                name, shown(key)));
             words = before;
             return header;
         }
@@ -123,7 +124,11 @@ class Gaps {
         if (!std::isfinite(value) || std::abs(value) > beyond) return true;
         // The header and the cells may round it differently.
         if (value_) return std::abs(value - *value_) <= 1e-5 * std::abs(*value_);
-        return !stated_ && std::find(unstated.begin(), unstated.end(), value) != unstated.end();
+        return !stated_ && is_usual(value);
+    }
+    /// Another one than the header says: merged grids have some left. A height it is, too, if others come near.
+    static bool is_usual(double value) {
+        return std::find(unstated.begin(), unstated.end(), value) != unstated.end();
     }
     bool is_gap(const std::string& word) const { return (stated_ && word == word_) || is_no_number(word); }
 
@@ -200,23 +205,33 @@ ElevationModel read_esri_grid(std::string_view bytes, const std::string& name) {
     const Gaps gaps(header);
     const std::string_view cells = words.rest;
     std::size_t commas = 0, points = 0;
+    std::optional<std::size_t> usual_gap;
+    double lowest = INFINITY;  // of the others
     for (std::size_t i = 0; i < wanted; ++i) {
         const auto word = words.next();
         if (word.empty()) throw too_short(name, i, wanted);
         const auto value = number_with_comma(word);
-        if (value ? gaps.is_gap(*value) : gaps.is_gap(lower(word.substr(0, 40))))
+        if (value ? gaps.is_gap(*value) : gaps.is_gap(lower(shown(word))))
             throw cell_error(name, i, model.columns, no_height(word));
         if (!value)
             throw cell_error(name, i, model.columns,
-                             fmt::format("is \"{}\", not a number; mend that cell", word.substr(0, 40)));
+                             fmt::format("is \"{}\", not a number; mend that cell", shown(word)));
         commas += word.find(',') != word.npos;
         points += word.find('.') != word.npos;
         if (commas > 0 && points > 0)
             throw cell_error(name, i, model.columns,
                              fmt::format("is \"{}\", but others have a decimal {}; write all with points",
                                          word, word.find(',') != word.npos ? "point" : "comma"));
+        if (!Gaps::is_usual(*value))
+            lowest = std::min(lowest, *value);
+        else if (!usual_gap)
+            usual_gap = i;
         model.counts.push_back(*value);
     }
+    if (usual_gap && std::isfinite(lowest) &&
+        lowest - model.counts[*usual_gap] > -0.5 * model.counts[*usual_gap])
+        throw cell_error(name, *usual_gap, model.columns,
+                         no_height(fmt::format("{:g}", model.counts[*usual_gap])));
     if (!words.next().empty())
         throw std::runtime_error(fmt::format(
             "{}: has more than the {} heights that nrows x ncols says; mend the header", name, wanted));

@@ -76,7 +76,7 @@ ElevationModel read_pgm(std::string_view bytes, const std::string& name) {
         if (!*value)
             throw std::runtime_error(
                 fmt::format("{}: this PGM's header has \"{}\" where its {} belongs; write it again", name,
-                            word.substr(0, 20), what));
+                            shown(word), what));
     }
     check_sides(name, *rows, *columns);
     if (*greatest < 256 || *greatest > 65535)
@@ -103,9 +103,12 @@ ElevationModel read_pgm(std::string_view bytes, const std::string& name) {
         if (above)
             throw cell_error(
                 name, *above, model.columns,
-                fmt::format("is {}, above the largest value that the header states ({}); mend the header, "
-                            "or write the file again",
-                            model.counts[*above], *greatest));
+                fmt::format(
+                    "is {}, above the largest value that the header states ({}); {}", model.counts[*above],
+                    *greatest,
+                    fits_swapped(model, static_cast<double>(*greatest))
+                        ? "with the bytes of each swapped none is: swap them (dd conv=swab on the samples)"
+                        : "mend the header, or write the file again"));
         return model;
     }
     model.counts.reserve(std::min(wanted, bytes.size()));
@@ -116,13 +119,13 @@ ElevationModel read_pgm(std::string_view bytes, const std::string& name) {
         if (!value || *value < 0 || *value > *greatest)
             throw cell_error(name, i, model.columns,
                              fmt::format("is \"{}\", not a whole number from 0 to {}; mend that cell",
-                                         word.substr(0, 20), *greatest));
+                                         shown(word), *greatest));
         model.counts.push_back(static_cast<double>(*value));
     }
     if (const auto word = words.next(); !word.empty())
         throw std::runtime_error(
             fmt::format("{}: \"{}\" follows the {} heights that the header says; mend the header", name,
-                        word.substr(0, 20), wanted));
+                        shown(word), wanted));
     return model;
 }
 

@@ -71,7 +71,7 @@ std::optional<double> text_number(const Decoding& d, const char* key, const std:
         if (!value || !(*value > 0) || !std::isfinite(*value) || thousands || !words.next().empty())
             throw std::runtime_error(fmt::format(
                 "{}: the PNG's text {} is \"{}\", not a number above 0; write it with a decimal point", name,
-                key, std::string_view(texts[i].text).substr(0, 40)));
+                key, shown(texts[i].text)));
         return value;
     }
     return std::nullopt;

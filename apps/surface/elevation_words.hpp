@@ -37,6 +37,14 @@ struct Words {
     }
 };
 
+/// As much of it as a line of text can show, and nothing that a terminal would obey.
+inline std::string shown(std::string_view word) {
+    std::string out(word.substr(0, 40));
+    for (char& c : out)
+        if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) c = '?';
+    return out;
+}
+
 inline std::optional<double> number(std::string_view word) {
     double value = 0;
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);

@@ -64,8 +64,7 @@ void write_json(const std::filesystem::path& file, const std::vector<Outcome>& o
                    {"device", text.device},
                    {"servo_rate", text.servo_rate},
                    {"application_rate", text.rate},
-                   {"think_s", text.think},
-                   {"machine", machine_sentence(text.machine)}};
+                   {"think_s", text.think}};
     json["strokes"] = std::move(strokes);
     knurl::measure::write_file(file, json.dump(1) + '\n');
 }

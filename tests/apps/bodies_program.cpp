@@ -120,6 +120,7 @@ TEST_F(BodiesProgram, SaysWhatIsWrong) {
          std::vector<std::vector<std::string>>{{"--rate", "0"},
                                                {"--rate", "nan"},
                                                {"--fingers", "2"},
+                                               {"--servo", "a b"},
                                                {"--stiffness", "-1"},
                                                {"--slow", "-1"},
                                                {"--seconds", "soon"},

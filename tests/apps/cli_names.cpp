@@ -56,10 +56,30 @@ TEST_F(Names, AnAlmostRightOneIsAnsweredWithTheOneThatRuns) {
     EXPECT_EQ(knurl({"top", "--servo", "lba"}).err.find("knurl:lab"), std::string::npos);
 }
 
+TEST_F(Names, AnAlmostRightDeviceIsAnsweredWithTheOneThatIsThere) {
+    std::vector<std::vector<std::string>> all = {
+        {"reset", "cartesain3"},
+        {"record", home_.path("r.mcap"), "--device", "cartesain3"},
+        {"trace", "--out", home_.path("t.json"), "--device", "cartesain3"},
+        {"latency", "--device", "cartesain3"}};
+    for (std::vector<std::string>& words : all) {
+        words.insert(words.end(), {"--servo", "lab"});
+        const Outcome outcome = knurl(words);
+        EXPECT_NE(outcome.code, 0) << words.front();
+        EXPECT_NE(outcome.err.find("no device 'cartesain3'; did you mean 'cartesian3'?"), std::string::npos)
+            << outcome.err;
+    }
+}
+
 TEST_F(Names, WhatCanBeNoServosNameIsAWrongCommandLine) {
     for (const char* name : {"", ".lab", "a b", "knurl:", "some/where", "knurl://lab:4096"}) {
         const Outcome outcome = knurl({"record", home_.path("r.mcap"), "--servo", name});
         EXPECT_EQ(outcome.code, 2) << name << ": " << outcome.err;
+    }
+    for (const char* name : {"", "a b", "knurl:", "some/where", "knurl://", "knurl://lab:port"}) {
+        const Outcome outcome = knurl({"latency", "--servo", name});
+        EXPECT_EQ(outcome.code, 2) << name << ": " << outcome.err;
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     }
     const Outcome both = knurl({"latency", "--servo", "lab", "--connect", "lab"});
     EXPECT_EQ(both.code, 2);

@@ -188,6 +188,7 @@ TEST_F(DockProgram, RefusesWhatMakesNoSense) {
     EXPECT_EQ(says({"--rate", "0.5"}).code, 2);
     EXPECT_EQ(says({"--greatest-force", "1000"}).code, 2);
     EXPECT_EQ(run({KNURL_DOCK_PROGRAM}).code, 2);
+    EXPECT_EQ(says({"--servo", "a b"}).code, 2);
 }
 
 }  // namespace

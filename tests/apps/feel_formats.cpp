@@ -7,11 +7,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <knurl/geometry/mesh.hpp>
 
 #include "mesh_file.hpp"
 #include "program.hpp"
+#include "soup.hpp"
 
 namespace {
 
@@ -144,21 +146,21 @@ std::string ply_from_0x0a() {
     return out;
 }
 
-std::string ply_strip(const std::string& entries) {
-    return ply_text_head + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" +
-           ply_vertices() + entries + "\n";
+std::string ply_strip(const std::string& entries, const std::string& type = "int") {
+    return ply_text_head + "element tristrips 1\nproperty list int " + type +
+           " vertex_indices\nend_header\n" + ply_vertices() + entries + "\n";
 }
 std::string one_strip() {
     std::string out = "15";
     for (const int c : strip) out += " " + std::to_string(c);
     return out;
 }
-/// Each side a strip of its own, joined by -1.
-std::string six_strips() {
+/// Each side a strip of its own.
+std::string six_strips(const std::string& between = "-1") {
     std::string out = "29";
     for (int i = 0; i < 6; ++i) {
         const auto& q = quads[i];
-        if (i > 0) out += " -1";
+        if (i > 0) out += " " + between;
         for (const int c : {q[0], q[1], q[3], q[2]}) out += " " + std::to_string(c);
     }
     return out;
@@ -195,6 +197,8 @@ TEST(MeshFormats, ACubeIsReadFromEveryFormThatItMayHave) {
         {"tabs.obj", replaced(obj(), " ", "\t ")},
         {"bom.obj", "\xef\xbb\xbf" + obj()},
         {"goes_on.obj", replaced(v, "v ", "v \\\n") + replaced(obj_faces(), "f ", "f\\\r\n ")},
+        {"goes_on_behind_blanks.obj", replaced(v, "v ", "v \\ \t\n") + obj_faces()},
+        {"capitals.obj", replaced(replaced(obj(), "v", "V"), "f", "F")},
         {"comment_that_ends_with_a_backslash.obj", "# of C:\\parts\\\n" + v + "# C:\\\n" + obj_faces()},
         {"comment_behind.obj", replaced(obj(), "\n", " # here\n")},
         {"colours.obj", replaced(v, "\n", " 0.5 0.5 0.5\n") + obj_faces()},
@@ -215,6 +219,9 @@ TEST(MeshFormats, ACubeIsReadFromEveryFormThatItMayHave) {
         {"crlf.stl", replaced(stl_text(), "\n", "\r\n")},
         {"one_word_a_line.stl", replaced(replaced(stl_text(), "outer ", "outer\n"), "vertex ", "\nvertex ")},
         {"normals_that_are_none.stl", replaced(stl_text(), "normal 0 0 0", "normal nan -nan(ind) 1.#QNAN")},
+        {"one_line.stl", "solid\n" + replaced(stl_text().substr(21), "\n", " ")},
+        {"no_normals.stl", replaced(stl_text(), " normal 0 0 0", "")},
+        {"filled_up.stl", stl_text() + std::string("\x1a\0\0\0", 4)},
         {"two_solids.stl", stl_text().substr(0, stl_text().find("  facet", 400)) + "endsolid\nSOLID\n" +
                                stl_text().substr(stl_text().find("  facet", 400))},
         {"no_end.stl", stl_text().substr(0, stl_text().find("endsolid")),
@@ -227,6 +234,7 @@ TEST(MeshFormats, ACubeIsReadFromEveryFormThatItMayHave) {
         {"solid_and_count_of_0.stl", stl_binary(0, std::string("solid x\n facet\0", 15)),
          "its header counts 0 triangles; all 12 of the file are read"},
         {"bytes_behind.stl", stl_binary() + "made by us", "10 bytes behind its 12 triangles are left out"},
+        {"byte_behind.stl", stl_binary() + "\n", "1 byte behind its 12 triangles is left out"},
         {"an_stl_of_another_name.dat", stl_binary()},
         {"plain.ply", ply_text()},
         {"crlf.ply", replaced(ply_text(), "\n", "\r\n")},
@@ -250,6 +258,8 @@ TEST(MeshFormats, ACubeIsReadFromEveryFormThatItMayHave) {
         {"newline_behind_bytes.ply", ply_from_0x0a() + "\n"},
         {"strip.ply", ply_strip(one_strip())},
         {"strips.ply", ply_strip(six_strips())},
+        {"strips_of_uint.ply", ply_strip(six_strips("4294967295"), "uint")},
+        {"strips_of_uchar.ply", ply_strip(six_strips("255"), "uchar")},
     };
     const Folder folder;
     for (const Written& written : all) {
@@ -319,6 +329,8 @@ TEST(MeshFormats, WhatIsNoneIsRefusedAtItsPlace) {
         {"count.stl", stl_binary(10),
          ": byte 80: the header counts 10 triangles, but 100 bytes follow them; write it again with the "
          "right count"},
+        {"no_solid.stl", stl_text().substr(21),
+         ":1: \"facet\" where \"solid\" belongs; write the file again"},
         {"letter.stl", "this is a letter to my aunt\n",
          ": is no STL: neither \"solid\" and facets, nor the 84 bytes that a binary file has before its "
          "triangles (28 "
@@ -467,6 +479,40 @@ TEST(OtherFormats, AreReadInAProcessOfItsOwn) {
             EXPECT_THAT(error.what(), testing::HasSubstr(name));
             EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
         }
+    }
+}
+
+TEST(OtherFormats, AFileThatKeepsItsReaderBusyOrEatsMemoryEndsInOneLine) {
+    const Folder folder;
+    const auto refusal = [](const std::string& path, const meshfile::ReadLimits& limits) {
+        try {
+            meshfile::read_by_assimp(path, limits);
+        } catch (const std::runtime_error& error) {
+            return std::string(error.what());
+        }
+        return std::string("was read");
+    };
+    // A pipe into which nobody writes takes for ever.
+    const std::string busy = folder.path("busy.off");
+    ASSERT_EQ(mkfifo(busy.c_str(), 0600), 0);
+    EXPECT_EQ(refusal(busy, {.seconds = 1}),
+              busy + ": takes more than 1 s to read: it is damaged, or far too large");
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    const std::string large = folder.file("large.off", "OFF\n400000000 1 0\n0 0 0\n");
+    EXPECT_EQ(refusal(large, {.bytes = 1'000'000'000}),
+              large + ": takes more than 1 GB of memory to read: it is damaged, or far too large");
+#endif
+}
+
+TEST(OtherFormats, FacesThatTheImporterDropsAreMissed) {
+    const Folder folder;
+    const std::string path =
+        folder.file("dropped.off", replaced(off_cube, "4 0 2 3 1", "4000000000 0 2 3 1"));
+    try {
+        meshfile::load_mesh(path);
+        ADD_FAILURE() << "was read";
+    } catch (const std::runtime_error& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("its head counts 6 faces, of which "));
     }
 }
 

@@ -84,6 +84,7 @@ TEST_F(FeelProgram, SaysWhatIsWrong) {
     ::setenv("KNURL_RUNTIME_DIR", folder_.path("").c_str(), 1);
     EXPECT_THAT(run({KNURL_FEEL_PROGRAM, mesh_, "--unit", "furlong"}).err, HasSubstr("furlong"));
     EXPECT_EQ(run({KNURL_FEEL_PROGRAM}).code, 2);
+    EXPECT_EQ(run({KNURL_FEEL_PROGRAM, mesh_, "--servo", "a b"}).code, 2);
     EXPECT_THAT(run({KNURL_FEEL_PROGRAM, folder_.path("none.stl")}).err, HasSubstr("none.stl"));
     const auto alone = run({KNURL_FEEL_PROGRAM, mesh_, "--wait", "0"});
     EXPECT_EQ(alone.code, 1);

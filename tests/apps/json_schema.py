@@ -1,16 +1,19 @@
 #!/usr/bin/python3
 """What the programs print for programs is as apps/schemas says: runs each with --json and checks every key of it.
 
-    json_schema.py SCHEMAS KNURL KNURLD ARM.toml
+    json_schema.py SCHEMAS KNURL KNURLD ARM.toml KNURL-SURFACE KNURL-DOCK
 """
 
 import json
 import os
 import re
 import signal
+import socket
+import struct
 import subprocess
 import sys
 import tempfile
+import threading
 from pathlib import Path
 
 UNDERSTOOD = {"$schema", "$defs", "$ref", "title", "description", "type", "properties", "required",
@@ -86,19 +89,30 @@ def rules_broken(schemas):
 
 class Programs:
     def __init__(self, knurl, knurld, folder):
-        self.knurl, self.folder = knurl, Path(folder)
+        self.knurl, self.knurld, self.folder = knurl, knurld, Path(folder)
         self.environment = dict(os.environ, KNURL_RUNTIME_DIR=folder, KNURL_STATE_DIR=folder)
-        self.servo = subprocess.Popen([knurld, "--device", "sim:premium15", "--device", "left=sim:cartesian3"],
-                                      env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        for line in self.servo.stdout:
-            if "ready" in line:
-                return
-        raise SystemExit("knurld did not start")
+        self.servos = []
+        self.start("--device", "sim:premium15", "--device", "left=sim:cartesian3")
+
+    def start(self, *words):
+        servo = subprocess.Popen([self.knurld, *words], env=self.environment, stdout=subprocess.PIPE,
+                                 stderr=subprocess.DEVNULL, text=True)
+        self.servos.append(servo)
+        if not any("ready" in line for line in servo.stdout):
+            raise SystemExit("knurld did not start")
+
+    def stop(self):
+        for servo in self.servos:
+            servo.send_signal(signal.SIGTERM)
+            servo.wait()
 
     def said(self, *words, codes=(0,)):
-        done = subprocess.run([self.knurl, *words], env=self.environment, capture_output=True, text=True, check=False)
+        return self.told(self.knurl, *words, codes=codes)
+
+    def told(self, *words, codes=(0,)):
+        done = subprocess.run(words, env=self.environment, capture_output=True, text=True, check=False)
         if done.returncode not in codes:
-            raise SystemExit(f"knurl {' '.join(words)}: exit code {done.returncode}: {done.stderr}")
+            raise SystemExit(f"{' '.join(words)}: exit code {done.returncode}: {done.stderr}")
         return done.stdout
 
     def beside(self, *words):
@@ -106,8 +120,39 @@ class Programs:
                                 stderr=subprocess.PIPE, text=True)
 
 
+def hill(path):
+    """A PGM of 24 x 24 heights."""
+    heights = [30000 - 50 * ((r - 12) ** 2 + (c - 12) ** 2) for r in range(24) for c in range(24)]
+    path.write_bytes(b"P5\n24 24\n65535\n" + struct.pack(f">{24 * 24}H", *heights))
+
+
+def simulation():
+    """The address of one of eight atoms at rest, which lasts until its reader goes (IMD, version 2)."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    frame = struct.pack(">ii", 1, 1) + struct.pack("=i9f", 10, 300, *[0] * 8) + struct.pack(">ii", 2, 8)
+    frame += struct.pack("=24f", *[3.0 * (atom >> axis & 1) for atom in range(8) for axis in range(3)])
+
+    def serve():
+        reader, _ = listener.accept()
+        reader.settimeout(0.02)
+        try:
+            reader.sendall(struct.pack(">i", 4) + struct.pack("=i", 2))
+            while True:
+                try:
+                    if not reader.recv(4096):
+                        return
+                except TimeoutError:
+                    pass
+                reader.sendall(frame)
+        except OSError:
+            return
+
+    threading.Thread(target=serve, daemon=True).start()
+    return f"127.0.0.1:{listener.getsockname()[1]}"
+
+
 def main():
-    folder_of_schemas, knurl, knurld, arm = sys.argv[1:]
+    folder_of_schemas, knurl, knurld, arm, surface, dock = sys.argv[1:]
     schemas = {path.name.removesuffix(".schema.json"): json.loads(path.read_text())
                for path in Path(folder_of_schemas).glob("*.schema.json")}
     bad = rules_broken(schemas)
@@ -139,9 +184,17 @@ def main():
             check("device-check", programs.said("device", "check", arm, "--json"))
             if "device-test" in schemas:
                 check("device-test", programs.said("device", "test", "sim:premium15", "--virtual", "--json", codes=(0, 1)))
+            model, stroke, out = (f"{folder}/{name}" for name in ("hill.pgm", "stroke.csv", "out.json"))
+            hill(Path(model))
+            programs.told(surface, model, "--write-stroke", stroke, "--speed", "0.3")
+            programs.start("--name", "stroked", "--device", "sim:premium15", "--hand", stroke)
+            programs.told(surface, model, "--servo", "stroked", "--ways", "planes,force", "--json", out, codes=(0, 1))
+            check("surface", Path(out).read_text())
+            programs.told(dock, simulation(), "--device", "left", "--at-once", "--seconds", "0.5", "--json", out)
+            check("dock", Path(out).read_text())
         finally:
-            programs.servo.send_signal(signal.SIGTERM)
-            programs.servo.wait()
+            programs.stop()
+        bad.extend(f"{name}: nobody printed it" for name in schemas.keys() - tried)
     for line in bad:
         print(line, file=sys.stderr)
     print(f"{len(tried)} programs checked against {len(schemas)} schemas")

@@ -232,6 +232,7 @@ TEST_F(Elevation, WhatStandsForNoHeightIsKnownHoweverItIsWritten) {
              {"9999", "9999"},
              {"nan", "-nan"},
              {"void", "VOID"},
+             {"", "-1e+20"},
          }) {
         SCOPED_TRACE(nodata + " in the header, " + cell);
         const std::string text = head + (nodata.empty() ? "" : "NODATA_value " + nodata + "\n") +
@@ -239,10 +240,21 @@ TEST_F(Elevation, WhatStandsForNoHeightIsKnownHoweverItIsWritten) {
         EXPECT_THAT(refusal(file("gap.asc", text)),
                     AllOf(HasSubstr("row 2, column 4 has no height (" + cell + ")")));
     }
-    // The deepest sea: where the header says otherwise it is a height.
-    const auto deep =
-        surface::load_elevation(file("deep.asc", head + "NODATA_value -32768\n-9999" + sixteen.substr(1)));
-    EXPECT_EQ(deep.counts[0], -9999);
+    // Where the header says otherwise it is a height in the deepest sea, and a merged grid's gap on land.
+    std::string sea = head + "NODATA_value -32768\n-9999";
+    for (int i = 1; i < 16; ++i) sea += " -" + std::to_string(9999 - 100 * i);
+    EXPECT_EQ(surface::load_elevation(file("deep.asc", sea)).counts[0], -9999);
+    EXPECT_THAT(refusal(file("land.asc", head + "NODATA_value -32768\n-9999" + sixteen.substr(1))),
+                HasSubstr("row 1, column 1 has no height (-9999)"));
+}
+
+TEST_F(Elevation, WhatATerminalWouldObeyIsNotPassedOn) {
+    const std::string head = "ncols 4\nnrows 4\ncellsize 30\n", red = "\x1b[31mred";
+    EXPECT_THAT(refusal(file("cell.asc", head + red + sixteen.substr(1))), HasSubstr("\"?[31mred\""));
+    EXPECT_THAT(refusal(file("key.asc", head + "r" + red + " 3\n" + sixteen)), HasSubstr("\"r?[31mred\""));
+    EXPECT_THAT(refusal(file("value.asc", "ncols " + red + "\n")),
+                HasSubstr("\"?[31mred\", not a whole number"));
+    EXPECT_THAT(refusal(file("head.pgm", "P2 " + red + " 4 1000\n")), HasSubstr("\"?[31mred\""));
 }
 
 TEST_F(Elevation, GridsThatWouldBeReadAskewAreRefused) {
@@ -333,6 +345,12 @@ TEST_F(Elevation, APgmThatIsNotWhatItsHeaderSaysIsRefused) {
         slope += {static_cast<char>(value), static_cast<char>(value >> 8)};
     }
     EXPECT_THAT(refusal(file("little.pgm", "P5 256 256 65535\n" + slope)), HasSubstr("little-endian"));
+    std::string swapped;  // too small to be noise
+    for (int i = 0; i < 16; ++i) swapped += {static_cast<char>(10 * i), '\x01'};
+    EXPECT_THAT(
+        refusal(file("little_10.pgm", "P5 4 4 1023\n" + swapped)),
+        HasSubstr("row 1, column 2 is 2561, above the largest value that the header states (1023); with the "
+                  "bytes of each swapped none is"));
     EXPECT_THAT(refusal(file("plain.pgm", "P2 4 4 1000\n" + sixteen + "17\n")),
                 HasSubstr("\"17\" follows the 16"));
     EXPECT_THAT(refusal(file("none.pgm", "P5 8 8 0\n" + s)), HasSubstr("largest value is 0: that is none"));

@@ -64,7 +64,7 @@ TEST(TraceProgram, SaysInOneLineWhyThereIsNone) {
     says({"--around", "noon"}, "--around");
     const Servo servo({"--device", "a=sim:cartesian3", "--device", "b=sim:cartesian3"});
     says({}, "has 2 devices; name one by --device: a, b");
-    says({"--device", "c"}, "has no device 'c'; it has a, b");
+    says({"--device", "c"}, "has no device 'c'; it has: a, b");
 }
 
 const std::string heading =

@@ -36,6 +36,13 @@ DaemonConfig told(std::vector<const char*> arguments) {
     return parse_command_line(static_cast<int>(arguments.size()), arguments.data()).config;
 }
 
+TEST(Configuration, TheNameIsAlsoTakenAsClientsSayIt) {
+    const std::string device = "[[device]]\naddress = \"sim:premium15\"\n";
+    EXPECT_EQ(parse_config("name = \"knurl:lab\"\n" + device, "lab.toml").name, "lab");
+    EXPECT_THROW(parse_config("name = \"knurl:\"\n" + device, "lab.toml"), ConfigError);
+    EXPECT_THROW(parse_config("name = \"knurl:knurl:lab\"\n" + device, "lab.toml"), ConfigError);
+}
+
 TEST(Configuration, EveryKeyOfTheFile) {
     const DaemonConfig config = parse_config(R"(
 name = "lab"

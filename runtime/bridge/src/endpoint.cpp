@@ -9,6 +9,7 @@
 #include <netinet/in.h>
 
 #include <knurl/bridge/endpoint.hpp>
+#include <knurl/bridge/host_and_port.hpp>
 #include <knurl/link/text.hpp>
 
 namespace knurl::bridge {
@@ -87,6 +88,10 @@ std::vector<Endpoint> resolve_all(const std::string& host_and_port) {
         if (!known) all.push_back(endpoint);
     }
     return all;
+}
+
+void check_host_and_port(const std::string& host_and_port) {
+    split(host_and_port);
 }
 
 Endpoint resolve(const std::string& host_and_port) {

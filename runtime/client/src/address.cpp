@@ -1,5 +1,7 @@
 #include "address.hpp"
 
+#include <knurl/bridge/host_and_port.hpp>
+#include <knurl/client/address.hpp>
 #include <knurl/client/error.hpp>
 #include <knurl/link/text.hpp>
 #include <knurl/protocol/servo_address.hpp>
@@ -31,3 +33,18 @@ std::string servo_name(const std::string& address) {
 }
 
 }  // namespace knurl::detail
+
+namespace knurl {
+
+void check_address(const std::string& address) {
+    try {
+        if (address.starts_with(detail::remote_prefix))
+            bridge::check_host_and_port(address.substr(detail::remote_prefix.size()));
+        else
+            protocol::servo_address(address);
+    } catch (const std::runtime_error& reason) {
+        throw Error(Error::Kind::no_servo, reason.what());
+    }
+}
+
+}  // namespace knurl

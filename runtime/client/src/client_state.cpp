@@ -125,8 +125,8 @@ std::string ClientState::resolve(const std::string& device) {
                 names.empty()    ? detail::format("servo '{}' has no device; start it with --device", servo_)
                 : device.empty() ? detail::format("servo '{}' has {} devices; say which one: {}", servo_,
                                                   names.size(), fmt::join(names, ", "))
-                                 : detail::format("servo '{}' has no device '{}'; it has: {}", servo_, device,
-                                                  fmt::join(names, ", ")));
+                                 : detail::format("servo '{}' has no device '{}'; {}", servo_, device,
+                                                  protocol::instead_of_device(device, names)));
 }
 
 void ClientState::join(Reader& reader) {

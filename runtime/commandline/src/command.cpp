@@ -125,6 +125,20 @@ Option& Option::one_of(const std::vector<std::string>& words) {
     return *this;
 }
 
+Option& Option::checked(const std::function<void(const std::string&)>& check) {
+    const auto problem = [check](const std::string& text) {
+        try {
+            check(text);
+        } catch (const std::exception& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    for (CLI::Option* option : {impl_->option, impl_->former})
+        if (option != nullptr) option->check(problem);
+    return *this;
+}
+
 Option& Option::separated_by(char separator) {
     impl_->option->delimiter(separator);
     return *this;

@@ -71,4 +71,10 @@ std::string instead_of_servo(const std::string& name) {
     return (running.size() == 1 ? "there is only " : "there are ") + all;
 }
 
+std::string instead_of_device(const std::string& wanted, const std::vector<std::string>& names) {
+    std::string all;
+    for (const std::string& name : names) all += (all.empty() ? "it has: " : ", ") + name;
+    return words::did_you_mean(wanted, names, all);
+}
+
 }  // namespace knurl::protocol

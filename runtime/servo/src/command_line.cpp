@@ -92,12 +92,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
         config_file = checked_file;
     }
     DaemonConfig config = config_file.empty() ? DaemonConfig{} : load_config(config_file);
-    if (name.given()) {
-        constexpr std::string_view prefix = "knurl:";  // as clients say it
-        if (told.name.starts_with(prefix)) told.name.erase(0, prefix.size());
-        require_name(told.name, "--name");
-        config.name = told.name;
-    }
+    if (name.given()) config.name = servo_name(told.name, "--name");
     const auto number = [&](const commandline::Option& option, const Range& range, auto& to, auto value) {
         if (!option.given()) return;
         require_within(range, static_cast<double>(value), "--");

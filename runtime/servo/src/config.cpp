@@ -167,7 +167,7 @@ DaemonConfig read_daemon(const toml::table& table, const std::string& path) {
     for (auto&& [key, node] : table) {
         const std::string_view name = key.str();
         if (name == "name")
-            config.name = read.name(node, name);
+            config.name = servo_name(read.text(node, name), fmt::format("{}: name", read.at(node)));
         else if (name == "rate")
             config.rate = read.number(node, ranges::rate);
         else if (name == "cpu")
@@ -218,6 +218,13 @@ void require_name(std::string_view name, std::string_view where) {
                         "not begin with a dot",
                         where, name, protocol::name_bytes - 1));
     }
+}
+
+std::string servo_name(std::string_view said, std::string_view where) {
+    constexpr std::string_view prefix = "knurl:";
+    const std::string_view name = said.starts_with(prefix) ? said.substr(prefix.size()) : said;
+    require_name(name, where);
+    return std::string(name);
 }
 
 DeviceConfig parse_device_argument(std::string_view argument) {

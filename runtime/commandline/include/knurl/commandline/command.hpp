@@ -50,6 +50,8 @@ class Option {
     Option& positive();
     Option& not_negative();
     Option& one_of(const std::vector<std::string>& words);
+    /// `check` throws what is wrong with a value: that is what is wrong with the command line.
+    Option& checked(const std::function<void(const std::string&)>& check);
     /// Of a vector: one argument may hold several values.
     Option& separated_by(char separator);
     /// "--json" alone is allowed beside "--json FILE": given() then, and the variable is empty.

@@ -21,4 +21,7 @@ std::vector<std::string> running_servos();
 /// to start one. Asks the servos: for a last word, not for a loop.
 std::string instead_of_servo(const std::string& name);
 
+/// What to say behind "servo ... has no device 'wanted'; ": the one that was probably meant, or those that it has.
+std::string instead_of_device(const std::string& wanted, const std::vector<std::string>& names);
+
 }  // namespace knurl::protocol

@@ -77,6 +77,8 @@ DeviceConfig parse_device_argument(std::string_view argument);
 void require_within(const Range& range, double value, std::string_view where);
 /// Throws ConfigError unless `name` can be a servo's or device's: it becomes part of file names.
 void require_name(std::string_view name, std::string_view where);
+/// A servo's name, also as clients say it ("knurl:lab"). Throws as require_name() does.
+std::string servo_name(std::string_view said, std::string_view where);
 /// What no single key shows: a spin longer than the period allows, no device, two of one name.
 void check(const DaemonConfig& config);
 /// What needs the device's own figures: limits above what it can do. `where` names the device.

@@ -1,0 +1,25 @@
+#pragma once
+// What a reader answers to a file that it refuses.
+
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+namespace knurl::fuzz {
+
+inline void require(bool holds, const char* what) {
+    if (holds) return;
+    std::fprintf(stderr, "broken: %s\n", what);
+    std::abort();
+}
+
+/// One line that names the file, and nothing in it that a terminal would obey.
+inline void check_refusal(std::string_view text, std::string_view file) {
+    if (!text.starts_with(file)) std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
+    require(text.starts_with(file), "a refusal names the file");
+    require(text.size() < 600, "a refusal is short");
+    for (const char c : text)
+        require(static_cast<unsigned char>(c) >= ' ' && c != 0x7f, "a refusal is one line of text");
+}
+
+}  // namespace knurl::fuzz
