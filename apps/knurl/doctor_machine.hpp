@@ -31,8 +31,8 @@ std::vector<Finding> look_at_usb(const std::filesystem::path& root);
 
 /// Counts since the machine was started.
 struct Disturbance {
-    std::map<std::string, std::uint64_t>
-        interrupts;            // on one CPU, by "36 virtio1-req.0" or "RES Rescheduling interrupts"
+    // on one CPU, by "36 virtio1-req.0" or "RES Rescheduling interrupts"
+    std::map<std::string, std::uint64_t> interrupts;
     std::uint64_t stolen = 0;  // ticks of 10 ms, of all CPUs, that a hypervisor gave to others
 };
 Disturbance count_disturbances(const std::filesystem::path& root, unsigned cpu);

@@ -38,8 +38,8 @@ struct LatencyComparison {
     double confidence = 0;  // of each verdict
     // How many times, up or down, the floor that moved farthest is what it was, at the median and at 99 %.
     double moved = 1, moved_tail = 1;
-    std::vector<std::string>
-        warnings;  // another machine, another load, ...: what the difference may be as well
+    // another machine, another load, ...: what the difference may be as well
+    std::vector<std::string> warnings;
     std::vector<PathComparison> paths;
 };
 

@@ -22,19 +22,19 @@ struct Span {
 
 /// Samples in ns.
 struct PathSamples {
-    std::vector<double>
-        commit_to_write;  // intended time of an update -> write of the first force computed from it
+    // intended time of an update -> write of the first force computed from it
+    std::vector<double> commit_to_write;
     std::vector<double> wait_for_use;  // commit has returned -> read of the cycle that used it
     std::vector<double> report_age;    // read of the report an update was computed from -> that write
     std::vector<double> spinning, blocking, descriptor;  // read of the device -> the client has the report
     // from the cycle's deadline
     std::vector<double> spinning_deadline, blocking_deadline, descriptor_deadline;
     std::vector<double> servo_lateness;  // deadline -> the device has been read; of cycles left out as well
-    std::vector<double>
-        overlooked;  // per update, the cycles that began after its commit and did not use it: 0
-    std::vector<double>
-        after_write;              // blocking: write to the motors (then it publishes) -> the client has it
-    std::vector<double> command;  // asked -> answered
+    // per update, the cycles that began after its commit and did not use it: 0
+    std::vector<double> overlooked;
+    // blocking: write to the motors (then it publishes) -> the client has it
+    std::vector<double> after_write;
+    std::vector<double> command;            // asked -> answered
     std::vector<double> command_less_wait;  // the same, less the wait for the servo's next cycle
     // With an application that sleeps between its updates and its reports:
     // commit is called -> the cycle that uses it begins; -> has written

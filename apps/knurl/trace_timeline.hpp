@@ -56,8 +56,8 @@ struct Timeline {
 /// A stretch of a timeline's reports, and the one that it is about.
 struct Stretch {
     std::size_t begin = 0, middle = 0, end = 0;
-    std::optional<std::uint64_t>
-        stamped{};      // the cycle of it that is drawn in all its parts; none: none was stamped
+    // the cycle of it that is drawn in all its parts; none: none was stamped
+    std::optional<std::uint64_t> stamped{};
     bool late = false;  // the middle is a late cycle
 };
 

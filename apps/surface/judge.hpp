@@ -70,8 +70,8 @@ struct Judgement {
     double contact_share = 0;               // of the judged cycles with the probe below the surface
     double contact = 0;                     // s below it
     double travel = 0;                      // m along it, between cycles below it
-    std::optional<double>
-        limit_cycle;                 // m, half of peak to peak of the height at rest; none: it never rested
+    // m, half of peak to peak of the height at rest; none: it never rested
+    std::optional<double> limit_cycle;
     std::optional<double> fault_at;  // s
     std::uint32_t faults = 0;
 

@@ -14,8 +14,8 @@ namespace knurl::drivers {
 
 /// Settings that come with a device from knurld's command line or configuration.
 struct OpenOptions {
-    std::string
-        hand_file;  // motion of a simulated hand (t,x,y,z[,qw,qx,qy,qz]); empty: it rests at the centre
+    // motion of a simulated hand (t,x,y,z[,qw,qx,qy,qz]); empty: it rests at the centre
+    std::string hand_file;
     std::uint64_t seed = 1;
     int io_priority = 0;      // SCHED_FIFO of a driver's own threads; 0: ordinary
     bool check_only = false;  // reads address and files, touches no hardware: there may be no device then
@@ -29,8 +29,8 @@ struct UsbId {
 struct Driver {
     std::string scheme;
     std::string help;  // one line: what the part after the colon may be
-    std::function<std::unique_ptr<Device>(std::string_view what, const OpenOptions&)>
-        open;                     // throws: what, where, mend
+    // throws: what, where, mend
+    std::function<std::unique_ptr<Device>(std::string_view what, const OpenOptions&)> open;
     std::vector<UsbId> usb = {};  // of the devices that it drives, for `knurl devices`; empty: not on USB
     std::string note = {};        // what whoever has one plugged in should know before it is opened
 };

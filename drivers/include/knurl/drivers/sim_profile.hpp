@@ -78,8 +78,8 @@ struct SimProfile {
     double watchdog = 0;          // s without a write until the motors go off; 0: has none
 
     SimHand hand;
-    std::string
-        live;  // input devices that move the hand, with colons between; empty: a motion does, or nobody
+    // input devices that move the hand, with colons between; empty: a motion does, or nobody
+    std::string live;
     std::uint64_t seed = 1;  // of the tremor
 };
 

@@ -30,8 +30,8 @@ struct Contact {
 struct Bound {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();  // m, at the moment
     double radius = 0;                                 // m
-    Eigen::Vector3d velocity =
-        Eigen::Vector3d::Zero();  // m/s, with which it moves on (of a surface that turns)
+    // m/s, with which it moves on (of a surface that turns)
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
 /// The plane of a surface that stands still between changes; points with normal . x >= offset are free.

@@ -33,8 +33,8 @@ struct Field {
     std::string_view unit = {};
     std::string_view meaning = {};
     double minimum = -std::numeric_limits<double>::infinity();  // the smallest legal value; of each component
-    double maximum =
-        std::numeric_limits<double>::infinity();     // so large that no product overflows: force stays finite
+    // so large that no product overflows: force stays finite
+    double maximum = std::numeric_limits<double>::infinity();
     bool infinity_allowed = false;                   // "as stiff as this device allows"
     bool automatic_allowed = false;                  // the value `automatic` is legal besides the range
     bool nonzero = false;                            // vectors: length >= 1e-6; quaternions always

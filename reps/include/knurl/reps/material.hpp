@@ -21,8 +21,8 @@ struct Friction {
 /// How a snag gives way.
 enum class SnagLaw : std::uint32_t {
     passive = 0,  // constant tangential stiffness, the anchor is dragged: gives back no more than it stored
-    paper =
-        1,  // the paper's own law, for comparison; generates energy when the normal force changes while stuck
+    // the paper's own law, for comparison; generates energy when the normal force changes while stuck
+    paper = 1,
 };
 
 /// Snags (Mark et al., SIGGRAPH 96, 2.1): the tip sticks at points that lie some way apart. In use when

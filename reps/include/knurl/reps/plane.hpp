@@ -20,8 +20,8 @@ enum class PlaneUpdate : std::uint32_t {
 /// How a plane acts together with the others of its probe.
 enum class PlaneCombine : std::uint32_t {
     joint = 0,  // solved together with all other surfaces (default)
-    sum = 1,    // its force k depth is added to theirs, as Armlib and VRPN do: up to N k stiff, and not
-                // conservative
+    // its force k depth is added to theirs, as Armlib and VRPN do: up to N k stiff, and not conservative
+    sum = 1,
 };
 
 /// What `recovery = automatic` means to `paper` and `last_depth`: the paper's own figure.

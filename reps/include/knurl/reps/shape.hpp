@@ -18,8 +18,8 @@ inline constexpr std::uint32_t max_assets = 64;
 
 enum class Shading : std::uint32_t {
     flat = 0,  // the force points to the proxy, as it does on the facets that were sent
-    smooth =
-        1,  // along the normal interpolated over the facet; contact is decided by the facets all the same
+    // along the normal interpolated over the facet; contact is decided by the facets all the same
+    smooth = 1,
 };
 
 /// The servo's memory of a shape.

@@ -45,8 +45,8 @@ struct Received {
     std::size_t bytes = 0;      // of the buffer, filled
     std::vector<UniqueFd> fds;  // close-on-exec
     bool closed = false;        // the peer is gone: nothing will come any more
-    bool truncated =
-        false;  // it did not fit the buffer or had too many descriptors: its descriptors are closed
+    // it did not fit the buffer or had too many descriptors: its descriptors are closed
+    bool truncated = false;
     bool descriptors_lost = false;  // of those of ours: this process has no descriptor left for them
     bool nothing = false;           // Block::no, and nothing is there
 };

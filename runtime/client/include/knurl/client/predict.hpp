@@ -106,9 +106,9 @@ struct Followed {
     double look_ahead = 0;   // share of t* that passed the check: 1, 1/2, 1/4 or 0
     double trust = 1;        // by which t* was shortened before
     bool kept_side = false;  // the nearest face was not the one by which the hand came in: the last stays
-    bool undersampled =
-        false;                // |v| interval > R/2: between two updates the hand passes more than a plane or
-                              // cap can tell of; R from the model's curvatures, or from how its normal turns
+    // |v| interval > R/2: between two updates the hand passes more than a plane or cap can tell of; R from
+    // the model's curvatures, or from how its normal turns
+    bool undersampled = false;
     std::uint32_t asked = 0;  // calls of the model
 };
 

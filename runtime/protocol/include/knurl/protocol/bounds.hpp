@@ -21,9 +21,8 @@ inline constexpr std::uint32_t max_probes = 16;
 inline constexpr std::uint32_t report_slots = 4096;       // about 4 s at 1 kHz: also the flight recorder
 inline constexpr std::uint32_t max_command_cells = 8192;  // 64 B each, of one claim's command ring
 inline constexpr std::uint32_t reply_cells = 2048;  // one for each of those, and for what comes with them
-inline constexpr std::uint32_t command_cells_per_cycle =
-    512;                                            // of one claim in one cycle; a group that has begun
-                                                    // is finished, and the rest waits for the next
+// of one claim in one cycle; a group that has begun is finished, and the rest waits for the next
+inline constexpr std::uint32_t command_cells_per_cycle = 512;
 inline constexpr double max_delay_allowance = 1.0;  // s, by which commits may come late on their way
 inline constexpr std::size_t name_bytes = 64;       // names of servos, devices, clients, with the zero
 

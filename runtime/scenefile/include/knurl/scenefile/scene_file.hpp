@@ -45,9 +45,9 @@ struct Change {
     std::uint32_t item = 0;  // which representation: 0, 1, ... in the order in which they are added
     Kind kind = 0;
     Use use;
-    std::vector<std::byte> params;  // kinds()[kind].size bytes; of a removal, those it
-                                    // had, but for a recovery that the removal states
-    std::string id;                 // as in the file, or made up from kind and line
+    // kinds()[kind].size bytes; of a removal, those it had, but for a recovery that the removal states
+    std::vector<std::byte> params;
+    std::string id;  // as in the file, or made up from kind and line
     std::uint32_t line = 0;
 };
 

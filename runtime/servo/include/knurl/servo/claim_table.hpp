@@ -87,8 +87,8 @@ class ClaimTable {
     enum class Stage {
         free,
         held,
-        returned,  // the servo let go of it by itself (it is ending); its client still thinks that it holds
-                   // it
+        // the servo let go of it by itself (it is ending); its client still thinks that it holds it
+        returned,
         dropping,  // the servo's mailbox was full
         leaving,
     };

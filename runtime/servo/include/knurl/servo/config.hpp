@@ -30,11 +30,13 @@ inline constexpr double default_rate = 1000;  // Hz
 
 struct DaemonConfig {
     std::string name = "default";  // of the servo: clients connect to "knurl:NAME"
-    double rate = 0;    // Hz, of the devices that say nothing else; 0: default_rate, or what a device's
-                        // description says if that is less
-    int cpu = -1;       // the servo threads' and the waker's; -1: the last one that we may use
-    int priority = 80;  // SCHED_FIFO, of the fastest servo thread, slower ones below it; waker 20 and broker
-                        // 30 below; 0: not real time
+    // Hz, of the devices that say nothing else; 0: default_rate, or what a device's description says if that
+    // is less
+    double rate = 0;
+    int cpu = -1;  // the servo threads' and the waker's; -1: the last one that we may use
+    // SCHED_FIFO, of the fastest servo thread, slower ones below it; waker 20 and broker 30 below; 0: not
+    // real time
+    int priority = 80;
     Idle idle = Idle::sleep;
     double spin = 0;                // s: the last part of each sleep is spun instead
     double guardian_stall = 20e-3;  // s without a cycle after which the guardian zeroes the device

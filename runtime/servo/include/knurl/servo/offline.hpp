@@ -121,8 +121,8 @@ class OfflineClaim {
     std::vector<std::byte> group_;  // whole cells
     std::size_t last_message_ = 0;  // where the group's last message begins
     std::vector<Pending> pending_;
-    std::vector<std::vector<std::byte>>
-        added_;  // by slot: the parameters that the servo has the rest of; none: all are sent
+    // by slot: the parameters that the servo has the rest of; none: all are sent
+    std::vector<std::vector<std::byte>> added_;
     Felt felt_;
 };
 
