@@ -139,7 +139,7 @@ std::string json_of(const Summary& s, const Docked& d, const DockOptions& o) {
         {"hand_in", s.hand_in},
         {"hand", s.hand},
         {"body", s.body},
-        {"lost", s.lost},
+        {"lost_between", s.lost},
         {"created", s.created},
         {"most_created", s.most_created},
         {"created_share", s.created_share},

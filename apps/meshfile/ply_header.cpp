@@ -99,7 +99,7 @@ class HeadReader {
 
     PlyElement element(std::string_view line, const PlyHeader& head) {
         PlyElement element;
-        element.name = std::string(next_word(line));
+        element.name = plain(next_word(line));
         const auto word = next_word(line);
         const auto count = integer_of(word);
         if (!count || *count < 0)
@@ -120,7 +120,7 @@ class HeadReader {
             word = next_word(line);
         }
         property.type = type(word);
-        property.name = std::string(next_word(line));
+        property.name = plain(next_word(line));
         if (property.name.empty()) fail("a property without a name; write the file again");
         return property;
     }

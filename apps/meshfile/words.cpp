@@ -46,9 +46,13 @@ std::optional<long long> integer_of(std::string_view word) {
 }
 
 std::string quoted(std::string_view word) {
-    std::string text = "\"";
+    return '"' + plain(word) + '"';
+}
+
+std::string plain(std::string_view word) {
+    std::string text;
     for (const char c : word.substr(0, 30)) text += c >= ' ' && c <= '~' ? c : '?';
-    return text + (word.size() > 30 ? "...\"" : "\"");
+    return text + (word.size() > 30 ? "..." : "");
 }
 
 std::string no_number(std::string_view word) {

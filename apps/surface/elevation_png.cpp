@@ -11,6 +11,9 @@
 namespace surface {
 namespace {
 
+constexpr png_alloc_size_t most_chunk_bytes = 1 << 20;  // of what is no image
+constexpr std::size_t most_packed = 1032;               // bytes that deflate makes one of, at most
+
 struct Source {
     std::string_view rest;
 };
@@ -46,6 +49,7 @@ void read_from(png_structp png, png_bytep out, std::size_t count) {
 bool read_header(Decoding& d) {
     if (setjmp(png_jmpbuf(d.png))) return false;
     png_set_read_fn(d.png, &d.source, read_from);
+    png_set_chunk_malloc_max(d.png, most_chunk_bytes);
     png_read_info(d.png, d.info);
     return true;
 }
@@ -114,6 +118,13 @@ ElevationModel read_png(std::string_view bytes, const std::string& name) {
                         name, depth));
     check_sides(name, rows, columns);
 
+    // Before memory is taken for what a damaged header says.
+    const auto wanted = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+    if (2 * wanted / most_packed > bytes.size())
+        throw std::runtime_error(
+            fmt::format("{}: this PNG is damaged or truncated: its {} bytes cannot hold {} x {} samples; "
+                        "write or fetch it again",
+                        name, bytes.size(), rows, columns));
     const auto row_bytes = static_cast<std::size_t>(columns) * 2;
     d.bytes.resize(static_cast<std::size_t>(rows) * row_bytes);
     for (long r = 0; r < rows; ++r)

@@ -11,6 +11,7 @@
 
 #include <knurl/client/client.hpp>
 
+#include "../rights.hpp"
 #include "program.hpp"
 
 namespace knurl::test {
@@ -63,7 +64,7 @@ TEST(Ls, ADirectoryThatIsNotThereHasNoServos) {
 }
 
 TEST(Ls, WhereItMayNotLookItSaysSoAndFails) {
-    if (::geteuid() != 0) GTEST_SKIP() << "only root can become nobody";
+    KNURL_NEEDS(missing_other_user());
     const Folder folder;  // the programs, for who may not look
     const Home home;
     ASSERT_EQ(::chmod(home.path("").c_str(), 0700), 0);

@@ -1,7 +1,6 @@
 // `knurl reset`: leaves a fault, whoever holds the device, and switches nothing on.
 
 #include <chrono>
-#include <thread>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -19,16 +18,22 @@ bool says(const std::string& text, const std::string& what) {
     return text.find(what) != std::string::npos;
 }
 
-/// As a suspended machine does: the servo's clock has jumped when it goes on.
-void suspend(const Servo& servo) {
-    ::kill(servo.pid(), SIGSTOP);
-    std::this_thread::sleep_for(1200ms);  // a gap above 1 s is a fault
-    ::kill(servo.pid(), SIGCONT);
+template <class Reader>
+DeviceState state_of(Reader& reader) {
+    const auto report = reader.latest();
+    return report ? report->state : DeviceState::disconnected;
 }
 
-DeviceState state_of(Observer& observer) {
-    const auto report = observer.latest();
-    return report ? report->state : DeviceState::disconnected;
+/// As a suspended machine does: the servo's clock has jumped when it goes on. A gap above 1 s is a fault.
+template <class Reader>
+void suspend(const Servo& servo, Reader& reader) {
+    ASSERT_TRUE(eventually([&] { return reader.latest().has_value(); }));
+    ::kill(servo.pid(), SIGSTOP);
+    EXPECT_TRUE(eventually([&] {
+        const std::chrono::nanoseconds newest(reader.latest()->read_ns);
+        return std::chrono::steady_clock::now().time_since_epoch() - newest > 1050ms;
+    }));
+    ::kill(servo.pid(), SIGCONT);
 }
 
 TEST(Reset, LeavesAFaultThatASuspendLeftBehind) {
@@ -36,7 +41,7 @@ TEST(Reset, LeavesAFaultThatASuspendLeftBehind) {
     const Servo servo({"--device", "sim:premium15"});
     Client client = Client::connect();
     Observer observer = client.observe();
-    suspend(servo);
+    suspend(servo, observer);
     ASSERT_TRUE(eventually([&] { return state_of(observer) == DeviceState::fault; }));
     EXPECT_TRUE(says(knurl({"ls"}).out, "fault (clock jump; leave it with: knurl reset premium15)"));
 
@@ -57,7 +62,7 @@ TEST(Reset, BesideWhoHoldsTheDeviceSwitchesNothingOn) {
     Claim hand = client.claim("right");
     hand.add(ConstantForce{.force = {0, 0, 0.1}, .recovery = 0});
     hand.arm();
-    suspend(servo);
+    suspend(servo, hand);
     ASSERT_TRUE(eventually([&] { return state_of(hand) == DeviceState::fault; }));
     EXPECT_THROW(hand.arm(), Error);
 
