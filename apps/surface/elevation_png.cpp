@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 
@@ -11,8 +12,9 @@
 namespace surface {
 namespace {
 
-constexpr png_alloc_size_t most_chunk_bytes = 1 << 20;  // of what is no image
-constexpr std::size_t most_packed = 1032;               // bytes that deflate makes one of, at most
+constexpr png_alloc_size_t most_at_once =
+    64 << 20;                              // bytes that libpng may ask for, whatever a damaged chunk says
+constexpr std::size_t most_packed = 1032;  // bytes that deflate makes one of, at most
 
 struct Source {
     std::string_view rest;
@@ -38,6 +40,13 @@ void on_error(png_structp png, png_const_charp text) {
 
 void on_warning(png_structp, png_const_charp) {}
 
+png_voidp allocate(png_structp, png_alloc_size_t bytes) {
+    return bytes > most_at_once ? nullptr : std::malloc(bytes);
+}
+void release(png_structp, png_voidp memory) {
+    std::free(memory);
+}
+
 void read_from(png_structp png, png_bytep out, std::size_t count) {
     auto* source = static_cast<Source*>(png_get_io_ptr(png));
     if (source->rest.size() < count) png_error(png, "it ends too early");
@@ -49,7 +58,6 @@ void read_from(png_structp png, png_bytep out, std::size_t count) {
 bool read_header(Decoding& d) {
     if (setjmp(png_jmpbuf(d.png))) return false;
     png_set_read_fn(d.png, &d.source, read_from);
-    png_set_chunk_malloc_max(d.png, most_chunk_bytes);
     png_read_info(d.png, d.info);
     return true;
 }
@@ -96,7 +104,8 @@ std::optional<double> transparent(const Decoding& d) {
 ElevationModel read_png(std::string_view bytes, const std::string& name) {
     Decoding d;
     d.source.rest = bytes;
-    d.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &d, on_error, on_warning);
+    d.png =
+        png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &d, on_error, on_warning, nullptr, allocate, release);
     if (d.png == nullptr) throw std::runtime_error(name + ": libpng could not start (out of memory?)");
     d.info = png_create_info_struct(d.png);
     if (d.info == nullptr) throw std::runtime_error(name + ": libpng could not start (out of memory?)");
