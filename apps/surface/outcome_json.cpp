@@ -59,12 +59,8 @@ void write_json(const std::filesystem::path& file, const std::vector<Outcome>& o
                            {"travel_m", j.travel}});
     }
     Json json = Json::parse(knurl::measure::to_json(measured));
-    json["run"] = {{"model", text.model},
-                   {"scale", text.scale},
-                   {"device", text.device},
-                   {"servo_rate", text.servo_rate},
-                   {"application_rate", text.rate},
-                   {"think_s", text.think}};
+    json["run"] = {{"model", text.model},           {"scale", text.scale},           {"device", text.device},
+                   {"servo_rate", text.servo_rate}, {"application_rate", text.rate}, {"think_s", text.think}};
     json["strokes"] = std::move(strokes);
     knurl::measure::write_file(file, json.dump(1) + '\n');
 }
