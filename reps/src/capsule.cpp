@@ -3,7 +3,7 @@
 
 #include <knurl/reps/capsule.hpp>
 
-#include "solid.hpp"
+#include "round_solid.hpp"
 
 namespace knurl {
 
@@ -20,15 +20,14 @@ void adopt(const Capsule& params, const Capsule* previous, Capsule::State& state
 Contact contact(const Capsule& params, Capsule::State& state, const Probe& probe, double dt) noexcept {
     move_on(state.motion, dt);
     const Vector3d q = from_surface(params.center, params.velocity, state.motion, probe);
-    const Vector3d axis = to_eigen(params.axis);
-    const Vector3d away = q - std::clamp(axis.dot(q), -params.half_length, params.half_length) * axis;
-    const double length = away.norm();
-    const Vector3d out = direction_or(away, length, state.core.normal, axis);
-    if (params.side == Side::inside) return contact_of(params, -out, room(params.radius, probe) - length);
-    const double reach = params.radius + probe.radius;
-    const Facing now = guarded({out, length - reach}, reach / 2, state.core, dt, [&](const Vector3d& n) {
-        return n.dot(q) - params.half_length * std::abs(n.dot(axis)) - reach;
-    });
+    RoundSolid solid(to_eigen(params.axis), params.half_length, params.radius + probe.radius);
+    if (params.side == Side::inside) {
+        const Vector3d away = solid.from_core(q);
+        const double length = away.norm();
+        const Vector3d out = direction_or(away, length, Vec3{}, to_eigen(params.axis));
+        return contact_of(params, -out, room(params.radius, probe) - length);
+    }
+    const Facing now = facing_of(solid, q, solid.natural(q, state.hold), state.hold, dt);
     return contact_of(params, now.normal, now.height);
 }
 
@@ -37,7 +36,7 @@ std::optional<Bound> bound(const Capsule& params, const Capsule::State& state) n
 }
 
 void out_of_reach(const Capsule&, Capsule::State& state) noexcept {
-    state.core = {};
+    state.hold = {};
 }
 
 }  // namespace knurl

@@ -12,37 +12,97 @@ using Eigen::Vector3d;
 
 // Where the probe is: along the axis and away from it.
 struct Place {
-    Vector3d q, axis, out;
+    Vector3d axis, out;
     double along, away;
 
-    Place(const Cylinder& params, Cylinder::State& state, const Probe& probe, double dt) noexcept {
-        move_on(state.motion, dt);
-        q = from_surface(params.center, params.velocity, state.motion, probe);
-        axis = to_eigen(params.axis);
-        along = axis.dot(q);
+    Place(const Vector3d& along_axis, const Vector3d& q, const Vec3& last) noexcept
+        : axis(along_axis), along(axis.dot(q)) {
         const Vector3d lateral = across(q, axis);
         away = lateral.norm();
-        out = direction_or(lateral, away, state.core.normal, axis);
+        out = direction_or(lateral, away, last, axis);
     }
     Vector3d to_end() const noexcept { return std::copysign(1.0, along) * axis; }
 };
 
-Facing solid(const Cylinder& params, const Place& at, Core& core, const Probe& probe, double dt) noexcept {
-    const double wall = at.away - params.radius, end = std::abs(at.along) - params.half_length;
-    Facing natural{wall >= end ? at.out : at.to_end(), std::max(wall, end) - probe.radius};
-    if (wall > 0 && end > 0) {  // over the edge
-        const double distance = std::hypot(wall, end);
-        natural = {(wall / distance) * at.out + (end / distance) * at.to_end(), distance - probe.radius};
+constexpr std::uint32_t wall_part = 1, front_part = 2, back_part = 3;  // the ends: along the axis, against it
+
+// Once the probe's centre is within, a face holds it, as a box's does: what it came in by. The wall turns round
+// with the probe down to half its radius.
+struct SolidCylinder {
+    Vector3d axis;
+    double radius, half_length, probe;
+    double margin = probe;
+
+    double ball() const noexcept { return std::hypot(radius, half_length) + probe; }
+    Facing natural(const Place& at) const noexcept {
+        const double wall = at.away - radius, end = std::abs(at.along) - half_length;
+        if (wall > 0 && end > 0) {  // over the edge
+            const double distance = std::hypot(wall, end);
+            return {(wall / distance) * at.out + (end / distance) * at.to_end(), distance - probe};
+        }
+        if (wall >= end) return {at.out, wall - probe, wall_part};
+        return {at.to_end(), end - probe, at.along < 0 ? back_part : front_part};
     }
-    const double limit = (std::min(params.radius, params.half_length) + probe.radius) / 2;
-    return guarded(natural, limit, core, dt, [&](const Vector3d& n) {
-        // The plane that supports the solid in this direction; an endless one has none across its axis but
-        // the wall's.
-        const double cosine = n.dot(at.axis), sine = n.cross(at.axis).norm();
-        const double ends = std::isfinite(params.half_length) ? params.half_length * std::abs(cosine) : 0;
-        return n.dot(at.q) - params.radius * sine - ends - probe.radius;
-    });
-}
+    // A path is in the slab between its ends for a while, and in the endless cylinder: it comes in by what it
+    // crosses last.
+    std::optional<Facing> entered(const Vector3d& last, const Vector3d& q,
+                                  const SolidHold& hold) const noexcept {
+        const Vector3d way = q - last;
+        const double rise = axis.dot(way), start = axis.dot(last);
+        double in = -1, out = 1;
+        std::uint32_t part = 0;
+        if (std::abs(start) > half_length) {
+            if (!(rise * start < 0)) return std::nullopt;
+            in = (std::abs(start) - half_length) / std::abs(rise);
+            part = start < 0 ? back_part : front_part;
+        }
+        if (rise != 0) out = std::min(out, (half_length - std::copysign(1.0, rise) * start) / std::abs(rise));
+        const Vector3d from = last - start * axis, step = way - rise * axis;
+        const double a = step.squaredNorm(), b = from.dot(step), c = from.squaredNorm() - radius * radius;
+        if (a > 0) {
+            const double root = b * b - a * c;
+            if (root < 0) return std::nullopt;
+            const double enters = (-b - std::sqrt(root)) / a, leaves = (-b + std::sqrt(root)) / a;
+            if (c > 0 && enters > in) {
+                in = enters;
+                part = wall_part;
+            }
+            out = std::min(out, leaves);
+        } else if (c > 0) {
+            return std::nullopt;
+        }
+        if (part == 0 || in > out || in < 0) return std::nullopt;
+        // A probe with a radius came over the edge by the normal that it felt there.
+        if (!(hold.normal == Vec3{})) return Facing{to_eigen(hold.normal), 0, part};
+        if (part != wall_part) return Facing{(part == front_part ? 1 : -1) * axis, 0, part};
+        return Facing{Place(axis, last + in * way, Vec3{}).out, 0, part};
+    }
+    Aim aim(const Vector3d& q, const Vector3d& n, std::uint32_t part, const Facing& natural) const noexcept {
+        const Place at(axis, q, Vec3{});
+        if (part != wall_part) {
+            const double side = part == front_part ? 1 : -1;
+            if (at.away <= radius && side * at.along <= half_length) return {Aim::Kind::face, side * axis};
+            return {Aim::Kind::natural, natural.normal};
+        }
+        const Vector3d flat = across(n, axis);
+        const double length = flat.norm();
+        const Vector3d by = direction_or(flat, length, to_plain(at.out), axis);
+        const double front = by.dot(q), aside = axis.cross(by).dot(q);
+        if (std::abs(at.along) <= half_length && std::abs(aside) <= radius) {
+            if (!(front > 0) || at.away < radius / 2) return {Aim::Kind::keep, n};
+            if (at.away <= radius) return {Aim::Kind::face, at.out};
+        }
+        return {Aim::Kind::natural, natural.normal};
+    }
+    // The plane that supports it in this direction; an endless one has none across its axis but the wall's.
+    double over(const Vector3d& q, const Vector3d& n, std::uint32_t) const noexcept {
+        const double cosine = n.dot(axis), sine = n.cross(axis).norm();
+        // What leans less is rounding, which a long way along it would amplify.
+        if (std::abs(cosine) < 1e-14) return n.dot(q) - cosine * axis.dot(q) - radius * sine - probe;
+        const double ends = std::isfinite(half_length) ? half_length * std::abs(cosine) : 0;
+        return n.dot(q) - radius * sine - ends - probe;
+    }
+};
 
 struct Hollow {
     Facing wall, end;
@@ -51,6 +111,11 @@ struct Hollow {
         : wall{-at.out, room(params.radius, probe) - at.away},
           end{-at.to_end(), room(params.half_length, probe) - std::abs(at.along)} {}
 };
+
+Vector3d place_of(const Cylinder& params, Cylinder::State& state, const Probe& probe, double dt) noexcept {
+    move_on(state.motion, dt);
+    return from_surface(params.center, params.velocity, state.motion, probe);
+}
 
 }  // namespace
 
@@ -63,9 +128,11 @@ void adopt(const Cylinder& params, const Cylinder* previous, Cylinder::State& st
 }
 
 Contact contact(const Cylinder& params, Cylinder::State& state, const Probe& probe, double dt) noexcept {
-    const Place at(params, state, probe, dt);
+    const Vector3d axis = to_eigen(params.axis), q = place_of(params, state, probe, dt);
+    const Place at(axis, q, state.hold.normal);
     if (params.side == Side::outside) {
-        const Facing now = solid(params, at, state.core, probe, dt);
+        SolidCylinder solid{axis, params.radius, params.half_length, probe.radius};
+        const Facing now = facing_of(solid, q, solid.natural(at), state.hold, dt);
         return contact_of(params, now.normal, now.height);
     }
     const Hollow hollow(params, at, probe);
@@ -80,7 +147,8 @@ std::uint32_t contacts(const Cylinder& params, Cylinder::State& state, const Pro
         out[0] = contact(params, state, probe, dt);
         return 1;
     }
-    const Hollow hollow(params, Place(params, state, probe, dt), probe);
+    const Vector3d q = place_of(params, state, probe, dt);
+    const Hollow hollow(params, Place(to_eigen(params.axis), q, Vec3{}), probe);
     out[0] = contact_of(params, hollow.wall.normal, hollow.wall.height);
     if (std::isinf(params.half_length)) return 1;
     out[1] = contact_of(params, hollow.end.normal, hollow.end.height);
@@ -93,7 +161,7 @@ std::optional<Bound> bound(const Cylinder& params, const Cylinder::State& state)
 }
 
 void out_of_reach(const Cylinder&, Cylinder::State& state) noexcept {
-    state.core = {};
+    state.hold = {};
 }
 
 }  // namespace knurl

@@ -4,7 +4,7 @@
 
 #include <knurl/reps/concepts.hpp>
 
-#include "core_guard.hpp"
+#include "solid_hold.hpp"
 #include "surface.hpp"
 
 namespace knurl {
@@ -23,7 +23,7 @@ void adopt_solid(const R& params, const R* previous, SolidState& state) noexcept
         !previous || !(params.center == previous->center) || !(params.velocity == previous->velocity);
     if constexpr (requires { params.axis; }) placed = placed || !(params.axis == previous->axis);
     if (placed) place(state.motion);
-    if (previous && params.side != previous->side) state.core = {};
+    if (previous && params.side != previous->side) state.hold = {};
 }
 
 /// The size of a hollow for a probe's centre: one that is larger than its hollow is held at the middle.
@@ -31,9 +31,10 @@ inline double room(double size, const Probe& probe) noexcept {
     return std::max(0.0, size - probe.radius);
 }
 
+/// Of a solid that does not hold the probe (it holds it from however deep).
 template <class R>
 std::optional<Bound> ball_about(const R& params, const SolidState& state, double radius) noexcept {
-    if (params.side == Side::inside) return std::nullopt;
+    if (params.side == Side::inside || state.hold.part != 0) return std::nullopt;
     return Bound{.center = to_eigen(params.center) + state.motion.time * to_eigen(params.velocity),
                  .radius = radius};
 }

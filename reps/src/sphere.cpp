@@ -1,6 +1,6 @@
 #include <knurl/reps/sphere.hpp>
 
-#include "solid.hpp"
+#include "round_solid.hpp"
 
 namespace knurl {
 
@@ -17,12 +17,13 @@ void adopt(const Sphere& params, const Sphere* previous, Sphere::State& state, c
 Contact contact(const Sphere& params, Sphere::State& state, const Probe& probe, double dt) noexcept {
     move_on(state.motion, dt);
     const Vector3d q = from_surface(params.center, params.velocity, state.motion, probe);
-    const double length = q.norm();
-    const Vector3d out = direction_or(q, length, state.core.normal, Vector3d::UnitZ());
-    if (params.side == Side::inside) return contact_of(params, -out, room(params.radius, probe) - length);
-    const double reach = params.radius + probe.radius;
-    const Facing now = guarded({out, length - reach}, reach / 2, state.core, dt,
-                               [&](const Vector3d& n) { return n.dot(q) - reach; });
+    if (params.side == Side::inside) {
+        const double length = q.norm();
+        const Vector3d out = direction_or(q, length, Vec3{}, Vector3d::UnitZ());
+        return contact_of(params, -out, room(params.radius, probe) - length);
+    }
+    RoundSolid solid(Vector3d::UnitZ(), 0, params.radius + probe.radius);
+    const Facing now = facing_of(solid, q, solid.natural(q, state.hold), state.hold, dt);
     return contact_of(params, now.normal, now.height);
 }
 
@@ -31,7 +32,7 @@ std::optional<Bound> bound(const Sphere& params, const Sphere::State& state) noe
 }
 
 void out_of_reach(const Sphere&, Sphere::State& state) noexcept {
-    state.core = {};
+    state.hold = {};
 }
 
 }  // namespace knurl

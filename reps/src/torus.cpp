@@ -11,17 +11,13 @@ namespace {
 using Eigen::Vector3d;
 
 // The probe in the plane through it and the axis: `from_axis` away from it, `along` it. The tube's section
-// there is a disc about (radius, 0), and the kept normal turns with this plane: what is kept is a cone around
+// there is a disc about (radius, 0), and a kept normal turns with this plane: what is kept is a cone around
 // the ring.
 struct Section {
     Vector3d axis, radial;
     double from_axis, along;
 
-    Section(const Torus& params, Torus::State& state, const Probe& probe, double dt) noexcept {
-        move_on(state.motion, dt);
-        const Vector3d q = from_surface(params.center, params.velocity, state.motion, probe);
-        axis = to_eigen(params.axis);
-        along = axis.dot(q);
+    Section(const Vector3d& ring_axis, const Vector3d& q) noexcept : axis(ring_axis), along(axis.dot(q)) {
         const Vector3d lateral = across(q, axis);
         from_axis = lateral.norm();
         radial = direction_or(lateral, from_axis, Vec3{}, axis);
@@ -33,9 +29,9 @@ struct Section {
     // From the circle.
     struct Away {
         double x, z, length;
-        Vector3d normal(const Core& core) const noexcept {
+        Vector3d normal(const SolidHold& hold) const noexcept {
             if (length > 1e-100) return {x / length, 0, z / length};
-            return core.normal == Vec3{} ? Vector3d::UnitZ() : to_eigen(core.normal);
+            return hold.normal == Vec3{} ? Vector3d::UnitZ() : to_eigen(hold.normal);
         }
     };
     Away away(double radius) const noexcept {
@@ -56,41 +52,108 @@ struct Seat {
     double along;  // m, of both seats from the centre; 0: there are none
     Seat(double size, double radius) noexcept
         : along(size > radius ? std::sqrt((size - radius) * (size + radius)) : 0) {}
-    double over(const Section& at, const Vector3d& normal) const noexcept {
-        const double rises = normal.dot(at.axis), to = std::copysign(along, rises);
-        return normal.dot(at.from_axis * at.radial) + rises * (at.along - to);
+    double over(const Vector3d& q, const Vector3d& axis, const Vector3d& normal) const noexcept {
+        const double rises = normal.dot(axis);
+        return normal.dot(q) - rises * std::copysign(along, rises);
     }
     // Half way on the straight line from the seat to the middle plane, where the other seat becomes the
     // nearest.
-    double limit(const Section& at, const Vector3d& normal) const noexcept {
-        return along / (2 * std::abs(normal.dot(at.axis)));
+    double limit(const Vector3d& axis, const Vector3d& normal) const noexcept {
+        return along / (2 * std::abs(normal.dot(axis)));
     }
 };
 
-Facing facing(const Section& at, const Section::Away& away, const Seat& seat, const Torus& params,
-              double size, const Core& core) noexcept {
-    if (seat.along > 0 && params.radius * away.length + size * away.x < 0) {
+Facing facing(const Section& at, const Section::Away& away, const Seat& seat, double radius, double size,
+              const SolidHold& hold) noexcept {
+    if (seat.along > 0 && radius * away.length + size * away.x < 0) {
         const double side = std::copysign(1.0, at.along), to = side * seat.along - at.along;
         const double depth = std::sqrt(to * to + at.from_axis * at.from_axis);
         const Vector3d out = to * at.axis - at.from_axis * at.radial;
         return {depth > 1e-100 ? Vector3d(out / depth) : Vector3d(side * at.axis), -depth, seat_part};
     }
-    return {away.normal(core), away.length - size, tube_part};
+    return {away.normal(hold), away.length - size, tube_part};
 }
 
-Contact solid(const Torus& params, const Section& at, Core& core, const Probe& probe, double dt) noexcept {
+// One that the probe's radius makes `size` thick. `radial` is where around the axis it holds: with the probe
+// from half way to the axis outwards, further in as it was.
+struct Ring {
+    Vector3d axis, radial;
+    double radius, size;
+    Seat seat;
+    double margin;
+
+    Ring(const Torus& params, const Section& at, const Facing& natural, const SolidHold& hold,
+         const Probe& probe, double dt) noexcept
+        : axis(at.axis),
+          radial(at.radial),
+          radius(params.radius),
+          size(params.tube + probe.radius),
+          seat(size, radius),
+          margin(natural.part == seat_part ? seat.limit(axis, natural.normal) : size / 2) {
+        if (hold.part != tube_part) return;
+        const Vector3d held = to_eigen(hold.radial);
+        const bool inner = at.from_axis < radius / 2 || at.radial.dot(held) < 0;
+        const bool past = at.from_axis * std::abs(axis.cross(held).dot(at.radial)) > ball();
+        radial = inner && !past ? held : turned(held, at.radial, turn_rate * dt);
+    }
+    double ball() const noexcept { return radius + size; }
+    std::optional<Facing> entered(const Vector3d& last, const Vector3d& q, const SolidHold& hold) noexcept {
+        const double from = axis.dot(last), to = axis.dot(q);
+        if (seat.along > 0) {
+            // Only one way through is as short as a step: past the middle of the hole.
+            if (!(from * to < 0)) return std::nullopt;
+            if (Section(axis, last + from / (from - to) * (q - last)).from_axis >= radius)
+                return std::nullopt;
+            return Facing{std::copysign(1.0, from) * axis, 0, seat_part};
+        }
+        const auto at = where_entered(last, q, size, [&](const Vector3d& p) {
+            return Section(axis, p).away(radius).length - (size - margin);
+        });
+        if (!at) return std::nullopt;
+        const Section section(axis, *at);
+        radial = section.radial;
+        return Facing{section.away(radius).normal(hold), 0, tube_part};
+    }
+    Vector3d in_section(const Vector3d& q) const noexcept { return {q.dot(radial) - radius, 0, q.dot(axis)}; }
+    Aim aim(const Vector3d& q, const Vector3d& n, std::uint32_t part, const Facing& natural) const noexcept {
+        const Aim keeps{Aim::Kind::keep, n};
+        const Section at(axis, q);
+        const bool from_seat = natural.part == seat_part;
+        if (part == seat_part) {
+            const Vector3d aside = q - n.dot(q) * n;
+            if (aside.squaredNorm() <= ball() * ball()) return keeps;
+            return {Aim::Kind::natural, from_seat ? natural.normal : at.world(natural.normal)};
+        }
+        const Aim lets_go{radial == at.radial ? Aim::Kind::natural : Aim::Kind::face,
+                          from_seat ? Vector3d(natural.normal.dot(at.radial), 0, natural.normal.dot(axis))
+                                    : natural.normal};
+        if (natural.height < -margin) return keeps;
+        const Vector3d y = in_section(q);
+        const bool beside = std::abs(n.x() * y.z() - n.z() * y.x()) > size;
+        const bool past = std::abs(axis.cross(radial).dot(q)) > ball();
+        return n.dot(y) > 0 || beside || past ? lets_go : keeps;
+    }
+    double over(const Vector3d& q, const Vector3d& n, std::uint32_t part) const noexcept {
+        return part == seat_part ? seat.over(q, axis, n) : n.dot(in_section(q)) - size;
+    }
+};
+
+Contact solid(const Torus& params, const Vector3d& q, SolidHold& hold, const Probe& probe,
+              double dt) noexcept {
+    const Section at(to_eigen(params.axis), q);
     const double size = params.tube + probe.radius;
-    const Section::Away away = at.away(params.radius);
-    const Seat seat(size, params.radius);
-    const Facing natural = facing(at, away, seat, params, size, core);
-    const double limit = natural.part == seat_part ? seat.limit(at, natural.normal) : size / 2;
-    const Facing now = guarded_part(natural, limit, core, dt, [&](const Vector3d& n, std::uint32_t part) {
-        if (part == seat_part) return std::max(seat.over(at, n), -seat.limit(at, n));
-        return std::max(n.x() * away.x + n.z() * away.z - size, -size / 2);
-    });
-    if (now.part == tube_part) return contact_of(params, at.world(now.normal), now.height);
-    if (dt > 0 && core.deep == 0) core.normal = Vec3{};  // no section's, and there is no doubt about it
-    return contact_of(params, now.normal, now.height);
+    const Facing natural =
+        facing(at, at.away(params.radius), Seat(size, params.radius), params.radius, size, hold);
+    Ring ring(params, at, natural, hold, probe, dt);
+    const Facing now = facing_of(ring, q, natural, hold, dt);
+    if (dt > 0) {
+        // Of a seat that does not hold it is no section's, and there is no doubt about it.
+        if (now.part == seat_part && hold.part == 0) hold.normal = Vec3{};
+        if (hold.part == tube_part) hold.radial = to_plain(ring.radial);
+    }
+    if (now.part == seat_part) return contact_of(params, now.normal, now.height);
+    const Vector3d& radial = now.held ? ring.radial : at.radial;
+    return contact_of(params, now.normal.x() * radial + now.normal.z() * ring.axis, now.height);
 }
 
 }  // namespace
@@ -111,10 +174,12 @@ void adopt(const Torus& params, const Torus* previous, Torus::State& state, cons
 }
 
 Contact contact(const Torus& params, Torus::State& state, const Probe& probe, double dt) noexcept {
-    const Section at(params, state, probe, dt);
-    if (params.side == Side::outside) return solid(params, at, state.core, probe, dt);
+    move_on(state.motion, dt);
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, probe);
+    if (params.side == Side::outside) return solid(params, q, state.hold, probe, dt);
+    const Section at(to_eigen(params.axis), q);
     const Section::Away away = at.away(params.radius);
-    return contact_of(params, at.world(-away.normal(state.core)), room(params.tube, probe) - away.length);
+    return contact_of(params, at.world(-away.normal(SolidHold{})), room(params.tube, probe) - away.length);
 }
 
 std::optional<Bound> bound(const Torus& params, const Torus::State& state) noexcept {
@@ -122,7 +187,7 @@ std::optional<Bound> bound(const Torus& params, const Torus::State& state) noexc
 }
 
 void out_of_reach(const Torus&, Torus::State& state) noexcept {
-    state.core = {};
+    state.hold = {};
 }
 
 }  // namespace knurl

@@ -14,17 +14,19 @@ enum class Side : std::uint32_t {
     inside = 1,   // in the hollow: the probe is held within
 };
 
-/// Half way to its core a solid's nearest surface turns round. From there on the contact keeps the normal
-/// that it had.
-struct Core {
-    Vec3 normal = {};        // the contact's while it touches, else 0 0 0
-    std::uint32_t deep = 0;  // the part of the solid (1, 2, ...) whose normal is kept; 0: none is
-    std::uint32_t reserved = 0;
+/// How a solid holds a probe that has come in deep: by the plane that supports it in a direction that is kept.
+struct SolidHold {
+    Vec3 normal = {};           // the contact's while it touches, else 0 0 0; of a ring in its section
+    Vec3 radial = {};           // of a ring that holds: where around its axis
+    Vec3 last = {};             // m, from the middle: the probe in the last cycle
+    std::uint32_t part = 0;     // of the solid (1, 2, ...) by which it holds; 0: it does not
+    std::uint16_t turning = 0;  // 1: the normal that is kept is not that of the surface there
+    std::uint16_t met = 0;      // 1: there was a last cycle
 };
 
 struct SolidState {
     Motion motion;
-    Core core;
+    SolidHold hold;
 };
 
 namespace detail {

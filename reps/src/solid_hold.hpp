@@ -1,0 +1,160 @@
+#pragma once
+// Inside a solid the normal of the nearest surface turns round at its core: the centre of a sphere, the axis
+// of a cylinder, the middle of a coin. A probe that is pressed through would be thrown out on the other side.
+// So where a probe has come in deep, the solid holds it by the plane that supports the solid in the direction
+// from which it came, however deep: also behind a coin, a needle or a bead that is thinner than the hand
+// sinks in. `deep` is where the nearest surface answers less than -margin.
+//
+//        natural            held: the plane by which it came in         beside: n turns to the natural one
+//                                                                        at turn_rate, the force goes with it
+//          p0   n                    n                                          n .->
+//           \   |                    |                                          | /
+//     .------\--|---.          .-----|----.                             .-------|'--.
+//    (        p1     )        (      |     )   over: the line p + t n  (           ) |
+//     '-------------'          '-----|----'    meets the solid          '---------'  p3  free once its plane
+//                                    p2                                              is above: height >= 0
+//
+// While the normal is kept the force is a plane's, so conservative; where it turns it turns to where the
+// depth is less, which only takes energy; and it turns slowly, so nothing jumps.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include <knurl/reps/solid.hpp>
+
+namespace knurl {
+
+/// What a shape alone decides of its contact, in whatever frame it keeps its normals in.
+struct Facing {
+    Eigen::Vector3d normal;  // unit
+    double height;           // m
+    std::uint32_t part = 1;  // of the solid (1, 2, ...) whose normal this is
+    bool held = false;       // by a normal that is kept
+};
+
+/// With which a normal that is kept no longer turns to the natural one: a right angle in 31 ms.
+inline constexpr double turn_rate = 50;  // rad/s
+
+/// `from` turned towards `to` by no more than that angle (rad): `to` itself, to the bit, where it gets there.
+inline Eigen::Vector3d turned(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double angle) noexcept {
+    if (!(angle > 0)) return from;
+    const double cosine = from.dot(to);
+    if (cosine >= std::cos(angle)) return to;
+    const Eigen::Vector3d rest = to - cosine * from;
+    const double sine = rest.norm();
+    const Eigen::Vector3d side = sine > 1e-9 ? Eigen::Vector3d(rest / sine) : from.unitOrthogonal();
+    return (std::cos(angle) * from + std::sin(angle) * side).normalized();
+}
+
+/// Where the straight way between two points first comes to above(at) <= 0, by steps of that distance, which
+/// no surface changes by more than the way.
+template <class Above>
+std::optional<Eigen::Vector3d> where_entered(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                                             double size, Above&& above) noexcept {
+    constexpr int steps = 32;
+    const Eigen::Vector3d way = to - from;
+    const double length = way.norm();
+    double gone = 0;
+    for (int i = 0; i < steps; ++i) {
+        const Eigen::Vector3d at = length > 0 ? Eigen::Vector3d(from + (gone / length) * way) : from;
+        const double left = above(at);
+        if (left <= 1e-6 * size) return at;
+        gone += left;
+        if (gone > length) return std::nullopt;
+    }
+    return std::nullopt;  // it only grazes
+}
+
+/// The normal that a solid is to have where it holds a probe.
+struct Aim {
+    enum class Kind {
+        keep,     // the one that it has
+        face,     // a flat or straight face's, through which the probe came
+        natural,  // the nearest surface's: it lets go
+    };
+    Kind kind;
+    Eigen::Vector3d normal;
+};
+
+/// Where `hold` did not hold the probe. True: it does now, by what `by` becomes.
+template <class Solid>
+bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, const SolidHold& hold,
+                double dt, Facing& by) noexcept {
+    const double above = natural.height + solid.margin;
+    if (dt > 0 && hold.met != 0) {
+        const Eigen::Vector3d last = to_eigen(hold.last);
+        const bool may_have = above < 0 || above * above <= (q - last).squaredNorm();
+        if (may_have && q.squaredNorm() <= solid.ball() * solid.ball()) {
+            if (const std::optional<Facing> entry = solid.entered(last, q, hold)) {
+                // One that cuts a corner and is out again has touched nothing.
+                const bool holds =
+                    above < 0 || solid.aim(q, entry->normal, entry->part, natural).kind != Aim::Kind::natural;
+                if (holds) by = *entry;
+                return holds;
+            }
+        }
+    }
+    if (!(above < 0)) return false;
+    by = natural;
+    return true;
+}
+
+/// The contact of a solid at q (m, from its middle). A solid offers, for itself as large as the probe makes it
+///
+///   margin                     m, how deep the natural contact counts
+///   ball()                     m, no farther from the middle does a path end that has not led past it
+///   entered(last, q, hold)     by what a path came in deep, if it did
+///   aim(q, normal, part, natural)
+///   over(q, normal, part)      m, height over the plane that supports it in that direction
+///
+/// `natural` is that of the nearest surface. Time that does not pass (dt = 0) leaves no trace in `hold`.
+template <class Solid>
+Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, SolidHold& hold,
+                 double dt) noexcept {
+    Facing now = natural;
+    std::uint32_t part = hold.part;
+    bool turning = hold.turning != 0;
+    if (part == 0 && takes_hold(solid, q, natural, hold, dt, now)) {
+        part = now.part;
+        turning = true;
+    }
+    if (part != 0) {
+        Eigen::Vector3d normal = hold.part != 0 ? to_eigen(hold.normal) : now.normal;
+        const Aim aim = solid.aim(q, normal, part, natural);
+        if (aim.kind == Aim::Kind::keep) {
+            turning = true;
+        } else if (aim.kind == Aim::Kind::face && !turning) {
+            normal = aim.normal;
+        } else {
+            normal = turned(normal, aim.normal, turn_rate * dt);
+            turning = normal != aim.normal;
+            if (!turning && aim.kind == Aim::Kind::natural) part = 0;
+        }
+        now = {normal, solid.over(q, normal, part), part, true};
+        if (part == 0 || now.height >= 0) {
+            part = 0;
+            now = natural;
+        }
+    }
+    if (dt > 0) {
+        hold.normal = now.height < 0 ? to_plain(now.normal) : Vec3{};
+        hold.last = to_plain(q);
+        hold.part = part;
+        hold.turning = turning && part != 0;
+        hold.met = 1;
+    }
+    return now;
+}
+
+/// A direction. On the core there is none: last cycle's then, and where that is none (0 0 0) a fixed one
+/// across `axis`.
+inline Eigen::Vector3d direction_or(const Eigen::Vector3d& v, double length, const Vec3& last,
+                                    const Eigen::Vector3d& axis) noexcept {
+    if (length > 1e-100) return v / length;
+    return last == Vec3{} ? axis.unitOrthogonal() : to_eigen(last);
+}
+
+}  // namespace knurl
