@@ -10,24 +10,20 @@ V or_across(const V& v, const V& n) {
 
 }  // namespace
 
-/// From half way to the core on the contact is the tangent plane of where it got that deep, no deeper than
-/// that, until the probe is out.
-template <class Over>
-Foot SolidTouch::guarded(const Foot& foot, Real core, Over&& over) {
-    const Real limit = core / 2, depth = -foot.height;
+Foot SolidTouch::nearest(const Foot& foot, Real limit) {
+    const Real depth = -foot.height;
     doubt = std::min({doubt, std::fabs(depth), std::fabs(depth - limit)});
-    bool deep = deep_ && depth > 0;
-    V kept = normal_;
-    Real clear = clear_;
-    if (!deep && depth > limit) deep = true, kept = foot.normal, clear = foot.clear;
-    deep_ = deep, normal_ = kept, clear_ = clear;
-    return deep ? Foot{kept, std::max(over(kept), -limit), clear} : foot;
+    deep = deep || depth > limit || step_ * (1 + 1e-9L) >= limit - depth;
+    return foot;
 }
 
 std::vector<Foot> SolidTouch::step(const Solid& s, const V& probe, Real radius) {
     doubt = INFINITY;
     const V axis = unit(s.axis), q = probe - s.center;
     const Real z = dot(q, axis), sign = z < 0 ? -1 : 1;
+    step_ = met_ ? length(q - last_) : 0;
+    last_z_ = met_ ? dot(last_, axis) : z;
+    last_ = q, met_ = true, deep = false;
     const V flat = flattened(q, axis);
     const Real rho = length(flat);
     const auto room = [&](Real size) {
@@ -53,33 +49,26 @@ std::vector<Foot> SolidTouch::step(const Solid& s, const V& probe, Real radius) 
                                : Foot{sign * axis, end - radius, INFINITY};
             if (wall < end) doubt = std::min(doubt, std::fabs(z));
         }
-        // The plane that supports the solid on that side.
-        return {guarded(foot, std::min(s.radius, s.half_length) + radius, [&](const V& n) {
-            const Real ends = std::isfinite(s.half_length) ? s.half_length * std::fabs(dot(n, axis)) : 0;
-            return dot(n, q) - s.radius * length(cross(n, axis)) - ends - radius;
-        })};
+        return {nearest(foot, radius)};
     }
 
     // The others are balls about the nearest point of a point, a line or a circle.
-    V nearest;
+    V core;
     Real size = s.radius;
     std::vector<Foot> feet;
-    if (s.kind == Solid::Kind::capsule) nearest = std::min(std::max(z, -s.half_length), s.half_length) * axis;
+    if (s.kind == Solid::Kind::capsule) core = std::min(std::max(z, -s.half_length), s.half_length) * axis;
     const V out = or_across(flat, axis);
     if (s.kind == Solid::Kind::torus) {
-        nearest = s.radius * out;
+        core = s.radius * out;
         size = s.tube;
     }
-    const V away = q - nearest;
+    const V away = q - core;
     const Real distance = length(away);
     const Real clear = s.kind == Solid::Kind::torus ? std::min(distance, rho) : distance;
     if (s.hollow) return {{-or_across(away, axis), room(size) - distance, clear}};
     const Real reach = size + radius;
-    if (s.kind != Solid::Kind::torus) {
-        return {guarded({or_across(away, axis), distance - reach, clear}, reach, [&](const V& n) {
-            return dot(n, q) - s.half_length * std::fabs(dot(n, axis)) - reach;
-        })};
-    }
+    if (s.kind != Solid::Kind::torus)
+        return {nearest({or_across(away, axis), distance - reach, clear}, reach / 2)};
     return {ring(s, rho, z, reach, out, axis)};
 }
 
@@ -105,22 +94,9 @@ Foot SolidTouch::ring(const Solid& s, Real rho, Real z, Real reach, const V& out
         foot = {unit(way), -length(way), length(way)};
         most = length(way) * (seat / 2) / std::fabs(way.y);  // there z has half the seat's height
     }
-    const Real depth = -foot.height;
-    doubt = std::min({doubt, std::fabs(depth), std::fabs(depth - most)});
-    const V world = foot.normal.x * out + foot.normal.y * axis;
-    deep_ = deep_ && depth > 0;
-    if (!deep_ && depth > most) {
-        deep_ = true, on_seat_ = seated, clear_ = foot.clear;
-        normal_ = seated ? world : foot.normal;
-    }
-    if (!deep_) return {world, foot.height, foot.clear};
-    if (on_seat_) {  // stands still in the world, since near the axis the section turns at once
-        const Real rises = dot(normal_, axis), side = rises < 0 ? -1 : 1;
-        const Real height = rho * dot(normal_, out) + rises * (z - side * seat);
-        return {normal_, std::max(height, -seat / (2 * std::fabs(rises))), clear_};
-    }
-    const Real height = normal_.x * x + normal_.y * z - reach;
-    return {normal_.x * out + normal_.y * axis, std::max(height, -limit), std::min(clear_, rho)};
+    if (seat > 0 && last_z_ * z < 0) deep = true;  // through the hole
+    nearest(foot, most);
+    return {foot.normal.x * out + foot.normal.y * axis, foot.height, foot.clear};
 }
 
 }  // namespace exact

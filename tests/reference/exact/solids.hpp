@@ -1,6 +1,6 @@
 #pragma once
-// Sphere, capsule, cylinder and torus, solid and hollow, by their distances; a solid keeps the normal that it
-// had beyond half way to its core.
+// Sphere, capsule, cylinder and torus, solid and hollow, by their distances: as long as the nearest surface
+// counts, and not that by which the probe came in.
 
 #include <vector>
 
@@ -20,14 +20,14 @@ class SolidTouch {
     /// The tangent planes at once that hold a probe of that radius: the first is the nearest.
     std::vector<Foot> step(const Solid& solid, const V& probe, Real radius);
     Real doubt = INFINITY;  // m, by how little the last step's decisions were made
+    bool deep = false;      // the last step came beyond half way to its core, or may have passed there
 
   private:
-    template <class Over>
-    Foot guarded(const Foot& foot, Real core, Over&& over);
+    Foot nearest(const Foot& foot, Real limit);
     Foot ring(const Solid& s, Real rho, Real z, Real reach, const V& out, const V& axis);
-    V normal_;
-    Real clear_ = INFINITY;
-    bool deep_ = false, on_seat_ = false;
+    V last_;
+    Real step_ = 0, last_z_ = 0;  // m
+    bool met_ = false;
 };
 
 }  // namespace exact
