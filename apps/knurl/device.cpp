@@ -12,12 +12,12 @@ namespace knurl::cli {
 
 namespace {
 
-struct Arguments {
+struct DeviceArguments {
     std::string arm, picture;
     bool json = false;
 };
 
-int run_check(const Arguments& arguments) {
+int run_check(const DeviceArguments& arguments) {
     CheckedArm arm;
     try {
         arm = checked_arm(arguments.arm);
@@ -35,7 +35,7 @@ int run_check(const Arguments& arguments) {
 void add_device_check(commandline::Command& device) {
     auto& verb = device.verb(
         "check", "Workspace, condition, force and resolution of an arm, from its file; no hardware");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<DeviceArguments>();
     verb.option("FILE", arguments->arm,
                 "an arm's TOML file, or the name of one that is built in (omni, woodenhaptics, ...)")
         .required();

@@ -77,18 +77,18 @@ std::string overstepped(const CheckedArm& arm, const JointArray& q) {
     return {};
 }
 
-using Wrench = Eigen::Matrix<double, 6, 1>;  // force and torque
+using WrenchVector = Eigen::Matrix<double, 6, 1>;  // force and torque
 
-Wrench force_along(const Vector3d& u) {
-    return (Wrench() << u, Vector3d::Zero()).finished();
+WrenchVector force_along(const Vector3d& u) {
+    return (WrenchVector() << u, Vector3d::Zero()).finished();
 }
-Wrench torque_about(const Vector3d& u) {
-    return (Wrench() << Vector3d::Zero(), u).finished();
+WrenchVector torque_about(const Vector3d& u) {
+    return (WrenchVector() << Vector3d::Zero(), u).finished();
 }
 
 /// Largest multiple (N, N m) of w before the first motor is at its limit: the efforts are J^T w.
 double largest(const CheckedArm& arm, const Posture& posture, const std::vector<double>& limits,
-               const Wrench& w) {
+               const WrenchVector& w) {
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < driven(arm); ++i) {
         const double share = std::abs(posture.jacobian.col(i).dot(w));

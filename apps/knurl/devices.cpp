@@ -39,7 +39,7 @@ std::string holder(const UsbDevice& device, const std::vector<ServoView>& servos
     return "";
 }
 
-Seen look(const UsbDevice& device, const std::vector<ServoView>& servos) {
+Seen inspect(const UsbDevice& device, const std::vector<ServoView>& servos) {
     Seen seen{.device = device, .held_by = holder(device, servos), .problem = {}, .mend = {}};
     if (!seen.held_by.empty()) return seen;
     if (device.claimed) {
@@ -95,7 +95,7 @@ int list(bool as_json) {
     }
     const std::vector<ServoView> servos = look_at_all();
     std::vector<Seen> plugged;
-    for (const UsbDevice& device : found) plugged.push_back(look(device, servos));
+    for (const UsbDevice& device : found) plugged.push_back(inspect(device, servos));
     if (!as_json) {
         print_text(plugged, no_usb);
         return 0;

@@ -29,7 +29,7 @@ constexpr double main_rate = 1000;
 constexpr int rounds = 3;           // the servo and the bare loop take turns
 constexpr double idle_share = 0.1;  // of the time: whether idle polling would help
 
-struct Arguments {
+struct DoctorArguments {
     double seconds = 50;
     int servo_cpu = -1;  // -1: the last one that we may use
     std::string idle = "sleep";
@@ -59,7 +59,7 @@ void append(Beginnings& all, const Beginnings& more) {
 
 class Doctor {
   public:
-    Doctor(const Arguments& arguments, const std::atomic<bool>& stop)
+    Doctor(const DoctorArguments& arguments, const std::atomic<bool>& stop)
         : arguments_(arguments), stop_(stop), progress_("knurl doctor") {
         const auto cpus = measure::allowed_cpus();
         if (cpus.empty()) throw std::runtime_error("the CPUs that this process may use cannot be read");
@@ -155,7 +155,7 @@ class Doctor {
                 figures(bare_loop(main_rate, result_.servo_cpu, length, stop_), {}, main_rate).p50;
     }
 
-    Arguments arguments_;
+    DoctorArguments arguments_;
     const std::atomic<bool>& stop_;
     measure::Progress progress_;
     Nanoseconds begin_ = 0;
@@ -178,7 +178,7 @@ std::string figures_line(const char* who, const LoopFigures& f) {
     return line + "\n";
 }
 
-void print_text(const Examination& found, const Arguments& arguments) {
+void print_text(const Examination& found, const DoctorArguments& arguments) {
     const measure::Machine machine = measure::this_machine();
     fmt::print("{}, {} CPUs, Linux {}, load {}, {}\nservo on CPU {}, idle \"{}\", spin {:g} s; {}\n\n",
                machine.processor, machine.cpus, machine.kernel, machine.load, machine.date, found.servo_cpu,
@@ -223,7 +223,7 @@ json to_json(const LoopFigures& f) {
             {"longest_stall_s", static_cast<double>(f.stalls.longest) * 1e-9}};
 }
 
-json to_json(const Examination& found, const Arguments& arguments) {
+json to_json(const Examination& found, const DoctorArguments& arguments) {
     const measure::Machine machine = measure::this_machine();
     json findings = json::array(), verdicts = json::array();
     for (const Finding& finding : found.findings) {
@@ -267,7 +267,7 @@ json to_json(const Examination& found, const Arguments& arguments) {
             {"rates", verdicts}};
 }
 
-int run_doctor(const Arguments& arguments) {
+int run_doctor(const DoctorArguments& arguments) {
     if (!(arguments.seconds >= 5 && arguments.seconds <= 3600))
         throw UsageError(fmt::format("--seconds is {:g}; give 5 to 3600", arguments.seconds));
     commandline::stop_on_signals();
@@ -289,7 +289,7 @@ int run_doctor(const Arguments& arguments) {
 void add_doctor(commandline::Command& program) {
     auto& verb = program.verb(
         "doctor", "Is this machine fit for a hand, at which rate, and what would make it better?");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<DoctorArguments>();
     verb.option("--seconds", arguments->seconds, "to measure for, in all").shows_default().type_name("S");
     verb.option("--servo-cpu", arguments->servo_cpu, "where the servo runs; default: the last CPU")
         .within(0, 1023)

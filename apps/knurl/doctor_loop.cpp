@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int servo_priority = 80, witness_priority = 90;
+constexpr int loop_priority = 80, loop_witness_priority = 90;
 constexpr Nanoseconds settling = 100'000'000;  // of a servo that has just been armed: first faults, ramp
 constexpr Nanoseconds looking_pace = 2'000'000;
 // The witness sleeps 1 ms at a time, and wakes later than the loop.
@@ -21,7 +21,7 @@ constexpr Nanoseconds same_time = 2'000'000;
 }  // namespace
 
 std::unique_ptr<Witness> witness_on(unsigned cpu) {
-    auto witness = std::make_unique<Witness>(std::vector{cpu}, witness_priority);
+    auto witness = std::make_unique<Witness>(std::vector{cpu}, loop_witness_priority);
     if (witness->watching() == 0) witness.reset();
     return witness;
 }
@@ -29,7 +29,7 @@ std::unique_ptr<Witness> witness_on(unsigned cpu) {
 Beginnings bare_loop(double rate, unsigned cpu, Nanoseconds length, const std::atomic<bool>& stop) {
     const auto period = static_cast<Nanoseconds>(std::llround(1e9 / rate));
     return measure::bare_loop({.cpu = cpu,
-                               .priority = servo_priority,
+                               .priority = loop_priority,
                                .first = now_ns() + period,
                                .period = period,
                                .length = length,

@@ -15,7 +15,7 @@ namespace knurl::cli {
 
 namespace {
 
-struct Arguments {
+struct EvalArguments {
     std::string scene, motion, out;
     EvaluationOptions options;
 };
@@ -46,7 +46,7 @@ std::string csv_of(const std::vector<EvaluatedCycle>& cycles) {
 
 constexpr double lowest_rate = 500, highest_rate = 20'000;  // Hz, as of a servo
 
-int run_eval(const Arguments& arguments) {
+int run_eval(const EvalArguments& arguments) {
     if (!(arguments.options.rate >= lowest_rate && arguments.options.rate <= highest_rate)) {
         throw UsageError(fmt::format("--rate is {:g} Hz; give {:g} to {:g} Hz", arguments.options.rate,
                                      lowest_rate, highest_rate));
@@ -66,7 +66,7 @@ int run_eval(const Arguments& arguments) {
 void add_eval(commandline::Command& program) {
     auto& verb =
         program.verb("eval", "Forces of a scene along a motion, offline, through the servo's own cycle");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<EvalArguments>();
     verb.option("--scene", arguments->scene, "scene: one [[table]] per representation")
         .required()
         .type_name("S.toml");

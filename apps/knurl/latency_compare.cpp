@@ -174,8 +174,9 @@ LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now
 
 std::string to_text(const LatencyComparison& comparison) {
     std::string text = fmt::format(
-        "\ncompared with the run of {}; each verdict at {:.2f} %, so that of twenty pairs of equal runs at "
-        "most one has any. The machine's floors moved by up to {:.2f} at the median, {:.2f} at 99 %: what "
+        "\ncompared with the run of {}; each verdict at {:.2f} %, so that of twenty pairs of equal runs on "
+        "a steady machine at most one has any. The machine's floors moved by up to {:.2f} at the median, "
+        "{:.2f} at 99 %: what "
         "differs by no more, or by no more than the stretches of either run differ, may be the machine; "
         "where "
         "they moved more than {:g} times there is no verdict:\n",

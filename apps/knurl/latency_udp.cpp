@@ -19,7 +19,7 @@ namespace knurl::cli {
 namespace {
 
 constexpr Nanoseconds pace = 1'000'000;
-constexpr std::size_t cold_samples = 2;
+constexpr std::size_t cold_datagrams = 2;
 constexpr int most_calls = 20;  // until somebody answers
 constexpr Nanoseconds call_interval = 100'000'000;
 
@@ -121,7 +121,7 @@ void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds
     for (Nanoseconds at = begin + pace; at < end; at = std::max(at + pace, now_ns())) {
         sleep_until(at);
         const Nanoseconds sent = now_ns();
-        if (!caller.call(datagram, end) || answered++ < cold_samples) continue;
+        if (!caller.call(datagram, end) || answered++ < cold_datagrams) continue;
         // Those that were due meanwhile would have waited from their own time on.
         for (Nanoseconds took = now_ns() - sent; took > 0; took -= pace)
             samples.push_back(static_cast<double>(took) / 2);

@@ -1,8 +1,10 @@
 #pragma once
 // What writer and reader of MCAP agree on.
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -29,6 +31,10 @@ enum class Op : std::uint8_t {
     data_end = 0x0f,
 };
 inline constexpr std::size_t record_head = 9;  // op, length
+
+inline std::string_view text_of(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 /// Little-endian, as this machine has it.
 template <class T>

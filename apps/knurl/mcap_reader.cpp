@@ -55,10 +55,6 @@ class Parts {
     std::span<const std::byte> rest_;
 };
 
-std::string_view text_of(std::span<const std::byte> bytes) {
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 }  // namespace
 
 McapReader::McapReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {

@@ -48,10 +48,6 @@ std::string record(Op op, std::string_view content) {
     return all += content;
 }
 
-std::string_view text_of(std::span<const std::byte> bytes) {
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 }  // namespace
 
 McapWriter::McapWriter(const std::string& path, const std::string& library, Existing existing)

@@ -31,7 +31,7 @@ namespace knurl::cli {
 
 namespace {
 
-struct Arguments {
+struct RecordArguments {
     std::string servo = "default", device, file, salvage;
     double seconds = 0;  // 0: until interrupted
     bool force = false;
@@ -320,7 +320,7 @@ class Recorder {
     bool exact_ = false, begun_ = false, said_ = false, lost_ = false;
 };
 
-int record(const Arguments& arguments) {
+int record(const RecordArguments& arguments) {
     const Existing existing = arguments.force ? Existing::replaced : Existing::kept;
     if (!arguments.salvage.empty()) {
         fmt::print("{}\n", salvage(arguments.salvage, arguments.file, existing));
@@ -374,7 +374,7 @@ int record(const Arguments& arguments) {
 
 void add_record(commandline::Command& program) {
     auto& verb = program.verb("record", "Every report and every input of a device's servo, into a file");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<RecordArguments>();
     verb.option("file", arguments->file, "the recording, for knurl replay, Foxglove, PlotJuggler")
         .required()
         .type_name("FILE.mcap");

@@ -23,7 +23,7 @@ namespace knurl::cli {
 
 namespace {
 
-struct Arguments {
+struct ReplayArguments {
     std::string file, csv, scene;
 };
 
@@ -243,7 +243,7 @@ class Replaying {
     std::string why_not_;
 };
 
-int replay(const Arguments& arguments) {
+int replay(const ReplayArguments& arguments) {
     RecordingReader recording(arguments.file);
     std::optional<CsvFile> csv;
     std::optional<Again> other;
@@ -285,7 +285,7 @@ int replay(const Arguments& arguments) {
 void add_replay(commandline::Command& program) {
     auto& verb =
         program.verb("replay", "A recording once more through the servo's cycle, compared bit by bit");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<ReplayArguments>();
     verb.option("file", arguments->file, "what knurl record made").required().type_name("FILE.mcap");
     verb.option("--scene", arguments->scene, "feel the recorded motion with this scene too; forces of both")
         .type_name("S.toml");

@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-struct Arguments {
+struct ResetArguments {
     std::string servo = "default", device;
 };
 
@@ -52,7 +52,7 @@ std::string holders_of(const DeviceView& device) {
     return text;
 }
 
-int reset(const Arguments& arguments) {
+int reset(const ResetArguments& arguments) {
     ConnectOptions options;
     options.name = "knurl reset";
     options.wait = 0ms;
@@ -94,7 +94,7 @@ int reset(const Arguments& arguments) {
 
 void add_reset(commandline::Command& program) {
     auto& verb = program.verb("reset", "Leaves the fault of a device, whoever holds it");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<ResetArguments>();
     verb.option("device", arguments->device, "of that servo; only if it has several").type_name("DEVICE");
     verb.servo(arguments->servo, "the servo that has the device").shows_default();
     verb.footer(

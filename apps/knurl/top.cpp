@@ -27,7 +27,7 @@ using json = knurl::Json;
 // While a servo is sought: every look asks for it, and whoever types Ctrl-C waits for the look.
 constexpr std::chrono::milliseconds answer_time{100};
 
-struct Arguments {
+struct TopArguments {
     std::string servo = "default";
     double hertz = 2;
     std::uint64_t count = 0;  // looks; 0: until interrupted
@@ -115,7 +115,7 @@ std::string line_of(const std::string& servo, const Look& look) {
     return line.dump(-1) + "\n";
 }
 
-int watch(const Arguments& arguments) {
+int watch(const TopArguments& arguments) {
     if (!(arguments.hertz >= 0.1 && arguments.hertz <= 20))
         throw UsageError(fmt::format("--rate is {:g} Hz; give 0.1 to 20", arguments.hertz));
     const protocol::ServoAddress servo = servo_said(arguments.servo);
@@ -137,7 +137,7 @@ int watch(const Arguments& arguments) {
 
 void add_top(commandline::Command& program) {
     auto& verb = program.verb("top", "A servo at work, live: where its time goes, what its clients do");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<TopArguments>();
     verb.servo(arguments->servo, "its name").shows_default().formerly("servo");
     verb.option("--rate", arguments->hertz, "looks a second, 0.1 to 20").shows_default().type_name("HZ");
     verb.option("--count", arguments->count, "end after so many looks; default: when interrupted")

@@ -26,7 +26,7 @@ using measure::now_ns, measure::sleep_until;
 // for a servo that does not move, and for a cycle that is stamped
 constexpr Nanoseconds patience = 1'000'000'000;
 
-struct Arguments {
+struct TraceArguments {
     std::string out;
     std::string servo = "default", device;  // device: empty: the only one
     std::string around = "last";
@@ -35,7 +35,7 @@ struct Arguments {
     double seconds = 0.5;
 };
 
-std::size_t find_device(const ServoView& view, const Arguments& arguments) {
+std::size_t find_device(const ServoView& view, const TraceArguments& arguments) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < view.devices.size(); ++i) {
         names.push_back(view.devices[i].info.name);
@@ -51,7 +51,7 @@ std::size_t find_device(const ServoView& view, const Arguments& arguments) {
 }
 
 /// Looks at a servo's counters so often that the parts of each cycle that it stamps are known by themselves.
-Timeline watch(Arguments arguments) {
+Timeline watch(TraceArguments arguments) {
     const protocol::ServoAddress address = servo_said(arguments.servo);
     arguments.servo = address.name;
     ServoWatch servo(address);
@@ -91,7 +91,7 @@ Timeline watch(Arguments arguments) {
     return timeline;
 }
 
-Timeline from_file(const Arguments& arguments) {
+Timeline from_file(const TraceArguments& arguments) {
     bool cut = false;
     Timeline timeline = read_flight_record(arguments.from, cut);
     if (cut)
@@ -111,7 +111,7 @@ std::string sentence(const Timeline& timeline, const Stretch& stretch, Around ar
     return text;
 }
 
-int run_trace(const Arguments& arguments) {
+int run_trace(const TraceArguments& arguments) {
     if (arguments.cycles < 1 || arguments.cycles > 2000)
         throw UsageError(fmt::format("--cycles is {}; give 1 to 2000", arguments.cycles));
     if (!(arguments.seconds >= 0.1 && arguments.seconds <= 10))
@@ -131,7 +131,7 @@ int run_trace(const Arguments& arguments) {
 
 void add_trace(commandline::Command& program) {
     auto& verb = program.verb("trace", "One cycle and its neighbours on a timeline: where the time went");
-    auto arguments = std::make_shared<Arguments>();
+    auto arguments = std::make_shared<TraceArguments>();
     verb.option("--out", arguments->out, "trace JSON, as Chrome and Perfetto read it; - is standard output")
         .required()
         .type_name("T.json");

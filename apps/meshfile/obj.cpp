@@ -27,9 +27,9 @@ bool among(const std::array<const char*, n>& words, std::string_view word) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-class Reader {
+class ObjReader {
   public:
-    Reader(std::string_view bytes, Soup& soup) : lines_(bytes), soup_(soup) {}
+    ObjReader(std::string_view bytes, Soup& soup) : lines_(bytes), soup_(soup) {}
 
     void read() {
         for (std::string_view line; lines_.next(line);) {
@@ -85,7 +85,7 @@ class Reader {
         } else if (!among(ignored, key)) {
             if (unknown_++ == 0) {
                 unknown_line_ = first_;
-                unknown_word_ = quoted(key);
+                unknown_word_ = in_quotes(key);
             }
         }
     }
@@ -140,7 +140,8 @@ class Reader {
             fine = slashes < 2 && (part.empty() || integer_of(part));
         }
         if (!fine)
-            fail(fmt::format("f: {} is not v, v/vt, v//vn or v/vt/vn; write the file again", quoted(word)));
+            fail(
+                fmt::format("f: {} is not v, v/vt, v//vn or v/vt/vn; write the file again", in_quotes(word)));
         const auto there = static_cast<long long>(soup_.vertices.size());
         const long long from_zero = *index > 0 ? *index - 1 : there + *index;
         if (*index == 0) fail("f: a vertex has the number 0, they are counted from 1; write the file again");
@@ -205,7 +206,7 @@ Soup read_obj(std::string_view bytes, const std::string& path) {
     soup.path = path;
     soup.format = "OBJ";
     soup.text = true;
-    Reader(bytes, soup).read();
+    ObjReader(bytes, soup).read();
     return soup;
 }
 

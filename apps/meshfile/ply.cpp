@@ -61,7 +61,7 @@ class Body {
     void end_of_item() {
         if (const auto word = next_word(words_); !word.empty())
             fail(fmt::format("{} behind the values that the head states for element {}; write the file again",
-                             quoted(word), element_->name));
+                             in_quotes(word), element_->name));
     }
 
     void end() {
@@ -126,9 +126,9 @@ class Body {
     std::uint64_t number_ = 0;
 };
 
-class Reader {
+class PlyReader {
   public:
-    Reader(std::string_view bytes, const PlyHeader& head, Soup& soup)
+    PlyReader(std::string_view bytes, const PlyHeader& head, Soup& soup)
         : head_(head), body_(bytes, head, soup), soup_(soup) {}
 
     void read() {
@@ -279,7 +279,7 @@ Soup read_ply(std::string_view bytes, const std::string& path) {
     soup.format = soup.text                              ? "PLY, text"
                   : head.form == PlyHeader::Form::little ? "PLY, little endian"
                                                          : "PLY, big endian";
-    Reader(bytes, head, soup).read();
+    PlyReader(bytes, head, soup).read();
     return soup;
 }
 

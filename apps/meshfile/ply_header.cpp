@@ -75,7 +75,7 @@ class HeadReader {
                 if (head.elements.empty()) fail("a property without an element; write the file again");
                 head.elements.back().properties.push_back(property(line));
             } else {
-                fail(quoted(key) + " is none of a PLY's head; write the file again");
+                fail(in_quotes(key) + " is none of a PLY's head; write the file again");
             }
         }
         ++lines_.number;
@@ -89,11 +89,12 @@ class HeadReader {
 
     PlyHeader::Form form(std::string_view line) {
         const auto name = next_word(line), version = next_word(line);
-        if (version != "1.0") fail("version " + quoted(version) + " of PLY is not known, 1.0 is; convert it");
+        if (version != "1.0")
+            fail("version " + in_quotes(version) + " of PLY is not known, 1.0 is; convert it");
         if (name == "ascii") return PlyHeader::Form::text;
         if (name == "binary_little_endian") return PlyHeader::Form::little;
         if (name == "binary_big_endian") return PlyHeader::Form::big;
-        fail("format " + quoted(name) +
+        fail("format " + in_quotes(name) +
              " is not known; known are ascii, binary_little_endian and binary_big_endian");
     }
 
@@ -103,8 +104,8 @@ class HeadReader {
         const auto word = next_word(line);
         const auto count = integer_of(word);
         if (!count || *count < 0)
-            fail(
-                fmt::format("element {} has the count {}; write a whole number", element.name, quoted(word)));
+            fail(fmt::format("element {} has the count {}; write a whole number", element.name,
+                             in_quotes(word)));
         element.count = static_cast<std::uint64_t>(*count);
         for (const PlyElement& other : head.elements)
             if (other.name == element.name)
@@ -128,7 +129,7 @@ class HeadReader {
     PlyType type(std::string_view word) {
         for (const TypeName& known : type_names)
             if (known.name == word) return known.type;
-        fail(quoted(word) +
+        fail(in_quotes(word) +
              " is no type of PLY; known are char, uchar, short, ushort, int, uint, float, double");
     }
 

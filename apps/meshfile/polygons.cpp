@@ -10,8 +10,8 @@ namespace {
 
 using knurl::Point3;
 
-constexpr double flat = 1e-12;  // of the extent's square: no area
-constexpr double thin = 1e-7;   // of the extent's square: nothing to feel
+constexpr double flat = 1e-12;       // of the extent's square: no area
+constexpr double thin_share = 1e-7;  // of the extent's square: nothing to feel
 
 Point3 minus(const Point3& a, const Point3& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -241,7 +241,7 @@ bool Cutter::clip(std::vector<knurl::Triangle>& out) {
     }
     std::sort(by_x_.begin(), by_x_.end(),
               [&](std::uint32_t i, std::uint32_t j) { return corners_[i].x < corners_[j].x; });
-    const double nothing = thin * extent_ * extent_;
+    const double nothing = thin_share * extent_ * extent_;
     std::uint32_t at = 0;
     std::size_t left = corners_.size(), tried = 0;
     const auto emit = [&](const Corner& b) {

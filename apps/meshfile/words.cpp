@@ -45,7 +45,7 @@ std::optional<long long> integer_of(std::string_view word) {
     return value;
 }
 
-std::string quoted(std::string_view word) {
+std::string in_quotes(std::string_view word) {
     return '"' + plain(word) + '"';
 }
 
@@ -63,9 +63,9 @@ std::string no_number(std::string_view word) {
         point[comma] = '.';
         if (number_of(point))
             return fmt::format("{} is not a number: the format has decimal points, no commas; write {}",
-                               quoted(word), point);
+                               in_quotes(word), point);
     }
-    return quoted(word) + " is not a number; write the file again";
+    return in_quotes(word) + " is not a number; write the file again";
 }
 
 std::string lower(std::string_view word) {

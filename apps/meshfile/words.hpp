@@ -31,7 +31,7 @@ std::optional<long long> integer_of(std::string_view word);
 /// As much of it as a line can show, and nothing that a terminal would obey.
 std::string plain(std::string_view word);
 /// `word` in quotes, cut and without what a terminal would not show.
-std::string quoted(std::string_view word);
+std::string in_quotes(std::string_view word);
 /// Why a word is no number, and what to do: `"1,5" is not a number; write ...`.
 std::string no_number(std::string_view word);
 std::string lower(std::string_view word);

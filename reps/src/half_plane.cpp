@@ -8,7 +8,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double least_share = 1e-6;  // of the edge's direction that must lie in the face
-constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
 
 // What is left of v in the plane of the unit normal n; twice, since the first time leaves its rounding.
 Vector3d in_plane(const Vector3d& v, const Vector3d& n) noexcept {
@@ -27,7 +26,7 @@ class HalfPlaneOutline {
     const Vector3d& normal() const noexcept { return normal_; }
     double height(const Vector3d& q) const noexcept { return normal_.dot(q) - offset_; }
     bool holds(const Vector3d& q, double reach) const noexcept {
-        return beyond(q) <= rounding * (reach + std::abs(edge_offset_));
+        return beyond(q) <= piece::rounding * (reach + std::abs(edge_offset_));
     }
     bool reaches(const Vector3d&, double) const noexcept { return true; }
     Vector3d away(const Vector3d& q) const noexcept { return height(q) * normal_ + beyond(q) * edge_; }

@@ -23,6 +23,8 @@ namespace knurl::piece {
 
 using Eigen::Vector3d;
 
+inline constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
+
 /// What one cycle finds out: where the probe is, and what the state becomes if time has passed.
 struct Step {
     Vector3d q;  // m, the probe, less what the piece has moved on by

@@ -9,7 +9,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
 constexpr double no_length = 1e-30;  // m: the square of such an area is still a number
 
 std::uint32_t next(const Vertices& vertices, std::uint32_t i) noexcept {
@@ -64,7 +63,7 @@ class PolygonOutline {
             const Vector3d edge = to_eigen(vertices_.at[next(vertices_, i)]) - start;
             const double beyond = edge.cross(normal_).dot(q - start);  // times the edge's length
             if (!(beyond > 0)) continue;
-            const double slack = rounding * (reach + start.lpNorm<1>());
+            const double slack = piece::rounding * (reach + start.lpNorm<1>());
             if (beyond * beyond > slack * slack * edge.squaredNorm()) return false;
         }
         return true;
@@ -118,7 +117,7 @@ Verdict Describe<Polygon>::check(const Polygon& polygon) noexcept {
             nearest = std::min(nearest, apart);
         }
     }
-    const double tolerance = polygon_tolerance * size + rounding * coordinate + no_length;
+    const double tolerance = polygon_tolerance * size + piece::rounding * coordinate + no_length;
     if (!(nearest > tolerance)) return contradiction(nearest, 1);
     const Vector3d area = area_vector(v);
     if (const double width = area.norm() / size; !(width > tolerance)) return contradiction(width, 2);

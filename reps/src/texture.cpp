@@ -18,7 +18,7 @@ double phase(double distance, double wavelength) noexcept {
 }
 
 /// Across the ridges of the second direction of a grid: along the surface and them.
-Vector across(const Vector& normal, const Vector& direction) noexcept {
+Vector perpendicular(const Vector& normal, const Vector& direction) noexcept {
     const Vector v = normal.cross(direction);
     const double length = v.norm();
     return length > 1e-9 ? Vector(v / length) : normal.unitOrthogonal();
@@ -42,7 +42,7 @@ Relief relief(const Texture& texture, const Vector& p, const Vector& normal, con
     relief.height = amplitude * std::cos(angle);
     relief.slope = (-steepest * std::sin(angle)) * u;
     if (texture.pattern == TexturePattern::grid) {
-        const Vector v = across(normal, u);
+        const Vector v = perpendicular(normal, u);
         const double other = phase(v.dot(q), texture.wavelength);
         relief.height = 0.5 * (relief.height + amplitude * std::cos(other));
         relief.slope = 0.5 * (relief.slope + (-steepest * std::sin(other)) * v);

@@ -8,8 +8,14 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 add_library(knurl_options INTERFACE)
 # Without contraction a*b + c rounds the same everywhere, and a x b = -(b x a) holds to the last bit.
 target_compile_options(knurl_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion)
-# Where sources are compiled together (knurl_batches) a local of one may have the name that another gives to its constant; and
-# to GCC the sources are headers there, in which an unnamed namespace would be suspect.
+# Most of the time to compile a source of Knurl goes into the templates of Eigen and GoogleTest, which its neighbours instantiate
+# too: three sources of the servo's tests take 18 s one by one and 8 s together. Two sources of a target that give one name to
+# different things in an unnamed namespace get namespaces of their own (x_tests for x.cpp). Whether each source compiles by
+# itself is what scripts/clang_takes.py sees.
+set(CMAKE_UNITY_BUILD ${KNURL_BATCHES})
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 10)
+# There a local of one source may have the name that another gives to its constant; and to GCC the sources are headers there, in
+# which an unnamed namespace would be suspect.
 set(together $<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>)
 target_compile_options(knurl_options INTERFACE
     $<$<NOT:${together}>:-Wshadow> $<$<AND:${together},$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>)
@@ -26,14 +32,12 @@ if(KNURL_SANITIZE)
     endif()
 endif()
 
-# knurl_module(shm DEPENDS ... [NEEDS package ...] [PRECOMPILE <header> ...]): a library knurl::shm from src/*.cpp whose
+# knurl_module(shm DEPENDS ... [NEEDS package ...]): a library knurl::shm from src/*.cpp whose
 # include root is ./include.
 # A target sees the headers of another module only by linking it: the compiler guards the walls between the modules.
 # NEEDS names the packages (KnurlDependencies.cmake) of what it links, so that who finds an installed Knurl finds them.
-# PRECOMPILE names what most of its sources include from outside of Knurl: of a source that includes Eigen nine tenths of
-# the time to build it go there, so it is read once for all of them.
 function(knurl_module name)
-    cmake_parse_arguments(arg "" "" "DEPENDS;PRIVATE;NEEDS;PRECOMPILE" ${ARGN})
+    cmake_parse_arguments(arg "" "" "DEPENDS;PRIVATE;NEEDS" ${ARGN})
     file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
     if(sources)
         add_library(knurl_${name} STATIC ${sources})
@@ -42,7 +46,6 @@ function(knurl_module name)
         target_link_libraries(knurl_${name} PUBLIC ${arg_DEPENDS}
                               PRIVATE $<BUILD_INTERFACE:knurl_options> ${arg_PRIVATE})
         target_compile_features(knurl_${name} PUBLIC cxx_std_20)
-        target_precompile_headers(knurl_${name} PRIVATE ${arg_PRECOMPILE})
     else()
         add_library(knurl_${name} INTERFACE)
         target_include_directories(knurl_${name} INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
@@ -78,13 +81,6 @@ function(knurl_module name)
         install(TARGETS knurl_${name} EXPORT knurlTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
         install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
     endif()
-endfunction()
-
-# knurl_batches(target): its sources are compiled five at a time. Most of the time for a test goes into templates that its
-# neighbours instantiate too: three sources of the servo's tests take 18 s one by one and 8 s together. Two sources
-# that give one name to different things in an unnamed namespace need namespaces of their own (x_tests for x.cpp).
-function(knurl_batches target)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 5)
 endfunction()
 
 set(knurl_test_optimization $<$<CONFIG:Release,RelWithDebInfo>:-O1>)

@@ -10,7 +10,7 @@
 
 #include "mesh_file.hpp"
 
-namespace knurl::test::cube {
+namespace knurl::test::cube_files {
 
 using meshfile::MeshFile;
 
@@ -171,4 +171,4 @@ inline double volume(const MeshFile& file) {
     return six / 6;
 }
 
-}  // namespace knurl::test::cube
+}  // namespace knurl::test::cube_files

@@ -15,7 +15,7 @@
 
 namespace {
 
-using namespace knurl::test::cube;
+using namespace knurl::test::cube_files;
 using knurl::test::Folder;
 using meshfile::MeshFile;
 

@@ -8,7 +8,7 @@
 
 #include "relay_stranger.hpp"
 
-namespace knurl::bridge::test {
+namespace knurl::bridge::test::impostor_tests {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -290,4 +290,4 @@ TEST(Impostor, what_it_answers_to_commands) {
 }
 
 }  // namespace
-}  // namespace knurl::bridge::test
+}  // namespace knurl::bridge::test::impostor_tests

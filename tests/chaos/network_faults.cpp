@@ -263,7 +263,7 @@ void half_open_peers(Stage& stage) {
     demand_undisturbed(stage, from, "40 peers that say nothing");
 }
 
-constexpr Fault all[] = {
+constexpr Fault of_networks[] = {
     {"bad network", bad_network},
     {"replayed datagrams", replayed_datagrams},
     {"fluctuating delay", fluctuating_delay},
@@ -282,7 +282,7 @@ constexpr Fault all[] = {
 /// The wall of this box again.
 template <std::size_t i>
 void and_back(Stage& stage) {
-    all[i].happen(stage);
+    of_networks[i].happen(stage);
     stage.start_wall();
 }
 
@@ -290,9 +290,9 @@ void and_back(Stage& stage) {
 
 std::span<const Fault> network_faults() {
     static constexpr auto wrapped = []<std::size_t... i>(std::index_sequence<i...>) {
-        return std::array{Fault{all[i].name, and_back<i>}...};
+        return std::array{Fault{of_networks[i].name, and_back<i>}...};
     }
-    (std::make_index_sequence<std::size(all)>());
+    (std::make_index_sequence<std::size(of_networks)>());
     return wrapped;
 }
 

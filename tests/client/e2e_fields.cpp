@@ -161,7 +161,7 @@ TEST_F(SentField, a_restarted_servo_gets_it_again) {
 TEST_F(SentField, what_is_none_is_refused_in_one_line_and_nothing_is_lost) {
     Hills<float> bad;
     const auto why = [&](const Heights& heights) {
-        const std::string text = refusal([&] { hand->send(heights); });
+        const std::string text = answer_to([&] { hand->send(heights); });
         EXPECT_EQ(text.find('\n'), std::string::npos) << text;
         return text;
     };
@@ -203,7 +203,7 @@ TEST_F(SentField, its_number_is_given_back_and_a_mesh_may_have_it) {
     ASSERT_TRUE(eventually([&] {
         hand->commit();
         const std::string why =
-            refusal([&] { again = hand->send(triangles_of(knurl::test::icosphere(1, 0.1))); });
+            answer_to([&] { again = hand->send(triangles_of(knurl::test::icosphere(1, 0.1))); });
         EXPECT_TRUE(again || why.find("taken") != std::string::npos) << why;
         return again.has_value();
     }));

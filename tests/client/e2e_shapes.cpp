@@ -48,7 +48,7 @@ TEST_F(Sent, a_mesh_is_felt) {
 TEST_F(Sent, begin_sending_lets_the_application_go_on) {
     const knurl::test::MadeMesh ball = knurl::test::icosphere(6, 0.1);
     knurl::Sending sending = hand->begin_sending(triangles_of(ball));
-    EXPECT_NE(refusal([&] { hand->add(knurl::Shape{.asset = 1}); }).find("asset 1"), std::string::npos)
+    EXPECT_NE(answer_to([&] { hand->add(knurl::Shape{.asset = 1}); }).find("asset 1"), std::string::npos)
         << "it is not there yet";
     std::optional<SentShape> sent;
     int commits = 0;
@@ -69,14 +69,16 @@ TEST_F(Sent, begin_sending_lets_the_application_go_on) {
 TEST_F(Sent, what_is_no_mesh_is_refused_with_its_triangle_and_nothing_is_lost) {
     knurl::test::MadeMesh bad = knurl::test::icosphere(2, 0.1);
     bad.triangles[17][1] = 5000;
-    const std::string why = refusal([&] { hand->send(triangles_of(bad)); });
+    const std::string why = answer_to([&] { hand->send(triangles_of(bad)); });
     EXPECT_NE(why.find("17"), std::string::npos) << why;
     EXPECT_NE(why.find("5000"), std::string::npos) << why;
-    EXPECT_NE(refusal([&] { hand->send(knurl::Triangles{}); }).find("no triangles"), std::string::npos);
-    EXPECT_NE(refusal([&] { hand->send(triangles_of(bad), {.scale = 0}); }).find("scale"), std::string::npos);
-    EXPECT_NE(refusal([&] { hand->send(triangles_of(bad), {.weld = -1}); }).find("weld"), std::string::npos);
+    EXPECT_NE(answer_to([&] { hand->send(knurl::Triangles{}); }).find("no triangles"), std::string::npos);
+    EXPECT_NE(answer_to([&] { hand->send(triangles_of(bad), {.scale = 0}); }).find("scale"),
+              std::string::npos);
+    EXPECT_NE(answer_to([&] { hand->send(triangles_of(bad), {.weld = -1}); }).find("weld"),
+              std::string::npos);
     const knurl::test::MadeMesh good = knurl::test::icosphere(2, 0.1);
-    EXPECT_NE(refusal([&] {
+    EXPECT_NE(answer_to([&] {
                   hand->send(triangles_of(good), {.materials = {{.stiffness = 2}}});
               }).find("material 0"),
               std::string::npos);
@@ -89,7 +91,7 @@ std::uint32_t number_when_it_is_free(knurl::Claim& hand, const knurl::test::Made
     std::optional<SentShape> sent;
     EXPECT_TRUE(eventually([&] {
         hand.commit();
-        const std::string why = refusal([&] { sent = hand.send(triangles_of(mesh)); });
+        const std::string why = answer_to([&] { sent = hand.send(triangles_of(mesh)); });
         EXPECT_TRUE(sent || why.find("taken") != std::string::npos) << why;
         return sent.has_value();
     }));
@@ -100,11 +102,11 @@ TEST_F(Sent, numbers_are_given_back) {
     const knurl::test::MadeMesh ball = knurl::test::icosphere(1, 0.1);
     const SentShape sent = hand->send(triangles_of(ball));
     auto shape = hand->add(knurl::Shape{.asset = sent.asset, .position = at, .stiffness = 100});
-    EXPECT_NE(refusal([&] { hand->forget(sent.asset); }).find("slot 0"), std::string::npos);
+    EXPECT_NE(answer_to([&] { hand->forget(sent.asset); }).find("slot 0"), std::string::npos);
     shape.remove();
     hand->forget(sent.asset);
-    EXPECT_NE(refusal([&] { hand->forget(sent.asset); }).find("asset 1"), std::string::npos);
-    EXPECT_NE(refusal([&] { hand->add(knurl::Shape{.asset = sent.asset}); }).find("asset 1"),
+    EXPECT_NE(answer_to([&] { hand->forget(sent.asset); }).find("asset 1"), std::string::npos);
+    EXPECT_NE(answer_to([&] { hand->add(knurl::Shape{.asset = sent.asset}); }).find("asset 1"),
               std::string::npos);
     EXPECT_EQ(number_when_it_is_free(*hand, ball), 1u);
 }
@@ -130,8 +132,9 @@ TEST_F(Sent, one_that_was_ready_for_a_servo_that_has_gone_is_to_be_sent_again) {
     servo->end(SIGKILL);
     servo->start();
     ASSERT_TRUE(eventually([&] { return hand->reattachments() == 1 && hand->connected(); }));
-    EXPECT_NE(refusal([&] { sending.done(10s); }), "accepted");
-    EXPECT_NE(refusal([&] { hand->add(knurl::Shape{.asset = 1}); }).find("has sent none"), std::string::npos);
+    EXPECT_NE(answer_to([&] { sending.done(10s); }), "accepted");
+    EXPECT_NE(answer_to([&] { hand->add(knurl::Shape{.asset = 1}); }).find("has sent none"),
+              std::string::npos);
     EXPECT_EQ(hand->send(triangles_of(ball)).asset, 1u);
 }
 
@@ -151,7 +154,7 @@ TEST_F(Sent, a_restarted_servo_gets_it_again) {
 TEST_F(Sent, more_than_a_claim_may_hold_is_refused_with_what_it_would_take) {
     // A grid of three million triangles, of which only the counts matter.
     const knurl::test::MadeMesh large = knurl::test::grid(1300, 1200, 1e-4, 1e-4);
-    const std::string why = refusal([&] { hand->send(triangles_of(large)); });
+    const std::string why = answer_to([&] { hand->send(triangles_of(large)); });
     EXPECT_NE(why.find("bytes"), std::string::npos) << why;
     EXPECT_NE(why, "accepted");
     const SentShape sent = hand->send(triangles_of(knurl::test::icosphere(2, 0.1)));
@@ -190,7 +193,7 @@ struct ByHand : Sent {
             return attachment.assets->offer(number, memory, bytes);
         }
         std::string refused(std::uint32_t number, const knurl::shm::UniqueFd& memory, std::uint64_t bytes) {
-            return refusal([&] { offer(number, memory, bytes)->answer(60s); });
+            return answer_to([&] { offer(number, memory, bytes)->answer(60s); });
         }
     };
     void SetUp() override {
@@ -225,7 +228,7 @@ TEST_F(ByHand, memory_that_is_not_sealed_or_of_another_size_is_refused) {
 TEST_F(ByHand, a_second_one_under_the_number_of_one_that_is_being_built_is_refused) {
     const auto large = source(knurl::test::icosphere(8, 0.1)), small = source(knurl::test::icosphere(1, 0.1));
     std::optional<Held> held;
-    ASSERT_TRUE(eventually([&] { return refusal([&] { held.emplace(); }) == "accepted"; }));
+    ASSERT_TRUE(eventually([&] { return answer_to([&] { held.emplace(); }) == "accepted"; }));
     auto first = held->offer(3, memory_of(large), large.size());
     EXPECT_NE(held->refused(3, memory_of(small), small.size()).find("being built"), std::string::npos);
     // Whoever hangs up calls it off, and the number is free.
@@ -235,7 +238,7 @@ TEST_F(ByHand, a_second_one_under_the_number_of_one_that_is_being_built_is_refus
 
 TEST_F(ByHand, random_bytes_never_harm_the_servo) {
     std::optional<Held> held;
-    ASSERT_TRUE(eventually([&] { return refusal([&] { held.emplace(); }) == "accepted"; }));
+    ASSERT_TRUE(eventually([&] { return answer_to([&] { held.emplace(); }) == "accepted"; }));
     constexpr std::uint64_t seed = 4711;
     RecordProperty("seed", std::to_string(seed));
     knurl::test::Rng rng(seed);

@@ -15,7 +15,7 @@ inline knurl::Triangles triangles_of(const knurl::test::MadeMesh& shape) {
     return {.vertices = shape.vertices, .triangles = shape.triangles, .materials = {}};
 }
 
-inline std::string refusal(const auto& act) {
+inline std::string answer_to(const auto& act) {
     try {
         act();
     } catch (const knurl::Error& error) {

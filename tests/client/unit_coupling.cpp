@@ -10,6 +10,7 @@
 #include <knurl/client/coupling.hpp>
 #include <knurl/reps/scene.hpp>
 
+namespace unit_coupling_tests {
 namespace {
 
 using namespace knurl;
@@ -391,3 +392,5 @@ TEST(Coupling, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
+
+}  // namespace unit_coupling_tests

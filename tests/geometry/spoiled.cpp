@@ -12,7 +12,7 @@ namespace {
 bool chosen(Rng& rng, double share) {
     return between(rng, 0, 1) < share;
 }
-MadeMesh named(MadeMesh s, const char* how) {
+MadeMesh spoiled(MadeMesh s, const char* how) {
     s.name += std::string(", ") + how;
     return s;
 }
@@ -30,7 +30,7 @@ MadeMesh unwelded(const MadeMesh& s) {
 }
 
 MadeMesh jittered(const MadeMesh& s, double by, Rng& rng) {
-    MadeMesh out = named(s, "jittered");
+    MadeMesh out = spoiled(s, "jittered");
     for (auto& v : out.vertices) {
         for (double& x : v) x += between(rng, -by, by);
     }
@@ -38,7 +38,7 @@ MadeMesh jittered(const MadeMesh& s, double by, Rng& rng) {
 }
 
 MadeMesh duplicated(const MadeMesh& s, double share, Rng& rng) {
-    MadeMesh out = named(s, "faces twice");
+    MadeMesh out = spoiled(s, "faces twice");
     for (const auto& t : s.triangles) {
         if (chosen(rng, share)) out.triangles.push_back({t[1], t[2], t[0]});
     }
@@ -46,7 +46,7 @@ MadeMesh duplicated(const MadeMesh& s, double share, Rng& rng) {
 }
 
 MadeMesh with_degenerate(const MadeMesh& s, double share, Rng& rng) {
-    MadeMesh out = named(s, "degenerate faces");
+    MadeMesh out = spoiled(s, "degenerate faces");
     for (const auto& t : s.triangles) {
         if (!chosen(rng, share)) continue;
         const exact::V a = s.at(t[0]), b = s.at(t[1]);
@@ -83,7 +83,7 @@ MadeMesh with_t_junctions(const MadeMesh& s, double share, Rng& rng) {
 }
 
 MadeMesh flipped(const MadeMesh& s, double share, Rng& rng) {
-    MadeMesh out = named(s, "some turned");
+    MadeMesh out = spoiled(s, "some turned");
     for (auto& t : out.triangles) {
         if (chosen(rng, share)) std::swap(t[1], t[2]);
     }
@@ -91,7 +91,7 @@ MadeMesh flipped(const MadeMesh& s, double share, Rng& rng) {
 }
 
 MadeMesh shuffled(const MadeMesh& s, Rng& rng) {
-    MadeMesh out = named(s, "shuffled");
+    MadeMesh out = spoiled(s, "shuffled");
     std::vector<std::uint32_t> place(s.vertices.size());
     std::iota(place.begin(), place.end(), 0U);
     for (std::size_t i = place.size(); i > 1; --i) std::swap(place[i - 1], place[below(rng, i)]);
@@ -104,13 +104,13 @@ MadeMesh shuffled(const MadeMesh& s, Rng& rng) {
 }
 
 MadeMesh with_hole_of_nan(const MadeMesh& s, std::uint32_t vertex) {
-    MadeMesh out = named(s, "a vertex that is not a number");
+    MadeMesh out = spoiled(s, "a vertex that is not a number");
     out.vertices[vertex][1] = std::numeric_limits<double>::quiet_NaN();
     return out;
 }
 
 MadeMesh with_far_vertex(const MadeMesh& s) {
-    MadeMesh out = named(s, "a vertex at 1e30");
+    MadeMesh out = spoiled(s, "a vertex at 1e30");
     out.vertices.push_back({1e30, -1e30, 1e30});
     out.triangles.push_back({0, 1, static_cast<std::uint32_t>(out.vertices.size() - 1)});
     return out;

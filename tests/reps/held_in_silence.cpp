@@ -18,6 +18,7 @@
 using namespace knurl;
 using namespace knurl::test;
 
+namespace held_in_silence_tests {
 namespace {
 
 constexpr double k = 500;  // N/m
@@ -269,3 +270,5 @@ TEST(HeldInSilence, AFadeThatWasUnderWayLetsGoOverAnEdge) {
     scenes.go({{0.021, 0, 0.008}});
     EXPECT_EQ(scenes.go({{0.022, 0, 0.008}, {0.022, 0, -0.02}}), 0);
 }
+
+}  // namespace held_in_silence_tests

@@ -18,6 +18,7 @@
 using namespace knurl;
 using namespace knurl::test;
 
+namespace shapes_moving_tests {
 namespace {
 
 std::unique_ptr<Mesh> mesh_at(MadeMesh shape, const Vector& middle) {
@@ -344,3 +345,5 @@ TEST(Reach, UntilItSaysNothingThatMovesComesNearerUnseen) {
     EXPECT_GT(seen, 150u);
     EXPECT_GT(unseen, 500u);
 }
+
+}  // namespace shapes_moving_tests

@@ -11,6 +11,7 @@
 #include "count_allocations.hpp"
 #include "scene_tools.hpp"
 
+namespace shapes_scene_tests {
 namespace {
 
 using knurl::AssetMaterial;
@@ -329,3 +330,5 @@ TEST_F(OnACube, WhatFadesMovesOnThoughItIsNamedNoMore) {
     }
     expect_near(last, Vector::Zero(), 0);
 }
+
+}  // namespace shapes_scene_tests

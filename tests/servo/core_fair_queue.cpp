@@ -35,7 +35,7 @@ TEST(FairQueue, WhatIsCalledOffIsNotServed) {
 // Nobody is served twice while another waits, whenever they ask.
 TEST(FairQueue, NobodyIsServedTwiceWhileAnotherWaits) {
     const auto seed = std::random_device{}();
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     FairQueue<std::uint64_t> queue;
     constexpr std::uint64_t owners = 5;

@@ -13,7 +13,7 @@ namespace knurl::drivers {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr double longest_link = 3;  // m: haptic arms end long before
+constexpr double longest_haptic_link = 3;  // m: haptic arms end long before
 constexpr std::string_view degrees_suffix = "_deg";
 constexpr std::string_view source_suffix = "_source";
 
@@ -127,9 +127,9 @@ double ArmTable::value(const toml::node& node, const std::string& what) const {
 
 double ArmTable::length_of(const toml::node& node, const std::string& what) const {
     const double metres = value(node, what);
-    if (std::abs(metres) > longest_link) {
+    if (std::abs(metres) > longest_haptic_link) {
         fail_at(node, what + " is " + in_text(metres) + " m: links are in metres, at most " +
-                          in_text(longest_link) + " m; did you mean " + in_text(metres / 1000) + "?");
+                          in_text(longest_haptic_link) + " m; did you mean " + in_text(metres / 1000) + "?");
     }
     return metres;
 }

@@ -9,9 +9,9 @@ namespace knurl::drivers::falcon {
 
 namespace {
 
-constexpr std::size_t status_bytes = 2;  // the chip's, at the front of every packet in
-constexpr int asks_running = 3;          // of a firmware that may be there already
-constexpr int asks_booted = 20;          // of one that has just been loaded
+constexpr std::size_t packet_status_bytes = 2;  // the chip's, at the front of every packet in
+constexpr int asks_running = 3;                 // of a firmware that may be there already
+constexpr int asks_booted = 20;                 // of one that has just been loaded
 constexpr std::chrono::milliseconds answer_patience{20};
 
 }  // namespace
@@ -63,9 +63,9 @@ std::size_t Protocol::pack(const usb::Orders& orders,
 }
 
 usb::Heard Protocol::hear(std::span<const std::uint8_t> packet, usb::Reading& reading) noexcept {
-    if (packet.size() < status_bytes) return {.garbage = 1};
+    if (packet.size() < packet_status_bytes) return {.garbage = 1};
     usb::Heard heard;
-    const bool garbage = reader_.add(packet.subspan(status_bytes), [&](const State& state) {
+    const bool garbage = reader_.add(packet.subspan(packet_status_bytes), [&](const State& state) {
         heard.reading = heard_ = true;
         homed_ = state.homed == all_homed;
         reading.calibrated = homed_;

@@ -21,7 +21,7 @@ namespace knurl::bridge {
 
 namespace {
 
-constexpr std::int64_t tick_ns = 10'000'000;
+constexpr std::int64_t flush_tick_ns = 10'000'000;
 constexpr std::int64_t quick_ping_ns = 10'000'000, ping_ns = 100'000'000;
 constexpr std::int64_t quick_for_ns = 200'000'000;
 // Between two long ones (path_width.hpp).
@@ -69,7 +69,7 @@ void Connection::stop() {
 }
 
 void Connection::run() noexcept {
-    std::int64_t next_tick = detail::monotonic_ns() + tick_ns, due = next_tick;
+    std::int64_t next_tick = detail::monotonic_ns() + flush_tick_ns, due = next_tick;
     for (;;) {
         bool writing = false, dead = false;
         {
@@ -92,11 +92,11 @@ void Connection::run() noexcept {
         serve_clock();
         const std::int64_t now = detail::monotonic_ns();
         if (now >= next_tick) {
-            next_tick = now + tick_ns;
+            next_tick = now + flush_tick_ns;
             tick(now);
         }
         // A batch that is sent while this thread sleeps is due after the tick that ends its sleep.
-        static_assert(tick_ns <= resend_ns);
+        static_assert(flush_tick_ns <= resend_ns);
         due = next_tick;
         for (const auto& stream : streams_)
             if (stream) due = std::min(due, stream->resend(now));

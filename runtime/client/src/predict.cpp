@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double largest_tolerance = 0.5e-3;  // m
 constexpr double force_tolerance = 1.0;       // N: the kick that a wrong face may add
 constexpr double forgetting = 0.8;            // per update: about the last five count
-constexpr double edge = 0.8;  // rad: where the surface turns by more on the way it is no smooth one
+constexpr double sharp_turn = 0.8;  // rad: where the surface turns by more on the way it is no smooth one
 constexpr double shortest_fit = 0.1e-3;  // m: within it there is nothing to fit
 constexpr double longest_memory = 1.0;   // s: what is older says nothing about the next movement
 
@@ -41,7 +41,7 @@ Face fitted(const Face& middle, const Face& before, const Face& after) {
     const double length = along.norm();
     const double turn =
         std::acos(std::clamp(std::min(n.dot(before.normal()), n.dot(after.normal())), -1.0, 1.0));
-    if (length < shortest_fit || turn > edge) return middle;
+    if (length < shortest_fit || turn > sharp_turn) return middle;
     const double first = n.dot(before.foot() - middle.foot()), last = n.dot(after.foot() - middle.foot());
     SurfacePoint plane = middle.point();
     plane.foot = to_plain(middle.foot() + (first + last) / 6 * n);

@@ -10,7 +10,6 @@ namespace knurl::servo {
 
 using protocol::CommandHeader;
 using protocol::CommandType;
-using protocol::Refusal;
 using protocol::Reply;
 using Code = Verdict::Code;
 
@@ -181,7 +180,7 @@ void Intake::malformed(Claim::Impl& claim, std::uint64_t number) noexcept {
     const Reply reply{.command = number,
                       .code = static_cast<std::uint32_t>(Code::refused),
                       .field = Verdict::no_field,
-                      .reason = static_cast<std::uint32_t>(Refusal::malformed)};
+                      .reason = static_cast<std::uint32_t>(protocol::Refusal::malformed)};
     claim.channels->replies.try_push(&reply, 1);
     ++counts_.commands_refused;
     claim.fault();
@@ -202,7 +201,7 @@ bool Intake::check_group(Claim::Impl& claim, std::size_t commands, const Authori
         if (group_[i].header.type == CommandType::add)
             replies_[i].kind = read_as<protocol::AddBody>(group_[i].body).kind;
         if (bad == commands) continue;
-        const Answer whole{{Code::refused}, Refusal::group_refused};
+        const Answer whole{{Code::refused}, protocol::Refusal::group_refused};
         const Answer& mine = i == bad ? answer : whole;
         replies_[i].code = static_cast<std::uint32_t>(mine.verdict.code);
         replies_[i].field = mine.verdict.field;
@@ -223,22 +222,22 @@ void Intake::remember(Claim::Impl& claim, std::uint32_t slot) noexcept {
 
 Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const Authority& authority,
                              bool& reset) noexcept {
-    const auto state = [&](Refusal refusal) -> Answer {
-        if (refusal == Refusal::none) return {};
+    const auto state = [&](protocol::Refusal refusal) -> Answer {
+        if (refusal == protocol::Refusal::none) return {};
         double value = 0;
-        if (refusal == Refusal::in_fault) value = authority.supervisor.faults();
-        if (refusal == Refusal::hand_too_fast) value = authority.speed;
-        if (refusal == Refusal::cause_persists) value = authority.trouble;
+        if (refusal == protocol::Refusal::in_fault) value = authority.supervisor.faults();
+        if (refusal == protocol::Refusal::hand_too_fast) value = authority.speed;
+        if (refusal == protocol::Refusal::cause_persists) value = authority.trouble;
         return {{Code::refused, Verdict::no_field, value}, refusal};
     };
     if (claim.terms.resets && command.header.type != CommandType::reset_fault)
-        return state(Refusal::forbidden);
+        return state(protocol::Refusal::forbidden);
     if ((command.header.flags & protocol::command_flags::restricted) != 0) {
         const DeviceState device = authority.supervisor.state();
         const bool on = device == DeviceState::ramp_up || device == DeviceState::active;
         if (command.header.type == CommandType::reset_fault ||
             (command.header.type == CommandType::arm && !on))
-            return state(Refusal::forbidden);
+            return state(protocol::Refusal::forbidden);
     }
     switch (command.header.type) {
         case CommandType::add:
@@ -248,16 +247,16 @@ Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const A
         case CommandType::place_probe:
             return {check_placement(read_as<protocol::PlaceProbeBody>(command.body))};
         case CommandType::arm:
-            if (authority.ending) return state(Refusal::disconnected);
+            if (authority.ending) return state(protocol::Refusal::disconnected);
             return state(authority.supervisor.may_arm(authority.calibrated, authority.speed, reset));
         case CommandType::disarm:
             return {};
         case CommandType::reset_fault:
-            if (reset) return state(Refusal::not_in_fault);
+            if (reset) return state(protocol::Refusal::not_in_fault);
             reset = true;
             return state(authority.supervisor.may_reset_fault(authority.speed, authority.trouble));
     }
-    return state(Refusal::malformed);
+    return state(protocol::Refusal::malformed);
 }
 
 Intake::Answer Intake::check_add(Claim::Impl& claim, const Command& command) noexcept {
@@ -318,7 +317,7 @@ void Intake::do_command(Claim::Impl& claim, const Command& command, const Author
         }
         case CommandType::arm:
             answer.reason = authority.supervisor.arm(authority.calibrated, authority.speed);
-            claim.armed = answer.reason == Refusal::none;
+            claim.armed = answer.reason == protocol::Refusal::none;
             claim.joined = (command.header.flags & protocol::command_flags::restricted) != 0;
             break;
         case CommandType::disarm:
@@ -329,7 +328,7 @@ void Intake::do_command(Claim::Impl& claim, const Command& command, const Author
             break;
     }
     // All was checked before: these are ok, unless the scene knows better, and then its owner is told.
-    if (answer.reason != Refusal::none) answer.verdict.code = Code::refused;
+    if (answer.reason != protocol::Refusal::none) answer.verdict.code = Code::refused;
     reply.code = static_cast<std::uint32_t>(answer.verdict.code);
     reply.reason = static_cast<std::uint32_t>(answer.reason);
 }

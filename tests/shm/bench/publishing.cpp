@@ -1,4 +1,4 @@
-// What a report costs the servo: 256 bytes into 4096 slots.
+// What a report costs the servo: 256 bytes into 4096 report_slots.
 
 #include <cstring>
 #include <utility>
@@ -13,18 +13,18 @@ namespace knurl::shm::bench {
 
 namespace {
 
-constexpr std::uint32_t slots = 4096;
+constexpr std::uint32_t report_slots = 4096;
 constexpr int paced_in_block = 1000;  // one per 2 us: 2 ms
 constexpr double pace = 2000;         // ns
 constexpr int batch = 500;            // back to back, for differences below the timer's
 
 struct Ring {
     Segment segment = [] {
-        Segment made = Segment::create("knurl-bench", broadcast_bytes(slots, sizeof(Message)));
+        Segment made = Segment::create("knurl-bench", broadcast_bytes(report_slots, sizeof(Message)));
         broadcast_init(made.data());
         return made;
     }();
-    BroadcastWriter writer{segment.data(), slots, sizeof(Message)};
+    BroadcastWriter writer{segment.data(), report_slots, sizeof(Message)};
 };
 
 /// Each one, and means of 100 of them: some time-stamp counters only count in steps of 10 ns.
@@ -71,10 +71,10 @@ void back_to_back(Series& series, const Stopwatch& clock, const Action& action) 
 std::vector<Result> publishing(const Place& place, const Stopwatch& clock) {
     Helper helper(place.client_cpu, place.real_time);
     Ring ring;
-    std::vector<std::byte> plain(slots * sizeof(Message));
+    std::vector<std::byte> plain(report_slots * sizeof(Message));
     std::uint64_t at = 0;
     const auto copy = [&](const Message& message) {
-        std::memcpy(plain.data() + (at++ % slots) * sizeof message, &message, sizeof message);
+        std::memcpy(plain.data() + (at++ % report_slots) * sizeof message, &message, sizeof message);
         keep(plain);
     };
     const auto publish = [&](const Message& message) { ring.writer.publish(&message); };
@@ -97,7 +97,7 @@ std::vector<Result> publishing(const Place& place, const Stopwatch& clock) {
         back_to_back(fast_look, clock, publish_and_look);
         std::atomic<bool> stop = false;
         helper.start([&] {
-            BroadcastReader reader(ring.segment.data(), slots, sizeof(Message));
+            BroadcastReader reader(ring.segment.data(), report_slots, sizeof(Message));
             Message message;
             while (!stop.load(std::memory_order::relaxed)) reader.next(&message);
         });
