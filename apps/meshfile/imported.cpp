@@ -18,6 +18,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <knurl/words/printable.hpp>
+
 #include "soup.hpp"
 #include "words.hpp"
 
@@ -72,9 +74,8 @@ Soup imported(const std::string& path, const ReadLimits& limits) {
         std::string why = importer.GetErrorString();
         if (why.empty()) why = "no mesh in it";
         if (why.find("bad_alloc") != why.npos) too_much_memory(path, limits);
-        for (char& c : why)
-            if (c == '\n' || c == '\r') c = ' ';
-        bad(path, fmt::format("cannot be read as a mesh ({}); is it whole, and an STL, OBJ or PLY?", why));
+        bad(path, fmt::format("cannot be read as a mesh ({}); is it whole, and an STL, OBJ or PLY?",
+                              knurl::words::printable(why, 300)));
     }
     if (scene->mNumMaterials > most_materials)
         bad(path,

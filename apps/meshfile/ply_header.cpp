@@ -5,12 +5,16 @@
 
 #include <fmt/format.h>
 
+#include <knurl/words/printable.hpp>
+
 #include "soup.hpp"
 #include "words.hpp"
 
 namespace meshfile {
 
 namespace {
+
+constexpr std::size_t most_of_a_name = 100;  // bytes; messages show them all
 
 struct TypeName {
     std::string_view name;
@@ -100,7 +104,7 @@ class HeadReader {
 
     PlyElement element(std::string_view line, const PlyHeader& head) {
         PlyElement element;
-        element.name = plain(next_word(line));
+        element.name = knurl::words::printable(next_word(line), most_of_a_name);
         const auto word = next_word(line);
         const auto count = integer_of(word);
         if (!count || *count < 0)
@@ -121,7 +125,7 @@ class HeadReader {
             word = next_word(line);
         }
         property.type = type(word);
-        property.name = plain(next_word(line));
+        property.name = knurl::words::printable(next_word(line), most_of_a_name);
         if (property.name.empty()) fail("a property without a name; write the file again");
         return property;
     }

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <knurl/words/printable.hpp>
+
 namespace meshfile {
 
 bool Lines::next(std::string_view& line) {
@@ -46,13 +48,7 @@ std::optional<long long> integer_of(std::string_view word) {
 }
 
 std::string in_quotes(std::string_view word) {
-    return '"' + plain(word) + '"';
-}
-
-std::string plain(std::string_view word) {
-    std::string text;
-    for (const char c : word.substr(0, 30)) text += c >= ' ' && c <= '~' ? c : '?';
-    return text + (word.size() > 30 ? "..." : "");
+    return '"' + knurl::words::printable(word, 30) + '"';
 }
 
 std::string no_number(std::string_view word) {

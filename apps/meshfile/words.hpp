@@ -28,8 +28,6 @@ std::string_view next_word(std::string_view& line);
 /// None: it is not one, or not as a double.
 std::optional<double> number_of(std::string_view word);
 std::optional<long long> integer_of(std::string_view word);
-/// As much of it as a line can show, and nothing that a terminal would obey.
-std::string plain(std::string_view word);
 /// `word` in quotes, cut and without what a terminal would not show.
 std::string in_quotes(std::string_view word);
 /// Why a word is no number, and what to do: `"1,5" is not a number; write ...`.

@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include <knurl/words/printable.hpp>
+
 namespace surface {
 
 /// One after the other; empty at the text's end.
@@ -39,10 +41,7 @@ struct Words {
 
 /// As much of it as a line of text can show, and nothing that a terminal would obey.
 inline std::string shown(std::string_view word) {
-    std::string out(word.substr(0, 40));
-    for (char& c : out)
-        if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) c = '?';
-    return out;
+    return knurl::words::printable(word, 40);
 }
 
 inline std::optional<double> number(std::string_view word) {

@@ -9,6 +9,8 @@
 #include <openssl/ssl.h>
 #include <sys/socket.h>
 
+#include <knurl/words/printable.hpp>
+
 #include "system_text.hpp"
 #include "tls_bio.hpp"
 
@@ -40,10 +42,8 @@ SSL_SESSION* session_of(SSL* ssl, const std::array<std::byte, key_bytes>& secret
 }
 
 /// A name from the other side, fit for a log line.
-std::string printable(std::string_view name) {
-    std::string text = "'";
-    for (const char c : name.substr(0, max_key_name)) text += c > ' ' && c <= '~' ? c : '?';
-    return text += '\'';
+std::string in_quotes(std::string_view name) {
+    return "'" + words::printable(name, max_key_name) + "'";
 }
 
 }  // namespace
@@ -202,17 +202,17 @@ std::string TlsSession::Impl::sentence(unsigned long error) {
         if (socket.spoke && !socket.began_as_tls())
             return "the peer does not speak TLS, and this bridge wants a key; set KNURL_KEY at the peer";
         if (why == SSL_R_BINDER_DOES_NOT_VERIFY && !known)
-            return "no key is named " + printable(identity) +
+            return "no key is named " + in_quotes(identity) +
                    "; add it to the keys file, or correct the peer's";
         if (why == SSL_R_BINDER_DOES_NOT_VERIFY)
-            return "the peer's key " + printable(identity) +
+            return "the peer's key " + in_quotes(identity) +
                    " has another secret than the keys file; copy its line again";
         if (socket.ended || socket.error != 0) return "the peer hung up in the handshake";
         if (alert) return "the peer refused the handshake" + detail;
         if (identity.empty()) return "the peer offered no key" + detail;
         return "the TLS handshake failed" + detail;
     }
-    const std::string name = printable(context->impl_->keys.front().name);
+    const std::string name = in_quotes(context->impl_->keys.front().name);
     about_keys = true;
     if (alert)
         return "the bridge refused the key " + name +

@@ -8,6 +8,7 @@
 #include <knurl/protocol/servo_address.hpp>
 #include <knurl/shm/socket.hpp>
 #include <knurl/words/nearest.hpp>
+#include <knurl/words/printable.hpp>
 
 namespace knurl::protocol {
 
@@ -32,11 +33,8 @@ ServoAddress servo_address(const std::string& said) {
         name = said.substr(local_prefix.size());
     }
     if (!is_name(name)) {
-        std::string shown = said;  // on one line, whatever it is
-        std::replace_if(
-            shown.begin(), shown.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
         throw std::runtime_error(
-            "'" + shown +
+            "'" + words::printable(said) +
             "': no servo has such a name; give NAME, knurl:NAME or the path of its socket, as `knurl ls` "
             "shows it: NAME is 1 to " +
             std::to_string(name_bytes - 1) + " of the characters a-z A-Z 0-9 _ . - without a dot in front");
