@@ -2,16 +2,11 @@
 // What a reader answers to a file that it refuses.
 
 #include <cstdio>
-#include <cstdlib>
 #include <string_view>
 
-namespace knurl::fuzz {
+#include "../../fuzz_require.hpp"
 
-inline void require(bool holds, const char* what) {
-    if (holds) return;
-    std::fprintf(stderr, "broken: %s\n", what);
-    std::abort();
-}
+namespace knurl::fuzz {
 
 /// One line that names the file, and nothing in it that a terminal would obey.
 inline void check_refusal(std::string_view text, std::string_view file) {

@@ -4,8 +4,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <span>
@@ -13,13 +11,9 @@
 #include <knurl/geometry/asset.hpp>
 #include <knurl/geometry/proxy.hpp>
 
-namespace knurl::fuzz {
+#include "../../fuzz_require.hpp"
 
-inline void require(bool holds, const char* what) {
-    if (holds) return;
-    std::fprintf(stderr, "broken: %s\n", what);
-    std::abort();
-}
+namespace knurl::fuzz {
 
 /// After the end it goes on by chance: a few bytes already make a mesh of many vertices.
 class Input {
