@@ -128,15 +128,9 @@ class Source {
     static std::size_t choose(const protocol::Welcome& welcome, const std::string& servo,
                               const std::string& wanted) {
         std::vector<std::string> names;
-        for (std::size_t i = 0; i < welcome.devices; ++i) {
+        for (std::size_t i = 0; i < welcome.devices; ++i)
             names.push_back(protocol::printable(welcome.names[i]));
-            if (wanted.empty() ? welcome.devices == 1 : names.back() == wanted) return i;
-        }
-        throw UsageError(wanted.empty()
-                             ? fmt::format("servo '{}' has several devices; say which: --device {}", servo,
-                                           fmt::join(names, ", "))
-                             : fmt::format("servo '{}' has no device '{}'; {}", servo, wanted,
-                                           protocol::instead_of_device(wanted, names)));
+        return chosen_device(servo, names, wanted);
     }
 
     static constexpr std::size_t most_unclaimed = 64;  // told of, but not on the tape yet

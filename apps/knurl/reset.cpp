@@ -32,14 +32,8 @@ DeviceView view_of(const ServoWatch& watch, const std::string& name) {
 
 std::string chosen(const ServoView& servo, const std::string& wanted) {
     std::vector<std::string> names;
-    for (const DeviceView& device : servo.devices) {
-        names.emplace_back(device.info.name);
-        if (wanted.empty() ? servo.devices.size() == 1 : names.back() == wanted) return names.back();
-    }
-    throw UsageError(wanted.empty() ? fmt::format("servo '{}' has several devices; say which: {}", servo.name,
-                                                  fmt::join(names, ", "))
-                                    : fmt::format("servo '{}' has no device '{}'; {}", servo.name, wanted,
-                                                  protocol::instead_of_device(wanted, names)));
+    for (const DeviceView& device : servo.devices) names.emplace_back(device.info.name);
+    return names[chosen_device(servo.name, names, wanted)];
 }
 
 std::string holders_of(const DeviceView& device) {

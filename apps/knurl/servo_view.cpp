@@ -17,6 +17,7 @@
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/counters.hpp>
 #include <knurl/shm/socket.hpp>
+#include <knurl/words/printable.hpp>
 
 #include "verbs.hpp"
 
@@ -145,6 +146,17 @@ protocol::ServoAddress servo_said(const std::string& said) {
     } catch (const std::runtime_error& error) {
         throw UsageError(error.what());
     }
+}
+
+std::size_t chosen_device(const std::string& servo, const std::vector<std::string>& names,
+                          const std::string& wanted) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (wanted.empty() ? names.size() == 1 : names[i] == wanted) return i;
+    throw std::runtime_error(wanted.empty() ? fmt::format("servo '{}' has {} devices; say which one: {}",
+                                                          servo, names.size(), fmt::join(names, ", "))
+                                            : fmt::format("servo '{}' has no device '{}'; {}", servo,
+                                                          words::printable(wanted),
+                                                          protocol::instead_of_device(wanted, names)));
 }
 
 shm::UniqueFd connect_to_servo(const protocol::ServoAddress& servo) {

@@ -103,6 +103,11 @@ protocol::ServoAddress servo_said(const std::string& said);
 /// Throws std::runtime_error, which names the servo that was probably meant.
 shm::UniqueFd connect_to_servo(const protocol::ServoAddress& servo);
 
+/// Which of a servo's devices is meant, by its place in `names`; `wanted` may be empty where there is one. Throws
+/// std::runtime_error, which says those that there are, or the one that was probably meant.
+std::size_t chosen_device(const std::string& servo, const std::vector<std::string>& names,
+                          const std::string& wanted);
+
 /// All servos whose sockets lie in protocol::servo_directories(), by name; dead ones, strangers, and folders
 /// that may not be read say so.
 std::vector<ServoView> look_at_all();

@@ -37,17 +37,8 @@ struct TraceArguments {
 
 std::size_t find_device(const ServoView& view, const TraceArguments& arguments) {
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < view.devices.size(); ++i) {
-        names.push_back(view.devices[i].info.name);
-        if (names.back() == arguments.device) return i;
-    }
-    if (arguments.device.empty() && names.size() == 1) return 0;
-    throw std::runtime_error(arguments.device.empty()
-                                 ? fmt::format("knurl:{} has {} devices; name one by --device: {}",
-                                               arguments.servo, names.size(), fmt::join(names, ", "))
-                                 : fmt::format("knurl:{} has no device '{}'; {}", arguments.servo,
-                                               arguments.device,
-                                               protocol::instead_of_device(arguments.device, names)));
+    for (const DeviceView& device : view.devices) names.emplace_back(device.info.name);
+    return chosen_device(arguments.servo, names, arguments.device);
 }
 
 /// Looks at a servo's counters so often that the parts of each cycle that it stamps are known by themselves.

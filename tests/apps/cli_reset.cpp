@@ -67,7 +67,7 @@ TEST(Reset, BesideWhoHoldsTheDeviceSwitchesNothingOn) {
     EXPECT_THROW(hand.arm(), Error);
 
     const Outcome which = knurl({"reset"});
-    EXPECT_EQ(which.code, 2);
+    EXPECT_EQ(which.code, 1);
     EXPECT_TRUE(says(which.err, "left, right")) << which.err;
     const Outcome outcome = knurl({"reset", "right"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;

@@ -124,9 +124,9 @@ TEST(Record, EndsByItselfAndWhenTheServoDoes) {
     const Home home;
     Servo servo({"--device", device, "--device", "left=sim:cartesian3"});
     const Outcome which = knurl({"record", home.path("x.mcap")});
-    EXPECT_EQ(which.code, 2);
-    EXPECT_THAT(which.err, HasSubstr("--device premium15, left"));
-    EXPECT_EQ(knurl({"record", home.path("x.mcap"), "--device", "right"}).code, 2);
+    EXPECT_EQ(which.code, 1);
+    EXPECT_THAT(which.err, HasSubstr("say which one: premium15, left"));
+    EXPECT_EQ(knurl({"record", home.path("x.mcap"), "--device", "right"}).code, 1);
     const Outcome some = knurl({"record", home.path("some.mcap"), "--device", "left", "--for", "0.2"});
     EXPECT_EQ(some.code, 0) << some.err;
     EXPECT_EQ(knurl({"replay", home.path("some.mcap")}).code, 0);

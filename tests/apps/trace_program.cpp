@@ -63,7 +63,7 @@ TEST(TraceProgram, SaysInOneLineWhyThereIsNone) {
     says({"--for", "0"}, "--for is 0 s");
     says({"--around", "noon"}, "--around");
     const Servo servo({"--device", "a=sim:cartesian3", "--device", "b=sim:cartesian3"});
-    says({}, "has 2 devices; name one by --device: a, b");
+    says({}, "has 2 devices; say which one: a, b");
     says({"--device", "c"}, "has no device 'c'; it has: a, b");
 }
 
