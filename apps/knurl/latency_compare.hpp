@@ -45,7 +45,8 @@ struct LatencyComparison {
 
 /// Medians and 99th percentiles of what both have (measure::compare_apart). All verdicts together are wrong
 /// for one in twenty pairs of equal runs at most on a steady machine, for more where it drifts for as long as
-/// a run takes (one in seven in a test's model): scripts/equal_runs counts. Floors have none: they say how far the machine moved, and what differs by no more than that has none either.
+/// a run takes (one in seven in a test's model): scripts/equal_runs counts. Floors have none: they say how far
+/// the machine moved, and what differs by no more than that has none either.
 LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now);
 
 std::string to_text(const LatencyComparison& comparison);
