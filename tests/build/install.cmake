@@ -73,8 +73,14 @@ foreach(source IN LISTS programs)
     run("configure" ${CMAKE_COMMAND} -S ${WORK}/simulation -B ${WORK}/simulation/build -G ${GENERATOR}
         -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${FLAGS}" -DCMAKE_PREFIX_PATH=${prefix})
     run("build" ${CMAKE_COMMAND} --build ${WORK}/simulation/build)
-    run("${source}" sh -c "${prefix}/bin/knurld --device right=sim:premium15 >/dev/null 2>&1 & servo=$!
-        ${WORK}/simulation/build/my_simulation; code=$?; kill $servo; wait $servo; exit $code")
+    # Line by line: at a semicolon CMake would end the text for sh.
+    run("${source}" sh -c "${prefix}/bin/knurld --device right=sim:premium15 >/dev/null 2>&1 &
+        servo=$!
+        ${WORK}/simulation/build/my_simulation
+        code=$?
+        kill $servo
+        wait $servo
+        exit $code")
     if(NOT output MATCHES "mm, [0-9.]*[1-9][0-9]* N")
         message(FATAL_ERROR "the README's program felt nothing:\n${output}")
     endif()
