@@ -1,16 +1,17 @@
-# libFuzzer targets, built by Clang whatever the rest is built with. ctest runs each over its kept corpus and then on some
-# thousand inputs of its own, by a seed and for two seconds at most; with scripts/test --long a minute more. What breaks
-# one is left beside it as crash-*. For longer:
-#   build/release/tests/bridge/fuzz/knurl_fuzz_framing -max_total_time=600 work/ tests/bridge/fuzz/corpus/framing
+# Fuzz targets: X.cpp defines LLVMFuzzerTestOneInput. Each is built twice.
+#   knurl_replay_X  as everything else is built, with the sanitizers that it has: ctest's fuzz.X feeds it the kept inputs and, by
+#                   a seed, alterations of them (tests/fuzz/replay.cpp)
+#   knurl_fuzz_X    libFuzzer with ASan and UBSan, by Clang whatever the rest is built with; a part of the target knurl_fuzzers.
+#                   fuzz.X.long, of scripts/test --long, runs it for a minute, and leaves what breaks it beside it as crash-*.
+#                   For longer: build/release/tests/bridge/fuzz/knurl_fuzz_framing -max_total_time=600 work/ tests/bridge/fuzz/corpus/framing
 find_program(KNURL_CLANG clang++-14)
-set(KNURL_FUZZING OFF)
-if(KNURL_SANITIZE)
-    message(STATUS "No fuzzing: this build has another sanitizer")
-elseif(NOT KNURL_CLANG)
-    message(WARNING "clang++-14 is not there: the fuzz targets and their tests are left out. "
-                    "`apt-get install clang-14` (scripts/setup does it) brings them back.")
-else()
-    set(KNURL_FUZZING ON)
+if(NOT TARGET knurl_fuzzers)
+    add_custom_target(knurl_fuzzers)
+    if(KNURL_BUILD_TESTS)
+        add_library(knurl_replay OBJECT ${PROJECT_SOURCE_DIR}/tests/fuzz/replay.cpp)
+        target_link_libraries(knurl_replay PRIVATE knurl_options)
+        target_compile_options(knurl_replay PRIVATE ${knurl_test_optimization})
+    endif()
 endif()
 
 set(fuzz_flags -std=c++20 -O1 -gline-tables-only -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Wall -Wextra)
@@ -60,25 +61,38 @@ function(knurl_fuzz_library name)
     add_custom_target(${name} DEPENDS ${library})
 endfunction()
 
-# knurl_fuzz(name library max_len [CORPUS folder] [DICTIONARY file] [LINK flags]): fuzz target name.cpp.
+# knurl_fuzz(name library max_len REPLAY targets... [CORPUS folder] [DICTIONARY file] [LINK flags] [ALTERATIONS n]): fuzz target
+# name.cpp. REPLAY has what is fuzzed as ordinary targets; `library` the same for libFuzzer, which is linked with LINK.
 function(knurl_fuzz name library max_len)
-    cmake_parse_arguments(arg "" "CORPUS;DICTIONARY" "LINK" ${ARGN})
+    cmake_parse_arguments(arg "" "CORPUS;DICTIONARY;ALTERATIONS" "REPLAY;LINK" ${ARGN})
+    if(NOT arg_ALTERATIONS)
+        set(arg_ALTERATIONS 5000)
+    endif()
+    add_executable(knurl_replay_${name} ${name}.cpp)
+    target_link_libraries(knurl_replay_${name} PRIVATE knurl_options knurl_replay ${arg_REPLAY})
+    target_compile_options(knurl_replay_${name} PRIVATE ${knurl_test_optimization})
+    add_test(NAME fuzz.${name} COMMAND knurl_replay_${name} ${max_len} ${arg_ALTERATIONS} last_of_${name} ${arg_CORPUS})
+    set_tests_properties(fuzz.${name} PROPERTIES TIMEOUT 60 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} LABELS guarded)
+    add_dependencies(knurl_guarded knurl_replay_${name})
+    if(KNURL_SANITIZE OR NOT KNURL_CLANG)
+        return()
+    endif()
+
     knurl_fuzz_object(${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp object)
     set(program ${CMAKE_CURRENT_BINARY_DIR}/knurl_fuzz_${name})
     set(archive ${CMAKE_CURRENT_BINARY_DIR}/lib${library}.a)
     add_custom_command(OUTPUT ${program}
         COMMAND ${KNURL_CLANG} -fsanitize=fuzzer,address,undefined ${object} ${archive} ${arg_LINK} -o ${program}
         DEPENDS ${object} ${archive} COMMENT "Fuzz target ${name}")
-    add_custom_target(fuzz_${name} ALL DEPENDS ${program})
+    add_custom_target(fuzz_${name} DEPENDS ${program})
     add_dependencies(fuzz_${name} ${library})
+    add_dependencies(knurl_fuzzers fuzz_${name})
     set(found ${CMAKE_CURRENT_BINARY_DIR}/found_${name})
     file(MAKE_DIRECTORY ${found})
     set(run ${program} -max_len=${max_len} -timeout=5 -rss_limit_mb=1000 -print_final_stats=1)
     if(arg_DICTIONARY)
         list(APPEND run -dict=${arg_DICTIONARY})
     endif()
-    add_test(NAME fuzz.${name} COMMAND ${run} -seed=1 -runs=5000 -max_total_time=2 ${found} ${arg_CORPUS})
-    set_tests_properties(fuzz.${name} PROPERTIES TIMEOUT 60 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
     add_test(NAME fuzz.${name}.long COMMAND ${run} -max_total_time=60 ${found} ${arg_CORPUS})
     set_tests_properties(fuzz.${name}.long PROPERTIES TIMEOUT 180 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} LABELS long)
 endfunction()

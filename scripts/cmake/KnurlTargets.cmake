@@ -25,6 +25,9 @@ endif()
 if(KNURL_SANITIZE)
     target_compile_options(knurl_options INTERFACE -fsanitize=${KNURL_SANITIZE} -fno-omit-frame-pointer
                                                    -fno-sanitize-recover=all)
+    if(KNURL_SANITIZE_NOT)
+        target_compile_options(knurl_options INTERFACE -fno-sanitize=${KNURL_SANITIZE_NOT})
+    endif()
     target_link_options(knurl_options INTERFACE -fsanitize=${KNURL_SANITIZE})
     if(KNURL_SANITIZE MATCHES "thread")
         # GCC warns that ThreadSanitizer does not understand fences; the models in tests/shm guard those.
@@ -83,15 +86,20 @@ function(knurl_module name)
     endif()
 endfunction()
 
+if(KNURL_BUILD_TESTS)
+    add_custom_target(knurl_guarded)
+endif()
+
 set(knurl_test_optimization $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 
-# knurl_test(name SOURCES a.cpp ... LINK targets ... [TIMEOUT s] [PREFIX p.] [OPTIMIZED] [SERIAL] [PROCESS]): a GoogleTest
+# knurl_test(name SOURCES a.cpp ... LINK targets ... [TIMEOUT s] [PREFIX p.] [OPTIMIZED] [SERIAL] [PROCESS] [GUARDED]): a GoogleTest
 # program, its cases in ctest. Most of what a test compiles is headers and its own prose: the headers that all of them read are read once
 # (knurl_test_headers, in tests/), and the test's own code is built with -O1, in half the time; what it tests is a library
 # and keeps its -O3. OPTIMIZED is for tests whose subject is a template, so that they see the code that users run. SERIAL
 # ones run beside no other. PROCESS ones start programs: CI runs them once more without any right (scripts/test --restricted).
+# GUARDED ones CI builds (target knurl_guarded) and runs once more under ASan and UBSan.
 function(knurl_test name)
-    cmake_parse_arguments(arg "OPTIMIZED;SERIAL;PROCESS" "TIMEOUT;PREFIX" "SOURCES;LINK" ${ARGN})
+    cmake_parse_arguments(arg "OPTIMIZED;SERIAL;PROCESS;GUARDED" "TIMEOUT;PREFIX" "SOURCES;LINK" ${ARGN})
     if(NOT arg_TIMEOUT)
         set(arg_TIMEOUT 120)
     endif()
@@ -106,6 +114,9 @@ function(knurl_test name)
     set(labels "")
     if(arg_PROCESS)
         set(labels LABELS process)
+    elseif(arg_GUARDED)
+        set(labels LABELS guarded)
+        add_dependencies(knurl_guarded ${name})
     endif()
     gtest_discover_tests(${name} TEST_PREFIX "${arg_PREFIX}" PROPERTIES TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} ${labels}
                          DISCOVERY_TIMEOUT 60)

@@ -152,7 +152,12 @@ struct OnAServo : BodiesProgram {
         ASSERT_TRUE(eventually([&] { return lifted(); })) << "it weighs 1 N";
     }
     knurl::HandReport newest() { return observer_.latest().value_or(knurl::HandReport{}); }
-    bool lifted() { return newest().position.z > 0.005 && newest().scene_force.z < -0.5; }
+    /// And the hand has come to where it wants to be.
+    bool lifted() {
+        const knurl::HandReport now = newest();
+        return now.position.z > 0.005 && now.scene_force.z < -0.5 &&
+               knurl::to_eigen(now.velocity).norm() < 0.02;
+    }
     bool active() { return newest().state == knurl::DeviceState::active; }
 
     Mouse mouse_{home_.path("mouse")};

@@ -128,7 +128,8 @@ def known_options(words, programs):
             return None
     # Of tests and benchmarks, which need not be built: the target, and the sources beside it.
     name = os.path.basename(program)
-    wanted = re.escape(name) if not name.startswith("knurl_fuzz_") else "knurl_fuzz\\(" + re.escape(name[len("knurl_fuzz_"):])
+    fuzzer = re.fullmatch("knurl_fuzz_(.*)", name)
+    wanted = rf"\w*fuzz\w*\({fuzzer[1]}" if fuzzer else re.escape(name)
     for lists in ROOT.rglob("CMakeLists.txt"):
         if lists.relative_to(ROOT).parts[0] not in ("build", "out") and re.search(rf"\b{wanted}\b", lists.read_text()):
             if name.startswith("knurl") or name[:2].isdigit():

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "../../fuzz_require.hpp"
+#include "../../fuzz/require.hpp"
 
 namespace knurl::fuzz {
 

@@ -6,6 +6,7 @@
 #include "fake_claim.hpp"
 #include "pieces.hpp"
 
+using namespace knurl;
 using namespace knurl::bridge;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

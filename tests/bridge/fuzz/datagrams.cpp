@@ -10,6 +10,7 @@
 #include "pieces.hpp"
 #include "post.hpp"
 
+using namespace knurl;
 using namespace knurl::bridge;
 
 namespace {

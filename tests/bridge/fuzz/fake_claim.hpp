@@ -8,7 +8,7 @@
 #include "peer_stream.hpp"
 #include "streams.hpp"
 
-namespace knurl::bridge::fuzz {
+namespace knurl::fuzz {
 
 constexpr std::uint32_t ring_cells = 64;
 constexpr std::uint32_t batch_capacity = 4096;  // bytes
@@ -59,4 +59,4 @@ struct FakeClaim {
                       0};
 };
 
-}  // namespace knurl::bridge::fuzz
+}  // namespace knurl::fuzz

@@ -8,6 +8,7 @@
 
 #include "streams.hpp"
 
+using namespace knurl;
 using namespace knurl::bridge;
 
 namespace {

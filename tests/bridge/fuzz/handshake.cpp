@@ -3,6 +3,7 @@
 
 #include "streams.hpp"
 
+using namespace knurl;
 using namespace knurl::bridge;
 
 namespace {

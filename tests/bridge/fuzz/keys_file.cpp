@@ -9,6 +9,7 @@
 
 #include "streams.hpp"
 
+using namespace knurl;
 using namespace knurl::bridge;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace knurl::bridge::fuzz {
+namespace knurl::fuzz {
 
 class Pieces {
   public:
@@ -33,4 +33,4 @@ class Pieces {
     std::span<const std::uint8_t> rest_;
 };
 
-}  // namespace knurl::bridge::fuzz
+}  // namespace knurl::fuzz

@@ -3,20 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 
 #include <poll.h>
 #include <sys/socket.h>
 
+#include "../../fuzz/require.hpp"
 #include "frame_stream.hpp"
 
-namespace knurl::bridge::fuzz {
+namespace knurl::fuzz {
 
-/// A claim that must hold; libFuzzer keeps the input that broke it.
-inline void require(bool holds) {
-    if (!holds) std::abort();
-}
+using namespace bridge;
 
 struct Ends {
     shm::UniqueFd ours, theirs;
@@ -35,4 +32,4 @@ inline void discard(const shm::UniqueFd& theirs) {
     }
 }
 
-}  // namespace knurl::bridge::fuzz
+}  // namespace knurl::fuzz

@@ -11,7 +11,7 @@
 #include <knurl/geometry/asset.hpp>
 #include <knurl/geometry/proxy.hpp>
 
-#include "../../fuzz_require.hpp"
+#include "../../fuzz/require.hpp"
 
 namespace knurl::fuzz {
 

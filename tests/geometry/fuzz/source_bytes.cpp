@@ -47,7 +47,9 @@ void put_bytes(Source& source, Input& input, std::size_t bytes) {
 void put_field(Source& source, Input& input, const Form8& form) {
     const unsigned how = std::max<unsigned>(form.coordinates & 3, any_float),
                    cell = form.coordinates >> 2 & 3;
-    protocol::HeightSource header{.columns = form.columns % 40u, .rows = form.rows % 40u};
+    protocol::HeightSource header;
+    header.columns = form.columns % 40u;
+    header.rows = form.rows % 40u;
     header.dx = form.flags & 8 ? coordinate(input, cell) : 1e-3;
     header.dy = form.flags & 8 ? coordinate(input, cell) : 2e-3;
     for (double& x : header.corner) x = coordinate(input, cell);

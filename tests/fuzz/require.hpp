@@ -1,0 +1,17 @@
+#pragma once
+// What must hold whatever a fuzz target is given. Whoever feeds it keeps the input of a process that aborts.
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace knurl::fuzz {
+
+// (Clang 14 has no std::source_location.)
+inline void require(bool holds, const char* what = "", const char* file = __builtin_FILE(),
+                    int line = __builtin_LINE()) {
+    if (holds) return;
+    std::fprintf(stderr, "%s:%d: broken: %s\n", file, line, what);
+    std::abort();
+}
+
+}  // namespace knurl::fuzz
