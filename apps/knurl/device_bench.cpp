@@ -69,6 +69,8 @@ double Bench::wait() {
 }
 
 Nanoseconds Bench::next(Nanoseconds begin) {
+    if (options_.stop != nullptr && *options_.stop)
+        throw std::runtime_error("interrupted; its motors are at zero");
     now_ += period_;
     moment_.lateness = wait();
     moment_.t = static_cast<double>(now_ - begin) * 1e-9;

@@ -1,6 +1,8 @@
 // knurl device test ADDRESS: what a device does, beside what it says about itself.
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <memory>
 #include <optional>
 
@@ -198,7 +200,14 @@ std::string without_hand(const std::string& address) {
     return address + ",grip=0";
 }
 
-int test(const TestOptions& options) {
+std::atomic<bool> interrupted = false;  // it may be pushing somebody's device: the motors first, then the end
+
+int test(TestOptions options) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        // What whoever started it ignores (nohup) stays ignored.
+        if (std::signal(signal, [](int) { interrupted = true; }) == SIG_IGN) std::signal(signal, SIG_IGN);
+    }
+    options.trial.stop = &interrupted;
     require_address(options.address);
     if (options.trial.virtual_time && !options.address.starts_with("sim:"))
         throw UsageError("--virtual is for simulated devices: a real one has only this time");

@@ -2,6 +2,7 @@
 // What a device does when nobody but this program holds it: rest, small pushes, a wall. SI units, device
 // frame.
 
+#include <atomic>
 #include <functional>
 #include <string>
 #include <vector>
@@ -25,10 +26,11 @@ inline constexpr double wall = 0.9;                             // of what is pr
 inline constexpr double twist_lever = 0.05;  // m: a torque is as large as the push at its end
 
 struct TrialOptions {
-    double rate = 1000;         // Hz
-    bool virtual_time = false;  // a simulated device, as fast as it computes
-    double homing_time = 60;    // s to wait for it
-    double push = 1;            // N, the larger of the two pushes; half of it is the other
+    double rate = 1000;                       // Hz
+    bool virtual_time = false;                // a simulated device, as fast as it computes
+    double homing_time = 60;                  // s to wait for it
+    double push = 1;                          // N, the larger of the two pushes; half of it is the other
+    const std::atomic<bool>* stop = nullptr;  // set: it is to end now
 };
 
 struct HomingTrial {
@@ -83,7 +85,7 @@ struct Trial {
 double promised_alone(const drivers::LinkConfig& link, double rate);
 
 /// Runs all of it. `say`: one line about what comes next. Throws std::runtime_error: unplugged, too fast,
-/// not homed, out of its workspace; the motors are at zero then.
+/// not homed, out of its workspace, told to stop; the motors are at zero then.
 Trial try_device(drivers::Device& device, const TrialOptions& options,
                  const std::function<void(const std::string&)>& say);
 

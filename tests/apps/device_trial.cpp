@@ -2,6 +2,9 @@
 
 #include "../../apps/knurl/device_trial.hpp"
 
+#include <atomic>
+#include <csignal>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,6 +32,7 @@ class Broken final : public drivers::Device {
     double last_effort = 1;                  // ... of the last motor's
     double moves_back = 1;                   // -1: joint 0's encoder counts the wrong way
     std::uint64_t stale = 0;                 // one of so many samples does not come; 0: all do
+    bool exerts = false, exerted = false;    // now; ever
     drivers::Nanoseconds answers_after = 0;  // ns, each order and nothing else; 0: whenever it is asked
 
     explicit Broken(const std::string& options = "", const std::string& arm = "cartesian3")
@@ -43,6 +47,8 @@ class Broken final : public drivers::Device {
     }
     bool write(drivers::Nanoseconds now, const drivers::JointEfforts& efforts) noexcept override {
         ordered_ = now;
+        exerts = efforts != drivers::JointEfforts{};
+        exerted |= exerts;
         drivers::JointEfforts made = efforts;
         for (double& e : made) e *= effort;
         made[static_cast<std::size_t>(link().actuated_joints - 1)] *= last_effort;
@@ -185,6 +191,29 @@ TEST(DeviceTest, ASimulatedArmIsLetGoOfUnlessAHandIsAskedFor) {
     const auto json =
         knurl::Json::parse(knurl({"device", "test", "sim:cartesian3,seed=2", "--virtual", "--json"}).out);
     EXPECT_EQ(json.at("address"), "sim:cartesian3,seed=2,grip=0");
+}
+
+TEST(DeviceTest, ToldToStopItLeavesTheMotorsAtZero) {
+    Broken device;
+    std::atomic<bool> stop = false;
+    try {
+        cli::try_device(device, {.virtual_time = true, .stop = &stop},
+                        [&](const std::string& line) { stop = line.find("wall") != std::string::npos; });
+        ADD_FAILURE() << "it went on";
+    } catch (const std::runtime_error& error) {
+        EXPECT_STREQ(error.what(), "interrupted; its motors are at zero");
+    }
+    EXPECT_TRUE(device.exerted);
+    EXPECT_FALSE(device.exerts);
+}
+
+TEST(DeviceTest, AnInterruptIsOneLineAndExitCode1) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        Background test({knurl_program(), "device", "test", "sim:cartesian3"});
+        ASSERT_TRUE(test.says("pushes of")) << test.said();
+        EXPECT_EQ(test.end(signal), 1) << signal;
+        EXPECT_THAT(test.said(), HasSubstr("knurl device test: interrupted; its motors are at zero\n"));
+    }
 }
 
 TEST(DeviceTest, MistakesAreOneLineThatSaysWhatToDo) {
