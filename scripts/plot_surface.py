@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.colors import LightSource, LinearSegmentedColormap
 
 import pictures
-from pictures import FAINT, INK
+from pictures import FAINT, INK, machine_line
 
 COLOURS = {"force": "#b3261e", "planes": "#c77700", "paper": "#7a4fa3", "knurl": "#00796b", "caps": "#4b6f9e",
            "mesh": "#1a5fb4", "field": "#5f7d1c"}
@@ -219,7 +219,7 @@ def draw(outcome, cycles, relief, path):
     for x in (0.5, 7.2):
         page.text(x, foot - 0.24, "s since the hand began", fontsize=7, color=FAINT)
     page.text(0.35, foot + 0.02, f"Relief: {run['model']}, {run['scale']}.", fontsize=7, color=FAINT)
-    page.text(0.35, foot + 0.18, f"Measured: {machine['date']}, device {run['device']}, {run['machine']}.", fontsize=7,
+    page.text(0.35, foot + 0.18, f"Device {run['device']}. {machine_line(machine)}.", fontsize=7,
               color=FAINT)
     page.save(path)
 

@@ -44,9 +44,15 @@ class SurfaceProgram : public testing::Test {
 TEST_F(SurfaceProgram, StrokesOncePerWayAndSaysHowItWent) {
     Background knurld(servo());  // in whichever order the two start
     const auto outcome = run({KNURL_SURFACE_PROGRAM, model_, "--wait", "30", "--ways", "force,knurl",
-                              "--json", folder_.path("out.json"), "--csv", folder_.path("out.csv")});
+                              "--json", folder_.path("out.json"), "--csv", folder_.path("out.csv"),
+                              "--relief", folder_.path("relief.asc")});
     ASSERT_EQ(outcome.code, 0) << outcome.err << knurld.said();
     EXPECT_THAT(outcome.out, HasSubstr("hill.pgm: 0.5 mm per cell"));
+    // What scripts/demo ends with.
+    const auto drawn = run({KNURL_PLOT_SURFACE, folder_.path("out.json"), folder_.path("out.csv"),
+                            folder_.path("relief.asc"), folder_.path("picture.png")});
+    EXPECT_EQ(drawn.code, 0) << drawn.err;
+    EXPECT_EQ(knurl::test::text_of_file(folder_.path("picture.png")).substr(0, 4), "\x89PNG");
     const auto json = knurl::Json::parse(knurl::test::text_of_file(folder_.path("out.json")));
     ASSERT_EQ(json.at("strokes").size(), 2u);
     for (const auto& stroke : json.at("strokes")) {
