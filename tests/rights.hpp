@@ -69,6 +69,14 @@ inline Missing missing_other_user() {
                           "root has it, unless CAP_SETUID and CAP_SETGID were taken from it");
 }
 
+/// For who floods and who is flooded: on one processor the flood itself keeps all others from running.
+inline Missing missing_second_processor() {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    if (::sched_getaffinity(0, sizeof set, &set) != 0 || CPU_COUNT(&set) > 1) return {};
+    return "a second processor (this process may use one); a flood from the same one says nothing";
+}
+
 /// A pseudo-terminal, for programs that look at theirs.
 inline Missing missing_terminal() {
     const int controller = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);

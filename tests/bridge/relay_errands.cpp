@@ -6,6 +6,7 @@
 
 #include <knurl/link/clock.hpp>
 
+#include "../rights.hpp"
 #include "peer.hpp"
 #include "relay_stranger.hpp"
 
@@ -155,6 +156,7 @@ class Flood {
 
 // How long an update takes is counted in what the flood got done meanwhile: one in each round, as above.
 TEST(Errands, two_that_flood_the_bridge_with_tiny_shapes_keep_nobody_waiting) {
+    KNURL_NEEDS(knurl::test::missing_second_processor());
     const ServoUp servo;
     BridgeProcess bridge;
     Client client = connect_to(bridge);
