@@ -123,7 +123,10 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
             if (!r.textured) return;
             const Vector3d n(a.nx[member], a.ny[member], a.nz[member]);
             const double gain = texture_gain_of(r, feel.texture, group);
-            Relief under = relief(feel.texture, group.probe.position, n, feel.shift);
+            std::uint32_t part = 0;  // of its surface's contacts
+            const std::uint32_t begin = now ? group.now.begin : group.old.begin;
+            while (member - part > begin && a.owner[member - part - 1] == owner) ++part;
+            Relief under = relief(feel.texture, foot_of(group, feel.height[part], n), n, feel.shift);
             under.slope *= gain;
             group.relief += texture_force(feel.texture, under, push, limits_);
         });

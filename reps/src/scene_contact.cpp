@@ -86,8 +86,10 @@ double SceneCore::ask_one(const ContactSet& set, const Group& group, double dt, 
         if (!held) feel.shift += step * r.velocity;
         const double gain = texture_gain_of(r, feel.texture, group);
         for (std::uint32_t c = 0; c < count; ++c) {
-            found_[c].height -=
-                gain * relief(feel.texture, group.probe.position, found[c].normal, feel.shift).height;
+            feel.height[c] = found[c].height;
+            if (!std::isfinite(found[c].height)) continue;  // nowhere near: it has no foot
+            const Vector3d foot = foot_of(group, found[c].height, found[c].normal);
+            found_[c].height -= gain * relief(feel.texture, foot, found[c].normal, feel.shift).height;
         }
     }
     const std::uint32_t end = set.begin + set.count;

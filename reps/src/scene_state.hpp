@@ -58,6 +58,7 @@ struct Rough {
     double braking = 0;
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // m, by which its velocity has carried the texture
     double share = 1;                                 // of the friction, where it is touched
+    std::array<double, max_contacts> height{};        // m, of each contact, without the relief
 };
 
 struct alignas(64) Record : RecordHead {
@@ -216,5 +217,10 @@ struct Group {
     bool replaced = false;  // the probe sits elsewhere on the hand now
     double fade_time = 0;
 };
+
+/// Where the probe would touch a surface that is that far from it (m).
+inline Eigen::Vector3d foot_of(const Group& group, double height, const Eigen::Vector3d& normal) noexcept {
+    return group.probe.position - (height + group.probe.radius) * normal;
+}
 
 }  // namespace knurl::detail

@@ -1,6 +1,8 @@
 // What is felt along surfaces, through a whole scene: friction on the joint contact, in corners, through
 // changes; planes whose forces are summed; moving planes; the braking pulse.
 
+#include <functional>
+
 #include <gtest/gtest.h>
 
 #include "scene_tools.hpp"
@@ -237,4 +239,68 @@ TEST(Texture, IsTheGradientOfItsRelief) {
         last = force;
     }
     EXPECT_NEAR(work, 0, 1e-8);
+}
+
+/// What a closed loop around `about` (m), which stays in contact, makes (J) of the hand's work.
+double work_of_loop(Scene& scene, const std::function<Vector(double)>& place) {
+    constexpr int steps = 4000;
+    constexpr double step = 2 * M_PI / steps;
+    double work = 0;
+    for (int i = 0; i < steps; ++i) {  // of a closed loop, where equal weights are best
+        const Vector way =
+            (place((i + 0.5) * step) - place((i - 0.5) * step)) / (2 * std::sin(step / 2)) * step;
+        work += scene.evaluate(at(place(i * step)), dt).force.dot(way);
+    }
+    return work;
+}
+
+Texture any_texture(Rng& rng, int pattern) {
+    return {.amplitude = 5e-5,
+            .wavelength = uniform(rng, 2e-3, 6e-3),
+            .direction = to_plain(direction(rng)),
+            .origin = to_plain(0.01 * direction(rng)),
+            .pattern = static_cast<TexturePattern>(pattern)};
+}
+
+TEST(Texture, OnAPlaneThatLeansAgainstItsDirectionItMakesNoWorkEither) {
+    const std::uint64_t seed = 64;
+    Rng rng(seed);
+    double worst = 0;
+    for (int run = 0; run < (long_form() ? 300 : 60); ++run) {
+        const Vector n = direction(rng), a = n.unitOrthogonal(), b = n.cross(a);
+        const double radius = run % 2 ? 0.004 : 0;
+        Scene scene = make_scene();
+        ASSERT_TRUE(scene.place_probe(0, {.offset = {}, .radius = radius}));
+        ASSERT_TRUE(scene.add(
+            {0, 1},
+            Plane{.normal = to_plain(n), .stiffness = 1000, .texture = any_texture(rng, run / 2 % 3)}));
+        scene.settle();
+        const double work = work_of_loop(scene, [&](double angle) -> Vector {
+            return (radius - 1.5e-3 + 1e-3 * std::sin(3 * angle)) * n + 5e-3 * std::cos(angle) * a +
+                   3e-3 * std::sin(angle) * b;
+        });
+        worst = std::max(worst, std::abs(work));
+        ASSERT_LE(std::abs(work), 1e-8) << "J; seed " << seed << " run " << run;
+    }
+    std::printf("most work in a loop on a plane %.2g J\n", worst);
+}
+
+TEST(Texture, OnASphereItMakesTheWorkThatTheManualStates) {
+    // The slope is that of the foot, which moves farther than a hand that is deep in it.
+    const std::uint64_t seed = 65;
+    Rng rng(seed);
+    double worst = 0;
+    for (int run = 0; run < (long_form() ? 300 : 60); ++run) {
+        Scene scene = make_scene();
+        ASSERT_TRUE(scene.add(
+            {0, 1}, Sphere{.radius = 0.03, .stiffness = 1000, .texture = any_texture(rng, run % 3)}));
+        scene.settle();
+        const Vector n = direction(rng), a = n.unitOrthogonal(), b = n.cross(a);
+        worst = std::max(worst, std::abs(work_of_loop(scene, [&](double angle) -> Vector {
+                             const Vector way = n + 0.17 * std::cos(angle) * a + 0.1 * std::sin(angle) * b;
+                             return (0.0285 + 1e-3 * std::sin(3 * angle)) * way.normalized();
+                         })));
+    }
+    std::printf("most work in a loop on a sphere %.2g J\n", worst);
+    EXPECT_LE(worst, 1.2e-3);
 }

@@ -1,6 +1,8 @@
 #pragma once
-// A relief on a surface. The surface's height becomes h - A f(p), and the contact is pushed down its slope by
-// -N A grad f: for one plane both together are the gradient of k (depth + A f)^2 / 2, so conservative.
+// A relief on a surface. The surface's height becomes h - A f, f that of the foot of the probe on it, and the contact is
+// pushed down its slope by -N A grad f: for one plane both together are the gradient of k (depth + A f)^2 / 2, so
+// conservative. (Of the probe itself f would change with the depth, where `direction` leans out of the plane, and that part
+// of the gradient would be missing.)
 
 #include <knurl/reps/limits.hpp>
 #include <knurl/reps/material.hpp>
@@ -13,7 +15,7 @@ struct Relief {
     Eigen::Vector3d slope = Eigen::Vector3d::Zero();  // 1, A grad f, along the surface
 };
 
-/// The relief under the point p (m, world) of a surface with that unit normal, which has been carried `shift`
+/// The relief at the point p (m, world) of a surface with that unit normal, which has been carried `shift`
 /// (m) from where it was when the texture was given.
 Relief relief(const Texture& texture, const Eigen::Vector3d& p, const Eigen::Vector3d& normal,
               const Eigen::Vector3d& shift) noexcept;
