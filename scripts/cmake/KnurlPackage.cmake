@@ -6,6 +6,7 @@
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "the makers of Knurl <knurl@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package's own is the first line of its description
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
@@ -57,7 +58,7 @@ use it, services for both (which are not enabled by themselves), and rules that
 give the group haptics the devices.")
 
 # They start servers of their own, and a server of another build refuses them.
-set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_DEPENDS "knurl-server (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_DEPENDS "knurl-server (= ${PROJECT_VERSION}), python3")
 set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_SUGGESTS "python3-matplotlib, python3-numpy, python3-pil")
 set(CPACK_DEBIAN_KNURL-TOOLS_DESCRIPTION "haptics server for Linux - tools
 Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
