@@ -35,7 +35,7 @@ export KNURL_RUNTIME_DIR="$work" KNURL_STATE_DIR="$work/state"
 knurld --device right=sim:premium15 >"$work/servo" 2>&1 &
 servo=$!
 "$work/build/my_simulation" | tee "$work/felt"
-grep -q 'hand at' "$work/felt" || { cat "$work/servo"; fail "the README's program felt nothing"; }
+grep -qE 'mm, [0-9.]*[1-9][0-9]* N' "$work/felt" || { cat "$work/servo"; fail "the README's program felt nothing"; }
 knurl ls | tee "$work/listed"
 grep -q 'knurl:default' "$work/listed" || fail "knurl ls does not show the servo"
 kill $servo
