@@ -41,19 +41,19 @@ grep -q 'knurl:default' "$work/listed" || fail "knurl ls does not show the servo
 kill $servo
 wait $servo || fail "knurld ended with $?"
 
-# systemd cannot run here: a script in its place writes down what the packages ask of it.
+# systemd cannot run here: a script in its place writes down what the packages ask of it. apt gives the packages' scripts a
+# PATH without /usr/local.
 mkdir -p /run/systemd/system /etc/systemd/system/multi-user.target.wants
-cat >/usr/local/bin/systemctl <<'S'
+cat >/usr/bin/systemctl <<'S'
 #!/bin/sh
 echo "$*" >>/tmp/systemctl
 S
-chmod +x /usr/local/bin/systemctl
+chmod +x /usr/bin/systemctl
 ln -s /lib/systemd/system/knurld.service /etc/systemd/system/multi-user.target.wants/
 cp /usr/share/knurl/knurld.toml /etc/knurl/
 
 echo "== upgrade: what runs is restarted, and not stopped before"
 : >/tmp/systemctl
-export PATH=/usr/local/bin:$PATH
 install "$packages"/later/*.deb
 cat /tmp/systemctl
 grep -q '^try-restart knurld.service knurl-bridge.service$' /tmp/systemctl || fail "an upgrade does not restart the services"
@@ -78,5 +78,5 @@ left="$(find / -xdev \( -path /proc -o -path /root -o -path /tmp -o -path /sys \
 ! getent passwd knurl || fail "the user is left behind"
 ! getent group haptics || fail "the group is left behind"
 [[ -z "$(installed)" ]] || fail "still known to dpkg: $(installed)"
-rm -r /run/systemd /usr/local/bin/systemctl
+rm -r /run/systemd /usr/bin/systemctl
 echo "== the packages are as they should be"
