@@ -1,7 +1,10 @@
 # Run by scripts/deb-test in a root with nothing installed. $1: the packages, and in later/ the same of a later version.
 packages=$1
 fail() { echo "deb-test: $1" >&2; exit 1; }
-installed() { dpkg-query --show --showformat='${Package}\n' 'knurl*' 'libknurl*' 2>/dev/null; }
+installed() {  # or removed with their configuration left
+    dpkg-query --show --showformat='${db:Status-Status} ${Package}\n' 'knurl*' 'libknurl*' 2>/dev/null |
+        sed -n '/^not-installed /!s/^[^ ]* //p'
+}
 install() { apt-get install -y -qq --no-install-recommends "$@" >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail "apt-get install failed"; }; }
 
 echo "== install: libknurl-dev and a compiler, as the README says"
@@ -63,14 +66,14 @@ grep -q '^try-restart knurld.service knurl-bridge.service$' /tmp/systemctl || fa
 
 echo "== remove: stopped, no link to what is gone, the configuration stays"
 : >/tmp/systemctl
-apt-get remove -y -qq knurl-server knurl-tools libknurl-dev >/dev/null 2>&1
+apt-get remove -y -qq knurl-server knurl-tools libknurl-dev >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail "apt-get remove failed"; }
 cat /tmp/systemctl
 grep -q '^stop knurl-bridge.service knurld.service$' /tmp/systemctl || fail "a removal does not stop the services"
 [[ ! -L /etc/systemd/system/multi-user.target.wants/knurld.service ]] || fail "a removal leaves the service enabled"
 [[ -e /etc/knurl/knurld.toml ]] || fail "a removal loses the configuration"
 
 echo "== purge: nothing"
-apt-get purge -y -qq knurl-server knurl-tools libknurl-dev >/dev/null 2>&1
+apt-get purge -y -qq $(installed) >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail "apt-get purge failed"; }
 left="$(find / -xdev \( -path /proc -o -path /root -o -path /tmp -o -path /sys \) -prune -o \( -iname '*knurl*' -o -name '*haptics*' \) -print |
     grep -v '^/var/log/\|^/var/cache/' || true)"
 [[ -z "$left" ]] || fail "left behind:"$'\n'"$left"
