@@ -45,6 +45,10 @@ TEST(Attach, WelcomeNamesTheDevicesAndHandsOverTheirReports) {
 }
 
 TEST(Attach, WithoutADescriptorLeftTheServoSaysSo) {
+#if defined(__SANITIZE_ADDRESS__)
+    // Its companion UBSan opens a pipe to see whether an object is one, and takes its failure for a no.
+    GTEST_SKIP() << "UBSan needs a descriptor itself";
+#endif
     const Home home;
     const Knurld knurld(home);
     rlimit before{};
