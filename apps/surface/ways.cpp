@@ -114,7 +114,8 @@ class Session {
         stated_.say(0, 0, {first});
         loop([&] {
             Pieces pieces;
-            for (const knurl::SurfacePoint& face : floor.follow(model).faces.all()) {
+            const auto followed = floor.follow(model);
+            for (const knurl::SurfacePoint& face : followed.faces.all()) {
                 Face placed = first;
                 knurl::place(placed, face);
                 pieces.emplace_back(placed);

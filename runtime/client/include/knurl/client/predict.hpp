@@ -79,7 +79,8 @@ inline constexpr std::uint32_t max_faces = 3;
 struct Faces {
     std::array<SurfacePoint, max_faces> face{};  // unit normals
     std::uint32_t count = 0;
-    std::span<const SurfacePoint> all() const { return {face.data(), count}; }
+    std::span<const SurfacePoint> all() const& { return {face.data(), count}; }
+    std::span<const SurfacePoint> all() && = delete;  // of a temporary: gone before the loop over it
 };
 
 /// What the next call has to know of the last ones.
