@@ -74,7 +74,18 @@ inline Missing missing_second_processor() {
     cpu_set_t set;
     CPU_ZERO(&set);
     if (::sched_getaffinity(0, sizeof set, &set) != 0 || CPU_COUNT(&set) > 1) return {};
-    return "a second processor (this process may use one); a flood from the same one says nothing";
+    return "no second processor (this process may use one only); a flood from the processor of the bridge "
+           "proves nothing";
+}
+
+/// To run a program without a free descriptor.
+inline Missing missing_programs_without_descriptors() {
+#if defined(__SANITIZE_ADDRESS__)
+    return "UBSan, which this build has, too (it opens a pipe to look at an object, and takes each for a "
+           "wrong one where it gets none)";
+#else
+    return {};
+#endif
 }
 
 /// A pseudo-terminal, for programs that look at theirs.

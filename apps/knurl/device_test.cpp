@@ -202,12 +202,14 @@ std::string without_hand(const std::string& address) {
 
 std::atomic<bool> interrupted = false;  // it may be pushing somebody's device: the motors first, then the end
 
-int test(TestOptions options) {
+void heed_interrupts() {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-        // What whoever started it ignores (nohup) stays ignored.
+        // A signal that was ignored when the program began (nohup) stays ignored.
         if (std::signal(signal, [](int) { interrupted = true; }) == SIG_IGN) std::signal(signal, SIG_IGN);
     }
-    options.trial.stop = &interrupted;
+}
+
+int test(TestOptions options) {
     require_address(options.address);
     if (options.trial.virtual_time && !options.address.starts_with("sim:"))
         throw UsageError("--virtual is for simulated devices: a real one has only this time");
@@ -218,6 +220,8 @@ int test(TestOptions options) {
     const std::unique_ptr<drivers::Device> device = drivers::open_device(address);
     if (!options.as_json && address != options.address)
         fmt::print(stderr, "nobody's hand on it: tests {} (grip=0.5 would hold it)\n", address);
+    options.trial.stop = &interrupted;
+    heed_interrupts();
     const Trial trial = try_device(*device, options.trial, [&](const std::string& line) {
         if (!options.as_json) fmt::print(stderr, "{} ...\n", line);
     });

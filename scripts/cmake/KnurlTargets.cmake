@@ -97,7 +97,7 @@ set(knurl_test_optimization $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 # (knurl_test_headers, in tests/), and the test's own code is built with -O1, in half the time; what it tests is a library
 # and keeps its -O3. OPTIMIZED is for tests whose subject is a template, so that they see the code that users run. SERIAL
 # ones run beside no other. PROCESS ones start programs: CI runs them once more without any right (scripts/test --restricted).
-# GUARDED ones CI builds (target knurl_guarded) and runs once more under ASan and UBSan.
+# GUARDED ones, which start none, are built (target knurl_guarded) and run by CI once more, under ASan and UBSan.
 function(knurl_test name)
     cmake_parse_arguments(arg "OPTIMIZED;SERIAL;PROCESS;GUARDED" "TIMEOUT;PREFIX" "SOURCES;LINK" ${ARGN})
     if(NOT arg_TIMEOUT)

@@ -82,10 +82,7 @@ TEST(Ls, WhereItMayNotLookItSaysSoAndFails) {
 }
 
 TEST(Ls, WithoutADescriptorLeftItSaysSo) {
-#if defined(__SANITIZE_ADDRESS__)
-    // Its companion UBSan opens a pipe to see whether an object is one, and takes its failure for a no.
-    GTEST_SKIP() << "UBSan needs a descriptor itself";
-#endif
+    KNURL_NEEDS(missing_programs_without_descriptors());
     const Home home;
     const Servo servo({"--device", "sim:premium15"});
     const auto limited = [&](const char* most, const std::string& words) {

@@ -77,7 +77,7 @@ apt-get purge -y -qq $(installed) >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail
 left="$(find / -xdev \( -path /proc -o -path /root -o -path /tmp -o -path /sys \) -prune -o \( -iname '*knurl*' -o -name '*haptics*' \) -print |
     grep -v '^/var/log/\|^/var/cache/' || true)"
 [[ -z "$left" ]] || fail "left behind:"$'\n'"$left"
-# (passwd- and its like are what userdel kept of before.)
+# (/etc/passwd- and the like are backups that userdel makes.)
 ! grep -rIl --exclude='*-' 'knurl\|haptics' /etc || fail "left behind in these files of /etc"
 ! getent passwd knurl || fail "the user is left behind"
 ! getent group haptics || fail "the group is left behind"

@@ -71,7 +71,7 @@ TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
                 p = centers[static_cast<std::size_t>(between(rng, 0, 59))] + 1e-5 * direction(rng);
             if (move > 1) p += 0.0015 * direction(rng);
             const Vector want = asking.evaluate(at(p), dt).force;
-            ASSERT_LE((skipping.evaluate(at(p), dt).force - want).norm(), 1e-9 * (1 + want.norm()))
+            ASSERT_LE((skipping.evaluate(at(p), dt).force - want).norm(), 1e-9)
                 << "seed " << seed << " round " << round << " cycle " << i;
             felt += want.norm() > 0;
             asked += skipping.evaluated();
@@ -86,7 +86,9 @@ TEST(SolidsInAScene, OfSpheresThatOverlapWhatIsSkippedWouldNotHaveBeenFelt) {
     // asked in every cycle, since they move, if only by nothing that matters.
     const std::uint64_t seed = 8202;
     Rng rng(seed);
-    for (int round = 0; round < (long_form() ? 200 : 10); ++round) {
+    const int rounds = long_form() ? 200 : 10;
+    int several = 0;
+    for (int round = 0; round < rounds; ++round) {
         Scene skipping = make_scene(), asking = make_scene();
         for (std::uint32_t i = 0; i < 60; ++i) {
             Sphere sphere{.center = {uniform(rng, 0, 0.05), uniform(rng, 0, 0.05), uniform(rng, 0, 0.05)},
@@ -101,7 +103,6 @@ TEST(SolidsInAScene, OfSpheresThatOverlapWhatIsSkippedWouldNotHaveBeenFelt) {
         if (round % 2 == 0) skipping.index();
         Vector p = Vector::Zero();
         std::uint64_t asked = 0;
-        int several = 0;
         for (int i = 0; i < 2000; ++i) {
             if (between(rng, 0, 100) == 0)
                 p = 0.05 * Vector(uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1));
@@ -112,9 +113,9 @@ TEST(SolidsInAScene, OfSpheresThatOverlapWhatIsSkippedWouldNotHaveBeenFelt) {
             several += want.norm() > 0 && skipping.evaluated() > 1;
             asked += skipping.evaluated();
         }
-        EXPECT_GT(several, 100);
         EXPECT_LT(asked, 2000u * 40) << "not all of them in every cycle";
     }
+    EXPECT_GT(several, 100 * rounds);
 }
 
 // What holds the hand has no end, so it is always asked; sent away it is out of reach again.

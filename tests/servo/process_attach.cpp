@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "../rights.hpp"
 #include "process_knurld.hpp"
 
 namespace knurl::test {
@@ -45,10 +46,7 @@ TEST(Attach, WelcomeNamesTheDevicesAndHandsOverTheirReports) {
 }
 
 TEST(Attach, WithoutADescriptorLeftTheServoSaysSo) {
-#if defined(__SANITIZE_ADDRESS__)
-    // Its companion UBSan opens a pipe to see whether an object is one, and takes its failure for a no.
-    GTEST_SKIP() << "UBSan needs a descriptor itself";
-#endif
+    KNURL_NEEDS(missing_programs_without_descriptors());
     const Home home;
     const Knurld knurld(home);
     rlimit before{};

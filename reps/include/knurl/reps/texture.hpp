@@ -1,8 +1,8 @@
 #pragma once
-// A relief on a surface. The surface's height becomes h - A f, f that of the foot of the probe on it, and the contact is
-// pushed down its slope by -N A grad f: for one plane both together are the gradient of k (depth + A f)^2 / 2, so
-// conservative. (Of the probe itself f would change with the depth, where `direction` leans out of the plane, and that part
-// of the gradient would be missing.)
+// A relief on a surface. The surface's height becomes h - A f, and the contact is pushed down its slope by -N A grad f: for
+// one plane both together are the gradient of k (depth + A f)^2 / 2, so conservative. f is taken at the probe's foot on the
+// surface. Taken at the probe it would change with the depth wherever `direction` leans out of the plane, and the force
+// lacks that part of the gradient.
 
 #include <knurl/reps/limits.hpp>
 #include <knurl/reps/material.hpp>

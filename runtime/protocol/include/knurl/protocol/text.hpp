@@ -1,7 +1,6 @@
 #pragma once
 // Texts in the fixed fields of messages and of shared memory: cut to fit, a zero behind them.
 
-#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <string>
@@ -21,12 +20,10 @@ std::string text_of(const char (&field)[n]) {
 }
 
 /// A client's name as it may be printed on other people's terminals.
+std::string printable(const std::string& name);
 template <std::size_t n>
 std::string printable(const char (&field)[n]) {
-    std::string text = text_of(field);
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    return text.empty() ? "unnamed" : text;
+    return printable(text_of(field));
 }
 
 }  // namespace knurl::protocol
