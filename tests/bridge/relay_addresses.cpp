@@ -1,9 +1,15 @@
 // A name that stands for several addresses: `localhost` does on many a box, and a bridge listens at one of
 // them.
 
+#include <fstream>
 #include <set>
+#include <utility>
+
+#include <sys/resource.h>
+#include <sys/socket.h>
 
 #include <knurl/bridge/remote.hpp>
+#include <knurl/shm/fd.hpp>
 
 #include "relay.hpp"
 #include "relay_stranger.hpp"
@@ -74,6 +80,35 @@ TEST(Addresses, to_listen_at_are_tried_too_and_the_first_that_is_free_is_taken) 
         says(error.what(), "another program has this port");
         says(error.what(), "(tried 2 addresses)");
     }
+}
+
+/// Takes every second port that the kernel may choose, for datagrams, at this host. Fewer than all: this user
+/// may not have so many descriptors.
+std::vector<shm::UniqueFd> half_of_the_ports_for_datagrams(const char* host, bool& all) {
+    rlimit descriptors{};
+    ::getrlimit(RLIMIT_NOFILE, &descriptors);
+    descriptors.rlim_cur = descriptors.rlim_max;
+    ::setrlimit(RLIMIT_NOFILE, &descriptors);
+    int first = 0, last = 0;
+    std::ifstream("/proc/sys/net/ipv4/ip_local_port_range") >> first >> last;
+    std::vector<shm::UniqueFd> taken;
+    all = first > 0;
+    for (int port = first; all && port <= last; ++port) {
+        if (port / 2 % 2 == 0) continue;  // of even and of odd ones: the kernel prefers one kind for bind()
+        shm::UniqueFd one(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+        const Endpoint there = resolve(at(host, static_cast<std::uint16_t>(port)));
+        all = one && (::bind(one.get(), there.get(), there.length) == 0 || errno == EADDRINUSE);
+        taken.push_back(std::move(one));
+    }
+    return taken;
+}
+
+TEST(Addresses, without_a_port_get_one_that_is_free_for_callers_and_for_datagrams) {
+    bool all = false;
+    const auto taken = half_of_the_ports_for_datagrams("127.0.0.99", all);
+    if (!all) GTEST_SKIP() << "this user may have too few descriptors (RLIMIT_NOFILE)";
+    for (int bridge = 0; bridge < 12; ++bridge)
+        EXPECT_NO_THROW(Relay({.servo = "default", .listen = addresses({"127.0.0.99:0"})}));
 }
 
 TEST(Addresses, of_a_host_that_has_several_all_answer_whoever_asked_there) {

@@ -207,7 +207,7 @@ void Connection::no_datagrams() const {
         Error::Kind::no_servo,
         detail::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
                        "through the firewalls between",
-                       bridge_.text, ntohs(reinterpret_cast<const sockaddr_in*>(bridge_.get())->sin_port)));
+                       bridge_.text, bridge_.port()));
 }
 
 }  // namespace knurl::bridge

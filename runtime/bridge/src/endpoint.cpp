@@ -59,6 +59,10 @@ const sockaddr_in& as4(const sockaddr_storage& address) {
 
 }  // namespace
 
+std::uint16_t Endpoint::port() const {
+    return ntohs(family() == AF_INET ? as4(address).sin_port : as6(address).sin6_port);
+}
+
 bool Endpoint::loopback() const {
     if (family() == AF_INET) return (ntohl(as4(address).sin_addr.s_addr) >> 24) == 127;
     return family() == AF_INET6 && IN6_IS_ADDR_LOOPBACK(&as6(address).sin6_addr);

@@ -2,7 +2,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -24,14 +26,8 @@ namespace {
     throw std::runtime_error(detail::format("{}: {}{}", what, std::strerror(errno), remedy));
 }
 
-Listening listen_at(const Endpoint& endpoint, bool keys) {
-    const std::string what = detail::format("cannot listen at {}", endpoint.text);
-    if (!endpoint.loopback() && !keys)
-        throw std::runtime_error(detail::format(
-            "{}: whoever reaches it could move the hand, so an address that is not this host's "
-            "own (127.0.0.1, [::1]) "
-            "needs keys: `knurl-bridge keygen --name NAME --role control`, then --keys FILE",
-            what));
+/// Nothing: the port that was free for callers is another program's for datagrams.
+std::optional<Listening> listen_once(const Endpoint& endpoint, const std::string& what) {
     Listening result{
         .callers = shm::UniqueFd(::socket(endpoint.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
         .datagrams = make_datagram_socket(endpoint.family())};
@@ -48,10 +44,29 @@ Listening listen_at(const Endpoint& endpoint, bool keys) {
         cannot(what);
     at.length = sizeof at.address;  // port 0: now it is known, and the same for datagrams
     ::getsockname(result.callers.get(), at.get(), &at.length);
-    if (!result.datagrams || ::bind(result.datagrams.get(), at.get(), at.length) != 0)
+    if (!result.datagrams || ::bind(result.datagrams.get(), at.get(), at.length) != 0) {
+        if (errno == EADDRINUSE) return {};
         cannot(what + " (UDP)");
+    }
     result.at = numeric(at.address);
     return result;
+}
+
+Listening listen_at(const Endpoint& endpoint, bool keys) {
+    const std::string what = detail::format("cannot listen at {}", endpoint.text);
+    if (!endpoint.loopback() && !keys)
+        throw std::runtime_error(detail::format(
+            "{}: whoever reaches it could move the hand, so an address that is not this host's "
+            "own (127.0.0.1, [::1]) "
+            "needs keys: `knurl-bridge keygen --name NAME --role control`, then --keys FILE",
+            what));
+    // The kernel chooses a port that is free for TCP. On a host with many sockets it may be taken for UDP, and
+    // the next choice is another one.
+    const int choices = endpoint.port() == 0 ? 100 : 1;
+    for (int choice = 0; choice < choices; ++choice)
+        if (auto result = listen_once(endpoint, what)) return std::move(*result);
+    errno = EADDRINUSE;
+    cannot(what + " (UDP)");
 }
 
 }  // namespace

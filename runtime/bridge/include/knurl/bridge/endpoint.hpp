@@ -1,6 +1,7 @@
 #pragma once
 // Where a bridge listens: host and port, as a user writes them.
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Endpoint {
     const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address); }
     sockaddr* get() { return reinterpret_cast<sockaddr*>(&address); }
     int family() const { return address.ss_family; }
+    std::uint16_t port() const;  // 0: whichever is free
     bool loopback() const;
 };
 
