@@ -131,7 +131,7 @@ class Play {
 
     /// One whose place is no number was let go as its frame was shown, and no frame comes after that.
     void require_bodies() {
-        if (!world_.lost() || stepping_) return;
+        if (stepping_ || !world_.lost()) return;
         if (lost_ < 0) lost_ = now_;
         if (now_ - lost_ < faded) return;
         throw std::runtime_error(
