@@ -72,7 +72,7 @@ class Coupled {
     /// For the simulation's next step.
     Orders orders(const World& world, double now) {
         look_for_jumps(world, now);
-        Orders orders{.pushes = {}, .pulls = hold_.pulls(world, dt_, interval())};
+        Orders orders{.pushes = {}, .pulls = hold_.pulls(world)};
         for (Touching& t : touching_) orders.pushes.push_back(t.touch.push(world, dt_));
         return orders;
     }

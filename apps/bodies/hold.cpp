@@ -22,6 +22,7 @@ void Hold::take(const World& world, std::size_t body) {
     // What still fades of the hold before would be gone at once, which is a step.
     softly_ = softly_ || there_ > 0 || remains_ > all_gone;
     body_ = body;
+    account_.forgive();
     const Pose pose = world.after(body);
     for (std::size_t i = 0; i < springs; ++i) {
         ends_[i] = position_ + orientation_ * arm(i);
@@ -59,7 +60,7 @@ void Hold::feel(const knurl::Report& report, const Felts& felts) {
     account_.settle();
 }
 
-std::vector<Pull> Hold::pulls(const World& world, double dt, double interval) {
+std::vector<Pull> Hold::pulls(const World& world) {
     if (!body_) return {};
     account_.keep(options_.credit);
     const double share = share_ = std::clamp(2 + account_.left() / options_.credit, 0.0, 1.0);
@@ -67,13 +68,15 @@ std::vector<Pull> Hold::pulls(const World& world, double dt, double interval) {
     short_of_ += share < 1;
     const double mass = world.bodies()[*body_].mass;
     std::vector<Pull> all;
+    // In the time of a slow simulation the hand is faster, yet it does not go on for all of a long frame: a
+    // body that is pulled along at that speed is thrown.
     for (std::size_t i = 0; i < springs; ++i) {
         const Vector3d lever = orientation_ * arm(i);
         all.push_back(
             {.body = *body_,
              .on_body = on_body_[i],
              .towards = position_ + lever,
-             .velocity = interval / dt * (velocity_ + spin_.cross(lever)),  // in the simulation's time
+             .velocity = velocity_ + spin_.cross(lever),
              .stiffness = share * options_.stiffness,
              .damping = share * options_.damping * 2 * std::sqrt(options_.stiffness * mass / springs)});
     }

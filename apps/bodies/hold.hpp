@@ -8,6 +8,7 @@
 // late, as it was and moving on. The damper makes up for what that delay stirs up, and an account bounds what
 // it cannot: what the hand has put in, less what the body has got and what the springs hold. With more debt
 // than `credit` both pull less, and with twice as much not at all: the body falls, but never by itself.
+// Who takes it anew begins without debt, since a body at rest could never pay it.
 
 #include <array>
 
@@ -43,9 +44,9 @@ class Hold {
 
     /// A cycle of the servo.
     void feel(const knurl::Report& report, const Felts& felts);
-    /// For the simulation's next step of `dt` s, which will be played in `interval` s.
-    std::vector<Pull> pulls(const World& world, double dt, double interval);
-    /// After it.
+    /// For the simulation's next step.
+    std::vector<Pull> pulls(const World& world);
+    /// After it. It is played in `interval` s.
     void stepped(const World& world, double interval);
     /// What the servo is told. What was let go fades.
     std::array<knurl::Spring, springs> told(double now);

@@ -77,7 +77,7 @@ Trial run_trial(World& world, const Script& script, const TrialOptions& options,
         if (options.kick_at >= 0 && now >= options.kick_at && !std::exchange(kicked, true))
             world.kick(options.kicked, options.kick);
         if (!stopped && !world.lost() && now >= next) {
-            while (next <= now) next += dt;
+            while (next <= now) next += options.slower * dt;
             const Orders orders =
                 coupled ? coupled->orders(world, now) : loop->orders(world, knurl::to_eigen(report.position));
             world.step(dt, orders.pushes, orders.pulls);

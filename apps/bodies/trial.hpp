@@ -15,6 +15,7 @@ struct TrialOptions {
     CoupledOptions coupled = {};
     std::string device = "premium15";
     bool clamp = true;                  // at what the device allows
+    double slower = 1;                  // a frame takes so many times as long as what it simulates
     double stop_at = -1, stop_for = 0;  // s: the simulation stands still
     double reset_at = -1;               // s: all is where it was at first
     double kick_at = -1;                // s: something goes wrong in the engine, with the body `kicked`

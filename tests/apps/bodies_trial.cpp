@@ -154,6 +154,27 @@ TEST(BodiesTrial, ASimulationThatStopsIsFeltAsThingsAtRestAndGoesOn) {
     }
 }
 
+TEST(BodiesTrial, ASlowSimulationThrowsNothingAbout) {
+    const double floor = Tray{}.floor;
+    for (const double slower : {1.0, 2.0, 3.0}) {
+        SCOPED_TRACE(slower);
+        World world(usual_bodies());
+        const Vector3d at = world.after(cube).position;
+        Script script({at.x(), at.y(), 0.02});
+        script.to({at.x(), at.y(), at.z() + 0.02}, 0.1);
+        double highest = floor;
+        for (int times = 0; times < 4; ++times) {
+            script.rest(2).take().to({at.x(), at.y(), at.z() + 0.045}, 0.6).rest(2).let_go();
+            script.to({at.x(), at.y(), at.z() + 0.02}, 0.1);
+        }
+        const Trial trial = run_trial(world, script, {.slower = slower}, [&](const Moment&) {
+            highest = std::max(highest, world.after(cube).position.z());
+        });
+        EXPECT_EQ(trial.faults, 0u);
+        EXPECT_LT(highest - floor, 0.06) << "lifted to 0.040 m";
+    }
+}
+
 TEST_P(AtRate, BodiesThatJumpAreNoStepInTheHandAndNoWork) {
     for (const double reset_at : {2.2, 4.9, 6.0, 7.5}) {  // pushing, above it, just taken, carrying
         SCOPED_TRACE("reset at " + std::to_string(reset_at));
