@@ -203,11 +203,10 @@ void Connection::no_datagrams() const {
                 "more",
                 bridge_.text, least_datagram_bytes,
                 least_datagram_bytes + udp_bytes + (bridge_.family() == AF_INET6 ? ip6_bytes : ip4_bytes)));
-    throw Error(
-        Error::Kind::no_servo,
-        detail::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
-                       "through the firewalls between",
-                       bridge_.text, bridge_.port()));
+    throw Error(Error::Kind::no_servo,
+                detail::format("bridge {} answers by TCP, but no datagram of it comes here; let UDP port {} "
+                               "through the firewalls between",
+                               bridge_.text, bridge_.port()));
 }
 
 }  // namespace knurl::bridge
