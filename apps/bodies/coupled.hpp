@@ -104,8 +104,9 @@ class Coupled {
         }
     }
 
-    /// The nearest body within reach; false: there is none.
-    bool take(const World& world) {
+    /// The nearest body within reach; false: there is none. The hand is held at once, not with the next frame:
+    /// how far it goes until then would be a step in its force.
+    bool take(const World& world, double now) {
         std::optional<std::size_t> nearest;
         double least = options_.reach;
         for (std::size_t i = 0; i < world.bodies().size(); ++i)
@@ -113,6 +114,7 @@ class Coupled {
         if (!nearest) return false;
         hold_.take(world, *nearest);
         for (Touching& t : touching_) t.touch.held(t.touch.body() == *nearest);
+        tell_springs(now);
         return true;
     }
     void let_go(double now) {

@@ -22,13 +22,12 @@ void Hold::take(const World& world, std::size_t body) {
     // What still fades of the hold before would be gone at once, which is a step.
     softly_ = softly_ || there_ > 0 || remains_ > all_gone;
     body_ = body;
-    account_.forgive();
     const Pose pose = world.after(body);
     for (std::size_t i = 0; i < springs; ++i) {
         ends_[i] = position_ + orientation_ * arm(i);
         on_body_[i] = pose.orientation.conjugate() * (ends_[i] - pose.position);
     }
-    first_ = true;
+    move_ = 0;
     share_ = 1;
 }
 
@@ -68,8 +67,8 @@ std::vector<Pull> Hold::pulls(const World& world) {
     short_of_ += share < 1;
     const double mass = world.bodies()[*body_].mass;
     std::vector<Pull> all;
-    // In the time of a slow simulation the hand is faster, yet it does not go on for all of a long frame: a
-    // body that is pulled along at that speed is thrown.
+    // Not faster by as much as the simulation is slower than real time, though in its time the hand is: no hand
+    // goes on like that for all of a long frame, and the body would be thrown.
     for (std::size_t i = 0; i < springs; ++i) {
         const Vector3d lever = orientation_ * arm(i);
         all.push_back(
@@ -90,8 +89,7 @@ void Hold::stepped(const World& world, double interval) {
     account_.settle();
     const Pose pose = world.after(*body_);
     for (std::size_t i = 0; i < springs; ++i) ends_[i] = pose.position + pose.orientation * on_body_[i];
-    move_ = first_ ? 0 : interval;
-    first_ = false;
+    move_ = interval;
 }
 
 std::array<knurl::Spring, Hold::springs> Hold::told(double now) {

@@ -8,7 +8,6 @@
 // late, as it was and moving on. The damper makes up for what that delay stirs up, and an account bounds what
 // it cannot: what the hand has put in, less what the body has got and what the springs hold. With more debt
 // than `credit` both pull less, and with twice as much not at all: the body falls, but never by itself.
-// Who takes it anew begins without debt, since a body at rest could never pay it.
 
 #include <array>
 
@@ -46,7 +45,7 @@ class Hold {
     void feel(const knurl::Report& report, const Felts& felts);
     /// For the simulation's next step.
     std::vector<Pull> pulls(const World& world);
-    /// After it. It is played in `interval` s.
+    /// After it. The step is played in `interval` s.
     void stepped(const World& world, double interval);
     /// What the servo is told. What was let go fades.
     std::array<knurl::Spring, springs> told(double now);
@@ -71,7 +70,7 @@ class Hold {
     // of the springs: share that was told last; N, the most that is felt of one
     double there_ = 0, remains_ = 0;
     std::array<Vector3d, springs> points_, forces_;
-    bool felt_ = false, first_ = false;
+    bool felt_ = false;
     double share_ = 1;  // of the stiffness, that the account pays for
     knurl::EnergyAccount account_;
     std::uint64_t frames_ = 0, short_of_ = 0;  // that held; with springs that the account made softer

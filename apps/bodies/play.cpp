@@ -182,7 +182,8 @@ class Play {
     void take() {
         take_ = false;
         if (coupled_.held()) return;
-        if (!coupled_.take(world_)) return told_("there is nothing within reach to take");
+        if (!coupled_.take(world_, now_)) return told_("there is nothing within reach to take");
+        hand_.commit();
         holds_ = world_.bodies()[*coupled_.held()].name;
         told_(fmt::format("holds the {}", *holds_));
     }

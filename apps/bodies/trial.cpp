@@ -65,7 +65,7 @@ Trial run_trial(World& world, const Script& script, const TrialOptions& options,
         trial.faults |= report.faults;
         for (; coupled && event < script.events().size() && now >= script.events()[event].t; ++event)
             if (script.events()[event].take)
-                coupled->take(world);
+                coupled->take(world, now), hand.commit();
             else
                 coupled->let_go(now);
         const bool stopped = now >= options.stop_at && now < options.stop_at + options.stop_for;
