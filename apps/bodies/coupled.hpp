@@ -85,6 +85,7 @@ class Coupled {
         }
         tell_touched([&](Touch& touch) { return touch.stepped(world, interval()); });
         hold_.stepped(world, interval());
+        if (hold_.slips()) let_go(now);
         tell_springs(now);
     }
     /// If the next frame is late, all rests where the last one ended; if none comes, what is held is let go.

@@ -9,6 +9,7 @@ namespace bodies {
 namespace {
 
 constexpr double all_gone = 0.02;    // N that are still felt of springs that have faded
+constexpr double at_rest = 1e-3;     // m/s
 constexpr double taking_anew = 0.1;  // s, in which new springs take the place of what still fades
 
 }  // namespace
@@ -34,6 +35,7 @@ void Hold::take(const World& world, std::size_t body) {
 void Hold::let_go(double now) {
     body_.reset();
     let_go_ = now;
+    slips_ = false;
     account_.drop_springs();
 }
 
@@ -87,6 +89,8 @@ void Hold::stepped(const World& world, double interval) {
     account_.created = -account_.left();
     account_.body += world.pulled();
     account_.settle();
+    slips_ = share_ == 0 && world.velocity(*body_).norm() < at_rest;
+    if (slips_) account_.forgive();
     const Pose pose = world.after(*body_);
     for (std::size_t i = 0; i < springs; ++i) ends_[i] = pose.position + pose.orientation * on_body_[i];
     move_ = interval;

@@ -8,6 +8,7 @@
 // late, as it was and moving on. The damper makes up for what that delay stirs up, and an account bounds what
 // it cannot: what the hand has put in, less what the body has got and what the springs hold. With more debt
 // than `credit` both pull less, and with twice as much not at all: the body falls, but never by itself.
+// Where it comes to rest it has nothing left of what it owes, and nothing to pay with: it is let go, without debt.
 
 #include <array>
 
@@ -40,6 +41,8 @@ class Hold {
     void take(const World& world, std::size_t body);
     void let_go(double now);
     std::optional<std::size_t> held() const { return body_; }
+    /// The account pays for nothing, and never will: the body has come to rest, and what it got is gone.
+    bool slips() const { return slips_; }
 
     /// A cycle of the servo.
     void feel(const knurl::Report& report, const Felts& felts);
@@ -70,7 +73,7 @@ class Hold {
     // of the springs: share that was told last; N, the most that is felt of one
     double there_ = 0, remains_ = 0;
     std::array<Vector3d, springs> points_, forces_;
-    bool felt_ = false;
+    bool felt_ = false, slips_ = false;
     double share_ = 1;  // of the stiffness, that the account pays for
     knurl::EnergyAccount account_;
     std::uint64_t frames_ = 0, short_of_ = 0;  // that held; with springs that the account made softer

@@ -220,7 +220,24 @@ TEST_F(OnAServo, TakesLetsGoPutsBackAndEndsByKeys) {
     program.type(' ');
     ASSERT_TRUE(program.shows("holds the cube")) << program.shown;
     mouse_.up(15);
-    ASSERT_TRUE(eventually([&] { return lifted(); }));
+    // Where the machine stalls just then it is lost, which is said; a person puts it back and takes it again.
+    const auto lifted_or_seconds_later = [&] {
+        int looks = 0;
+        (void)eventually([&] { return lifted() || ++looks == 5000; });
+        return lifted();
+    };
+    for (int tries = 0; tries < 5 && !lifted_or_seconds_later(); ++tries) {
+        ASSERT_TRUE(program.shows("the cube has slipped out of the hand")) << program.shown;
+        mouse_.up(-15);
+        program.type('r');
+        ASSERT_TRUE(eventually([&] { return newest().position.z < -0.008; }));
+        program.shown.clear();
+        program.type(' ');
+        ASSERT_TRUE(program.shows("holds the cube")) << program.shown;
+        mouse_.up(15);
+    }
+    ASSERT_TRUE(eventually([&] { return lifted(); })) << program.shown;
+    program.shown.clear();
     program.type('r');
     ASSERT_TRUE(program.shows("the cube has slipped out of the hand")) << program.shown;
     program.type('q');

@@ -178,6 +178,43 @@ TEST(BodiesTrial, ABodyIsLiftedAlikeHoweverSlowTheSimulationIs) {
     }
 }
 
+TEST(BodiesTrial, WhatRestsInADebtThatItCannotPaySlipsAndIsTakenAnewWithoutOne) {
+    constexpr double dt = 1.0 / 60;
+    World world(usual_bodies());
+    Hold hold(HoldOptions{});
+    knurl::Report report;
+    report.orientation = {1, 0, 0, 0};
+    report.position = knurl::to_plain(world.after(cube).position);
+    const auto frame = [&] {
+        const std::vector<Pull> pulls = hold.pulls(world);
+        world.step(dt, {}, pulls);
+        hold.stepped(world, dt);
+        return pulls.at(0).stiffness;
+    };
+    hold.feel(report, {});
+    hold.take(world, cube);
+    EXPECT_EQ(frame(), HoldOptions{}.stiffness);
+    // The four springs push the hand up, and give it 40 mJ.
+    Hold::Felts felts;
+    felts.fill(knurl::Felt{});
+    for (auto& felt : felts) felt->force = {0, 0, 1};
+    hold.feel(report, felts);
+    report.position.z += 0.01;
+    hold.feel(report, felts);
+    world.kick(cube, {0, 0, 0.5});
+    EXPECT_EQ(frame(), 0) << "N/m";
+    EXPECT_FALSE(hold.slips()) << "it flies";
+    for (int frames = 0; frames < 120 && !hold.slips(); ++frames) EXPECT_EQ(frame(), 0) << "N/m";
+    ASSERT_TRUE(hold.slips());
+    EXPECT_EQ(hold.account().left(), 0) << "J";
+    EXPECT_GT(hold.account().most_created, 0.035) << "J";
+    hold.let_go(3);
+    EXPECT_FALSE(hold.slips());
+    hold.feel(report, {});
+    hold.take(world, cube);
+    EXPECT_EQ(frame(), HoldOptions{}.stiffness);
+}
+
 TEST_P(AtRate, BodiesThatJumpAreNoStepInTheHandAndNoWork) {
     for (const double reset_at : {2.2, 4.9, 6.0, 7.5}) {  // pushing, above it, just taken, carrying
         SCOPED_TRACE("reset at " + std::to_string(reset_at));

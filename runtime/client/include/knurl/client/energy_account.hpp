@@ -13,7 +13,7 @@ struct EnergyAccount {
     double hand_in = 0;  // put in by the hand
     double body = 0;     // given to the body: sum of force times way
     double spring = 0;   // in the servo's springs now
-    double lost = 0;     // thrown away: beyond a reserve, or with a spring that faded
+    double lost = 0;     // thrown away: beyond a reserve, or with a spring that faded; less what was forgiven
     // body + spring + lost - hand: as the newest frame came, when what the one before had sent had arrived;
     // and the most at any time, of which a frame under way is the larger part.
     double created = 0, most_created = 0;
@@ -26,6 +26,8 @@ struct EnergyAccount {
     void settle() { most_created = std::max(most_created, -left()); }
     /// No more than `reserve` is kept for later.
     void keep(double reserve) { lost += std::max(0.0, left() - reserve); }
+    /// A debt is struck off, since the body has lost what it owes. `most_created` still tells how much that was.
+    void forgive() { lost += std::min(0.0, left()); }
     /// The springs fade, and what is in them goes.
     void drop_springs() {
         lost += spring;
