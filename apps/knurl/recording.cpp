@@ -84,6 +84,7 @@ void each_option(servo::ServoOptions& options, Visit visit) {
     visit("silence", options.silence);
     visit("start_active", options.start_active);
     visit("clamp_stiffness", options.clamp_stiffness);
+    visit("budget", options.budget);
     visit("rise_speed", options.rise_speed);
     visit("automatic_recovery", options.automatic_recovery);
     servo::SupervisorLimits& limits = options.supervisor;

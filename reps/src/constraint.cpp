@@ -31,4 +31,15 @@ Wrench evaluate(const Constraint& params, Constraint::State&, const Probe& probe
     return {};
 }
 
+HandLoad load(const Constraint& params, const Constraint::State&, const Probe&) noexcept {
+    const Eigen::Vector3d u = to_eigen(params.direction);
+    Eigen::Matrix3d held = Eigen::Matrix3d::Identity();
+    if (params.shape == ConstraintShape::line) held -= u * u.transpose();
+    if (params.shape == ConstraintShape::plane) held = u * u.transpose();
+    HandLoad load;
+    load.stiffness.topLeftCorner<3, 3>() = params.stiffness * held;
+    load.damping.topLeftCorner<3, 3>() = params.damping * held;
+    return load;
+}
+
 }  // namespace knurl

@@ -60,4 +60,23 @@ Wrench evaluate(const Magnet& params, Magnet::State&, const Probe& probe, double
     return {.force = scale * q - (share * params.damping) * probe.velocity};
 }
 
+HandLoad load(const Magnet& params, const Magnet::State&, const Probe& probe) noexcept {
+    if (!(params.stiffness > 0)) return {};
+    const Eigen::Vector3d q = probe.position - to_eigen(params.position);
+    const double r = q.norm();
+    const double x = r - params.radius;
+    const double strongest = params.max_force / params.stiffness;
+    const double share = share_left(params, std::abs(x), strongest);
+    if (!(share > 0)) return {};
+    if (!(r > 0) || (params.radius == 0 && r <= strongest))
+        return isotropic_load(params.stiffness, share * params.damping);
+    // Along the radius it is a spring up to the strongest pull; outside, the pull turns with the radius.
+    const double pull = std::min(params.stiffness * std::abs(x), params.max_force * share);
+    const double radial = std::abs(x) <= strongest ? params.stiffness : 0;
+    const double turning = x > 0 ? pull / std::hypot(r, params.rounding) : 0;
+    HandLoad load = isotropic_load(turning, share * params.damping);
+    load.stiffness.topLeftCorner<3, 3>() += (radial - turning) * q * q.transpose() / (r * r);
+    return load;
+}
+
 }  // namespace knurl

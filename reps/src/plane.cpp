@@ -24,10 +24,12 @@ void prepare(Plane& params, const Limits& limits) noexcept {
         params.offset /= length;
     }
     params.stiffness = clamped_stiffness(params.stiffness, limits);
+    if (params.damping > 0) params.damping = clamped_damping(params.damping, limits);
 }
 
 Plane prepared(Plane params, const Limits& limits) noexcept {
     prepare(params, limits);
+    params.friction.viscous = clamped_damping(params.friction.viscous, limits);
     return params;
 }
 

@@ -5,6 +5,7 @@
 
 #include <knurl/reps/scene.hpp>
 
+#include "clamped.hpp"
 #include "scene_core.hpp"
 
 namespace knurl {
@@ -16,6 +17,14 @@ Limits sane_limits(Limits limits) noexcept {
         if (!(*limit > 0)) *limit = 0;
     }
     return limits;
+}
+
+Shares shares_of(const Limits& limits) noexcept {
+    if (!std::isfinite(limits.max_stiffness) || !(limits.max_stiffness > 0)) return {};
+    const bool turns = std::isfinite(limits.max_torsion) && limits.max_torsion > 0;
+    return {.stiffness = 1 / limits.max_stiffness,
+            .damping = 1 / largest_damping(limits),
+            .turning = turns ? limits.max_stiffness / limits.max_torsion : 0};
 }
 
 void SceneCore::place_probes(const Probe& hand) noexcept {
@@ -101,6 +110,7 @@ void Scene::set_limits(const Limits& limits) noexcept {
     const Limits sane = detail::sane_limits(limits);
     if (std::memcmp(&sane, &impl_->limits_, sizeof sane) == 0) return;
     impl_->limits_ = sane;
+    impl_->shares_ = detail::shares_of(sane);
     for (std::uint32_t i = 0; i < impl_->slots_.size(); ++i) {
         if (!impl_->slots_[i].present) continue;
         impl_->slots_[i].shape_alone = false;

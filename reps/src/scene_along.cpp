@@ -131,8 +131,10 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
             group.relief += texture_force(feel.texture, under, push, limits_);
         });
     }
-    law.viscous = viscous;
+    law.viscous = std::min(viscous, largest_damping(limits_));
     group.law = law;
+    group.tangent = tangent;
+    law.viscous *= damping_scale_;
     group.along = friction_force(law, group.friction, tangent,
                                  {.position = group.probe.position,
                                   .velocity = group.probe.smooth_velocity,

@@ -144,6 +144,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
 
 void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same) noexcept {
     Slot& slot = slots_[i];
+    effects_bound_stale_ = true;
     Record previous;
     if (was) copy(felt(i), previous);
     if (is) renew(i, same ? &previous : nullptr);
@@ -225,6 +226,7 @@ void SceneCore::take_placements() noexcept {
         group.fade_time = policy_.automatic;
         sets_edited_ = true;
     }
+    effects_bound_stale_ = effects_bound_stale_ || effects_size_ > 0;
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
         Slot& slot = slots_[effects_[e]];
         const Group& group = groups_[felt(effects_[e]).probe];
@@ -262,6 +264,7 @@ void SceneCore::take_changes() noexcept {
     if (sets_edited_) rebuild_sets();
     reshaped_size_ = 0;
     if (effects_edited_) list_effects();
+    if (effects_bound_stale_) bound_effects();
     for (std::uint32_t c = 0; c < changed_size_; ++c) slots_[changed_[c]].renewed = false;
     changed_size_ = 0;
 }

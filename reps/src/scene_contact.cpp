@@ -130,7 +130,8 @@ void SceneCore::add_summed(ContactSet& set, const Group& group) noexcept {
         const Record& r = record(a.owner[i]);
         const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
         const double k = r.stiffness * (set.scale == 1 ? r.weight : 1);
-        set.force += std::max(0.0, k * a.s[i] - a.b[i] * n.dot(group.probe.velocity - velocity_of(r))) * n;
+        const double b = damping_scale_ * a.b[i];
+        set.force += std::max(0.0, k * a.s[i] - b * n.dot(group.probe.velocity - velocity_of(r))) * n;
         set.touching = true;
     }
 }
@@ -184,7 +185,7 @@ double SceneCore::damped_force(ContactSet& set, const Group& group, const Layer&
     const Vector3d m = set.force / elastic;
     for (std::uint32_t i = 0; i < top.solution.active.count; ++i) {
         const std::uint32_t at = set.begin + top.solution.active.plane[i];
-        const double b = top.solution.multiplier[i] * a.b[at];
+        const double b = damping_scale_ * top.solution.multiplier[i] * a.b[at];
         sum += top.solution.multiplier[i];
         if (!(b > 0)) continue;
         weighted += b;

@@ -29,6 +29,13 @@ class SceneCore;
 /// By number less one; null: there is none.
 using Assets = std::array<const Asset*, max_assets>;
 
+/// By which loads become shares of what the device stands; 0: of what is not known.
+struct Shares {
+    double stiffness = 0, damping = 0;  // m/N, m/(N s)
+    double turning = 0;  // 1/m^2: an arm's square makes this share of rotation of one of translation
+};
+Shares shares_of(const Limits& limits) noexcept;
+
 /// What the scene knows of a kind: functions over raw bytes, made from the typed ones.
 struct KindOps {
     bool surface = false;
@@ -51,13 +58,15 @@ struct KindOps {
     void (*install)(const std::byte* prepared, const Limits&, Record& out, Rough& rough) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&, const Assets&) noexcept = nullptr;
     void (*settle)(Record&) noexcept = nullptr;
-    double (*fade_time)(const std::byte* params) noexcept = nullptr;     // s, or automatic
-    double (*asked_stiffness)(const std::byte* raw) noexcept = nullptr;  // N/m
-    bool (*carry)(Record& old, const Record& next) noexcept = nullptr;   // true: the rest is equal too
-    std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;     // of a surface
-    void (*out_of_reach)(Record&) noexcept = nullptr;                    // its path so far is forgotten
-    Motion* (*motion)(Record&) noexcept = nullptr;                       // of a surface
-    const Asset* (*asset)(const Record&) noexcept = nullptr;             // that it is made of; null: of none
+    double (*fade_time)(const std::byte* params) noexcept = nullptr;           // s, or automatic
+    double (*asked_stiffness)(const std::byte* raw) noexcept = nullptr;        // N/m
+    LoadBound (*load_bound)(const Record&, const Limits&) noexcept = nullptr;  // of an effect, in shares
+    HandLoad (*load)(const Record&, const Probe&) noexcept = nullptr;          // of an effect, at the probe
+    bool (*carry)(Record& old, const Record& next) noexcept = nullptr;         // true: the rest is equal too
+    std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;           // of a surface
+    void (*out_of_reach)(Record&) noexcept = nullptr;                          // its path so far is forgotten
+    Motion* (*motion)(Record&) noexcept = nullptr;                             // of a surface
+    const Asset* (*asset)(const Record&) noexcept = nullptr;  // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
     void (*evaluate_all)(SceneCore&, std::span<const std::uint32_t> slots, double dt,
@@ -135,6 +144,7 @@ class SceneCore {
     Record& felt(std::uint32_t slot) noexcept { return records_[owner(slot, false)]; }
     const Record& felt(std::uint32_t slot) const noexcept { return records_[owner(slot, false)]; }
     Record& faded(std::uint32_t slot) noexcept { return records_[owner(slot, true)]; }
+    const Record& faded(std::uint32_t slot) const noexcept { return records_[owner(slot, true)]; }
     Rough& rough(Owner owner) noexcept { return rough_[owner]; }
     const Rough& rough(Owner owner) const noexcept { return rough_[owner]; }
 
@@ -174,7 +184,16 @@ class SceneCore {
     bool may_collapse(std::uint32_t slot) const noexcept;
     void advance_effect_fades(double dt, Wrench& sum) noexcept;
     void evaluate_effects(double dt, Wrench& sum) noexcept;
+    void evaluate_effects_at(double dt, Wrench& sum) noexcept;  // where the probes are, as fast as they say
     Wrench at_hand(const Wrench& at_probe, const Group& group) const noexcept;
+
+    // scene_load.cpp
+    LoadBound bound_of(const ContactSet& set) const noexcept;
+    LoadBound bound_of(const Group& group) const noexcept;
+    LoadBound bound_of(const Record& effect) const noexcept;
+    void add_load(const ContactSet& set, double share, HandLoad& load) const noexcept;
+    HandLoad load_of(const Group& group) const noexcept;
+    void bound_effects() noexcept;
 
     // scene_feedback.cpp
     bool retold_by_flags(std::span<Feedback> kept, std::span<std::uint64_t> written) noexcept;
@@ -207,11 +226,13 @@ class SceneCore {
     Scene::Capacity capacity_;
     Assets assets_{};
     Limits limits_;
+    Shares shares_;
     FadePolicy policy_;
     double silence_ = 0;         // s
     bool weights_move_ = false;  // not all are where the silence, or its end, takes them
     double pace_ = 1;            // of what holds: 1 it moves, 0 the silence has brought it to rest
     bool settle_ = false;
+    double damping_scale_ = 1;
     std::uint64_t cycle_ = 0;
     std::uint64_t last_timed_ = 0;  // the last cycle in which time passed
     SceneTime now_, before_;        // at the end of this cycle, of the one before
@@ -251,6 +272,8 @@ class SceneCore {
     std::vector<Owner> scratch_;
     std::vector<std::uint8_t> level_;
 
+    LoadBound effects_bound_;  // of all of them, at the hand
+    bool effects_bound_stale_ = false;
     std::vector<std::uint32_t> effects_;  // slots with an effect that is felt
     std::uint32_t effects_size_ = 0;
     std::uint32_t collapsed_used_ = 0;   // bit mask: probes with collapsed springs

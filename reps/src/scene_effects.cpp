@@ -98,7 +98,33 @@ void SceneCore::advance_effect_fades(double dt, Wrench& sum) noexcept {
     }
 }
 
+namespace {
+
+// What an effect makes of velocity is linear in it.
+void scale_velocity(Probe& probe, double scale) noexcept {
+    probe.velocity *= scale;
+    probe.smooth_velocity *= scale;
+    probe.angular_velocity *= scale;
+}
+
+}  // namespace
+
 void SceneCore::evaluate_effects(double dt, Wrench& sum) noexcept {
+    if (damping_scale_ == 1) return evaluate_effects_at(dt, sum);
+    std::array<Probe, Scene::max_probes> probes;
+    for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
+        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
+        probes[p] = groups_[p].probe;
+        scale_velocity(groups_[p].probe, damping_scale_);
+    }
+    evaluate_effects_at(dt, sum);
+    for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
+        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
+        groups_[p].probe = probes[p];
+    }
+}
+
+void SceneCore::evaluate_effects_at(double dt, Wrench& sum) noexcept {
     if (fading_size_ > 0) advance_effect_fades(dt, sum);
     for (std::uint32_t k = 0; k < active_kinds_size_; ++k) {
         const Kind kind = active_kinds_[k];

@@ -193,21 +193,6 @@ std::uint32_t Scene::evaluated() const noexcept {
     return impl_->evaluated_;
 }
 
-double Scene::stiffness_sum() const noexcept {
-    double sum = 0;
-    // Not all of them: the probes that nobody uses are sixteen lines of memory for each claim in every cycle.
-    for (std::uint32_t rest = impl_->contacts_used_; rest != 0; rest &= rest - 1) {
-        const Group& group = impl_->groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        double k = 0;
-        for (const ContactSet* set : {&group.now, &group.old}) {
-            if (set->layers > 0) k = std::max(k, set->layer[set->layers - 1].stiffness);
-        }
-        sum += k;
-    }
-    for (std::uint32_t e = 0; e < impl_->effects_size_; ++e) sum += impl_->felt(impl_->effects_[e]).stiffness;
-    return sum;
-}
-
 std::size_t Scene::feedback(std::span<Feedback> out) const noexcept {
     const SceneCore& core = *impl_;
     std::size_t n = 0;

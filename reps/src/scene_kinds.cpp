@@ -148,6 +148,38 @@ struct Ops {
             return 0;
         }
     }
+    static constexpr bool loads =
+        Effect<R> && (
+                         requires(const R& p) { p.stiffness; } || requires(const R& p) { p.damping; });
+    static HandLoad load_at(const Record& r, [[maybe_unused]] const Probe& probe) noexcept {
+        const R& params = params_of<R>(r);
+        const auto& state = *std::launder(reinterpret_cast<const typename R::State*>(r.state));
+        if constexpr (requires { load(params, state, probe); }) {
+            return load(params, state, probe);
+        } else {
+            HandLoad same = {};
+            if constexpr (requires { params.stiffness; }) same += isotropic_load(params.stiffness, 0);
+            if constexpr (requires { params.damping; }) same += isotropic_load(0, params.damping);
+            return same;
+        }
+    }
+    // Of each kind's own clamps: nothing turns the hand more stiffly than the device stands, nor more damped.
+    static LoadBound load_bound_of(const Record& r, const Limits& limits) noexcept {
+        const Shares shares = shares_of(limits);
+        const R& params = params_of<R>(r);
+        LoadBound bound;
+        if constexpr (requires { params.stiffness; }) bound.stiffness = shares.stiffness * params.stiffness;
+        if constexpr (requires { params.damping; }) bound.damping = shares.damping * params.damping;
+        if constexpr (requires { params.attach; }) {
+            if (shares.turning > 0 && params.attach != Vec3{}) {
+                bound.stiffness += 1;
+                bound.damping *= 1 + shares.turning * to_eigen(params.attach).squaredNorm();
+            }
+        }
+        if constexpr (requires { params.angular_damping; })
+            bound.damping += shares.damping * shares.turning * params.angular_damping;
+        return bound;
+    }
     static bool carry(Record& old, const Record& next) noexcept {
         if constexpr (requires { carried(params_of<R>(old), params_of<R>(next)); }) {
             const R params = carried(params_of<R>(old), params_of<R>(next));
@@ -238,29 +270,32 @@ constexpr std::uint32_t contacts_of() {
 
 template <class... R>
 constexpr auto table(TypeList<R...>) {
-    return std::array<KindOps, sizeof...(R)>{KindOps{.surface = Surface<R>,
-                                                     .turns = turns_of<R>(),
-                                                     .contacts = contacts_of<R>(),
-                                                     .params_size = sizeof(R),
-                                                     .state_size = sizeof(typename R::State),
-                                                     .prepare = &Ops<R>::prepare,
-                                                     .unchanged = &Ops<R>::unchanged,
-                                                     .shape_bytes = shape_bytes_of<R>(),
-                                                     .compare_shape = &Ops<R>::compare_shape,
-                                                     .reshape = &Ops<R>::reshape,
-                                                     .install = &Ops<R>::install,
-                                                     .adopt = &Ops<R>::adopt_new,
-                                                     .settle = &Ops<R>::settle_now,
-                                                     .fade_time = &Ops<R>::fade_time,
-                                                     .asked_stiffness = &Ops<R>::asked_stiffness,
-                                                     .carry = &Ops<R>::carry,
-                                                     .bound = &Ops<R>::bound_of,
-                                                     .out_of_reach = &Ops<R>::forget_path,
-                                                     .motion = &Ops<R>::motion_of,
-                                                     .asset = &Ops<R>::asset_of,
-                                                     .contact = &Ops<R>::contact_at,
-                                                     .evaluate = &Ops<R>::evaluate_at,
-                                                     .evaluate_all = &Ops<R>::evaluate_all}...};
+    return std::array<KindOps, sizeof...(R)>{
+        KindOps{.surface = Surface<R>,
+                .turns = turns_of<R>(),
+                .contacts = contacts_of<R>(),
+                .params_size = sizeof(R),
+                .state_size = sizeof(typename R::State),
+                .prepare = &Ops<R>::prepare,
+                .unchanged = &Ops<R>::unchanged,
+                .shape_bytes = shape_bytes_of<R>(),
+                .compare_shape = &Ops<R>::compare_shape,
+                .reshape = &Ops<R>::reshape,
+                .install = &Ops<R>::install,
+                .adopt = &Ops<R>::adopt_new,
+                .settle = &Ops<R>::settle_now,
+                .fade_time = &Ops<R>::fade_time,
+                .asked_stiffness = &Ops<R>::asked_stiffness,
+                .load_bound = Ops<R>::loads ? &Ops<R>::load_bound_of : nullptr,
+                .load = Ops<R>::loads ? &Ops<R>::load_at : nullptr,
+                .carry = &Ops<R>::carry,
+                .bound = &Ops<R>::bound_of,
+                .out_of_reach = &Ops<R>::forget_path,
+                .motion = &Ops<R>::motion_of,
+                .asset = &Ops<R>::asset_of,
+                .contact = &Ops<R>::contact_at,
+                .evaluate = &Ops<R>::evaluate_at,
+                .evaluate_all = &Ops<R>::evaluate_all}...};
 }
 
 }  // namespace

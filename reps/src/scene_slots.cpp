@@ -11,7 +11,10 @@ namespace knurl::detail {
 using Code = Verdict::Code;
 
 SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
-    : capacity_(capacity), limits_(sane_limits(limits)), reach_(std::max(1u, capacity.representations)) {
+    : capacity_(capacity),
+      limits_(sane_limits(limits)),
+      shares_(shares_of(limits_)),
+      reach_(std::max(1u, capacity.representations)) {
     capacity_.representations = std::max(1u, capacity.representations);
     capacity_.probes = std::clamp(capacity.probes, 1u, Scene::max_probes);
     const std::size_t n = capacity_.representations;
@@ -144,6 +147,9 @@ void SceneCore::clear() noexcept {
     reach_.clear();
     now_ = before_ = {};
     pace_ = 1;
+    damping_scale_ = 1;
+    effects_bound_ = {};
+    effects_bound_stale_ = false;
     for (Group& group : groups_) {
         group.now = ContactSet{};
         group.old = ContactSet{};

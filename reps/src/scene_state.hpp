@@ -206,6 +206,7 @@ struct Group {
     // What is felt along the surface.
     bool rough = false;
     FrictionLaw law;  // last cycle's, of all that pushed
+    Tangent tangent;  // last cycle's
     FrictionState friction;
     Eigen::Vector3d along = Eigen::Vector3d::Zero();   // N, friction in the last cycle
     Eigen::Vector3d relief = Eigen::Vector3d::Zero();  // N, texture's push in the last cycle

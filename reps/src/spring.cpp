@@ -82,4 +82,31 @@ void settle(const Spring& params, Spring::State& state) noexcept {
     state.remaining = 0;
 }
 
+// The stretch along the spring is held with k, that across it with the part of k that the rest length leaves.
+HandLoad load(const Spring& params, const Spring::State& state, const Probe& probe) noexcept {
+    const Eigen::Vector3d arm = probe.orientation * to_eigen(params.attach);
+    const Eigen::Vector3d d = (to_eigen(state.anchor) - probe.position) - arm;
+    const double length = d.norm();
+    const Eigen::Matrix3d along =
+        length > 1e-12 ? Eigen::Matrix3d(d * d.transpose() / (length * length)) : Eigen::Matrix3d::Zero();
+    const double pulled = length > state.rest_length ? 1 - state.rest_length / length : 0;
+    HandLoad load = isotropic_load(params.stiffness * pulled, 0);
+    load.stiffness.topLeftCorner<3, 3>() += params.stiffness * (1 - pulled) * along;
+    if (state.rest_length > 0 && !(length > 1e-12)) load = isotropic_load(params.stiffness, 0);
+    load.damping.topLeftCorner<3, 3>() += params.damping * along;
+    if (params.attach == Vec3{}) return load;
+    load = moved_by(load, arm);
+    if (!std::isfinite(params.torsion)) return load;
+    // The moment's arm turns with the hand, too; as `evaluate` does it, the torque is scaled to what is allowed.
+    const double torsion = params.stiffness * arm.norm() * std::max(arm.norm(), (d + arm).norm());
+    load.stiffness.bottomRightCorner<3, 3>() = torsion * Eigen::Matrix3d::Identity();
+    const double share = torsion > params.torsion ? params.torsion / torsion : 1;
+    for (Matrix6* matrix : {&load.stiffness, &load.damping}) {
+        matrix->bottomRightCorner<3, 3>() *= share;
+        matrix->topRightCorner<3, 3>() *= share;
+        matrix->bottomLeftCorner<3, 3>() *= share;
+    }
+    return load;
+}
+
 }  // namespace knurl

@@ -17,6 +17,8 @@ inline Vec3 unit(const Vec3& v) noexcept {
 template <class R>
 void prepare_surface(R& params, const Limits& limits) noexcept {
     params.stiffness = clamped_stiffness(params.stiffness, limits);
+    params.damping = clamped_damping(params.damping, limits);
+    params.friction.viscous = clamped_damping(params.friction.viscous, limits);
     params.texture.reserved = 0;
 }
 

@@ -26,4 +26,15 @@ Wrench evaluate(const Taylor& params, Taylor::State&, const Probe& probe, double
                               to_eigen(params.jacobian) * (fades ? d : clamped(d, params.radius)))};
 }
 
+// At the edge no direction restores with more than inside.
+HandLoad load(const Taylor& params, const Taylor::State&, const Probe& probe) noexcept {
+    const double far = (probe.position - to_eigen(params.origin)).norm();
+    if (params.edge == TaylorEdge::fade && far >= params.radius) return {};
+    if (far >= 0.8 * params.radius) return isotropic_load(params.stiffness, 0);
+    HandLoad load;
+    const Eigen::Matrix3d j = to_eigen(params.jacobian);
+    load.stiffness.topLeftCorner<3, 3>() = -0.5 * (j + j.transpose());
+    return load;
+}
+
 }  // namespace knurl

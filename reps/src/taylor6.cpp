@@ -61,4 +61,13 @@ Wrench evaluate(const Taylor6& params, Taylor6::State&, const Probe& probe, doub
             .torque = share * (to_eigen(params.torque) + change.tail<3>())};
 }
 
+HandLoad load(const Taylor6& params, const Taylor6::State&, const Probe& probe) noexcept {
+    const Vector3d turn = rotation_vector(probe.orientation * to_eigen(params.orientation).conjugate());
+    const bool beyond =
+        (probe.position - to_eigen(params.origin)).norm() >= params.radius || turn.norm() >= params.angle;
+    if (params.edge == TaylorEdge::fade && beyond) return {};
+    const Matrix6 j = to_eigen(params.jacobian);
+    return {.stiffness = -0.5 * (j + j.transpose()), .damping = Matrix6::Zero()};
+}
+
 }  // namespace knurl

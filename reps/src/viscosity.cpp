@@ -20,4 +20,10 @@ Wrench evaluate(const Viscosity& params, Viscosity::State&, const Probe& probe, 
             .torque = -params.angular_damping * probe.angular_velocity};
 }
 
+HandLoad load(const Viscosity& params, const Viscosity::State&, const Probe&) noexcept {
+    HandLoad load = isotropic_load(0, params.damping);
+    load.damping.bottomRightCorner<3, 3>().diagonal().setConstant(params.angular_damping);
+    return load;
+}
+
 }  // namespace knurl

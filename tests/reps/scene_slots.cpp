@@ -216,12 +216,3 @@ TEST(SceneSlots, FeedbackIsForThoseWhoAskAndStopsAtTheRoomGiven) {
     }
     EXPECT_EQ(scene.feedback(std::span(feedback, 2)), 2u);
 }
-
-TEST(SceneSlots, StiffnessSumIsTheStiffestSetAndEverySpring) {
-    Scene scene = make_scene();
-    ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000}));
-    ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {1, 0, 0}, .stiffness = 400}));
-    ASSERT_TRUE(scene.add({2, 1}, Spring{.stiffness = 50}));
-    settled(scene, {});
-    EXPECT_EQ(scene.stiffness_sum(), 1050);
-}

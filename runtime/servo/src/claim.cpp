@@ -100,10 +100,6 @@ Eigen::Vector3d Claim::Impl::device_contact_point() const noexcept {
     return (scene.contact_point() - to_eigen(f.world_centre)) / f.scale + to_eigen(f.device_centre);
 }
 
-double Claim::Impl::device_stiffness() const noexcept {
-    return gain * terms.frame.force_scale * terms.frame.scale * scene.stiffness_sum();
-}
-
 namespace {
 
 // What the scene fills in is what the application gets, byte by byte: a thousand of them are copied once.
@@ -221,6 +217,7 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     header.gain = gain;
     header.silence = silent_for;
     header.stiffness_scale = stiffness_scale;
+    header.damping_scale = damping_scale;
     header.entries = static_cast<std::uint32_t>(felt.size());
 
     // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would), nor does one

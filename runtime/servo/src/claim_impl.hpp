@@ -90,7 +90,6 @@ struct Claim::Impl {
     /// m, of probe 0.
     Eigen::Vector3d device_contact_point() const noexcept;
     /// N/m, device frame, weighted by the gain.
-    double device_stiffness() const noexcept;
     bool wants_force() const noexcept { return armed && !faulted && !dropping; }
     /// After publish(): the next cycle would change nothing of it, unless its application has sent something.
     bool nothing_to_do() const noexcept;
@@ -113,11 +112,11 @@ struct Claim::Impl {
     bool announced = false;       // the device knows that it is active
     bool from_the_start = false;  // offline: what the first cycle finds is in full force at once
     double gain = 0;
-    double empty_for = 0;  // s, without a representation or a force
-    double stiffness_scale = 1;
-    Wrench wrench;          // world, of this cycle
-    bool touching = false;  // of this cycle, as far as feedback is asked for
-    bool still = false;     // its scene is out of the hand's reach: see StillScene
+    double empty_for = 0;                           // s, without a representation or a force
+    double stiffness_scale = 1, damping_scale = 1;  // of the hand's budget
+    Wrench wrench;                                  // world, of this cycle
+    bool touching = false;                          // of this cycle, as far as feedback is asked for
+    bool still = false;                             // its scene is out of the hand's reach: see StillScene
     SilenceWatch silence;
     double silent_for = 0;  // s
 

@@ -28,7 +28,6 @@ struct alignas(32) Rest {
     bool resting = false;
     bool armed = false;         // wants force: the supervisor counts it
     bool keeps_on = false;      // and keeps the device on
-    bool shares = false;        // its stiffness counts among those who share the device
     std::uint32_t present = 0;  // representations, out of the hand's reach; 0: there are none
 
     /// Once in a cycle, before the rings are looked at. False: nothing of it is to be looked at.
@@ -61,7 +60,6 @@ struct StillScene {
 struct alignas(32) StillClock {
     SceneTime time;
     double held_share = 1;  // of the time; 0: it is silent
-    double stiffness = 0;   // N/m, at rest: Claim::Impl::device_stiffness
 };
 
 }  // namespace knurl::servo

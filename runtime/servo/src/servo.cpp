@@ -22,7 +22,6 @@ Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segm
       clock(the_clock),
       options(stated),
       period(std::llround(1e9 / stated.rate)),
-      device_max_stiffness(max_stiffness(the_device.link(), stated.rate)),
       stages(the_clock),
       hand(the_device, stated.supervisor.off),
       supervisor(the_device.link(), stated.supervisor, stated.rate),
@@ -194,7 +193,9 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
         intake.take_commands(c, authority, now);
         if (!c.faulted) intake.take_batch(c, report.cycle, now);
         if (c.batch_is_new) c.scene.set_fade(fade_for(c));
-        if (c.from_the_start) c.scene.settle();  // what was there before the first cycle has not just come
+        // What was there before the first cycle has not just come.
+        if (c.from_the_start) c.scene.settle();
+        settles = settles || c.from_the_start;
         c.from_the_start = false;
     }
 }
@@ -215,6 +216,7 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
         if (!c.channels) continue;
         if (options.silence) c.watch_silence(now);
         c.advance_gain(gain_step);
+        c.scene.set_damping_scale(budget.damping_in_scene());
         evaluate_scene(awake[i], probe, dt);
         evaluated += c.scene.evaluated();
         present += c.scene.size();
@@ -222,38 +224,41 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
     }
     passed_hand = probe;
     pass_time(dt);
-    // Contacts are solved within each claim; what several claims make together must not exceed k_max either.
-    // The scale moves as fast as a gain does: a claim's coming is felt by the others as a change of
-    // stiffness, not as a step.
-    const double target = sharing_target(), before = stiffness_scale;
-    stiffness_scale += std::clamp(target - stiffness_scale, -gain_step, gain_step);
-    if (stiffness_scale != before) rouse(now);  // each is told
+    if (options.clamp_stiffness && options.budget) keep_within_budget(dt);
+    settles = false;
     Wrench sum;
     for (std::size_t i = 0; i < awake_size; ++i) {
         Claim::Impl& c = awake_claim(i);
         if (!c.channels) continue;
-        c.stiffness_scale = stiffness_scale;
+        c.stiffness_scale = budget.stiffness();
+        c.damping_scale = budget.damping();
         if (c.gain > 0 && !c.quiet()) sum += c.device_wrench();
     }
     return sum;
 }
 
-double Servo::Impl::sharing_target() const noexcept {
-    const auto shares = [this](std::size_t index) {
-        const Claim::Impl& claim = *claims[index]->impl;
-        return claim.channels && claim.gain > 0 && !claim.quiet();
-    };
-    // One claim alone is clamped by its scene, representation by representation.
-    const auto end = awake.begin() + static_cast<std::ptrdiff_t>(awake_size);
-    if (!options.clamp_stiffness || std::count_if(awake.begin(), end, shares) + resting_sharing < 2) return 1;
-    double stiffness = 0;  // in the claims' order, whoever rests: a sum in another one is another number
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        if (rests[i].resting)
-            stiffness += rests[i].shares ? clocks[i].stiffness : 0;
-        else if (shares(i))
-            stiffness += claims[i]->impl->device_stiffness();
+// What is out of the hand's reach is not felt: scenes that rest have no load.
+void Servo::Impl::keep_within_budget(double dt) noexcept {
+    const auto felt = [](const Claim::Impl& c) { return c.channels && c.gain > 0 && !c.quiet(); };
+    LoadBound bound;
+    for (std::size_t i = 0; i < awake_size; ++i) {
+        const Claim::Impl& c = awake_claim(i);
+        if (felt(c)) bound += c.scene.load_bound();
     }
-    return stiffness > device_max_stiffness ? device_max_stiffness / stiffness : 1;
+    if (budget.rests() && !bound.exceeds()) return;
+    constexpr double for_ever = std::numeric_limits<double>::infinity();
+    const double stiffness = budget.stiffness(), damping = budget.damping();
+    if (bound.exceeds()) {
+        HandLoad load;
+        for (std::size_t i = 0; i < awake_size; ++i) {
+            const Claim::Impl& c = awake_claim(i);
+            if (felt(c)) load += c.gain * c.scene.load();
+        }
+        budget.advance(load, settles ? for_ever : dt);
+    } else {
+        budget.advance_within(dt);
+    }
+    if (budget.stiffness() != stiffness || budget.damping() != damping) rouse(last_now);  // each is told
 }
 
 Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {

@@ -64,7 +64,7 @@ struct Servo::Impl {
     void put_claim(TapeType type, std::uint64_t number) noexcept;
     template <class Visit>
     void state(Visit& visit) noexcept {
-        visit(first, last_now, stiffness_scale, enabled, guardian, unplugged, ending, late, report.cycle,
+        visit(first, last_now, budget, enabled, guardian, unplugged, ending, late, report.cycle,
               report.buttons, report.flags, report.presses, report.touches, claims_seen, hand, supervisor);
     }
 
@@ -72,14 +72,13 @@ struct Servo::Impl {
     void take_asset(const Message& message) noexcept;
     void return_assets(Claim& claim) noexcept;
     FadePolicy fade_for(const Claim::Impl& claim) const noexcept;
-    double sharing_target() const noexcept;
+    void keep_within_budget(double dt) noexcept;
     double nominal(Nanoseconds gap) const noexcept;
 
     drivers::Device& device;
     Clock& clock;
     ServoOptions options;
     Nanoseconds period;
-    double device_max_stiffness;  // N/m
 
     StageClock stages;
     Hand hand;
@@ -97,7 +96,6 @@ struct Servo::Impl {
     int resting_armed = 0;  // of those that are not awake
     bool resting_keep_on = false;
     std::uint64_t resting_present = 0;
-    int resting_sharing = 0;
     std::array<StillScene, protocol::max_clients> stills;
     std::array<StillClock, protocol::max_clients> clocks;
     std::array<std::size_t, protocol::max_clients> became_still = {};  // in this cycle
@@ -116,13 +114,14 @@ struct Servo::Impl {
 
     bool first = true;
     Nanoseconds last_now = 0, read_ns = 0, write_ns = 0;
-    double stiffness_scale = 1;  // of claims that share the device
-    bool enabled = false;        // as the device was last told
-    bool guardian = false;       // it zeroed the device before this cycle
-    bool unplugged = false;      // this cycle's read, or the last write, found no device
-    std::uint32_t trouble = 0;   // faults that this cycle's sample raises
-    bool jumped = false;         // the clock, before this cycle: for the tape
-    bool written = false;        // in this cycle: the device was there to take it
+    HandBudget budget;          // of all claims together
+    bool settles = false;       // in this cycle: what was there from the start
+    bool enabled = false;       // as the device was last told
+    bool guardian = false;      // it zeroed the device before this cycle
+    bool unplugged = false;     // this cycle's read, or the last write, found no device
+    std::uint32_t trouble = 0;  // faults that this cycle's sample raises
+    bool jumped = false;        // the clock, before this cycle: for the tape
+    bool written = false;       // in this cycle: the device was there to take it
     const Claim::Impl* in_contact = nullptr;
     Report report;
     // of the last reports, for the age of a batch

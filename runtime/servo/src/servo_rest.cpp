@@ -27,7 +27,7 @@ void Servo::Impl::find_awake(Nanoseconds now, double dt) noexcept {
     // are read at the end of the cycle (shm::who_waits).
     for (std::size_t i = 0; i < claims_size; ++i) __builtin_prefetch(rests[i].flag);
     awake_size = 0;
-    resting_armed = resting_sharing = 0;
+    resting_armed = 0;
     resting_present = 0;
     resting_keep_on = false;
     for (std::size_t i = 0; i < claims_size; ++i) {
@@ -35,7 +35,6 @@ void Servo::Impl::find_awake(Nanoseconds now, double dt) noexcept {
             awake[awake_size++] = i;
         } else {
             resting_present += rests[i].present;
-            resting_sharing += rests[i].shares ? 1 : 0;
             resting_armed += rests[i].armed ? 1 : 0;
             resting_keep_on = resting_keep_on || rests[i].keeps_on;
         }
@@ -62,7 +61,7 @@ void Servo::Impl::rouse(Nanoseconds now) noexcept {
         if (c.channels && options.silence && rests[i].resting) c.watch_silence(now);
         rests[i].resting = false;
     }
-    resting_armed = resting_sharing = 0;
+    resting_armed = 0;
     resting_present = 0;
     resting_keep_on = false;
 }
@@ -116,10 +115,8 @@ void Servo::Impl::put_to_rest(std::size_t index) noexcept {
     rest.armed = c.wants_force();
     rest.keeps_on = rest.armed && !c.joined;
     rest.present = c.still ? c.scene.size() : 0;
-    rest.shares = c.still && c.gain > 0;
     if (c.still) {
         c.felt.keep();
-        clocks[index].stiffness = c.device_stiffness();
         rest_within = std::min(rest_within, room_in(stills[index], rest_at));
     }
     rest.until =

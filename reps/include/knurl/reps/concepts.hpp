@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include <knurl/reps/field.hpp>
+#include <knurl/reps/hand_load.hpp>
 #include <knurl/reps/limits.hpp>
 #include <knurl/reps/material.hpp>
 #include <knurl/reps/motion.hpp>
@@ -103,6 +104,9 @@ concept Effect = Representation<R> &&
 //       asked again
 //   bool recovers_itself(const R&)
 //       its own state brings a change in: left out of the cross-fade
+//   HandLoad load(const R&, const R::State&, const Probe&)
+//       how stiff and how damped an effect is, at the probe (hand_load.hpp); without it, as its members `stiffness`
+//       (N/m) and `damping` (N s/m) say, alike in every direction; with none of these, not at all
 //   R carried(const R& old, const R& next)
 //       an effect's `old` with all that moves by itself from `next`
 //   void settle(const R&, R::State&)

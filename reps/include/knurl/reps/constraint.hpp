@@ -71,5 +71,6 @@ Constraint prepared(Constraint params, const Limits& limits) noexcept;
 void adopt(const Constraint& params, const Constraint* previous, Constraint::State& state,
            const Probe& probe) noexcept;
 Wrench evaluate(const Constraint& params, Constraint::State& state, const Probe& probe, double dt) noexcept;
+HandLoad load(const Constraint& params, const Constraint::State& state, const Probe& probe) noexcept;
 
 }  // namespace knurl

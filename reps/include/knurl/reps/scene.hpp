@@ -7,6 +7,7 @@
 #include <span>
 
 #include <knurl/reps/all.hpp>
+#include <knurl/reps/hand_budget.hpp>
 #include <knurl/reps/scene_time.hpp>
 
 namespace knurl {
@@ -121,6 +122,9 @@ class Scene {
     /// What changes later is found all the same, only by a scan.
     void index();
 
+    /// By which everything that velocity makes is scaled from now on (0 or more): what a HandBudget has left of it.
+    void set_damping_scale(double scale) noexcept;
+
     /// For how long the application has been silent (s); 0 or less: it is not. Acts through each Use.
     void set_silence(double seconds) noexcept;
 
@@ -145,7 +149,11 @@ class Scene {
     std::uint32_t size() const noexcept;             // representations present
     std::uint32_t count(Kind kind) const noexcept;
     std::uint32_t evaluated() const noexcept;  // representations evaluated in the last cycle
-    double stiffness_sum() const noexcept;     // N/m, the stiffest direction's bound: for sharing a device
+    /// What the hand feels of all this in the last cycle, as shares of what the device stands (as_shares), for a
+    /// HandBudget; and at least its eigenvalues, for next to nothing. Of textures and of what pushes away nothing
+    /// counts.
+    HandLoad load() const noexcept;
+    LoadBound load_bound() const noexcept;
     /// Fills in feedback of the representations that ask for it; returns how many (at most out.size()).
     std::size_t feedback(std::span<Feedback> out) const noexcept;
     /// The same for a `kept` that holds what the call before left there: what is not touched and has not

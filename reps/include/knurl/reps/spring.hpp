@@ -80,6 +80,7 @@ void adopt(const Spring& params, const Spring* previous, Spring::State& state, c
 /// it is k r.(a - p) across that axis, with r = R attach. Where k |r| |a - p| exceeds what the device stands,
 /// the torque is scaled down by as much.
 Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, double dt) noexcept;
+HandLoad load(const Spring& params, const Spring::State& state, const Probe& probe) noexcept;
 
 /// What moves by itself at an update (anchor, rest length) taken over from `next`; the rest is cross-faded.
 Spring carried(const Spring& old, const Spring& next) noexcept;

@@ -83,5 +83,6 @@ struct Describe<Taylor> {
 Taylor prepared(Taylor params, const Limits& limits) noexcept;
 void adopt(const Taylor& params, const Taylor* previous, Taylor::State& state, const Probe& probe) noexcept;
 Wrench evaluate(const Taylor& params, Taylor::State& state, const Probe& probe, double dt) noexcept;
+HandLoad load(const Taylor& params, const Taylor::State& state, const Probe& probe) noexcept;
 
 }  // namespace knurl

@@ -96,5 +96,6 @@ Taylor6 prepared(Taylor6 params, const Limits& limits) noexcept;
 void adopt(const Taylor6& params, const Taylor6* previous, Taylor6::State& state,
            const Probe& probe) noexcept;
 Wrench evaluate(const Taylor6& params, Taylor6::State& state, const Probe& probe, double dt) noexcept;
+HandLoad load(const Taylor6& params, const Taylor6::State& state, const Probe& probe) noexcept;
 
 }  // namespace knurl

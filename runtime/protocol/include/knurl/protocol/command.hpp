@@ -128,9 +128,11 @@ struct FeedbackHeader {
     double refused_against = 0;  // refused_code contradiction: the figure that the value contradicts
     std::uint32_t refused_kind = 0;
     std::uint32_t refused_slot = 0;
-    double gain = 0;             // this claim's, 0-1
-    double silence = 0;          // s since the last commit counted as silence, as of `cycle`; 0: not silent
-    double stiffness_scale = 1;  // < 1: claims that share the device were scaled to k_max together
+    double gain = 0;     // this claim's, 0-1
+    double silence = 0;  // s since the last commit counted as silence, as of `cycle`; 0: not silent
+    // Of the hand's budget (HandBudget): < 1, all parts together are stiffer, or more damped, than the device stands.
+    double stiffness_scale = 1;  // of all forces
+    double damping_scale = 1;    // of what velocity adds to them
     std::uint32_t entries = 0;
     std::uint32_t refused_reason = 0;  // refused_code contradiction: which of the kind's
 };

@@ -23,6 +23,7 @@ struct ServoOptions {
     bool start_active = false;      // active at once with gain 1, claims too: offline evaluation
     bool rest = true;               // false: each claim is looked at in each cycle; to compare with
     bool clamp_stiffness = true;    // false only warns: stability sweeps
+    bool budget = true;             // false: each part is clamped by itself alone, for comparison
     double rise_speed = 0.1;        // m/s, FadePolicy::rise_speed; infinity offline
     double automatic_recovery = 0;  // s; 0: automatic_fade of the measured update interval
 };
