@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include <knurl/reps/collapsed_springs.hpp>
 
 namespace knurl {
@@ -25,11 +22,9 @@ void CollapsedSprings::add(const Spring& spring, const Vec3& anchor_now, double 
     const Eigen::Vector3d attach = to_eigen(spring.attach);
     attached_ += k * attach;
     for (std::size_t i = 0; i < 3; ++i) moments_[i] += pull[static_cast<Eigen::Index>(i)] * attach;
-    square_ = moments_[0].squaredNorm() + moments_[1].squaredNorm() + moments_[2].squaredNorm();
-    mixed_ = {attached_.dot(moments_[0]), attached_.dot(moments_[1]), attached_.dot(moments_[2])};
 }
 
-Wrench CollapsedSprings::evaluate(const Probe& probe, const Limits& limits) const noexcept {
+Wrench CollapsedSprings::evaluate(const Probe& probe) const noexcept {
     const double dx = probe.position.x() - origin_.x(), dy = probe.position.y() - origin_.y(),
                  dz = probe.position.z() - origin_.z();
     Wrench out;
@@ -47,12 +42,6 @@ Wrench CollapsedSprings::evaluate(const Probe& probe, const Limits& limits) cons
     out.torque = {r1 * moments_[2] - r2 * moments_[1] - (by * dz - bz * dy),
                   r2 * moments_[0] - r0 * moments_[2] - (bz * dx - bx * dz),
                   r0 * moments_[1] - r1 * moments_[0] - (bx * dy - by * dx)};
-
-    // |M - B d^T|^2
-    const double torsion = square_ - 2 * (mixed_.x() * dx + mixed_.y() * dy + mixed_.z() * dz) +
-                           attached_.squaredNorm() * (dx * dx + dy * dy + dz * dz);
-    const double most = std::max(0.0, limits.max_torsion);
-    if (torsion > most * most) out.torque *= most / std::sqrt(torsion);
     return out;
 }
 

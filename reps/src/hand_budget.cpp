@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include <knurl/reps/hand_budget.hpp>
@@ -22,6 +23,12 @@ HandLoad moved_by(const HandLoad& load, const Eigen::Vector3d& arm) noexcept {
     Matrix6 t = Matrix6::Identity();
     t.topRightCorner<3, 3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
     return {t.transpose() * load.stiffness * t, t.transpose() * load.damping * t};
+}
+
+// The symmetric part of -d((theta x a) x F)/dtheta = (a . F) - a F^T.
+Eigen::Matrix3d turned_force(const Eigen::Vector3d& arm, const Eigen::Vector3d& force) noexcept {
+    return arm.dot(force) * Eigen::Matrix3d::Identity() -
+           0.5 * (arm * force.transpose() + force * arm.transpose());
 }
 
 HandLoad as_shares(const HandLoad& load, const Limits& limits) noexcept {
@@ -51,23 +58,72 @@ double largest_eigenvalue_above_1(const Matrix6& matrix) noexcept {
                     Eigen::SelfAdjointEigenSolver<Matrix6>(matrix, Eigen::EigenvaluesOnly).eigenvalues()(5));
 }
 
-void HandBudget::advance(const HandLoad& shares, double dt) noexcept {
+SceneLoad& SceneLoad::operator+=(const SceneLoad& other) noexcept {
+    contacts += other.contacts;
+    effects += other.effects;
+    damping += other.damping;
+    surfaces = surfaces || other.surfaces;
+    return *this;
+}
+
+SceneLoad operator*(double gain, const SceneLoad& load) noexcept {
+    return {gain * load.contacts, gain * load.effects, gain * load.damping, load.surfaces};
+}
+
+LoadBound& LoadBound::operator+=(const LoadBound& other) noexcept {
+    contacts += other.contacts;
+    effects += other.effects;
+    damping += other.damping;
+    surfaces = surfaces || other.surfaces;
+    return *this;
+}
+
+bool LoadBound::exceeds() const noexcept {
+    constexpr double most = 1 + 1e-9;
+    return contacts + effects > most || damping > most ||
+           (surfaces && effects > HandBudget::effects_share * most);
+}
+
+namespace {
+
+// The largest s <= 1 for which no eigenvalue of `taken` + s `contacts` is above 1: with L L^T = 1 - `taken`, it is
+// 1 / lambda_max(L^-1 contacts L^-T).
+double contacts_left(const Matrix6& taken, const Matrix6& contacts) noexcept {
+    if (contacts.isZero(0)) return 1;
+    if (taken.isZero(0)) return 1 / largest_eigenvalue_above_1(contacts);
+    const Matrix6 left = Matrix6::Identity() - taken;
+    const Eigen::LLT<Matrix6> root(left);
+    if (root.info() != Eigen::Success) return 0;
+    Matrix6 seen = root.matrixL().solve(contacts);
+    seen = root.matrixL().solve(seen.transpose().eval());
+    return 1 / largest_eigenvalue_above_1(0.5 * (seen + seen.transpose()));
+}
+
+}  // namespace
+
+void HandBudget::advance(const SceneLoad& load, double dt) noexcept {
     ++computed_;
-    move(1 / largest_eigenvalue_above_1(shares.stiffness), 1 / largest_eigenvalue_above_1(shares.damping),
-         dt);
+    const double share = load.surfaces ? effects_share : 1;
+    HandScales targets;
+    targets.effects = 1 / largest_eigenvalue_above_1(load.effects / share);
+    targets.contacts = contacts_left(targets.effects * load.effects, load.contacts);
+    targets.damping = 1 / largest_eigenvalue_above_1(load.damping);
+    move(targets, dt);
 }
 
 void HandBudget::advance_within(double dt) noexcept {
-    if (!rests()) move(1, 1, dt);
+    if (!rests()) move({}, dt);
 }
 
-void HandBudget::move(double stiffness, double damping, double dt) noexcept {
+void HandBudget::move(const HandScales& targets, double dt) noexcept {
     if (!(dt > 0)) return;
+    constexpr double least = 1e-6;  // scenes divide by them
     const auto slewed = [&](double scale, double target) {
-        return std::clamp(target, scale * std::max(0.0, 1 - dt / fall_time), scale * (1 + dt / rise_time));
+        return std::clamp(std::max(least, target), scale * std::max(0.0, 1 - dt / fall_time),
+                          scale * (1 + dt / rise_time));
     };
-    stiffness_ = slewed(stiffness_, stiffness);
-    damping_ = slewed(damping_, damping);
+    scales_ = {slewed(scales_.contacts, targets.contacts), slewed(scales_.effects, targets.effects),
+               slewed(scales_.damping, targets.damping)};
 }
 
 }  // namespace knurl

@@ -68,14 +68,16 @@ HandLoad load(const Magnet& params, const Magnet::State&, const Probe& probe) no
     const double strongest = params.max_force / params.stiffness;
     const double share = share_left(params, std::abs(x), strongest);
     if (!(share > 0)) return {};
+    // Beyond the strongest pull the hand may be back at any time: a load that ends there would make the scale of all
+    // effects jump, and their forces with it. It goes with the pull.
+    if (std::abs(x) > strongest) return isotropic_load(share * params.stiffness, share * params.damping);
     if (!(r > 0) || (params.radius == 0 && r <= strongest))
         return isotropic_load(params.stiffness, share * params.damping);
     // Along the radius it is a spring up to the strongest pull; outside, the pull turns with the radius.
     const double pull = std::min(params.stiffness * std::abs(x), params.max_force * share);
-    const double radial = std::abs(x) <= strongest ? params.stiffness : 0;
     const double turning = x > 0 ? pull / std::hypot(r, params.rounding) : 0;
     HandLoad load = isotropic_load(turning, share * params.damping);
-    load.stiffness.topLeftCorner<3, 3>() += (radial - turning) * q * q.transpose() / (r * r);
+    load.stiffness.topLeftCorner<3, 3>() += (params.stiffness - turning) * q * q.transpose() / (r * r);
     return load;
 }
 

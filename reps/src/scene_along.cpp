@@ -134,7 +134,7 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
     law.viscous = std::min(viscous, largest_damping(limits_));
     group.law = law;
     group.tangent = tangent;
-    law.viscous *= damping_scale_;
+    law.viscous *= scales_.damping / scales_.contacts;
     group.along = friction_force(law, group.friction, tangent,
                                  {.position = group.probe.position,
                                   .velocity = group.probe.smooth_velocity,

@@ -130,7 +130,7 @@ void SceneCore::add_summed(ContactSet& set, const Group& group) noexcept {
         const Record& r = record(a.owner[i]);
         const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
         const double k = r.stiffness * (set.scale == 1 ? r.weight : 1);
-        const double b = damping_scale_ * a.b[i];
+        const double b = scales_.damping / scales_.contacts * a.b[i];
         set.force += std::max(0.0, k * a.s[i] - b * n.dot(group.probe.velocity - velocity_of(r))) * n;
         set.touching = true;
     }
@@ -181,11 +181,12 @@ const Layer* SceneCore::solve(ContactSet& set, const Group& group, double worst)
 double SceneCore::damped_force(ContactSet& set, const Group& group, const Layer& top) noexcept {
     const Arena& a = arenas_[arena_];
     double weighted = 0, closing = 0, sum = 0;
+    const double share = scales_.damping / scales_.contacts;
     const double elastic = set.force.norm();
     const Vector3d m = set.force / elastic;
     for (std::uint32_t i = 0; i < top.solution.active.count; ++i) {
         const std::uint32_t at = set.begin + top.solution.active.plane[i];
-        const double b = damping_scale_ * top.solution.multiplier[i] * a.b[at];
+        const double b = share * top.solution.multiplier[i] * a.b[at];
         sum += top.solution.multiplier[i];
         if (!(b > 0)) continue;
         weighted += b;
@@ -315,6 +316,7 @@ void SceneCore::evaluate_contacts(double dt, Wrench& sum) noexcept {
         group.force = force;
         group.position = group.probe.position;
         if (group.rough || group.friction.residual_time > 0) force = along(group, force, dt);
+        force *= scales_.contacts;
         sum.force += force;
         if (group.placement.offset != Vec3{}) sum.torque += group.arm.cross(force);
     }

@@ -36,6 +36,11 @@ struct Shares {
 };
 Shares shares_of(const Limits& limits) noexcept;
 
+/// Of one part, at most: in N/m and N s/m, or as shares of what the device stands.
+struct Demand {
+    double stiffness = 0, damping = 0;
+};
+
 /// What the scene knows of a kind: functions over raw bytes, made from the typed ones.
 struct KindOps {
     bool surface = false;
@@ -58,14 +63,14 @@ struct KindOps {
     void (*install)(const std::byte* prepared, const Limits&, Record& out, Rough& rough) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&, const Assets&) noexcept = nullptr;
     void (*settle)(Record&) noexcept = nullptr;
-    double (*fade_time)(const std::byte* params) noexcept = nullptr;           // s, or automatic
-    double (*asked_stiffness)(const std::byte* raw) noexcept = nullptr;        // N/m
-    LoadBound (*load_bound)(const Record&, const Limits&) noexcept = nullptr;  // of an effect, in shares
-    HandLoad (*load)(const Record&, const Probe&) noexcept = nullptr;          // of an effect, at the probe
-    bool (*carry)(Record& old, const Record& next) noexcept = nullptr;         // true: the rest is equal too
-    std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;           // of a surface
-    void (*out_of_reach)(Record&) noexcept = nullptr;                          // its path so far is forgotten
-    Motion* (*motion)(Record&) noexcept = nullptr;                             // of a surface
+    double (*fade_time)(const std::byte* params) noexcept = nullptr;        // s, or automatic
+    double (*asked_stiffness)(const std::byte* raw) noexcept = nullptr;     // N/m
+    Demand (*load_bound)(const Record&, const Limits&) noexcept = nullptr;  // of an effect
+    HandLoad (*load)(const Record&, const Probe&) noexcept = nullptr;       // of an effect, at the probe
+    bool (*carry)(Record& old, const Record& next) noexcept = nullptr;      // true: the rest is equal too
+    std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;        // of a surface
+    void (*out_of_reach)(Record&) noexcept = nullptr;                       // its path so far is forgotten
+    Motion* (*motion)(Record&) noexcept = nullptr;                          // of a surface
     const Asset* (*asset)(const Record&) noexcept = nullptr;  // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
@@ -188,9 +193,9 @@ class SceneCore {
     Wrench at_hand(const Wrench& at_probe, const Group& group) const noexcept;
 
     // scene_load.cpp
-    LoadBound bound_of(const ContactSet& set) const noexcept;
-    LoadBound bound_of(const Group& group) const noexcept;
-    LoadBound bound_of(const Record& effect) const noexcept;
+    Demand bound_of(const ContactSet& set) const noexcept;
+    Demand bound_of(const Group& group) const noexcept;
+    Demand bound_of(const Record& effect) const noexcept;
     void add_load(const ContactSet& set, double share, HandLoad& load) const noexcept;
     HandLoad load_of(const Group& group) const noexcept;
     void bound_effects() noexcept;
@@ -232,7 +237,7 @@ class SceneCore {
     bool weights_move_ = false;  // not all are where the silence, or its end, takes them
     double pace_ = 1;            // of what holds: 1 it moves, 0 the silence has brought it to rest
     bool settle_ = false;
-    double damping_scale_ = 1;
+    HandScales scales_;
     std::uint64_t cycle_ = 0;
     std::uint64_t last_timed_ = 0;  // the last cycle in which time passed
     SceneTime now_, before_;        // at the end of this cycle, of the one before
@@ -272,7 +277,7 @@ class SceneCore {
     std::vector<Owner> scratch_;
     std::vector<std::uint8_t> level_;
 
-    LoadBound effects_bound_;  // of all of them, at the hand
+    Demand effects_bound_;  // of all of them, at the hand, in shares
     bool effects_bound_stale_ = false;
     std::vector<std::uint32_t> effects_;  // slots with an effect that is felt
     std::uint32_t effects_size_ = 0;

@@ -110,14 +110,16 @@ void scale_velocity(Probe& probe, double scale) noexcept {
 }  // namespace
 
 void SceneCore::evaluate_effects(double dt, Wrench& sum) noexcept {
-    if (damping_scale_ == 1) return evaluate_effects_at(dt, sum);
+    if (scales_ == HandScales{}) return evaluate_effects_at(dt, sum);
     std::array<Probe, Scene::max_probes> probes;
     for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
         const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
         probes[p] = groups_[p].probe;
-        scale_velocity(groups_[p].probe, damping_scale_);
+        scale_velocity(groups_[p].probe, scales_.damping / scales_.effects);
     }
-    evaluate_effects_at(dt, sum);
+    Wrench effects;
+    evaluate_effects_at(dt, effects);
+    sum += scales_.effects * effects;
     for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
         const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
         groups_[p].probe = probes[p];
@@ -135,7 +137,7 @@ void SceneCore::evaluate_effects_at(double dt, Wrench& sum) noexcept {
     }
     for (std::uint32_t rest = collapsed_used_; rest != 0; rest &= rest - 1) {
         const Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        sum += at_hand(group.springs.evaluate(group.probe, limits_), group);
+        sum += at_hand(group.springs.evaluate(group.probe), group);
         evaluated_ += group.springs.count();
     }
 }

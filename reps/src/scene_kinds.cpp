@@ -164,10 +164,10 @@ struct Ops {
         }
     }
     // Of each kind's own clamps: nothing turns the hand more stiffly than the device stands, nor more damped.
-    static LoadBound load_bound_of(const Record& r, const Limits& limits) noexcept {
+    static Demand load_bound_of(const Record& r, const Limits& limits) noexcept {
         const Shares shares = shares_of(limits);
         const R& params = params_of<R>(r);
-        LoadBound bound;
+        Demand bound;
         if constexpr (requires { params.stiffness; }) bound.stiffness = shares.stiffness * params.stiffness;
         if constexpr (requires { params.damping; }) bound.damping = shares.damping * params.damping;
         if constexpr (requires { params.attach; }) {

@@ -35,8 +35,8 @@ Matrix3d held_directions(const ContactSet& set, const ActiveSet& active, const A
 
 }  // namespace
 
-LoadBound SceneCore::bound_of(const ContactSet& set) const noexcept {
-    LoadBound bound;
+Demand SceneCore::bound_of(const ContactSet& set) const noexcept {
+    Demand bound;
     if (!set.touching) return bound;
     const Arena& a = arenas_[arena_];
     if (const Layer* top = hardest_that_holds(set)) {
@@ -53,15 +53,15 @@ LoadBound SceneCore::bound_of(const ContactSet& set) const noexcept {
     return bound;
 }
 
-LoadBound SceneCore::bound_of(const Group& group) const noexcept {
-    LoadBound bound = bound_of(group.now);
+Demand SceneCore::bound_of(const Group& group) const noexcept {
+    Demand bound = bound_of(group.now);
     if (group.fading) {
-        const LoadBound old = bound_of(group.old);
+        const Demand old = bound_of(group.old);
         bound = {std::max(bound.stiffness, old.stiffness), std::max(bound.damping, old.damping)};
     }
     if (group.rough && group.friction.held) {
-        // Friction acts across the force. That is across all planes that hold, but not where forces are added.
-        const bool across = !group.fading && group.now.summed == 0;
+        // Friction acts across the force. That is across all planes that hold where they are solved as one.
+        const bool across = !group.fading && group.now.summed == 0 && group.now.layers == 1;
         const auto with = [&](double normal, double tangential) {
             return across ? std::max(normal, tangential) : normal + tangential;
         };
@@ -120,11 +120,11 @@ HandLoad SceneCore::load_of(const Group& group) const noexcept {
     return load;
 }
 
-LoadBound SceneCore::bound_of(const Record& effect) const noexcept {
+Demand SceneCore::bound_of(const Record& effect) const noexcept {
     const KindOps& ops = kind_ops()[effect.kind];
     if (ops.load_bound == nullptr) return {};
     const double turned = 1 + shares_.turning * groups_[effect.probe].arm.squaredNorm();
-    const LoadBound bound = ops.load_bound(effect, limits_);
+    const Demand bound = ops.load_bound(effect, limits_);
     return {turned * bound.stiffness, turned * bound.damping};
 }
 
@@ -132,7 +132,9 @@ void SceneCore::bound_effects() noexcept {
     effects_bound_ = {};
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
         const Record& r = felt(effects_[e]);
-        effects_bound_ += bound_of(r);
+        const Demand bound = bound_of(r);
+        effects_bound_.stiffness += bound.stiffness;
+        effects_bound_.damping += bound.damping;
     }
     effects_bound_stale_ = false;
 }
@@ -145,52 +147,74 @@ using namespace detail;
 
 LoadBound Scene::load_bound() const noexcept {
     const SceneCore& core = *impl_;
-    LoadBound bound = core.effects_size_ > 0 ? core.effects_bound_ : LoadBound{};
-    for (std::uint32_t rest = core.contacts_used_; rest != 0; rest &= rest - 1)
-        bound += core.bound_of(core.groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))]);
+    LoadBound bound{.surfaces = core.surfaces_size_ > 0};
+    for (std::uint32_t rest = core.contacts_used_; rest != 0; rest &= rest - 1) {
+        const Demand group = core.bound_of(core.groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))]);
+        bound.contacts += group.stiffness;
+        bound.damping += group.damping;
+    }
+    const auto add_effects = [&](const Demand& demand) {
+        bound.effects += demand.stiffness;
+        bound.damping += demand.damping;
+    };
+    if (core.effects_size_ > 0) add_effects(core.effects_bound_);
     for (std::uint32_t f = 0; f < core.fading_size_; ++f) {
-        if (core.slots_[core.fading_[f]].from != Slot::From::record) continue;
-        const Record& old = core.faded(core.fading_[f]);
-        bound += core.bound_of(old);
+        if (core.slots_[core.fading_[f]].from == Slot::From::record)
+            add_effects(core.bound_of(core.faded(core.fading_[f])));
     }
     return bound;
 }
 
-HandLoad Scene::load() const noexcept {
+SceneLoad Scene::load() const noexcept {
     const SceneCore& core = *impl_;
-    HandLoad sum;
-    const auto add = [&](const HandLoad& at_probe, const Group& group) {
+    HandLoad contacts, effects;
+    const auto add = [&](HandLoad& sum, const HandLoad& at_probe, const Group& group) {
         sum += group.placement.offset == Vec3{} ? at_probe : moved_by(at_probe, group.arm);
+    };
+    // What the arm of a force adds, which turns with the hand.
+    const auto turn = [&](HandLoad& sum, const Eigen::Vector3d& force, const Group& group) {
+        if (group.placement.offset != Vec3{})
+            sum.stiffness.bottomRightCorner<3, 3>() += turned_force(group.arm, force);
     };
     for (std::uint32_t rest = core.contacts_used_; rest != 0; rest &= rest - 1) {
         const Group& group = core.groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        add(core.load_of(group), group);
+        add(contacts, core.load_of(group), group);
+        turn(contacts, group.force + group.along, group);
     }
     const auto add_effect = [&](const Record& r, double share) {
         const KindOps& ops = kind_ops()[r.kind];
         const Group& group = core.groups_[r.probe];
-        if (ops.load != nullptr && share > 0) add(share * ops.load(r, group.probe), group);
+        if (ops.load != nullptr && share > 0) add(effects, share * ops.load(r, group.probe), group);
+    };
+    const auto add_old = [&](std::uint32_t i) {
+        const Slot& slot = core.slots_[i];
+        if (slot.from == Slot::From::record)
+            add_effect(core.faded(i), (1 - slot.gain) * core.faded(i).weight);
     };
     for (std::uint32_t e = 0; e < core.effects_size_; ++e) {
-        const Slot& slot = core.slots_[core.effects_[e]];
-        const Record& r = core.felt(core.effects_[e]);
-        add_effect(r, slot.gain * r.weight);
-        if (slot.from != Slot::From::record) continue;
-        const Record& old = core.faded(core.effects_[e]);
-        add_effect(old, (1 - slot.gain) * old.weight);
+        const std::uint32_t i = core.effects_[e];
+        const Slot& slot = core.slots_[i];
+        add_effect(core.felt(i), slot.gain * core.felt(i).weight);
+        if (!slot.collapsed) turn(effects, slot.last.force, core.groups_[core.felt(i).probe]);
+        add_old(i);
     }
     // Those that are removed are faded out though they are no longer felt.
-    for (std::uint32_t f = 0; f < core.fading_size_; ++f) {
-        const Slot& slot = core.slots_[core.fading_[f]];
-        if (slot.felt || slot.from != Slot::From::record) continue;
-        const Record& old = core.faded(core.fading_[f]);
-        add_effect(old, (1 - slot.gain) * old.weight);
+    for (std::uint32_t f = 0; f < core.fading_size_; ++f)
+        if (!core.slots_[core.fading_[f]].felt) add_old(core.fading_[f]);
+    for (std::uint32_t rest = core.collapsed_used_; rest != 0; rest &= rest - 1) {
+        const Group& group = core.groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
+        turn(effects, group.springs.evaluate(group.probe).force, group);
     }
-    return as_shares(sum, core.limits_);
+    const HandLoad of_contacts = as_shares(contacts, core.limits_),
+                   of_effects = as_shares(effects, core.limits_);
+    return {.contacts = of_contacts.stiffness,
+            .effects = of_effects.stiffness,
+            .damping = of_contacts.damping + of_effects.damping,
+            .surfaces = core.surfaces_size_ > 0};
 }
 
-void Scene::set_damping_scale(double scale) noexcept {
-    impl_->damping_scale_ = scale;
+void Scene::set_scales(const HandScales& scales) noexcept {
+    impl_->scales_ = scales;
 }
 
 }  // namespace knurl

@@ -147,7 +147,7 @@ void SceneCore::clear() noexcept {
     reach_.clear();
     now_ = before_ = {};
     pace_ = 1;
-    damping_scale_ = 1;
+    scales_ = {};
     effects_bound_ = {};
     effects_bound_stale_ = false;
     for (Group& group : groups_) {

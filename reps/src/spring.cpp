@@ -7,6 +7,14 @@
 #include "clamped.hpp"
 
 namespace knurl {
+namespace {
+
+/// m: with it the direction of a spring of no length is no jump.
+double rounding(const Spring& params, double rest) noexcept {
+    return std::max(std::min(1e-3, rest / 20), rest * params.share);
+}
+
+}  // namespace
 
 Spring prepared(Spring params, const Limits& limits) noexcept {
     params.stiffness = clamped_stiffness(params.stiffness, limits);
@@ -14,7 +22,6 @@ Spring prepared(Spring params, const Limits& limits) noexcept {
                        ? params.stiffness / limits.max_stiffness
                        : 0;
     params.damping = clamped_damping(params.damping, limits);
-    params.torsion = std::max(0.0, limits.max_torsion);
     return params;
 }
 
@@ -43,7 +50,7 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
     const Eigen::Vector3d d = (to_eigen(state.anchor) - probe.position) - arm;
     Wrench out;
     const double rest = state.rest_length;
-    const double e = std::max(std::min(1e-3, rest / 20), rest * params.share);
+    const double e = rounding(params, rest);
     const double ee = e * e;  // 0 also where a rest length of next to nothing squares to nothing
     if (ee > 0) {
         out.force = params.stiffness * (1 - rest / std::sqrt(d.squaredNorm() + ee)) * d;
@@ -58,13 +65,7 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
             out.force -= (params.damping * v.dot(d) / ll) * d;
         }
     }
-    if (!at_probe) {
-        out.torque = arm.cross(out.force);
-        if (params.torsion < std::numeric_limits<double>::infinity()) {
-            const double torsion = params.stiffness * std::sqrt(arm.squaredNorm() * (d + arm).squaredNorm());
-            if (torsion > params.torsion) out.torque *= params.torsion / torsion;
-        }
-    }
+    if (!at_probe) out.torque = arm.cross(out.force);
     return out;
 }
 
@@ -82,30 +83,22 @@ void settle(const Spring& params, Spring::State& state) noexcept {
     state.remaining = 0;
 }
 
-// The stretch along the spring is held with k, that across it with the part of k that the rest length leaves.
+// F = k (1 - L0 / sqrt(l^2 + e^2)) d: held with k along the spring at most, and across it with what the rest length
+// leaves of k.
 HandLoad load(const Spring& params, const Spring::State& state, const Probe& probe) noexcept {
     const Eigen::Vector3d arm = probe.orientation * to_eigen(params.attach);
     const Eigen::Vector3d d = (to_eigen(state.anchor) - probe.position) - arm;
-    const double length = d.norm();
+    const double rest = state.rest_length, square = d.squaredNorm();
+    const double e = rounding(params, rest), length = std::sqrt(square + e * e);
+    const double pull = params.stiffness * (length > 0 ? 1 - rest / length : 1);
     const Eigen::Matrix3d along =
-        length > 1e-12 ? Eigen::Matrix3d(d * d.transpose() / (length * length)) : Eigen::Matrix3d::Zero();
-    const double pulled = length > state.rest_length ? 1 - state.rest_length / length : 0;
-    HandLoad load = isotropic_load(params.stiffness * pulled, 0);
-    load.stiffness.topLeftCorner<3, 3>() += params.stiffness * (1 - pulled) * along;
-    if (state.rest_length > 0 && !(length > 1e-12)) load = isotropic_load(params.stiffness, 0);
+        square > 1e-24 ? Eigen::Matrix3d(d * d.transpose() / square) : Eigen::Matrix3d::Zero();
+    HandLoad load = isotropic_load(std::max(0.0, pull), 0);
+    load.stiffness.topLeftCorner<3, 3>() += (params.stiffness - std::max(0.0, pull)) * along;
     load.damping.topLeftCorner<3, 3>() += params.damping * along;
     if (params.attach == Vec3{}) return load;
     load = moved_by(load, arm);
-    if (!std::isfinite(params.torsion)) return load;
-    // The moment's arm turns with the hand, too; as `evaluate` does it, the torque is scaled to what is allowed.
-    const double torsion = params.stiffness * arm.norm() * std::max(arm.norm(), (d + arm).norm());
-    load.stiffness.bottomRightCorner<3, 3>() = torsion * Eigen::Matrix3d::Identity();
-    const double share = torsion > params.torsion ? params.torsion / torsion : 1;
-    for (Matrix6* matrix : {&load.stiffness, &load.damping}) {
-        matrix->bottomRightCorner<3, 3>() *= share;
-        matrix->topRightCorner<3, 3>() *= share;
-        matrix->bottomLeftCorner<3, 3>() *= share;
-    }
+    load.stiffness.bottomRightCorner<3, 3>() += turned_force(arm, pull * d);
     return load;
 }
 

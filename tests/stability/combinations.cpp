@@ -43,7 +43,7 @@ struct Options {
 
 struct Outcome {
     double cycle = 0;          // m, the largest of the axes
-    double scale = 1;          // the budget's, of stiffness, at the end
+    HandScales scales;         // the budget's, at the end
     double force = 0;          // N, on the hand at the end
     std::uint32_t faults = 0;  // bits: protocol::fault
     std::string device, parts;
@@ -235,15 +235,15 @@ Outcome live(std::uint64_t seed, Options options) {
             const Vector3d& p = device.state().position;
             fmt::print(options.trace, "{},{},{},{},{},{},{},{},{}\n", i, p.x(), p.y(), p.z(),
                        report.sent_force.x, report.sent_force.y, report.sent_force.z,
-                       all.front()->feedback().header.stiffness_scale,
-                       all.front()->feedback().header.damping_scale);
+                       all.front()->feedback().header.scales.contacts,
+                       all.front()->feedback().header.scales.effects);
         }
         if (i < judged_from * servo_options.rate) continue;
         low = low.cwiseMin(device.state().position);
         high = high.cwiseMax(device.state().position);
     }
     out.force = to_eigen(servo.servo().last().sent_force).norm();
-    out.scale = all.front()->feedback().header.stiffness_scale;
+    out.scales = all.front()->feedback().header.scales;
     out.cycle = 0.5 * (high - low).maxCoeff();
     return out;
 }
@@ -277,13 +277,15 @@ int main(int argc, char** argv) {
                 largest = std::max(largest, out.cycle);
                 faults += out.faults != 0;
                 cycles += !(out.cycle < most_cycle);
-                scaled += out.scale < 1;
+                scaled += !(out.scales == HandScales{});
                 forces += out.force;
                 if (out.failed() && (verbose || cycles + faults <= 10))
                     fmt::print(
-                        "{}: faults {:#x}, a cycle of {:.3f} mm on {}, scale {:.3f}: {}\n  replay: "
+                        "{}: faults {:#x}, a cycle of {:.3f} mm on {}, scales {:.3f} {:.3f} {:.3f}: {}\n  "
+                        "replay: "
                         "knurl_combinations --seed {} --count 1\n",
-                        first + i, out.faults, 1e3 * out.cycle, out.device, out.scale, out.parts, first + i);
+                        first + i, out.faults, 1e3 * out.cycle, out.device, out.scales.contacts,
+                        out.scales.effects, out.scales.damping, out.parts, first + i);
             }
         };
         std::vector<std::thread> pool;

@@ -137,8 +137,9 @@ std::optional<Felt> ClaimState::felt(Handle handle) {
               .tangential_stiffness = found->tangential_stiffness,
               .flags = found->flags,
               .cycle = feedback_.cycle,
-              .share = feedback_.gain * feedback_.stiffness_scale,
-              .damping_share = feedback_.gain * feedback_.damping_scale};
+              .share = feedback_.gain * (kinds()[entry(handle).kind].surface ? feedback_.scales.contacts
+                                                                             : feedback_.scales.effects),
+              .damping_share = feedback_.gain * feedback_.scales.damping};
     for (const Handle side : others) {
         const protocol::FeedbackEntry* other = felt_entry(side);
         if (other == nullptr || (other->flags & Feedback::touching) == 0) continue;

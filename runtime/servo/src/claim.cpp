@@ -91,7 +91,7 @@ void Claim::Impl::advance_gain(double step) noexcept {
 
 Wrench Claim::Impl::device_wrench() const noexcept {
     // World and device positions differ by `scale`, so a lever arm does too, and with it the torque.
-    const double share = gain * stiffness_scale * terms.frame.force_scale;
+    const double share = gain * terms.frame.force_scale;
     return {share * wrench.force, share / terms.frame.scale * wrench.torque};
 }
 
@@ -216,8 +216,7 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     header.refused_slot = refused.slot;
     header.gain = gain;
     header.silence = silent_for;
-    header.stiffness_scale = stiffness_scale;
-    header.damping_scale = damping_scale;
+    header.scales = scales;
     header.entries = static_cast<std::uint32_t>(felt.size());
 
     // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would), nor does one

@@ -113,7 +113,7 @@ struct Claim::Impl {
     bool from_the_start = false;  // offline: what the first cycle finds is in full force at once
     double gain = 0;
     double empty_for = 0;                           // s, without a representation or a force
-    double stiffness_scale = 1, damping_scale = 1;  // of the hand's budget
+    HandScales scales;  // of the hand's budget
     Wrench wrench;                                  // world, of this cycle
     bool touching = false;                          // of this cycle, as far as feedback is asked for
     bool still = false;                             // its scene is out of the hand's reach: see StillScene

@@ -216,7 +216,7 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
         if (!c.channels) continue;
         if (options.silence) c.watch_silence(now);
         c.advance_gain(gain_step);
-        c.scene.set_damping_scale(budget.damping_in_scene());
+        c.scene.set_scales(budget.scales());
         evaluate_scene(awake[i], probe, dt);
         evaluated += c.scene.evaluated();
         present += c.scene.size();
@@ -224,21 +224,20 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
     }
     passed_hand = probe;
     pass_time(dt);
-    if (options.clamp_stiffness && options.budget) keep_within_budget(dt);
+    if (options.clamp_stiffness && options.budget) keep_within_budget(probe, dt);
     settles = false;
     Wrench sum;
     for (std::size_t i = 0; i < awake_size; ++i) {
         Claim::Impl& c = awake_claim(i);
         if (!c.channels) continue;
-        c.stiffness_scale = budget.stiffness();
-        c.damping_scale = budget.damping();
+        c.scales = budget.scales();
         if (c.gain > 0 && !c.quiet()) sum += c.device_wrench();
     }
     return sum;
 }
 
 // What is out of the hand's reach is not felt: scenes that rest have no load.
-void Servo::Impl::keep_within_budget(double dt) noexcept {
+void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     const auto felt = [](const Claim::Impl& c) { return c.channels && c.gain > 0 && !c.quiet(); };
     LoadBound bound;
     for (std::size_t i = 0; i < awake_size; ++i) {
@@ -246,19 +245,26 @@ void Servo::Impl::keep_within_budget(double dt) noexcept {
         if (felt(c)) bound += c.scene.load_bound();
     }
     if (budget.rests() && !bound.exceeds()) return;
-    constexpr double for_ever = std::numeric_limits<double>::infinity();
-    const double stiffness = budget.stiffness(), damping = budget.damping();
+    const HandScales before = budget.scales();
     if (bound.exceeds()) {
-        HandLoad load;
+        SceneLoad load;
         for (std::size_t i = 0; i < awake_size; ++i) {
             const Claim::Impl& c = awake_claim(i);
             if (felt(c)) load += c.gain * c.scene.load();
         }
-        budget.advance(load, settles ? for_ever : dt);
+        budget.advance(load, settles ? std::numeric_limits<double>::infinity() : dt);
     } else {
         budget.advance_within(dt);
     }
-    if (budget.stiffness() != stiffness || budget.damping() != damping) rouse(last_now);  // each is told
+    if (budget.scales() == before) return;
+    rouse(last_now);  // each is told
+    if (!settles) return;
+    for (std::size_t i = 0; i < awake_size; ++i) {
+        Claim::Impl& c = awake_claim(i);
+        if (!felt(c)) continue;
+        c.scene.set_scales(budget.scales());
+        c.evaluate(probe, 0);
+    }
 }
 
 Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {

@@ -72,7 +72,7 @@ struct Servo::Impl {
     void take_asset(const Message& message) noexcept;
     void return_assets(Claim& claim) noexcept;
     FadePolicy fade_for(const Claim::Impl& claim) const noexcept;
-    void keep_within_budget(double dt) noexcept;
+    void keep_within_budget(const Probe& probe, double dt) noexcept;
     double nominal(Nanoseconds gap) const noexcept;
 
     drivers::Device& device;

@@ -24,8 +24,7 @@ Twist spring(const Spring& s, const Tip& tip, const Device& device) {
         const V u = unit(d);
         force += -std::min(s.damping, device.damping()) * dot(tip.velocity + cross(tip.turning, arm), u) * u;
     }
-    const Real torsion = s.stiffness * length(arm) * length(s.anchor - tip.position);
-    return {force, (torsion > device.torsion ? device.torsion / torsion : 1) * cross(arm, force)};
+    return {force, cross(arm, force)};
 }
 
 Matrix clamped(const Matrix& m, Real low, Real high) {

@@ -8,7 +8,6 @@
 #include <array>
 #include <cstdint>
 
-#include <knurl/reps/limits.hpp>
 #include <knurl/reps/probe.hpp>
 #include <knurl/reps/spring.hpp>
 #include <knurl/reps/wrench.hpp>
@@ -31,10 +30,10 @@ class CollapsedSprings {
     std::uint32_t count() const noexcept { return count_; }
     double stiffness() const noexcept { return stiffness_; }  // N/m, K
 
-    /// About the probe's position. The torque's stiffness is at most |M - B (p - o)^T| (Frobenius): where
-    /// that exceeds limits.max_torsion, the torque is scaled down by as much. Neither force nor torque is
-    /// clamped otherwise.
-    Wrench evaluate(const Probe& probe, const Limits& limits) const noexcept;
+    /// About the probe's position; neither force nor torque is clamped.
+    Wrench evaluate(const Probe& probe) const noexcept;
+    /// Some are attached elsewhere than at the probe's position.
+    bool turns() const noexcept { return turns_; }
 
   private:
     double stiffness_ = 0;                                // N/m, K
@@ -43,8 +42,6 @@ class CollapsedSprings {
     Eigen::Vector3d attached_ = Eigen::Vector3d::Zero();  // N, B, in the probe's frame
     std::array<Eigen::Vector3d, 3> moments_ = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                                                Eigen::Vector3d::Zero()};  // N m, the columns of M
-    double square_ = 0;                                                   // (N m)^2, |M|^2
-    Eigen::Vector3d mixed_ = Eigen::Vector3d::Zero();                     // N^2 m, M^T B
     std::uint32_t count_ = 0;
     bool turns_ = false;  // one of them is not attached at the probe's position
 };

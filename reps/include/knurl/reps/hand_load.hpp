@@ -33,6 +33,10 @@ HandLoad isotropic_load(double stiffness, double damping) noexcept;
 /// Of a load that acts at a point of the hand, `arm` (m, world axes) away from the point that is looked at.
 HandLoad moved_by(const HandLoad& load, const Eigen::Vector3d& arm) noexcept;
 
+/// N m/rad: what a force (N) that keeps its direction adds where its arm (m) turns with the hand. A pull outwards
+/// restores, one inwards gives way.
+Eigen::Matrix3d turned_force(const Eigen::Vector3d& arm, const Eigen::Vector3d& force) noexcept;
+
 /// As shares of what the device stands: 1 is k_max (N/m) or kappa_max (N m/rad), and b_max = m / (4 (T + tau +
 /// tau_f)) or b_max kappa_max / k_max. Dimensionless, so loads of differently scaled worlds add up. Where kappa_max
 /// is not known nothing is said of rotation; where k_max is not known, nothing at all.

@@ -122,8 +122,8 @@ class Scene {
     /// What changes later is found all the same, only by a scan.
     void index();
 
-    /// By which everything that velocity makes is scaled from now on (0 or more): what a HandBudget has left of it.
-    void set_damping_scale(double scale) noexcept;
+    /// From now on; of a HandBudget.
+    void set_scales(const HandScales& scales) noexcept;
 
     /// For how long the application has been silent (s); 0 or less: it is not. Acts through each Use.
     void set_silence(double seconds) noexcept;
@@ -149,10 +149,9 @@ class Scene {
     std::uint32_t size() const noexcept;             // representations present
     std::uint32_t count(Kind kind) const noexcept;
     std::uint32_t evaluated() const noexcept;  // representations evaluated in the last cycle
-    /// What the hand feels of all this in the last cycle, as shares of what the device stands (as_shares), for a
-    /// HandBudget; and at least its eigenvalues, for next to nothing. Of textures and of what pushes away nothing
-    /// counts.
-    HandLoad load() const noexcept;
+    /// What the hand feels of all this in the last cycle at full strength, for a HandBudget; and at least its
+    /// eigenvalues, for next to nothing. Of textures and of what pushes away nothing counts.
+    SceneLoad load() const noexcept;
     LoadBound load_bound() const noexcept;
     /// Fills in feedback of the representations that ask for it; returns how many (at most out.size()).
     std::size_t feedback(std::span<Feedback> out) const noexcept;

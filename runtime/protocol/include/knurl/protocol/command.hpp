@@ -130,9 +130,7 @@ struct FeedbackHeader {
     std::uint32_t refused_slot = 0;
     double gain = 0;     // this claim's, 0-1
     double silence = 0;  // s since the last commit counted as silence, as of `cycle`; 0: not silent
-    // Of the hand's budget (HandBudget): < 1, all parts together are stiffer, or more damped, than the device stands.
-    double stiffness_scale = 1;  // of all forces
-    double damping_scale = 1;    // of what velocity adds to them
+    HandScales scales;           // < 1: all that the hand feels, of all claims, is more than the device stands
     std::uint32_t entries = 0;
     std::uint32_t refused_reason = 0;  // refused_code contradiction: which of the kind's
 };

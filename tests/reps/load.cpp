@@ -1,0 +1,412 @@
+// How stiff and how damped the hand feels a scene, and the budget that holds both at what the device stands. The
+// reference is the scene's own wrench, differentiated numerically.
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <knurl/reps/hand_budget.hpp>
+
+#include "scene_tools.hpp"
+
+namespace {
+
+using namespace knurl;
+using namespace knurl::test;
+
+const Limits device{
+    .max_stiffness = 1000, .max_torsion = 2, .mass = 0.15, .lag = 0.5e-3};  // N/m, N m/rad, kg, s
+const double b_max = 0.15 / (4 * (1e-3 + 0.5e-3 + 1 / (2 * M_PI * 100)));   // N s/m
+
+Probe moved(const Probe& from, int axis, double by) {
+    Probe probe = from;
+    if (axis < 3)
+        probe.position[axis] += by;
+    else
+        probe.orientation =
+            Eigen::Quaterniond(Eigen::AngleAxisd(by, Vector::Unit(axis - 3))) * probe.orientation;
+    return probe;
+}
+Probe faster(const Probe& from, int axis, double by) {
+    Probe probe = from;
+    if (axis < 3) {
+        probe.velocity[axis] += by;
+        probe.smooth_velocity[axis] += by;
+    } else {
+        probe.angular_velocity[axis - 3] += by;
+    }
+    return probe;
+}
+
+/// The symmetric part of minus the wrench's derivative, as shares of what the device stands.
+template <class Move>
+Matrix6 measured(Scene& scene, const Probe& hand, Move move, double step, double translation,
+                 double rotation) {
+    Matrix6 m;
+    for (int axis = 0; axis < 6; ++axis) {
+        const Wrench more = scene.evaluate(move(hand, axis, step), 0),
+                     less = scene.evaluate(move(hand, axis, -step), 0);
+        m.col(axis) << (less.force - more.force) / (2 * step), (less.torque - more.torque) / (2 * step);
+    }
+    Eigen::Matrix<double, 6, 1> unit;
+    unit << Vector::Constant(1 / std::sqrt(translation)), Vector::Constant(1 / std::sqrt(rotation));
+    m = unit.asDiagonal() * m * unit.asDiagonal();
+    (void)scene.evaluate(hand, 0);  // as it was
+    return 0.5 * (m + m.transpose());
+}
+Matrix6 stiffness_of(Scene& scene, const Probe& hand) {
+    return measured(scene, hand, moved, 1e-7, device.max_stiffness, device.max_torsion);
+}
+Matrix6 damping_of(Scene& scene, const Probe& hand) {
+    return measured(scene, hand, faster, 1e-4, b_max, b_max * device.max_torsion / device.max_stiffness);
+}
+
+double largest(const Matrix6& m) {
+    return Eigen::SelfAdjointEigenSolver<Matrix6>(m).eigenvalues()(5);
+}
+
+Probe some_hand(Rng& rng) {
+    Probe hand = at({uniform(rng, -2e-3, 2e-3), uniform(rng, -2e-3, 2e-3), uniform(rng, -3e-3, -1e-3)});
+    hand.orientation = turn(rng);
+    return hand;
+}
+
+std::string text(const Matrix6& m) {
+    std::ostringstream out;
+    out << m;
+    return out.str();
+}
+
+}  // namespace
+
+TEST(HandLoad, IsTheDerivativeOfTheWrenchWhereThatIsLinear) {
+    const std::uint64_t seed = 811;
+    Rng rng(seed);
+    for (int i = 0; i < 300; ++i) {
+        Scene scene = make_scene(device);
+        const auto probes = static_cast<std::uint32_t>(between(rng, 1, 3));
+        for (std::uint32_t p = 1; p < probes; ++p)
+            ASSERT_TRUE(scene.place_probe(p, {.offset = to_plain(0.02 * direction(rng))}));
+        const int parts = between(rng, 1, 6);
+        for (std::uint32_t s = 0; s < static_cast<std::uint32_t>(parts); ++s) {
+            const Use use{.probe = static_cast<std::uint32_t>(between(rng, 0, static_cast<int>(probes) - 1)),
+                          .feedback = static_cast<std::uint32_t>(between(rng, 0, 1))};
+            const double k = scale(rng, 10, 3000), b = between(rng, 0, 1) ? scale(rng, 0.1, 100) : 0;
+            switch (between(rng, 0, 3)) {
+                case 0:
+                    ASSERT_TRUE(scene.add({s, 1},
+                                          Spring{.anchor = to_plain(0.01 * direction(rng)),
+                                                 .attach = to_plain(uniform(rng, 0, 0.03) * direction(rng)),
+                                                 .stiffness = k,
+                                                 .damping = b},
+                                          use));
+                    break;
+                case 1: {
+                    Constraint c{.origin = to_plain(0.01 * direction(rng)),
+                                 .direction = to_plain(direction(rng))};
+                    c.shape = static_cast<ConstraintShape>(between(rng, 0, 2));
+                    c.stiffness = k;
+                    c.damping = b;
+                    ASSERT_TRUE(scene.add({s, 1}, c, use));
+                    break;
+                }
+                case 2:
+                    ASSERT_TRUE(scene.add(
+                        {s, 1}, Viscosity{.damping = b, .angular_damping = scale(rng, 1e-4, 1)}, use));
+                    break;
+                case 3: {  // one that holds: deep enough for its damping not to let go of it
+                    Plane plane{
+                        .normal = to_plain(direction(rng)), .offset = 0.05, .stiffness = k, .damping = b};
+                    plane.combine = PlaneCombine::sum;
+                    ASSERT_TRUE(scene.add({s, 1}, plane, use));
+                    break;
+                }
+            }
+        }
+        const Probe hand = some_hand(rng);
+        (void)settled(scene, hand);
+        (void)settled(scene, hand);  // springs are one from the second cycle on
+        const SceneLoad load = scene.load();
+        const Matrix6 told = load.contacts + load.effects, stiffness = stiffness_of(scene, hand),
+                      damping = damping_of(scene, hand);
+        ASSERT_LE((told - stiffness).norm(), 1e-5 * (1 + stiffness.norm()))
+            << "seed " << seed << " case " << i << "\n"
+            << text(told) << "\n\n"
+            << text(stiffness);
+        ASSERT_LE((load.damping - damping).norm(), 1e-6 * (1 + damping.norm()))
+            << "seed " << seed << " case " << i << "\n"
+            << text(load.damping) << "\n\n"
+            << text(damping);
+    }
+}
+
+// Radial springs with a rest length are rounded at their middle, magnets weaken beyond their strongest pull, Taylor
+// fields end: nowhere is the hand held more stiffly than the load says.
+TEST(HandLoad, IsNowhereLessThanTheDerivativeOfTheWrench) {
+    const std::uint64_t seed = 812;
+    Rng rng(seed);
+    for (int i = 0; i < 2000; ++i) {
+        Scene scene = make_scene(device);
+        switch (between(rng, 0, 2)) {
+            case 0:
+                ASSERT_TRUE(scene.add({0, 1}, Spring{.anchor = to_plain(0.02 * direction(rng)),
+                                                     .rest_length = uniform(rng, 1e-3, 0.03),
+                                                     .stiffness = scale(rng, 10, 3000)}));
+                break;
+            case 1: {
+                Magnet magnet{.position = to_plain(uniform(rng, 0, 0.01) * direction(rng))};
+                magnet.stiffness = scale(rng, 50, 3000);
+                magnet.max_force = scale(rng, 0.2, 3);
+                magnet.max_distance = magnet.max_force / magnet.stiffness * uniform(rng, 1.5, 4);
+                if (between(rng, 0, 1)) magnet.radius = uniform(rng, 1e-3, 8e-3);
+                ASSERT_TRUE(scene.add({0, 1}, magnet));
+                break;
+            }
+            case 2:
+                for (std::uint32_t s = 0; s < 3; ++s)
+                    ASSERT_TRUE(scene.add(
+                        {s, 1}, Plane{.normal = to_plain((direction(rng) + 2 * Vector::UnitZ()).eval()),
+                                      .stiffness = scale(rng, 50, 3000)}));
+                break;
+        }
+        const Probe hand = some_hand(rng);
+        (void)settled(scene, hand);
+        const double told = largest(scene.load().contacts + scene.load().effects),
+                     found = largest(stiffness_of(scene, hand));
+        ASSERT_GE(told, found * (1 - 1e-4) - 1e-4) << "seed " << seed << " case " << i << " a "
+                                                   << kinds()[scene.count(kind_of<Magnet>)   ? kind_of<Magnet>
+                                                              : scene.count(kind_of<Spring>) ? kind_of<Spring>
+                                                                                             : kind_of<Plane>]
+                                                          .name;
+    }
+}
+
+TEST(HandLoad, StaysWithinItsBound) {
+    const std::uint64_t seed = 813;
+    Rng rng(seed);
+    for (int i = 0; i < 2000; ++i) {
+        Scene scene = make_scene(device);
+        for (std::uint32_t p = 1; p < 3; ++p)
+            ASSERT_TRUE(scene.place_probe(p, {.offset = to_plain(0.02 * direction(rng))}));
+        for (std::uint32_t s = 0; s < 6; ++s) {
+            const Use use{.probe = static_cast<std::uint32_t>(between(rng, 0, 2))};
+            const double k = scale(rng, 10, 1e4), b = between(rng, 0, 1) ? scale(rng, 0.1, 100) : 0;
+            if (between(rng, 0, 1)) {
+                Plane plane{.normal = to_plain((direction(rng) + 2 * Vector::UnitZ()).eval()),
+                            .stiffness = k,
+                            .damping = b};
+                plane.friction.dynamic = between(rng, 0, 1);
+                if (between(rng, 0, 3) == 0) plane.combine = PlaneCombine::sum;
+                ASSERT_TRUE(scene.add({s, 1}, plane, use));
+            } else if (between(rng, 0, 1)) {
+                ASSERT_TRUE(scene.add({s, 1},
+                                      Spring{.anchor = to_plain(0.01 * direction(rng)),
+                                             .rest_length = between(rng, 0, 1) * 0.01,
+                                             .stiffness = k,
+                                             .damping = b},
+                                      use));
+            } else {
+                ASSERT_TRUE(scene.add({s, 1}, Viscosity{.damping = b, .angular_damping = b / 1000}, use));
+            }
+        }
+        for (int cycle = 0; cycle < 30; ++cycle) {
+            const Probe hand = some_hand(rng);
+            (void)scene.evaluate(hand, dt);
+            if (cycle == 10) {
+                ASSERT_TRUE(scene.remove({0, 1}));
+            }
+            // Forces that turn with the hand's arms are no part of the bound: they are small, and may be of either sign.
+            const SceneLoad load = scene.load();
+            const LoadBound bound = scene.load_bound();
+            const Eigen::Matrix3d moves = (load.contacts + load.effects).topLeftCorner<3, 3>();
+            ASSERT_LE(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moves).eigenvalues().z(),
+                      (bound.contacts + bound.effects) * (1 + 1e-9) + 1e-9)
+                << "seed " << seed << " case " << i << " cycle " << cycle;
+            ASSERT_LE(largest(load.damping), bound.damping * (1 + 1e-9) + 1e-9)
+                << "seed " << seed << " case " << i << " cycle " << cycle;
+        }
+    }
+}
+
+TEST(HandLoad, OfOnePlaneIsWhatTheDeviceStandsAndNeedsNoBudget) {
+    Scene scene = make_scene(device);
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.stiffness = infinity, .damping = 1e9}));
+    (void)settled(scene, at({0, 0, -1e-3}));
+    EXPECT_FALSE(scene.load_bound().exceeds());
+    EXPECT_NEAR(largest(scene.load().contacts), 1, 1e-12);
+    EXPECT_NEAR(largest(scene.load().damping), 1, 1e-12);
+}
+
+TEST(HandLoad, OfWhatIsNotTouchedIsNothing) {
+    Scene scene = make_scene(device);
+    for (std::uint32_t s = 0; s < 5; ++s)
+        ASSERT_TRUE(scene.add({s, 1}, Plane{.stiffness = infinity}, {.probe = s}));
+    (void)settled(scene, at({0, 0, 1e-3}));
+    EXPECT_EQ(scene.load_bound().contacts, 0);
+    EXPECT_EQ((scene.load().contacts + scene.load().effects).norm(), 0);
+}
+
+TEST(HandLoad, SaysNothingWhereTheDeviceIsNotKnown) {
+    Scene scene = make_scene();
+    for (std::uint32_t s = 0; s < 5; ++s)
+        ASSERT_TRUE(scene.add({s, 1}, Spring{.stiffness = 1e6, .damping = 1e6}));
+    (void)settled(scene, at({0, 0, 1e-3}));
+    EXPECT_FALSE(scene.load_bound().exceeds());
+    EXPECT_EQ((scene.load().contacts + scene.load().effects).norm(), 0);
+}
+
+TEST(HandLoad, TheDampingScaleIsTheVelocitysShareOfEveryForce) {
+    const std::uint64_t seed = 814;
+    Rng rng(seed);
+    for (int i = 0; i < 200; ++i) {
+        Scene scene = make_scene(device);
+        ASSERT_TRUE(scene.add({0, 1}, Plane{.stiffness = 800, .damping = 3}));
+        ASSERT_TRUE(scene.add({1, 1}, Plane{.stiffness = 800, .damping = 3, .combine = PlaneCombine::sum}));
+        ASSERT_TRUE(scene.add({2, 1}, Spring{.anchor = {0.01, 0, 0}, .stiffness = 100, .damping = 2}));
+        ASSERT_TRUE(scene.add({3, 1}, Viscosity{.damping = 1, .angular_damping = 0.01}));
+        ASSERT_TRUE(scene.add({4, 1},
+                              Plane{.normal = {1, 0, 0},
+                                    .offset = -0.01,
+                                    .stiffness = 500,
+                                    .friction = {.dynamic = 0, .viscous = 1}},
+                              {.probe = 1}));
+        const double share = uniform(rng, 0, 3);
+        Probe hand = at({0, 0, -5e-3});
+        (void)settled(scene, hand);
+        const Wrench still = scene.evaluate(hand, 0);
+        hand.velocity = hand.smooth_velocity = 0.05 * direction(rng);
+        hand.angular_velocity = direction(rng);
+        const Wrench whole = scene.evaluate(hand, 0);
+        scene.set_scales({.damping = share});
+        const Wrench part = scene.evaluate(hand, 0);
+        ASSERT_LE((part.force - (still.force + share * (whole.force - still.force))).norm(), 1e-12)
+            << "seed " << seed;
+        ASSERT_LE((part.torque - (still.torque + share * (whole.torque - still.torque))).norm(), 1e-12)
+            << "seed " << seed;
+    }
+}
+
+TEST(HandLoad, TheScalesAreOfSurfacesAndOfEffects) {
+    Scene scene = make_scene(device);
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.stiffness = 800}));
+    ASSERT_TRUE(scene.add({1, 1}, Spring{.anchor = {0.01, 0, 0}, .stiffness = 100, .damping = 2}));
+    Probe hand = at({0, 0, -5e-3}, {0.1, 0, 0});
+    (void)settled(scene, hand);
+    scene.set_scales({.contacts = 0.5, .effects = 0.25, .damping = 0.75});
+    const Wrench got = scene.evaluate(hand, 0);
+    // The spring's own axis is (2, 0, 1): it feels 2 N s/m of 0.1 m/s along that.
+    const double square = 0.01 * 0.01 + 5e-3 * 5e-3, braking = 0.75 * 2 * 0.1 * 0.01 / square;
+    EXPECT_NEAR(got.force.z(), 0.5 * 4 + 0.25 * 0.5 - braking * 5e-3, 1e-12);
+    EXPECT_NEAR(got.force.x(), 0.25 * 1 - braking * 0.01, 1e-12);
+}
+
+TEST(HandBudget, GivesEachOfFiveFingersAFifthNoFasterThanItSays) {
+    HandBudget budget;
+    SceneLoad load;
+    load.contacts(2, 2) = 5;
+    double last = 1;
+    for (int cycle = 0; cycle < 200; ++cycle) {
+        budget.advance(load, dt);
+        const double now = budget.scales().contacts;
+        ASSERT_LE(last - now, last * dt / HandBudget::fall_time * (1 + 1e-12)) << "cycle " << cycle;
+        last = now;
+    }
+    EXPECT_DOUBLE_EQ(last, 0.2);
+    EXPECT_EQ(budget.scales().damping, 1);
+    EXPECT_EQ(budget.scales().effects, 1);
+    for (int cycle = 0; cycle < 1000 && !budget.rests(); ++cycle) {
+        budget.advance_within(dt);
+        const double now = budget.scales().contacts;
+        ASSERT_LE(now - last, last * dt / HandBudget::rise_time * (1 + 1e-12)) << "cycle " << cycle;
+        last = now;
+    }
+    EXPECT_TRUE(budget.rests());
+    EXPECT_EQ(budget.computed(), 200u) << "what is within its bound needs no eigenvalues";
+}
+
+TEST(HandBudget, NoTimeNoChange) {
+    HandBudget budget;
+    SceneLoad load;
+    load.contacts(0, 0) = load.damping(1, 1) = 7;
+    budget.advance(load, 0);
+    EXPECT_TRUE(budget.rests());
+    budget.advance(load, infinity);  // at once
+    EXPECT_DOUBLE_EQ(budget.scales().contacts, 1.0 / 7);
+    EXPECT_DOUBLE_EQ(budget.scales().damping, 1.0 / 7);
+}
+
+TEST(HandBudget, WhatEffectsGetDoesNotKnowWhatIsTouched) {
+    HandBudget touching, away;
+    SceneLoad load{.surfaces = true};
+    load.effects(0, 0) = load.effects(2, 2) = 0.8;
+    away.advance(load, infinity);
+    load.contacts(2, 2) = 1;
+    touching.advance(load, infinity);
+    EXPECT_DOUBLE_EQ(touching.scales().effects, 0.5 / 0.8);
+    EXPECT_EQ(away.scales().effects, touching.scales().effects);
+    EXPECT_DOUBLE_EQ(touching.scales().contacts, 0.5);
+    load.surfaces = false;
+    load.contacts.setZero();
+    away.advance(load, infinity);
+    EXPECT_EQ(away.scales().effects, 1) << "where there are no surfaces, all of it";
+}
+
+TEST(HandBudget, NeverLeavesMoreThanThereIs) {
+    const std::uint64_t seed = 816;
+    Rng rng(seed);
+    const auto any = [&](int parts) {
+        Matrix6 m = Matrix6::Zero();
+        for (; parts > 0; --parts) {
+            Eigen::Matrix<double, 6, 1> v = Eigen::Matrix<double, 6, 1>::Zero();
+            for (int k = 0; k < 6; ++k) v(k) = between(rng, 0, 1) * uniform(rng, -1, 1);
+            m += scale(rng, 0.01, 5) * v * v.transpose();
+        }
+        return m;
+    };
+    for (int i = 0; i < 2000; ++i) {
+        const SceneLoad load{.contacts = any(between(rng, 1, 4)),
+                             .effects = any(between(rng, 0, 4)),
+                             .damping = any(between(rng, 0, 4)),
+                             .surfaces = true};
+        HandBudget budget;
+        budget.advance(load, infinity);
+        const HandScales& s = budget.scales();
+        ASSERT_LE(largest(s.contacts * load.contacts + s.effects * load.effects), 1 + 1e-9)
+            << "seed " << seed << " case " << i;
+        ASSERT_LE(largest(s.effects * load.effects), 0.5 + 1e-9) << "seed " << seed << " case " << i;
+        ASSERT_LE(largest(s.damping * load.damping), 1 + 1e-9) << "seed " << seed << " case " << i;
+        if (s.contacts < 1) {  // ... nor less than it could
+            ASSERT_GE(largest(s.contacts * load.contacts + s.effects * load.effects), 1 - 1e-6)
+                << "seed " << seed << " case " << i;
+        }
+    }
+}
+
+// Against power iteration in long double.
+TEST(HandBudget, FindsTheLargestEigenvalueOfAnySum) {
+    const std::uint64_t seed = 815;
+    Rng rng(seed);
+    using Real6 = Eigen::Matrix<long double, 6, 6>;
+    for (int i = 0; i < 2000; ++i) {
+        Matrix6 m = Matrix6::Zero();
+        const int size = between(rng, 0, 1) ? 3 : 6;
+        for (int part = between(rng, 1, 8); part > 0; --part) {
+            Eigen::Matrix<double, 6, 1> v = Eigen::Matrix<double, 6, 1>::Zero();
+            for (int k = 0; k < size; ++k) v(k) = uniform(rng, -1, 1);
+            m += uniform(rng, 0, 2) * v * v.transpose();
+        }
+        Real6 power = m.cast<long double>();
+        long double norm = 1, value = 0;
+        for (int square = 0; square < 60; ++square) {
+            norm = power.norm();
+            power = (power / norm) * (power / norm);
+        }
+        const Eigen::Matrix<long double, 6, 1> top = power.col([&] {
+            Eigen::Index best;
+            power.diagonal().maxCoeff(&best);
+            return best;
+        }());
+        value = top.dot(m.cast<long double>() * top) / top.squaredNorm();
+        ASSERT_NEAR(largest_eigenvalue_above_1(m), static_cast<double>(std::max(1.0L, value)), 1e-9)
+            << "seed " << seed << " case " << i;
+    }
+}
