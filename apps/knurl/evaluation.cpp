@@ -122,6 +122,44 @@ class Player {
         sent_.clear();
     }
 
+    /// Notes where the hand's budget scales what is felt, and what is felt then.
+    void watch(double t) {
+        const auto& felt = claim_.feedback();
+        const HandScales& scales = felt.header.scales;
+        if (scales == HandScales{}) return;
+        if (scaled_.empty()) scaled_since_ = t;
+        least_ = {std::min(least_.contacts, scales.contacts), std::min(least_.effects, scales.effects),
+                  std::min(least_.damping, scales.damping)};
+        for (const auto& entry : felt.entries)
+            if ((entry.flags & Feedback::touching) != 0) scaled_.insert(entry.handle.slot);
+    }
+
+    /// One line where it did: how much of what, and which parts together are why.
+    void add_scaled(std::vector<std::string>& remarks, const Limits& limits) const {
+        if (least_ == HandScales{}) return;
+        std::string text, parts;
+        const auto add = [&text](double scale, const char* what) {
+            if (scale < 1) text += fmt::format("{}{} to {:.3g}", text.empty() ? "" : ", ", what, scale);
+        };
+        add(least_.contacts, "the forces of surfaces");
+        add(least_.effects, "those of effects");
+        add(least_.damping, "what velocity adds");
+        constexpr int most = 8;
+        int named = 0;
+        for (const Change& change : scene_.changes) {
+            if (change.type != Change::Type::add || !scaled_.contains(handles_[change.item].slot)) continue;
+            if (handles_[change.item].generation == 0 || ++named > most) continue;
+            parts +=
+                fmt::format("{}{} '{}'", parts.empty() ? "" : ", ", kinds()[change.kind].name, change.id);
+        }
+        if (named > most) parts += fmt::format(" and {} more", named - most);
+        remarks.push_back(
+            fmt::format("{}: from {:.3f} s on the hand would feel more at once than {:.6g} N/m, or be more "
+                        "damped, than is stable on "
+                        "this device: scaled down at times: {}; felt then: {}",
+                        scene_.path, scaled_since_, limits.max_stiffness, text, parts));
+    }
+
   private:
     /// Entries at 0 s or before the motion are there from the start, wherever it starts.
     static bool due(const Change& change, bool first, double t) {
@@ -194,10 +232,13 @@ class Player {
     std::vector<std::vector<std::byte>> params_ = std::vector<std::vector<std::byte>>(scene_.items);
     std::vector<const Change*> sent_;               // for this cycle
     std::set<std::uint32_t> clamped_, infeasible_;  // items that were remarked upon
-    std::size_t next_ = 0;                          // change
-    std::uint32_t slots_ = 0;                       // ever used
-    std::uint64_t answered_ = 0;                    // commands
-    std::string too_many_;                          // what to say if this cycle's changes do not fit
+    std::set<std::uint32_t> scaled_;                // slots that were felt while the budget scaled
+    HandScales least_;
+    double scaled_since_ = 0;     // s
+    std::size_t next_ = 0;        // change
+    std::uint32_t slots_ = 0;     // ever used
+    std::uint64_t answered_ = 0;  // commands
+    std::string too_many_;        // what to say if this cycle's changes do not fit
 };
 
 servo::ClaimTerms terms_for(const SceneFile& scene, const drivers::Device& device, bool limited,
@@ -264,8 +305,10 @@ Evaluation evaluate(const SceneFile& scene, const drivers::Motion& motion, const
         player.send(i == cycles.first, t, static_cast<double>(i + 1) / options.rate);
         const Report& report = servo.step();
         player.check(result.remarks);
+        if (limited) player.watch(t);
         result.cycles.push_back(cycle_of(t, report, probe0));
     }
+    if (limited) player.add_scaled(result.remarks, servo::limits_for(device.link(), options.rate, {}));
     return result;
 }
 

@@ -65,6 +65,10 @@ std::optional<ClientView> read_row(const protocol::ClientRow& row) {
     view.update_rate = interval > 0 ? 1 / interval : 0;
     view.age = static_cast<double>(word(row.age_ns)) * 1e-9;
     view.gain = static_cast<double>(word(row.gain_ppm)) * 1e-6;
+    const auto left = [&](const std::atomic<std::uint64_t>& cut) {
+        return 1 - static_cast<double>(word(cut)) * 1e-6;
+    };
+    view.scales = {left(row.contacts_cut_ppm), left(row.effects_cut_ppm), left(row.damping_cut_ppm)};
     view.commits = word(row.commits);
     view.refused = word(row.refused);
     view.merged = word(row.merged);

@@ -32,6 +32,7 @@ struct ClientView {
     double update_rate = 0;                              // Hz, measured; 0: not yet
     double age = 0;                                      // s, of its newest batch when it was used
     double gain = 0;                                     // 0-1
+    HandScales scales;                                   // what the hand's budget leaves of its forces
     std::uint64_t commits = 0, refused = 0, merged = 0;  // batches
     std::uint64_t missed = 0;                            // reports
     std::vector<std::uint64_t> present;                  // representations of each kind

@@ -36,6 +36,12 @@ std::string text_of(const ClientRates& rates) {
             counted_wrong(client.refused, rates.refused, "refused") +
             counted_wrong(client.missed, rates.missed, "missed");
     line += fmt::format("  gain {:.2f}", client.gain);
+    const auto scaled = [&line](double scale, const char* what) {
+        if (scale < 1) line += fmt::format("  {} x{:.2f}", what, scale);
+    };
+    scaled(client.scales.contacts, "surfaces");
+    scaled(client.scales.effects, "effects");
+    scaled(client.scales.damping, "damping");
     if (client.silent) line += "  " + wrong("SILENT");
     return line + "  " + representations_text(client) + "\n";
 }
@@ -54,6 +60,10 @@ json json_of(const ClientRates& rates) {
             {"updates_refused_now", rates.refused},
             {"reports_missed_now", rates.missed},
             {"gain", client.gain},
+            {"scales",
+             {{"surfaces", client.scales.contacts},
+              {"effects", client.scales.effects},
+              {"damping", client.scales.damping}}},
             {"silent", client.silent}};
 }
 

@@ -73,11 +73,13 @@ HandLoad load(const Magnet& params, const Magnet::State&, const Probe& probe) no
     if (std::abs(x) > strongest) return isotropic_load(share * params.stiffness, share * params.damping);
     if (!(r > 0) || (params.radius == 0 && r <= strongest))
         return isotropic_load(params.stiffness, share * params.damping);
-    // Along the radius it is a spring up to the strongest pull; outside, the pull turns with the radius.
-    const double pull = std::min(params.stiffness * std::abs(x), params.max_force * share);
-    const double turning = x > 0 ? pull / std::hypot(r, params.rounding) : 0;
+    // Along the radius it is a spring; outside, the pull turns with the radius.
+    const double pull = params.stiffness * std::abs(x), length = std::hypot(r, params.rounding);
+    const double turning = x > 0 ? pull / length : 0;
+    const double radial =
+        params.stiffness * (r / length + x * params.rounding * params.rounding / (length * length * length));
     HandLoad load = isotropic_load(turning, share * params.damping);
-    load.stiffness.topLeftCorner<3, 3>() += (params.stiffness - turning) * q * q.transpose() / (r * r);
+    load.stiffness.topLeftCorner<3, 3>() += (radial - turning) * q * q.transpose() / (r * r);
     return load;
 }
 

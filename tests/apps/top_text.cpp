@@ -43,6 +43,7 @@ DeviceRates busy_device() {
     holder.client.merged = 12;
     holder.client.refused = 34;
     holder.client.missed = 56;
+    holder.client.scales.contacts = 0.25;
     holder.client.silent = true;
     holder.client.present = {2};
     holder.updates = 19.5;
@@ -71,7 +72,7 @@ TEST(TopText, SaysEveryFigureInItsPlace) {
         "    pid 4711    app                      19.5 updates/s    26.125 ms old at use  12 merged (+1)  "
         "34 refused"
         "  \1"
-        "56 missed (+5)\2  gain 0.50  \1SILENT\2  2 plane\n"
+        "56 missed (+5)\2  gain 0.50  surfaces x0.25  \1SILENT\2  2 plane\n"
         "    pid 4712    plotter               observes  \1"
         "9 missed (+8)\2\n");
 }
@@ -105,10 +106,12 @@ TEST(TopText, JsonHasTheSameFigures) {
         "clients": [
             {"pid": 4711, "name": "app", "role": "claim", "update_rate": 19.5, "age_at_use_s": 26.125e-3,
              "updates_merged_now": 1, "updates_refused_now": 0, "reports_missed_now": 5, "updates_merged": 12,
-             "updates_refused": 34, "reports_missed": 56, "gain": 0.5, "silent": true},
+             "updates_refused": 34, "reports_missed": 56, "gain": 0.5,
+             "scales": {"surfaces": 0.25, "effects": 1.0, "damping": 1.0}, "silent": true},
             {"pid": 4712, "name": "plotter", "role": "observer", "update_rate": 0.0, "age_at_use_s": null,
              "updates_merged_now": 0, "updates_refused_now": 0, "reports_missed_now": 8, "updates_merged": 0,
-             "updates_refused": 0, "reports_missed": 9, "gain": 0.0, "silent": false}]})");
+             "updates_refused": 0, "reports_missed": 9, "gain": 0.0,
+             "scales": {"surfaces": 1.0, "effects": 1.0, "damping": 1.0}, "silent": false}]})");
     EXPECT_EQ(cli::json_of(busy_device()), expected) << cli::json_of(busy_device()).dump(2);
 }
 

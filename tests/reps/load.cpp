@@ -172,11 +172,7 @@ TEST(HandLoad, IsNowhereLessThanTheDerivativeOfTheWrench) {
         (void)settled(scene, hand);
         const double told = largest(scene.load().contacts + scene.load().effects),
                      found = largest(stiffness_of(scene, hand));
-        ASSERT_GE(told, found * (1 - 1e-4) - 1e-4) << "seed " << seed << " case " << i << " a "
-                                                   << kinds()[scene.count(kind_of<Magnet>)   ? kind_of<Magnet>
-                                                              : scene.count(kind_of<Spring>) ? kind_of<Spring>
-                                                                                             : kind_of<Plane>]
-                                                          .name;
+        ASSERT_GE(told, found * (1 - 1e-4) - 1e-4) << "seed " << seed << " case " << i;
     }
 }
 

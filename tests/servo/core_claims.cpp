@@ -363,15 +363,15 @@ TEST(Sharing, ASpringKeepsItsForceWhenASurfaceIsTouched) {
     Offline servo(device, options);
     OfflineClaim& claim = servo.claim();
     claim.add(Plane{.stiffness = std::numeric_limits<double>::infinity()});
-    claim.add(Spring{.anchor = {0.01, 0, 0}, .stiffness = k_max});
+    claim.add(Spring{.anchor = {1e-3, 0, 0}, .stiffness = k_max});
     claim.arm();
     run(servo, 600);
-    EXPECT_NEAR(servo.servo().last().sent_force.x, 0.5 * k_max * 0.01, 0.1) << "half is the surfaces'";
-    EXPECT_EQ(claim.feedback().header.scales.effects, 0.5);
+    EXPECT_NEAR(servo.servo().last().sent_force.x, 0.5 * k_max * 1e-3, 1e-6) << "half is the surfaces'";
+    EXPECT_NEAR(claim.feedback().header.scales.effects, 0.5, 1e-12);
     EXPECT_EQ(claim.feedback().header.scales.contacts, 1);
     device.tip.z() = -1e-4;
     run(servo, 600);
-    EXPECT_EQ(claim.feedback().header.scales.effects, 0.5);
+    EXPECT_NEAR(claim.feedback().header.scales.effects, 0.5, 1e-12);
     EXPECT_NEAR(claim.feedback().header.scales.contacts, 0.5, 1e-9);
 }
 

@@ -188,6 +188,10 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
         put(row->age_ns, static_cast<std::uint64_t>(in_force.age_ns));
         put(row->interval_ns, static_cast<std::uint64_t>(silence.interval() * 1e9));
         put(row->gain_ppm, static_cast<std::uint64_t>(gain * 1e6));
+        const auto cut = [](double scale) { return static_cast<std::uint64_t>((1 - scale) * 1e6); };
+        put(row->contacts_cut_ppm, cut(scales.contacts));
+        put(row->effects_cut_ppm, cut(scales.effects));
+        put(row->damping_cut_ppm, cut(scales.damping));
         put(row->silent, std::uint64_t{silent_for > 0});
         put(row->armed, std::uint64_t{armed});
         if (counts_changed)

@@ -209,7 +209,8 @@ void ClaimTable::clear(std::uint32_t index) noexcept {
     waker_.remove(flag_in(row.segment));              // before it is unmapped
     protocol::ClientRow& shared = shared_row(index);  // the servo's half too: it has let go of the row
     for (auto* word : {&shared.commits, &shared.refused, &shared.merged, &shared.age_ns, &shared.interval_ns,
-                       &shared.gain_ppm, &shared.silent, &shared.armed, &shared.missed}) {
+                       &shared.gain_ppm, &shared.silent, &shared.armed, &shared.missed,
+                       &shared.contacts_cut_ppm, &shared.effects_cut_ppm, &shared.damping_cut_ppm}) {
         word->store(0, std::memory_order_relaxed);
     }
     for (auto& word : shared.present) word.store(0, std::memory_order_relaxed);

@@ -135,6 +135,8 @@ struct alignas(128) ClientRow {
     std::atomic<std::uint64_t> silent;  // 1 while its representations act on silence
     std::atomic<std::uint64_t> armed;   // 1: its force may follow
     std::atomic<std::uint64_t> missed;  // reports, as it says itself; some cycles late
+    // What the hand's budget takes away (a millionth each), HandScales less from 1: 0 is nothing.
+    std::atomic<std::uint64_t> contacts_cut_ppm, effects_cut_ppm, damping_cut_ppm;
     std::atomic<std::uint64_t> present[Representations::size];  // representations of each kind
 };
 
