@@ -223,7 +223,8 @@ FrictionLaw friction_law(const Friction& friction, const Snag& snag, double surf
         law.static_ = snaps;
         law.dynamic = snag.k_kinetic;
     } else {
-        if (snag.k_stick > 0) law.stiffness = clamped_stiffness(snag.k_stick * 1.0 /* N */, limits);
+        if (snag.k_stick > 0)
+            law.stiffness = clamped_stiffness(snag.k_stick * limits.newton /* 1 N */, limits);
         law.static_ = sticks ? snaps : snag.k_kinetic;
         law.dynamic = sticks && snag.d_mean > 0 ? std::min(snag.k_kinetic, snaps) : law.static_;
         if (sticks && snag.d_mean > 0) law.kind = FrictionLaw::Kind::snag;  // else Coulomb friction says it

@@ -18,7 +18,8 @@ void SceneCore::make_bridge(Group& group) noexcept {
         }
     }
     if (k == 0 && force > 0)
-        k = std::min(unlimited_stiffness, limits_.max_stiffness);  // summed planes: no layer
+        k = std::min(world_stiffness(unlimited_stiffness, limits_),
+                     limits_.max_stiffness);  // summed planes: no layer
     group.bridge_stiffness = force > 0 ? k : 0;
     if (group.bridge_stiffness <= 0) return;
     group.bridge.normal = group.force / force;

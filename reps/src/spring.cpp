@@ -15,6 +15,7 @@ Spring prepared(Spring params, const Limits& limits) noexcept {
                        : 0;
     params.damping = clamped_damping(params.damping, limits);
     params.torsion = std::max(0.0, limits.max_torsion);
+    params.rounding = world_length(hand_rounding, limits);
     return params;
 }
 
@@ -43,7 +44,7 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
     const Eigen::Vector3d d = (to_eigen(state.anchor) - probe.position) - arm;
     Wrench out;
     const double rest = state.rest_length;
-    const double e = std::max(std::min(1e-3, rest / 20), rest * params.share);
+    const double e = std::max(std::min(params.rounding, rest / 20), rest * params.share);
     const double ee = e * e;  // 0 also where a rest length of next to nothing squares to nothing
     if (ee > 0) {
         out.force = params.stiffness * (1 - rest / std::sqrt(d.squaredNorm() + ee)) * d;
@@ -52,7 +53,8 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
     }
     if (params.damping > 0) {
         const double ll = d.squaredNorm();
-        if (ll > 1e-24) {  // below a picometre the direction is rounding
+        const double nothing = 1e-9 * params.rounding;
+        if (ll > nothing * nothing) {  // below a picometre the direction is rounding
             Eigen::Vector3d v = probe.velocity;
             if (!at_probe) v += probe.angular_velocity.cross(arm);
             out.force -= (params.damping * v.dot(d) / ll) * d;

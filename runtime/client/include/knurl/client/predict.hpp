@@ -100,6 +100,9 @@ struct HandNow {
 struct Follower {
     double stiffness = 0;  // N/m, as applied
     double rim = 0;        // 1, of a cap (Cap::rim); 0: a plane
+    // Of the world, that one of the device's is (Limits::metre, Limits::newton): the lengths and forces above
+    // mean the hand, in a world of any size.
+    double metre = 1, newton = 1;
 };
 
 struct Followed {
@@ -113,10 +116,12 @@ struct Followed {
     std::uint32_t asked = 0;  // calls of the model
 };
 
-inline constexpr double max_look_ahead = 0.020;  // m
+inline constexpr double max_look_ahead = 0.020;  // m, of the hand
 
-/// Position of the hand t* from now, at most max_look_ahead away. Frame as given.
-Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness) noexcept;
+/// Position of the hand t* from now, at most max_look_ahead away. Frame as given; a metre of the device is
+/// `metre` in it.
+Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness,
+                double metre = 1) noexcept;
 
 /// The plane or cap to send. Throws knurl::Error if the model answers with something not finite, a zero
 /// normal, or two curvatures without the direction of the first.
