@@ -22,6 +22,8 @@
 // A hand that turns round is not where its velocity says. How far the past updates' velocities did explain
 // where it went is measured, and the look-ahead shortened by it (trust): 1 on a stroke, about 0.8 for 50 ms
 // of a 3 Hz reversal.
+//
+// All these lengths and forces are the hand's, in a world of any size (Follower::metre).
 
 #include <array>
 #include <cstdint>
@@ -46,7 +48,8 @@ using SurfaceModel = std::function<SurfacePoint(const Vec3& near)>;
 
 /// The model, which does not know how its surface curves, with the curvatures that its own normals tell: each
 /// question becomes three, `step` (m) apart. For smooth surfaces: where the normal turns by more than 0.3 rad
-/// within a step that is an edge, and no curvature.
+/// within a step that is an edge, and no curvature. The model's metres: in a world of another size than the
+/// device, `1e-3 * hand.limits().metre` is a millimetre of the hand.
 SurfaceModel curved(SurfaceModel model, double step = 1e-3);
 
 /// How late an application is.
