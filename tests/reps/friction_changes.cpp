@@ -170,7 +170,7 @@ Plane random_wall(Rng& rng, int side, double stiffness, const Friction& friction
 TEST(Friction, InAChangingRoomNothingAddsMoreThanItsBound) {
     const std::uint64_t seed = 52;
     Rng rng(seed);
-    double worst = 0, most = 0;
+    double worst = 0, most = 0, gain = 0;
     for (int run = 0; run < (long_form() ? 2000 : 60); ++run) {
         const double mu = uniform(rng, 0, 1), b = between(rng, 0, 1) ? 0 : scale(rng, 0.5, 50);
         const bool alike = between(rng, 0, 1) != 0;         // all walls are of one material
@@ -191,6 +191,7 @@ TEST(Friction, InAChangingRoomNothingAddsMoreThanItsBound) {
         Vector x = 0.01 * direction(rng), v = Vector::Zero(), last_contact = Vector::Zero(),
                last = Vector::Zero();
         std::vector<double> recent;
+        double work = 0;
         for (int i = 0; i < 1000; ++i) {
             if (i == 0 || between(rng, 0, 60) == 0) {
                 for (int changes = i == 0 ? 4 : 1; changes > 0; --changes) {
@@ -219,13 +220,17 @@ TEST(Friction, InAChangingRoomNothingAddsMoreThanItsBound) {
             const double step = (along - last).norm();
             worst = std::max(worst, step / allowed);
             most = std::max(most, step);
+            work += 0.5 * dt * (along + last).dot(v);
+            gain = std::max(gain, work);
             last = along;
             last_contact = contact;
         }
     }
-    std::printf("seed %llu: the largest step is %.3f N, at most %.3f of the bound\n",
-                static_cast<unsigned long long>(seed), most, worst);
+    std::printf(
+        "seed %llu: the largest step is %.3f N, at most %.3f of the bound; at most %.2g J came back\n",
+        static_cast<unsigned long long>(seed), most, worst, gain);
     EXPECT_LE(worst, 1 + 1e-9) << "seed " << seed;
+    EXPECT_LT(gain, 1e-5) << "J: friction takes, and what it lets go gives no more back";
 }
 
 TEST(Friction, WhatATextureLeavesBehindEndsWithTheContact) {
