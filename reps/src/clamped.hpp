@@ -12,13 +12,25 @@
 
 namespace knurl {
 
-/// What "infinite" means where no device says what it allows (N/m).
+/// A length (m) or stiffness (N/m; a damping, N s/m, likewise) of the hand, as the world has it: for the hand
+/// the same in a world of any size.
+inline double world_length(double length, const Limits& limits) noexcept {
+    return length * limits.metre;
+}
+inline double world_stiffness(double stiffness, const Limits& limits) noexcept {
+    return stiffness * limits.newton / limits.metre;
+}
+
+/// Over what length of the hand (m) the direction at a centre is rounded off, where that is the shorter one.
+inline constexpr double hand_rounding = 1e-3;
+
+/// What "infinite" means where no device says what it allows (N/m, of the hand).
 inline constexpr double unlimited_stiffness = 1000;
 
 /// What bounds this stiffness (N/m); infinity where nothing does.
 inline double largest_stiffness(double asked, const Limits& limits) noexcept {
     if (std::isfinite(limits.max_stiffness)) return std::max(0.0, limits.max_stiffness);
-    return std::isinf(asked) ? unlimited_stiffness : limits.max_stiffness;
+    return std::isinf(asked) ? world_stiffness(unlimited_stiffness, limits) : limits.max_stiffness;
 }
 
 inline double clamped_stiffness(double stiffness, const Limits& limits) noexcept {
@@ -28,12 +40,12 @@ inline double clamped_stiffness(double stiffness, const Limits& limits) noexcept
 /// The most that a device stands of damping made from its measured velocity (N s/m): b <= m / (4 (T + tau +
 /// tau_f)), tau_f the time constant of the velocity's filter. Where its mass is not known, `modest_damping`.
 /// Without a device, any.
-inline constexpr double modest_damping = 10;                     // N s/m
+inline constexpr double modest_damping = 10;                     // N s/m, of the hand
 inline constexpr double velocity_filter = 1 / (2 * M_PI * 100);  // s, first order 100 Hz
 
 inline double largest_damping(const Limits& limits) noexcept {
     if (!std::isfinite(limits.max_stiffness)) return std::numeric_limits<double>::infinity();
-    if (!(limits.mass > 0)) return modest_damping;
+    if (!(limits.mass > 0)) return world_stiffness(modest_damping, limits);
     return limits.mass / (4 * (std::max(0.0, limits.period) + std::max(0.0, limits.lag) + velocity_filter));
 }
 

@@ -133,7 +133,24 @@ Vector spring_force(const FrictionLaw& law, const FrictionState& state, const Ve
     return state.stiffness * d;
 }
 
-void rub(const FrictionLaw& law, FrictionState& state, const Tangent& tangent, const Rubbing& rubbing,
+/// Another corner, or none: what the last force had may not be held any more. A line that turns by less than
+/// `dt` is of the time in which a residual is let go loses no more in a cycle than that does.
+bool space_changed(const FrictionState& state, const Tangent& tangent, double dt) noexcept {
+    if (state.dimensions != tangent.dimensions) return true;
+    return tangent.dimensions == 1 && tangent.line.cross(state.line).squaredNorm() >
+                                          std::min(1.0, dt * dt / (residual_decay * residual_decay));
+}
+
+/// What the anchor's spring holds of its last force in the new space, the tip where it was.
+Vector still_held(const FrictionLaw& law, const FrictionState& state, const Tangent& tangent) noexcept {
+    const Vector held = tangent.along(state.last);
+    if (law.kind != FrictionLaw::Kind::paper_snag || !state.sliding) return held;
+    const double part = held.norm();  // kinetic friction alone keeps its size
+    return part > 0 ? Vector(held * (state.last.norm() / part)) : held;
+}
+
+/// True: the space in which the tip can slide is another than in the last cycle.
+bool rub(const FrictionLaw& law, FrictionState& state, const Tangent& tangent, const Rubbing& rubbing,
          const Limits& limits, double dt) noexcept {
     const double k = spring_stiffness(law, rubbing.normal_force, limits);
     if (state.seed != law.seed) state.generator = state.seed = law.seed;
@@ -143,7 +160,8 @@ void rub(const FrictionLaw& law, FrictionState& state, const Tangent& tangent, c
         state.anchor = state.snag = rubbing.position;
         state.stiffness = k;
         state.dimensions = tangent.dimensions;
-        return;
+        state.line = tangent.line;
+        return false;
     }
     const Vector carried = dt * rubbing.surface_velocity;
     state.anchor += carried;
@@ -152,14 +170,19 @@ void rub(const FrictionLaw& law, FrictionState& state, const Tangent& tangent, c
     if (state.residual_time > 0) {
         advance(state.residual_time, dt, [&](double share) {
             state.residual -= share * state.residual;
+            state.viscous_residual -= share * state.viscous_residual;
             state.released -= share * state.released;
         });
     }
-    if (state.dimensions != tangent.dimensions) {
-        state.dimensions = tangent.dimensions;
-        state.residual += state.last - tangent.along(state.last);
+    const bool changed = space_changed(state, tangent, dt);
+    if (changed) {
+        // All that was felt and is not held: so losses that follow each other do not add up.
+        state.residual = clamped(state.last + state.residual, state.cone) - still_held(law, state, tangent);
         state.residual_time = residual_decay;
+        state.farthest = 0;  // no motion has ceased, it is measured along another space
     }
+    state.dimensions = tangent.dimensions;
+    state.line = tangent.line;
 
     Cycle cycle{.law = law,
                 .state = state,
@@ -177,6 +200,7 @@ void rub(const FrictionLaw& law, FrictionState& state, const Tangent& tangent, c
     }
     state.anchor = rubbing.position + cycle.d;
     state.last = spring_force(law, state, cycle.d, rubbing.normal_force);
+    return changed;
 }
 
 }  // namespace
@@ -199,7 +223,8 @@ FrictionLaw friction_law(const Friction& friction, const Snag& snag, double surf
         law.static_ = snaps;
         law.dynamic = snag.k_kinetic;
     } else {
-        if (snag.k_stick > 0) law.stiffness = clamped_stiffness(snag.k_stick * 1.0 /* N */, limits);
+        if (snag.k_stick > 0)
+            law.stiffness = clamped_stiffness(snag.k_stick * limits.newton /* 1 N */, limits);
         law.static_ = sticks ? snaps : snag.k_kinetic;
         law.dynamic = sticks && snag.d_mean > 0 ? std::min(snag.k_kinetic, snaps) : law.static_;
         if (sticks && snag.d_mean > 0) law.kind = FrictionLaw::Kind::snag;  // else Coulomb friction says it
@@ -232,15 +257,26 @@ Vector friction_force(const FrictionLaw& law, FrictionState& state, const Tangen
         if (dt > 0) forget(state);
         return Vector::Zero();
     }
-    if (dt > 0) rub(law, state, tangent, rubbing, limits, dt);
+    const bool changed = dt > 0 && rub(law, state, tangent, rubbing, limits, dt);
     Vector force = Vector::Zero();
     if (state.held) {
         const Vector d = tangent.along(state.anchor - rubbing.position);
         const double cone = std::max(law.static_, law.dynamic) * n;
-        force = clamped(spring_force(law, state, d, n) + state.residual, cone) + state.released;
+        if (dt > 0) state.cone = cone;
+        force = clamped(spring_force(law, state, d, n) + state.residual, cone);
+        if (state.residual_time > 0) force += clamped(state.released, state.released_per_newton * n);
     }
-    if (law.viscous > 0)
-        force += clamped(-law.viscous * tangent.along(rubbing.velocity - rubbing.surface_velocity), n);
+    Vector viscous = Vector::Zero();
+    if (law.viscous > 0) {
+        const Vector relative = rubbing.velocity - rubbing.surface_velocity;
+        viscous = clamped(-law.viscous * tangent.along(relative), n);
+        // Gaining a dimension is a change like losing one: the velocity in it is not felt at once.
+        if (changed) state.viscous_residual = state.viscous - viscous;
+        if (state.residual_time > 0)
+            viscous = clamped(viscous + state.viscous_residual, std::min(n, law.viscous * relative.norm()));
+        force += viscous;
+    }
+    if (dt > 0) state.viscous = viscous;
     return force;
 }
 

@@ -36,7 +36,8 @@ Magnet prepared(Magnet params, const Limits& limits) noexcept {
     if (params.radius > 0) {
         const double share = share_left(params, params.radius, params.max_force / k);
         const double at_centre = std::min(k * params.radius, params.max_force * share);
-        params.rounding = std::max(std::min(1e-3, params.radius / 20), at_centre / largest);
+        params.rounding =
+            std::max(std::min(world_length(hand_rounding, limits), params.radius / 20), at_centre / largest);
     }
     return params;
 }

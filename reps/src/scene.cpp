@@ -16,6 +16,9 @@ Limits sane_limits(Limits limits) noexcept {
     for (double* limit : {&limits.max_stiffness, &limits.max_force, &limits.max_torque}) {
         if (!(*limit > 0)) *limit = 0;
     }
+    for (double* unit : {&limits.metre, &limits.newton}) {
+        if (!(*unit > 0) || !std::isfinite(*unit)) *unit = 1;
+    }
     return limits;
 }
 

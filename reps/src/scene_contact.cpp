@@ -299,7 +299,8 @@ void SceneCore::evaluate_contacts(double dt, Wrench& sum) noexcept {
                     return set.layers > 0 && set.touching ? set.layer[0].solution.dx.norm() : 0.0;
                 };
                 const double rise = depth(group.now) - depth(group.old);
-                if (rise > 0) group.time = std::max(group.time, rise / policy_.rise_speed);
+                if (rise > 0)
+                    group.time = std::max(group.time, rise / world_length(policy_.rise_speed, limits_));
                 group.fresh = false;
             }
             group.elapsed += dt;

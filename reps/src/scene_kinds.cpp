@@ -65,7 +65,8 @@ struct Ops {
             const bool rubs = params.friction.static_ > 0 || params.friction.dynamic > 0 ||
                               params.friction.viscous > 0 || params.snag.k_stick > 0 ||
                               params.snag.k_kinetic > 0;
-            out.textured = params.texture.amplitude > 0;
+            // What is finer than two counts of the encoder is noise, in a world of any size.
+            out.textured = params.texture.amplitude > 0 && params.texture.wavelength >= 2 * limits.resolution;
             out.rough = rubs || out.textured || (params.braking > 0 && limits.mass > 0);
             if (out.rough) {
                 rough.law = rubs ? friction_law(params.friction, params.snag, params.stiffness, limits)

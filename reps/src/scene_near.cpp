@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clamped.hpp"
 #include "scene_core.hpp"
 
 namespace knurl::detail {
 
 namespace {
 
-constexpr double least_margin = 2e-3;  // m
+constexpr double least_margin = 2e-3, smallest_margin = 1e-6;  // m, of the hand
 constexpr std::uint32_t many = 64, few = 16;
 
 }  // namespace
@@ -116,7 +117,7 @@ void SceneCore::fetch(std::span<const std::uint32_t> slots) const noexcept {
 
 void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     Candidates& near = group.near;
-    const double typical = std::max(least_margin, reach_.mean_radius() / 2);
+    const double typical = std::max(world_length(least_margin, limits_), reach_.mean_radius() / 2);
     if (!(near.wanted > 0)) near.wanted = typical;
     near.at = group.probe.position;
     const double deep = std::max(group.now.slack, group.old.slack);
@@ -124,7 +125,7 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     near.margin = std::max(near.wanted, deep + std::min(deep, std::max(near.wanted, 0.6 * deep)));
     const double within = near.margin + group.placement.radius;
     std::uint32_t found = reach_.collect(near.at, within, near_);
-    if (found > many) near.wanted = std::max(1e-6, near.wanted / 2);
+    if (found > many) near.wanted = std::max(world_length(smallest_margin, limits_), near.wanted / 2);
     if (found < few) near.wanted = std::min(typical, near.wanted * 2);
     const Reach::Coming coming =
         reach_.collect_moving(near.at, within, now_, std::span(near_).subspan(found));

@@ -18,7 +18,8 @@ void SceneCore::make_bridge(Group& group) noexcept {
         }
     }
     if (k == 0 && force > 0)
-        k = std::min(unlimited_stiffness, limits_.max_stiffness);  // summed planes: no layer
+        k = std::min(world_stiffness(unlimited_stiffness, limits_),
+                     limits_.max_stiffness);  // summed planes: no layer
     group.bridge_stiffness = force > 0 ? k : 0;
     if (group.bridge_stiffness <= 0) return;
     group.bridge.normal = group.force / force;
@@ -27,6 +28,7 @@ void SceneCore::make_bridge(Group& group) noexcept {
     group.bridge_law = group.law;
     if (group.relief != Eigen::Vector3d::Zero()) {
         group.friction.released += group.relief;
+        group.friction.released_per_newton = group.friction.released.norm() / force;
         group.friction.residual_time = residual_decay;
     }
 }
@@ -256,11 +258,21 @@ void forget_solution(ContactSet& set, const Group& group) noexcept {
     }
 }
 
+namespace {
+
+// Where nothing rubs the tip is not followed: what rubs next begins where the tip is then.
+void leave_anchor(Group& group) noexcept {
+    if (!group.rough && !(group.friction.residual_time > 0)) group.friction.held = false;
+}
+
+}  // namespace
+
 void SceneCore::end_fade(Group& group) noexcept {
     group.old.slack = 0;
     group.old.count = group.old.summed = group.old.layers = group.old.moving_count = 0;
     group.fading = group.fresh = group.bridged = false;
     group.rough = group.now.rough;
+    leave_anchor(group);
 }
 
 void SceneCore::rebuild_sets() noexcept {
@@ -300,6 +312,7 @@ void SceneCore::rebuild_sets() noexcept {
 
 void SceneCore::built(Group& group, std::uint32_t probe) noexcept {
     group.rough = group.now.rough || group.old.rough;
+    leave_anchor(group);
     if (group.now.count + group.now.summed > 0 || group.fading) {
         contacts_used_ |= 1u << probe;
     } else {

@@ -11,7 +11,7 @@ namespace {
 
 /// m: with it the direction of a spring of no length is no jump.
 double rounding(const Spring& params, double rest) noexcept {
-    return std::max(std::min(1e-3, rest / 20), rest * params.share);
+    return std::max(std::min(params.rounding, rest / 20), rest * params.share);
 }
 
 }  // namespace
@@ -22,6 +22,7 @@ Spring prepared(Spring params, const Limits& limits) noexcept {
                        ? params.stiffness / limits.max_stiffness
                        : 0;
     params.damping = clamped_damping(params.damping, limits);
+    params.rounding = world_length(hand_rounding, limits);
     return params;
 }
 
@@ -59,7 +60,8 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
     }
     if (params.damping > 0) {
         const double ll = d.squaredNorm();
-        if (ll > 1e-24) {  // below a picometre the direction is rounding
+        const double nothing = 1e-9 * params.rounding;
+        if (ll > nothing * nothing) {  // below a picometre the direction is rounding
             Eigen::Vector3d v = probe.velocity;
             if (!at_probe) v += probe.angular_velocity.cross(arm);
             out.force -= (params.damping * v.dot(d) / ll) * d;

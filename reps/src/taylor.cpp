@@ -8,7 +8,8 @@ namespace knurl {
 Taylor prepared(Taylor params, const Limits& limits) noexcept {
     const double largest = largest_stiffness(0, limits);
     Square<3> j = to_eigen(params.jacobian);
-    params.stiffness = clamp_eigenvalues<3>(j, -largest, std::isfinite(largest) ? hand_stiffness : largest);
+    params.stiffness = clamp_eigenvalues<3>(
+        j, -largest, std::isfinite(largest) ? world_stiffness(hand_stiffness, limits) : largest);
     params.jacobian = to_mat3(j);
     params.reserved = 0;
     return params;

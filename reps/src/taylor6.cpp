@@ -22,17 +22,17 @@ Taylor6 prepared(Taylor6 params, const Limits& limits) noexcept {
     const double largest = largest_stiffness(0, limits);
     const double metres = std::sqrt(limits.max_torsion / largest);  // that a radian counts as
     Square<6> j = to_eigen(params.jacobian);
-    if (std::isfinite(largest) && metres > 1e-6 && metres < 1e6) {
+    if (std::isfinite(largest) && metres > world_length(1e-6, limits) && metres < world_length(1e6, limits)) {
         Eigen::Matrix<double, 6, 1> unit;
         unit << 1, 1, 1, 1 / metres, 1 / metres, 1 / metres;
         const Square<6> before = unit.asDiagonal() * j * unit.asDiagonal();
         Square<6> after = before;
-        params.stiffness = clamp_eigenvalues<6>(after, -largest, hand_stiffness);
+        params.stiffness = clamp_eigenvalues<6>(after, -largest, world_stiffness(hand_stiffness, limits));
         if (after != before) j = unit.cwiseInverse().asDiagonal() * after * unit.cwiseInverse().asDiagonal();
     } else {
         Square<3> forces = j.topLeftCorner<3, 3>();
-        params.stiffness =
-            clamp_eigenvalues<3>(forces, -largest, std::isfinite(largest) ? hand_stiffness : largest);
+        params.stiffness = clamp_eigenvalues<3>(
+            forces, -largest, std::isfinite(largest) ? world_stiffness(hand_stiffness, limits) : largest);
         j.topLeftCorner<3, 3>() = forces;
     }
     params.jacobian = to_mat6(j);

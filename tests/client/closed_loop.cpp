@@ -47,11 +47,28 @@ class Tip {
     Vector3d position, velocity = Vector3d::Zero();
 };
 
+double world_stiffness(const Run& how) {
+    return how.stiffness * how.newton / how.metre;
+}
+
+/// The same surface in the world.
+Model in_world(const Model& model, double metre) {
+    return [=](const Vec3& near) {
+        SurfacePoint point = model(to_plain(to_eigen(near) / metre));
+        point.foot = to_plain(metre * to_eigen(point.foot));
+        point.curvature /= metre;
+        point.curvature2 /= metre;
+        return point;
+    };
+}
+
 /// The representations of one follower in the servo's scene, as the library keeps them.
 class Felt {
   public:
     explicit Felt(const Run& how)
-        : how_(how), scene_({.representations = 4, .probes = 1}, {.max_force = how.hand.peak_force}) {
+        : how_(how),
+          scene_({.representations = 4, .probes = 1},
+                 {.max_force = how.newton * how.hand.peak_force, .metre = how.metre, .newton = how.newton}) {
         scene_.set_fade({.automatic = 0.2 * lateness.interval, .rise_speed = 0.1});
     }
 
@@ -62,17 +79,17 @@ class Felt {
                 if (there_[i]) scene_.remove(handle);
                 there_[i] = false;
             } else if (how_.rim > 0) {
-                put(handle, Cap{.rim = how_.rim, .stiffness = how_.stiffness}, faces.face[i]);
+                put(handle, Cap{.rim = how_.rim, .stiffness = world_stiffness(how_)}, faces.face[i]);
             } else {
-                put(handle, Plane{.stiffness = how_.stiffness}, faces.face[i]);
+                put(handle, Plane{.stiffness = world_stiffness(how_)}, faces.face[i]);
             }
         }
     }
     void settle() { scene_.settle(); }
     Vector3d force(const Vector3d& p) {
         Probe probe;
-        probe.position = p;
-        return scene_.evaluate(probe, dt).force;
+        probe.position = how_.metre * p;
+        return scene_.evaluate(probe, dt).force / how_.newton;
     }
 
   private:
@@ -106,7 +123,9 @@ Outcome run(const Run& how, const Model& model, const Path& path, const Truth& t
     FollowMemory memory;
     Tip tip(how.hand, path);
     Felt felt(how);
-    felt.set({.face = {model(to_plain(tip.position))}, .count = 1});
+    const Model world = in_world(model, how.metre);
+    const auto there = [&](const Vector3d& v) { return to_plain(how.metre * v); };
+    felt.set({.face = {world(there(tip.position))}, .count = 1});
     felt.settle();
     Vector3d last = counted(tip.position, how.hand.quantum), slow = Vector3d::Zero();
     Vector3d before = Vector3d::Zero();
@@ -124,9 +143,13 @@ Outcome run(const Run& how, const Model& model, const Path& path, const Truth& t
         if (cycle >= first && (cycle - first) % update_cycles == 0) {
             Faces next{.face = {}, .count = 1};
             if (how.way == Way::safe) {
-                const Followed followed =
-                    follow_surface(model, {.time = t, .position = to_plain(p), .velocity = to_plain(slow)},
-                                   lateness, {.stiffness = how.stiffness, .rim = how.rim}, memory);
+                const Followed followed = follow_surface(
+                    world, {.time = t, .position = there(p), .velocity = there(slow)}, lateness,
+                    {.stiffness = world_stiffness(how),
+                     .rim = how.rim,
+                     .metre = how.metre,
+                     .newton = how.newton},
+                    memory);
                 next = followed.faces;
                 outcome.full_share += followed.look_ahead == 1 ? 1 : 0;
                 outcome.cornered += next.count > 1 ? 1 : 0;
@@ -134,8 +157,8 @@ Outcome run(const Run& how, const Model& model, const Path& path, const Truth& t
                 outcome.asked += followed.asked;
             } else {
                 next.face[0] = how.way == Way::none
-                                   ? model(to_plain(p))
-                                   : model(look_ahead(to_plain(p), to_plain(slow), lateness));
+                                   ? world(there(p))
+                                   : world(look_ahead(there(p), there(slow), lateness, how.metre));
             }
             ++updates;
             on_their_way.push_back({cycle + latency_cycles, next});

@@ -60,6 +60,9 @@ struct Run {
     double seconds = 1;
     double judged_from = 0;  // s
     double phase = 0;        // s, of the first update
+    // Of the world in which the model, the servo's scene and the library are, that one of the device's is. All
+    // else stays in the device's units.
+    double metre = 1, newton = 1;
 };
 
 struct Outcome {

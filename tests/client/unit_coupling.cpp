@@ -51,8 +51,9 @@ struct Atom {
 struct Handling {
     double reach = 0.06, least = 0.5, more = 0.8;
     int cycles = 60'000;
-    int regrip_every = 0;  // cycles; 0: it is held all the time
-    int burst = 1;         // frames that the client gets at once, so held up is it
+    int regrip_every = 0;          // cycles; 0: it is held all the time
+    int burst = 1;                 // frames that the client gets at once, so held up is it
+    double metre = 1, newton = 1;  // of the claim's world, that one of the hand's is
 };
 
 struct Hand {
@@ -95,8 +96,17 @@ struct Outcome {
 Outcome pull(double rate, bool keep_account, unsigned seed, const Handling& handling = {}) {
     Atom atom(seed);
     Hand hand(seed + 1, handling);
-    Coupling coupling({.interval = 1 / rate, .frames_late = 1, .keep_account = keep_account});
-    Scene scene({.representations = 1, .probes = 1}, {.max_force = 8.5});
+    const double metre = handling.metre, newton = handling.newton;
+    Coupling coupling({.scale = {.length = metre, .force = newton},
+                       .stiffness = 200 * newton / metre,
+                       .interval = 1 / rate,
+                       .frames_late = 1,
+                       .keep_account = keep_account,
+                       .metre = metre,
+                       .newton = newton});
+    Scene scene({.representations = 1, .probes = 1},
+                {.max_force = 8.5 * newton, .metre = metre, .newton = newton});
+    const auto there = [&](const Vector3d& of_the_hand) { return to_plain(metre * of_the_hand); };
     const Handle handle{0, 1};
     scene.add(handle, coupling.spring());
     scene.settle();
@@ -111,20 +121,22 @@ Outcome pull(double rate, bool keep_account, unsigned seed, const Handling& hand
         const double t = i * cycle;
         // Let go of for two seconds, by which the spring has faded and is not felt.
         const int held_for = handling.regrip_every > 0 ? i % handling.regrip_every : 1;
-        if (held_for == 0) coupling.hold(to_plain(atom.position), to_plain(hand.position));
+        if (held_for == 0) coupling.hold(to_plain(atom.position), there(hand.position));
         if (held_for + 2000 == handling.regrip_every) {
             coupling.let_go(t);
             acting = sent = Vector3d::Zero();  // let go of at once
         }
         Probe probe;
-        probe.position = hand.position;
-        const Vector3d force = scene.evaluate(probe, cycle).force;
+        probe.position = metre * hand.position;
+        const Vector3d felt_there = scene.evaluate(probe, cycle).force, force = felt_there / newton;
         const double own = 200 * (hand.position - before).norm();
         outcome.end_step = std::max(outcome.end_step, (force - last).norm() - own);
         before = hand.position;
         outcome.step = std::max(outcome.step, (force - last).norm());
         last = force;
-        coupling.feel(report_at(to_plain(hand.position)), felt_as(to_plain(force)));
+        Felt spring = felt_as(to_plain(felt_there));
+        spring.stiffness *= newton / metre;
+        coupling.feel(report_at(there(hand.position)), spring);
         if (t >= next) {
             next += 1 / rate;
             acting = sent;  // as GROMACS does: read at the next frame
@@ -229,6 +241,26 @@ TEST(Coupling, IsTheSpringItselfWhereFramesAreFrequent) {
         const Outcome outcome = pull(rate, true, 1);
         EXPECT_NEAR(outcome.felt, outcome.spring_law, 0.06 * outcome.spring_law);
         EXPECT_GT(outcome.account.body, 0.85 * outcome.account.hand);
+    }
+}
+
+TEST(Coupling, InAWorldOfAnySizeTheHandFeelsTheSame) {
+    for (const bool regrips : {false, true}) {
+        const Handling here{.cycles = 30'000, .regrip_every = regrips ? 10'000 : 0};
+        const Outcome want = pull(20, true, 5, here);
+        for (const auto& [metre, newton] : {std::pair{0x1p-7, 1.0}, {0x1p10, 1.0}, {0x1p3, 0x1p-2}}) {
+            SCOPED_TRACE(metre);
+            Handling there = here;
+            there.metre = metre;
+            there.newton = newton;
+            const Outcome got = pull(20, true, 5, there);
+            EXPECT_EQ(got.step, want.step);
+            EXPECT_EQ(got.felt, want.felt);
+            EXPECT_EQ(got.work, want.work);
+            EXPECT_EQ(got.account.lost, want.account.lost * metre * newton);
+            EXPECT_EQ(got.counts.short_of, want.counts.short_of);
+            EXPECT_EQ(got.counts.jumps, want.counts.jumps);
+        }
     }
 }
 

@@ -241,6 +241,20 @@ TEST(Texture, IsTheGradientOfItsRelief) {
     EXPECT_NEAR(work, 0, 1e-8);
 }
 
+TEST(Texture, FinerThanTwoCountsOfTheEncoderItIsNotFelt) {
+    for (const double metre : {1.0, 0.02, 100.0}) {
+        const auto sideways = [&](double wavelength) {
+            Scene scene = make_scene({.resolution = 3e-5 * metre, .metre = metre});
+            const Texture texture{.amplitude = 1e-6 * metre, .wavelength = wavelength * metre};
+            EXPECT_TRUE(scene.add({0, 1}, Plane{.stiffness = 1000 / metre, .texture = texture}));
+            scene.settle();
+            return scene.evaluate(at({0.25 * wavelength * metre, 0, -0.001 * metre}), dt).force.x();
+        };
+        EXPECT_GT(sideways(6.1e-5), 0.05) << metre;
+        EXPECT_EQ(sideways(5.9e-5), 0) << metre;
+    }
+}
+
 /// What a closed loop around `about` (m), which stays in contact, makes (J) of the hand's work.
 double work_of_loop(Scene& scene, const std::function<Vector(double)>& place) {
     constexpr int steps = 4000;

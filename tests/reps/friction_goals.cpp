@@ -248,8 +248,10 @@ namespace {
 
 bool same_bytes(const FrictionState& a, const FrictionState& b) {
     return a.anchor == b.anchor && a.snag == b.snag && a.last == b.last && a.residual == b.residual &&
-           a.released == b.released && a.residual_time == b.residual_time && a.stiffness == b.stiffness &&
-           a.next == b.next && a.farthest == b.farthest && a.generator == b.generator && a.seed == b.seed &&
+           a.released == b.released && a.viscous == b.viscous && a.viscous_residual == b.viscous_residual &&
+           a.line == b.line && a.cone == b.cone && a.released_per_newton == b.released_per_newton &&
+           a.residual_time == b.residual_time && a.stiffness == b.stiffness && a.next == b.next &&
+           a.farthest == b.farthest && a.generator == b.generator && a.seed == b.seed &&
            a.dimensions == b.dimensions && a.held == b.held && a.sliding == b.sliding;
 }
 

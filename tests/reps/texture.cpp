@@ -174,7 +174,7 @@ TEST(Texture, IsFiniteForAnyLegalParameters) {
     Rng rng(seed);
     for (int i = 0; i < (long_form() ? 1'000'000 : 50'000); ++i) {
         Texture texture{.amplitude = between(rng, 0, 3) ? scale(rng, 1e-9, 1) : 1,
-                        .wavelength = between(rng, 0, 3) ? scale(rng, 6e-5, 1e3) : 6e-5,
+                        .wavelength = between(rng, 0, 3) ? scale(rng, 6e-7, 1e3) : 6e-7,
                         .direction = to_plain(scale(rng, 1e-6, 1e9) * direction(rng)),
                         .origin = to_plain(scale(rng, 1e-9, 1e9) * direction(rng)),
                         .pattern = static_cast<TexturePattern>(between(rng, 0, 2))};

@@ -8,7 +8,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr knurl::SurfacePoint nowhere{.foot = {0, 0, -1e3}, .normal = {0, 0, 1}};  // all are above it
+constexpr knurl::SurfacePoint nowhere{.foot = {0, 0, -1e6}, .normal = {0, 0, 1}};  // all are above it
 
 }  // namespace
 
@@ -28,7 +28,13 @@ Application::Application(const Conditions& conditions, double stiffness, double 
                          knurl::SurfaceModel model, unsigned seed)
     : conditions_(conditions),
       stiffness_(stiffness),
-      model_(std::move(model)),
+      model_([device = std::move(model), metre = conditions.world](const knurl::Vec3& near) {
+          knurl::SurfacePoint point = device(knurl::to_plain(knurl::to_eigen(near) / metre));
+          point.foot = knurl::to_plain(metre * knurl::to_eigen(point.foot));
+          point.curvature /= metre;
+          point.curvature2 /= metre;
+          return point;
+      }),
       next_read_(conditions.rate_is_servos ? 0 : phase * conditions.interval()),
       seed_(seed) {}
 
@@ -93,23 +99,23 @@ Answer Application::solve(double t, const Vector3d& p, const Vector3d& velocity)
         return {
             knurl::ConstantForce{.force = knurl::to_plain(size * foot.normal), .recovery = method.recovery}};
     }
-    const knurl::Cap cap{
-        .stiffness = stiffness_, .damping = conditions_.virtual_damping, .recovery = method.recovery};
-    const knurl::Plane plane{.stiffness = stiffness_,
-                             .damping = conditions_.virtual_damping,
-                             .recovery = method.recovery,
-                             .update = method.update};
+    // From here on all is the world's.
+    const double metre = conditions_.world, stiffness = stiffness_ / metre;
+    const double damping = conditions_.virtual_damping / metre;
+    const knurl::Cap cap{.stiffness = stiffness, .damping = damping, .recovery = method.recovery};
+    const knurl::Plane plane{
+        .stiffness = stiffness, .damping = damping, .recovery = method.recovery, .update = method.update};
     const bool curved = method.kind == Method::Kind::cap;
     knurl::Faces faces{.face = {}, .count = 1};
     if (method.predicted) {
         const knurl::HandNow hand{
-            .time = t, .position = knurl::to_plain(p), .velocity = knurl::to_plain(velocity)};
-        faces =
-            knurl::follow_surface(model_, hand, {.latency = latency(), .interval = conditions_.interval()},
-                                  {.stiffness = stiffness_, .rim = curved ? cap.rim : 0}, memory_)
-                .faces;
+            .time = t, .position = knurl::to_plain(metre * p), .velocity = knurl::to_plain(metre * velocity)};
+        faces = knurl::follow_surface(
+                    model_, hand, {.latency = latency(), .interval = conditions_.interval()},
+                    {.stiffness = stiffness, .rim = curved ? cap.rim : 0, .metre = metre}, memory_)
+                    .faces;
     } else {
-        faces.face[0] = model_(knurl::to_plain(p));
+        faces.face[0] = model_(knurl::to_plain(metre * p));
     }
     most_faces_ = std::max<std::size_t>(most_faces_, faces.count);
     Answer answer;

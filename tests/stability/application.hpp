@@ -41,6 +41,7 @@ class Application {
     Application(const Conditions& conditions, double stiffness, double phase, knurl::SurfaceModel model,
                 unsigned seed = 1);
 
+    /// It sees the hand in the device's metres, and answers in its own world's (Conditions::world).
     /// What is there from the start: the answer at a hand that rests in `p`.
     Answer first(const Eigen::Vector3d& p);
     /// A report of the servo: it reads it if it is time to.

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "cases.hpp"
+#include "servo_stroke.hpp"
+#include "stroke.hpp"
 #include "sweep.hpp"
 
 namespace stability {
@@ -132,6 +134,41 @@ std::vector<Claim> quick_claims() {
     fill(tables, 2, {});
     std::vector<Claim> claims;
     directions(tables[0], tables[1], tables[2], claims);
+    return claims;
+}
+
+std::vector<Claim> world_claims() {
+    constexpr double worlds[] = {0.01, 1000}, within = 0.05;
+    std::vector<Claim> claims;
+    for (const char* name : {way::force, planes, usual, cap}) {
+        for (const bool real : {false, true}) {
+            Conditions c = with({}, method(name));
+            c.reach = 60e-3;
+            const double stiffness = name == std::string(way::force) ? 50 : 1000;  // N/m, of the device
+            const auto figures = [&](double world) {
+                c.world = world;
+                return real ? servo_stroke("premium15", c, stiffness, 1, 0, true)
+                            : stroke(c, stiffness, 1, 0, true);
+            };
+            const Figures here = figures(1);
+            for (const double world : worlds) {
+                const Figures there = figures(world);
+                double most = 0;
+                for (const auto& [a, b] : {std::pair{there.jump, here.jump},
+                                           {there.kick, here.kick},
+                                           {there.error, here.error},
+                                           {there.peak, here.peak}})
+                    most = std::max(most, std::abs(a / b - 1));
+                claims.push_back(
+                    {fmt::format(
+                         "a metre of the device is {:g}, {}, {}: jump, kick, error and peak within 5 %",
+                         world, name, real ? "the real servo on premium15" : "the bench"),
+                     fmt::format("jump {:.3f} N, kick {:.3f} m/s, error {:.4f} N; {:.2g} % off", there.jump,
+                                 there.kick, there.error, 100 * most),
+                     most <= within && std::isfinite(here.jump), false});
+            }
+        }
+    }
     return claims;
 }
 

@@ -20,6 +20,8 @@ std::vector<Claim> claims_of(const std::vector<Table>& tables);
 std::vector<Claim> network_claims(const std::vector<Table>& tables);
 /// The directions alone, by a few searches of their own: a few seconds.
 std::vector<Claim> quick_claims();
+/// Strokes in worlds a hundredth and a thousand times as large as the device feel as in one of its size.
+std::vector<Claim> world_claims();
 
 std::string markdown(const std::vector<Claim>& claims);
 /// True if every claim of a direction holds.

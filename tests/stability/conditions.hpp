@@ -30,6 +30,9 @@ inline constexpr double rest_from = 6.0;    // the stroke is over
 inline constexpr double cycle_from = 7.5;   // from here to the end a limit cycle is looked for
 inline constexpr double run_end = 8.0;
 
+/// Metres of the application's world that one metre of the device is, where nothing else is said: --world.
+inline double stated_world = 1;
+
 struct Conditions {
     // The device, at the tip.
     double mass = 0.10;       // kg, its own
@@ -61,6 +64,7 @@ struct Conditions {
     // How it is felt.
     Method method;
     double virtual_damping = 0;   // N s/m, of the surface
+    double world = stated_world;  // m, of the application's world and of the scene: a metre of the device's
     bool rate_is_servos = false;  // the application answers in every cycle of the servo
 
     double total_mass() const { return mass + grip * finger; }

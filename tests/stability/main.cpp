@@ -53,13 +53,17 @@ std::vector<Table> standard(Seeds seeds) {
 int main(int argc, char** argv) {
     knurl::commandline::Command app(
         "knurl_stability", "Largest stable stiffness of every method, by simulation on the virtual clock.");
-    bool quick = false, full = false, network = false;
+    bool quick = false, full = false, network = false, worlds = false;
     Seeds seeds;
     int jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     std::string file, only, relief;
     unsigned phases = 40;
     app.flag("--quick", quick,
              "the directions of the main claims alone, in a few seconds; fails if one does not hold");
+    app.flag("--worlds", worlds,
+             "some strokes in worlds of three sizes alone, in a few seconds; fails if they feel different");
+    app.option("--world", stated_world, "metres of the application's world that one metre of the device is")
+        .within(1e-3, 1e4);
     app.flag("--full", full, "the full grid instead: many hours");
     app.flag("--network", network,
              "the tables of a remote application instead, by the network's delay, swing and loss");
@@ -80,8 +84,8 @@ int main(int argc, char** argv) {
         if (!file.empty()) knurl::measure::require_writable(file);
         if (!relief.empty()) stroke = ReliefStroke::of(relief);
         if (!stroke) fmt::print("{}", definition);
-        if (quick) {
-            claims = quick_claims();
+        if (quick || worlds) {
+            claims = quick ? quick_claims() : world_claims();
         } else {
             tables = stroke    ? std::vector<Table>{relief_table(*stroke, phases)}
                      : full    ? std::vector<Table>{full_grid(seeds)}

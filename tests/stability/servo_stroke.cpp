@@ -64,6 +64,7 @@ Figures servo_stroke(const std::string& name, const Conditions& conditions, doub
     options.clamp_stiffness = false;
     knurl::servo::Offline servo(device, options);
     knurl::servo::ClaimTerms terms;
+    terms.frame.scale = c.world;
     terms.limits = knurl::servo::limits_for(device.link(), c.rate, terms.frame);
     terms.update_interval = c.interval();
     knurl::servo::OfflineClaim& claim = servo.claim(std::move(terms));

@@ -100,7 +100,7 @@ Figures stroke(const Conditions& conditions, double stiffness, unsigned seed, un
     Application application(c, stiffness, chance.phase, seed);
     const double automatic = knurl::automatic_fade(c.interval());
     knurl::Scene scene({.representations = 4, .probes = 1},
-                       {.max_force = c.peak_force, .period = c.period()});
+                       {.max_force = c.peak_force, .period = c.period(), .metre = c.world});
     scene.set_fade({.automatic = automatic, .rise_speed = 0.1});
     std::vector<knurl::Handle> there;
     const auto add = [&](const auto& params) {
@@ -116,25 +116,26 @@ Figures stroke(const Conditions& conditions, double stiffness, unsigned seed, un
     PassivityController passivity;
     Judge judge(c, stiffness, measure);
     const Vector3d grid(chance.grid_x, 0, chance.grid_z);
-    knurl::Probe probe;
+    knurl::Probe probe;  // in the world
     Vector3d last = counted(start, grid, c.quantum), slewed = Vector3d::Zero();
     const auto cycles = static_cast<long>(std::lround(run_end * c.rate));
     for (long i = 0; i < cycles; ++i) {
         const double t = static_cast<double>(i) / c.rate;
-        probe.position = counted(tip.position, grid, c.quantum);
-        const Vector3d raw = (probe.position - last) / c.period();
-        last = probe.position;
+        const Vector3d here = counted(tip.position, grid, c.quantum);
+        const Vector3d raw = (here - last) / c.period();
+        last = here;
         damping.add(raw, c.period());
         slow.add(raw, c.period());
-        probe.velocity = damping.value();
+        probe.position = c.world * here;
+        probe.velocity = c.world * damping.value();
         const auto take = [&] {
             if (application.due(t)) put(application.answer(), there, add, update);
         };
         take();
-        application.read(t, probe.position, slow.value());
+        application.read(t, here, slow.value());
         if (c.answer == 0) take();
         Vector3d force = scene.evaluate(probe, c.period()).force;
-        if (c.method.passivity) force = passivity.act(force, probe.position, c.period());
+        if (c.method.passivity) force = passivity.act(force, here, c.period());
         if (c.method.slew > 0) {
             const Vector3d change = force - slewed;
             slewed += change * std::min(1.0, c.method.slew * c.period() / std::max(change.norm(), 1e-300));

@@ -37,7 +37,7 @@ bool sane(const protocol::Claimed& terms) noexcept {
     const Limits& limits = terms.limits;
     return positive(frame.scale) && positive(frame.force_scale) &&
            to_eigen(frame.device_centre).allFinite() && to_eigen(frame.world_centre).allFinite() &&
-           positive(limits.period) &&
+           positive(limits.period) && positive(limits.metre) && positive(limits.newton) &&
            std::ranges::all_of(
                std::initializer_list<double>{limits.max_stiffness, limits.max_force, limits.max_torque,
                                              limits.max_torsion, limits.damping, limits.mass, limits.lag,

@@ -60,7 +60,9 @@ Followed ClaimState::follow_with(Handle handle, const SurfaceModel& model) {
     if (!ages_.empty() && !followed.follow_intervals.empty())
         late.interval = followed.follow_intervals.median();
     const Follower follower{.stiffness = std::min(params.stiffness, limits_.max_stiffness),
-                            .rim = rim_of(params)};
+                            .rim = rim_of(params),
+                            .metre = limits_.metre,
+                            .newton = limits_.newton};
     lock.unlock();  // the model is the application's: it may call us
     const Followed result = follow_surface(model,
                                            {.time = static_cast<double>(report->read_ns) * 1e-9,

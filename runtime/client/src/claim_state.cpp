@@ -180,7 +180,7 @@ Vec3 ClaimState::predicted_position() {
     const std::optional<Report> report = peek(lock);
     if (!report) throw_disconnected();
     note_basis(report->cycle);
-    return look_ahead(report->position, report->slow_velocity, lateness());
+    return look_ahead(report->position, report->slow_velocity, lateness(), limits_.metre);
 }
 
 nanoseconds ClaimState::interval() const {

@@ -12,6 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+// Lengths are the hand's, in metres of the device.
 constexpr double off = 0.1e-3;          // m, in front of them: on a face itself a model may be of two minds
 constexpr double same_place = 0.25e-3;  // m, a foot from where it should be
 constexpr double same_way = 0.985;      // cosine, 10 degrees
@@ -49,7 +50,7 @@ std::optional<Eigen::LDLT<Eigen::MatrixXd>> independent(const Set& faces) {
 }
 
 /// The point of all faces' tangent planes that is nearest to p: p - N^T (N N^T)^-1 heights.
-std::optional<Vector3d> meeting_point(const Set& faces, const Vector3d& p) {
+std::optional<Vector3d> meeting_point(const Set& faces, const Vector3d& p, double metre) {
     const auto gram = independent(faces);
     if (!gram) return std::nullopt;
     Eigen::VectorXd heights(faces.size());
@@ -59,7 +60,7 @@ std::optional<Vector3d> meeting_point(const Set& faces, const Vector3d& p) {
     Vector3d way = Vector3d::Zero();
     for (std::size_t i = 0; i < faces.size(); ++i)
         way -= shares[static_cast<Eigen::Index>(i)] * faces[i].normal();
-    return way.norm() < farthest ? std::optional<Vector3d>(p + way) : std::nullopt;
+    return way.norm() < metre * farthest ? std::optional<Vector3d>(p + way) : std::nullopt;
 }
 
 /// Along `face`, away from all others.
@@ -78,18 +79,19 @@ void add_if_independent(Set& faces, const Face& face) {
 /// The corner's faces as the model has them beside it, more than were given if it has a third; none if there
 /// is no such corner.
 std::optional<Set> confirmed(Set faces, const Vector3d& p, Questions& questions) {
+    const double metre = questions.metre();
     for (int round = 0; round < rounds; ++round) {
-        const std::optional<Vector3d> corner = meeting_point(faces, p);
+        const std::optional<Vector3d> corner = meeting_point(faces, p, metre);
         if (!corner) return std::nullopt;
         Set found, doubtful;
         bool in_place = true, news = false;
         for (const Face& face : faces) {
-            const Vector3d at = *corner + beside * away(face, faces);
-            const Face answer = questions.ask_aside(at + off * face.normal());
+            const Vector3d at = *corner + metre * beside * away(face, faces);
+            const Face answer = questions.ask_aside(at + metre * off * face.normal());
             if (!same(answer, face)) doubtful.push_back(face);
             news = news || !has(faces, answer);
             if (!has(found, answer)) found.push_back(answer);
-            in_place = in_place && (answer.foot() - at).norm() < same_place;
+            in_place = in_place && (answer.foot() - at).norm() < metre * same_place;
         }
         if (doubtful.empty() && in_place) {
             // All of them became one: the surface turns from one to the other, and is smooth.
@@ -110,16 +112,18 @@ std::optional<Set> confirmed(Set faces, const Vector3d& p, Questions& questions)
 
 /// What was asked for on the hand's way is that face of the corner, its foot in front of all the others:
 /// there it is nearer to the hand than beside the corner.
-bool clear_of(const Face& face, const Set& corner) {
+bool clear_of(const Face& face, const Set& corner, double metre) {
     return has(corner, face) && std::all_of(corner.begin(), corner.end(), [&](const Face& other) {
-               return same(other, face) || other.normal().dot(face.foot() - other.foot()) > beside / 2;
+               return same(other, face) ||
+                      other.normal().dot(face.foot() - other.foot()) > metre * beside / 2;
            });
 }
 
 /// The model and this face agree about a hand at `landing`, as far as the others have not pushed it out.
 bool harmless(const Face& face, const Set& corner, Vector3d landing, double tolerance, Questions& questions) {
     for (const Face& other : corner)
-        if (!same(other, face)) landing += std::max(0.0, beside - other.height(landing)) * other.normal();
+        if (!same(other, face))
+            landing += std::max(0.0, questions.metre() * beside - other.height(landing)) * other.normal();
     const double height = face.height(landing);
     return height >= -tolerance || height >= questions.ask_aside(landing).height(landing) - tolerance;
 }
@@ -139,7 +143,8 @@ void add_corner(Set& faces, std::span<const Face> candidates, const Vector3d& la
     for (const Face& candidate : candidates) {
         if (faces.size() == max_faces) return;
         const auto fits = [&](const Face& face) { return may_meet(face, candidate); };
-        if (candidate.height(landing) > max_look_ahead || !std::all_of(faces.begin(), faces.end(), fits))
+        if (candidate.height(landing) > questions.metre() * max_look_ahead ||
+            !std::all_of(faces.begin(), faces.end(), fits))
             continue;
         Set together = faces;
         together.push_back(candidate);
@@ -150,7 +155,7 @@ void add_corner(Set& faces, std::span<const Face> candidates, const Vector3d& la
             continue;
         for (Face& face : *corner)
             for (const Face& chosen : faces)
-                if (same(face, chosen) && clear_of(chosen, *corner)) face = chosen;
+                if (same(face, chosen) && clear_of(chosen, *corner, questions.metre())) face = chosen;
         faces = std::move(*corner);
     }
 }

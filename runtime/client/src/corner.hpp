@@ -9,7 +9,7 @@
 
 namespace knurl::detail {
 
-inline constexpr double beside = 1e-3;  // m, from a corner to where its faces are asked for
+inline constexpr double beside = 1e-3;  // m of the hand, from a corner to where its faces are asked for
 
 /// `faces` holds the one that is sent anyway. Adds those of `candidates` that meet it in a concave corner at
 /// the hand, up to max_faces in all, as the model has them right beside the corner. Nearest points say

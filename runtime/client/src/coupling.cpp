@@ -15,8 +15,10 @@ using Eigen::Vector3d;
 constexpr double forget = 0.97;       // of what was learnt of the body, in a frame
 constexpr double thrifty = 0.8;       // share of the hand's force that the body gets of an empty reserve
 constexpr double a_jump = 8;          // times the body's usual stray
-constexpr double least_jump = 0.01;   // m
-constexpr double all_gone = 0.02;     // N that are still felt of a spring that has faded
+constexpr double least_jump = 0.01;   // m of the hand
+constexpr double short_way = 1e-4;    // m of the hand, that nobody misses
+constexpr double usual_force = 0.5;   // N of the hand, until it is known
+constexpr double all_gone = 0.02;     // N of the hand that are still felt of a spring that has faded
 constexpr std::uint64_t learnt = 10;  // frames after which the usual is known
 constexpr double fade_in = 0.05;      // s in which a spring that takes hold becomes stiff
 
@@ -51,6 +53,10 @@ Coupling::Coupling(const CouplingOptions& options)
     require(above_zero(options.reserve), "reserve", options.reserve, "above 0 J");
     require(options.patience >= 2, "patience", options.patience, "2 intervals or more");
     require(above_zero(options.fade), "fade", options.fade, "above 0 s");
+    require(above_zero(options.metre), "metre", options.metre, "above 0 m");
+    require(above_zero(options.newton), "newton", options.newton, "above 0 N");
+    options_.greatest_speed *= options.metre;
+    options_.reserve *= options.metre * options.newton;
 }
 
 Vec3 Coupling::to_hand(const Vec3& body) const {
@@ -65,7 +71,7 @@ void Coupling::hold(const Vec3& body, const Vec3& hand) {
     hand_origin_ = to_eigen(hand);
     body_origin_ = to_eigen(body);
     // Pessimistic until it is known: a frame's force takes the body all the way.
-    force_square_ = 0.25;
+    force_square_ = std::pow(options_.newton * usual_force, 2);
     force_way_ = force_square_ / options_.stiffness;
     compliance_ = 1 / options_.stiffness;
     stray_ = 0;
@@ -82,7 +88,7 @@ void Coupling::hold(const Vec3& body, const Vec3& hand) {
 
 /// As sent, and as felt: a stiffness that is sent anew in each cycle is cross-faded again and again.
 bool Coupling::still_fades() const {
-    return fading_ > 0 || force_.norm() > all_gone;
+    return fading_ > 0 || force_.norm() > options_.newton * all_gone;
 }
 
 /// A spring that nobody feels goes with the hand. Else it would become stiff with its end still on the way
@@ -165,8 +171,9 @@ std::optional<Vector3d> Coupling::moved_to(const Vec3& body) {
     account_.created = -account_.left();
     if (body_) {
         const Vector3d way = place - *body_, &force = sent_[0];
-        const bool jumped = held_frames_ > learnt &&
-                            (way - compliance_ * force).norm() > std::max(least_jump, a_jump * stray_);
+        const bool jumped =
+            held_frames_ > learnt &&
+            (way - compliance_ * force).norm() > std::max(options_.metre * least_jump, a_jump * stray_);
         if (jumped) {
             ++counts_.jumps;
         } else {
@@ -202,7 +209,7 @@ void Coupling::move_end(const Vector3d& body, double now) {
     Vector3d stretch = body - hand_;
     if (options_.keep_account) {
         const double reach = std::sqrt(2 * left / stiffness_);
-        counts_.short_of += stretch.norm() > reach + 1e-4;
+        counts_.short_of += stretch.norm() > reach + options_.metre * short_way;
         stretch = at_most(stretch, reach);
     }
     const Vector3d end = hand_ + stretch;

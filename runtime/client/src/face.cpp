@@ -13,8 +13,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double shortest_chord = 1e-4;  // m, between feet, to tell a curvature from their normals
-constexpr double shortest_turn = 0.1;    // rad, between normals that are not the same face's
+constexpr double shortest_chord =
+    1e-4;                              // m of the hand, between feet, to tell a curvature from their normals
+constexpr double shortest_turn = 0.1;  // rad, between normals that are not the same face's
 
 Cap cap_at(const SurfacePoint& point, double rim) {
     Cap cap{.rim = rim};
@@ -66,7 +67,7 @@ Face Questions::ask(const Vector3d& point) {
     return answers_.back();
 }
 
-double sharpest(const std::vector<Face>& answers, const std::vector<Face>& sent) {
+double sharpest(const std::vector<Face>& answers, const std::vector<Face>& sent, double metre) {
     const auto is_sent = [&](const Face& answer) {
         return std::any_of(sent.begin(), sent.end(), [&](const Face& face) {
             return (answer.normal() - face.normal()).norm() < shortest_turn;
@@ -78,7 +79,7 @@ double sharpest(const std::vector<Face>& answers, const std::vector<Face>& sent)
         if (sent.size() > 1 && is_sent(answers.front()) && is_sent(answer)) continue;
         const double chord = (answer.foot() - answers.front().foot()).norm();
         // The other side of something thin is no bend of this one.
-        if (chord > shortest_chord && answer.normal().dot(answers.front().normal()) >= 0)
+        if (chord > metre * shortest_chord && answer.normal().dot(answers.front().normal()) >= 0)
             result = std::max(result, (answer.normal() - answers.front().normal()).norm() / chord);
     }
     return result;

@@ -26,7 +26,9 @@ class Face {
 /// A model asked point by point.
 class Questions {
   public:
-    Questions(const SurfaceModel& model, double rim) : model_(model), rim_(rim) {}
+    /// A metre of the device is `metre` in the model's world.
+    Questions(const SurfaceModel& model, double rim, double metre = 1)
+        : model_(model), rim_(rim), metre_(metre) {}
 
     /// Throws knurl::Error if the model answers with what is no face.
     Face ask(const Eigen::Vector3d& point);
@@ -35,16 +37,17 @@ class Questions {
 
     const std::vector<Face>& answers() const { return answers_; }
     std::uint32_t asked() const { return asked_; }
+    double metre() const { return metre_; }
 
   private:
     const SurfaceModel& model_;
-    double rim_;
+    double rim_, metre_;
     std::uint32_t asked_ = 0;
     std::vector<Face> answers_;
 };
 
 /// 1/m: the largest curvature that a model told, or that its normals tell by turning from the first answer
 /// to another; but not on the way from one of the faces that are sent to another of them.
-double sharpest(const std::vector<Face>& answers, const std::vector<Face>& sent);
+double sharpest(const std::vector<Face>& answers, const std::vector<Face>& sent, double metre);
 
 }  // namespace knurl::detail

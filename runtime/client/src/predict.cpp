@@ -15,6 +15,7 @@ namespace {
 using detail::Face;
 using Eigen::Vector3d;
 
+// All lengths and forces are the hand's, in metres and newtons of the device.
 constexpr double largest_tolerance = 0.5e-3;  // m
 constexpr double force_tolerance = 1.0;       // N: the kick that a wrong face may add
 constexpr double forgetting = 0.8;            // per update: about the last five count
@@ -23,10 +24,10 @@ constexpr double shortest_fit = 0.1e-3;  // m: within it there is nothing to fit
 constexpr double longest_memory = 1.0;   // s: what is older says nothing about the next movement
 
 /// t*, shortened so that the hand does not get further than max_look_ahead.
-double look_ahead_time(const Vector3d& velocity, const Lateness& lateness) {
+double look_ahead_time(const Vector3d& velocity, const Lateness& lateness, double metre) {
     const double time = lateness.latency + lateness.interval / 2;
-    const double speed = velocity.norm();
-    return speed * time > max_look_ahead ? max_look_ahead / speed : time;
+    const double speed = velocity.norm(), most = metre * max_look_ahead;
+    return speed * time > most ? most / speed : time;
 }
 
 /// A cap of a model that does not know how its surface curves is a plane.
@@ -36,12 +37,12 @@ bool is_plane(const Follower& follower, const Face& face) {
 
 /// The plane that is nearest, in the mean square, to the surface all along a way: the tangent plane at its
 /// middle, moved and tilted by what the surface does at its ends. Exact where that is a cubic.
-Face fitted(const Face& middle, const Face& before, const Face& after) {
+Face fitted(const Face& middle, const Face& before, const Face& after, double metre) {
     const Vector3d n = middle.normal(), way = after.foot() - before.foot(), along = way - way.dot(n) * n;
     const double length = along.norm();
     const double turn =
         std::acos(std::clamp(std::min(n.dot(before.normal()), n.dot(after.normal())), -1.0, 1.0));
-    if (length < shortest_fit || turn > sharp_turn) return middle;
+    if (length < metre * shortest_fit || turn > sharp_turn) return middle;
     const double first = n.dot(before.foot() - middle.foot()), last = n.dot(after.foot() - middle.foot());
     SurfacePoint plane = middle.point();
     plane.foot = to_plain(middle.foot() + (first + last) / 6 * n);
@@ -75,9 +76,9 @@ Vector3d restrained(const Vector3d& way, const Face& at_hand, double height) {
 
 }  // namespace
 
-Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness) noexcept {
+Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness, double metre) noexcept {
     const Vector3d v = to_eigen(velocity);
-    return to_plain(to_eigen(position) + v * look_ahead_time(v, lateness));
+    return to_plain(to_eigen(position) + v * look_ahead_time(v, lateness, metre));
 }
 
 void Trust::observe(double time, const Vec3& position, const Vec3& velocity, double horizon) noexcept {
@@ -116,7 +117,7 @@ void place(Cap& cap, const SurfacePoint& face) noexcept {
 Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const Lateness& lateness,
                         const Follower& follower, FollowMemory& memory) {
     Followed result;
-    detail::Questions questions(model, follower.rim);
+    detail::Questions questions(model, follower.rim, follower.metre);
     const Vector3d p = to_eigen(hand.position), v = to_eigen(hand.velocity);
     std::vector<Face> last;
     for (const SurfacePoint& face : memory.sent.all()) last.emplace_back(face, follower.rim);
@@ -139,10 +140,11 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     memory.trust.observe(hand.time, hand.position, to_plain(along), lateness.latency + lateness.interval / 2);
     result.trust = memory.trust.factor();
 
+    const double most = follower.metre * largest_tolerance;
     const double tolerance = follower.stiffness > 0
-                                 ? std::min(largest_tolerance, force_tolerance / follower.stiffness)
-                                 : largest_tolerance;
-    const double time = result.trust * look_ahead_time(v, lateness);
+                                 ? std::min(most, follower.newton * force_tolerance / follower.stiffness)
+                                 : most;
+    const double time = result.trust * look_ahead_time(v, lateness, follower.metre);
     const double landing_time = std::min(result.trust * lateness.latency, time);
     const Vector3d landing = p + v * landing_time;
     std::vector<Face> faces{here};
@@ -163,7 +165,8 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
         // A wall that the hand comes to before the next update is felt is looked for above the floor that it
         // presses on.
         const Vector3d end = p + v * (2 * time - landing_time);
-        questions.ask(end + std::max(0.0, detail::beside - here.height(end)) * here.normal());
+        questions.ask(end +
+                      std::max(0.0, follower.metre * detail::beside - here.height(end)) * here.normal());
     }
     std::vector<Face> candidates = questions.answers();
     candidates.insert(candidates.end(), last.begin(), last.end());
@@ -177,7 +180,7 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
         const double half = std::min(middle, felt / 2);
         const Face before = questions.ask_aside(p + restrained(v * (middle - half), here, height));
         const Face after = questions.ask_aside(p + restrained(v * (middle + half), here, height));
-        const Face plane = fitted(faces[0], before, after);
+        const Face plane = fitted(faces[0], before, after, follower.metre);
         if (plane.height(landing) >= depth - tolerance) faces[0] = plane;
     }
 
@@ -185,7 +188,8 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     for (const Face& face : faces) result.faces.face[result.faces.count++] = face.point();
     memory.sent = result.faces;
     result.undersampled =
-        2 * along.norm() * lateness.interval * detail::sharpest(questions.answers(), faces) > 1;
+        2 * along.norm() * lateness.interval * detail::sharpest(questions.answers(), faces, follower.metre) >
+        1;
     result.asked = questions.asked();
     return result;
 }

@@ -37,7 +37,10 @@ Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::
             .damping = link.damping / fs,
             .mass = link.apparent_mass / fs,
             .lag = link.lag,
-            .period = 1 / rate};
+            .period = 1 / rate,
+            .resolution = Limits{}.resolution * frame.scale,
+            .metre = frame.scale,
+            .newton = 1 / frame.force_scale};
 }
 
 }  // namespace knurl::servo

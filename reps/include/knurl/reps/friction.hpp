@@ -6,6 +6,7 @@
 // 1995), snags Mark et al. 96, 2.1.
 
 #include <cstdint>
+#include <limits>
 
 #include <knurl/reps/limits.hpp>
 #include <knurl/reps/material.hpp>
@@ -58,10 +59,16 @@ struct FrictionState {
     Eigen::Vector3d snag = Eigen::Vector3d::Zero();      // m, where it last let go
     Eigen::Vector3d last = Eigen::Vector3d::Zero();      // N, last cycle's force of the anchor's spring
     Eigen::Vector3d residual = Eigen::Vector3d::Zero();  // N, being let go after the tangent space changed
+    Eigen::Vector3d viscous = Eigen::Vector3d::Zero();   // N, last cycle's viscous force
+    Eigen::Vector3d viscous_residual = Eigen::Vector3d::Zero();  // N, being let go with `residual`
     Eigen::Vector3d released = Eigen::Vector3d::Zero();  // N, of others (a texture that is no more), with it
-    double residual_time = 0;                            // s, left of both
-    double stiffness = 0;                                // N/m, of the anchor's spring since it stuck
-    double next = 0;                                     // m, from the last snag to the next one
+    Eigen::Vector3d line = Eigen::Vector3d::UnitX();     // last cycle's, of a corner
+    double released_per_newton =
+        std::numeric_limits<double>::infinity();  // at most: it ends with the contact
+    double residual_time = 0;                     // s, left of all three
+    double cone = 0;                              // N, last cycle's bound of the spring's force
+    double stiffness = 0;                         // N/m, of the anchor's spring since it stuck
+    double next = 0;                              // m, from the last snag to the next one
     double farthest = 0;  // m, from the last snag: the paper's law sees that forward motion ceases
     std::uint64_t generator = 0;
     std::uint32_t seed = 0;
@@ -83,10 +90,23 @@ struct Rubbing {
 ///
 /// The anchor's spring never gives back more than it has stored, whatever the tip, the normal, the normal
 /// force and the law do (except the paper's law): whenever its stiffness rises or the tangent space turns,
-/// the anchor comes nearer. Where the tangent space loses a dimension (the tip slides into a corner) the
-/// force that is lost with it is let go linearly within `residual_decay`: that part, and it alone, may point
-/// out of the tangent space. `state.released` is the caller's to add to, with `residual_time`: it is let go
-/// in the same way, and the bound does not count it.
+/// the anchor comes nearer.
+///
+/// Where the tangent space is another than before (the tip slides into a corner, out of it, from one corner
+/// into another), what was felt and is not held any more, and viscous force that was not felt before, is let
+/// go or let in linearly within `residual_decay`: that part, and it alone, may point out of the tangent space.
+/// So what a cycle adds is at most (except the paper's law)
+///
+///     k |dx| + b |dv|                what the tip does: its way and its change of velocity on the surface,
+///     + |d cone| + |d slides| + |dN| what normal force and law do (and static - dynamic where it lets go,
+///                                    and a spring that becomes softer, by as much),
+///     + |F| sin                      by which a plane's normal turns: the contact's own force turns with it,
+///     + 3 |F| dt / residual_decay    |F| the most that the last 10 ms held: 2 |F| of a residual that begins
+///                                    with at most all that was felt and all that is held, 1 |F| of a
+///                                    corner's line that turns too slowly to be another one.
+///
+/// `state.released` is the caller's to add to, with `residual_time`: it is let go in the same way, and the
+/// bound does not count it. It is at most `state.released_per_newton` times the normal force.
 Eigen::Vector3d friction_force(const FrictionLaw& law, FrictionState& state, const Tangent& tangent,
                                const Rubbing& rubbing, const Limits& limits, double dt) noexcept;
 

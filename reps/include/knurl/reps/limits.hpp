@@ -17,6 +17,10 @@ struct Limits {
     double lag = 0;                                                  // s, everything late: tau
     double period = 1e-3;                                            // s, the servo's nominal dt
     double resolution = 3e-5;                                        // m, the encoders' at the tip; 0: exact
+    // The world may be of another size than the device. Lengths and forces that mean the hand (how fast a
+    // surface rises, where a direction is rounded off) are the device's, and become the world's by these.
+    double metre = 1;   // m of the world that one metre of the device is
+    double newton = 1;  // N of the world that one newton of the device is
 };
 
 /// Over how long a change reaches the hand where nobody says (s), by the interval between updates: 20 % of

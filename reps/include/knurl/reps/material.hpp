@@ -160,7 +160,7 @@ constexpr auto surface_rows() {
               .offset = offsetof(R, texture.wavelength),
               .unit = "m",
               .meaning = "from peak to peak",
-              .minimum = 6e-5,
+              .minimum = 6e-7,
               .maximum = 1e3},
         Field{.name = "texture.direction",
               .type = Type::vector,

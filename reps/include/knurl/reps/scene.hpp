@@ -34,7 +34,8 @@ struct Use {
 /// How changes reach the hand in this scene.
 struct FadePolicy {
     double automatic = 0.01;  // s, what `recovery = automatic` means at the moment
-    double rise_speed = 0.1;  // m/s, a surface rising under the hand is not faster; infinity: no such rule
+    double rise_speed =
+        0.1;  // m/s of the hand (Limits::metre), a surface rising under the hand is not faster; infinity: no such rule
 };
 
 /// What the application learns of one representation each cycle.

@@ -16,7 +16,8 @@ struct Spring {
     double damping = 0;      // N s/m, along the spring
     double duration = 0.2;   // s, in which anchor and rest length move linearly to new values
     // The servo's, filled in by `prepared`:
-    double share = 0;  // stiffness as a share of the largest allowed
+    double share = 0;        // stiffness as a share of the largest allowed
+    double rounding = 1e-3;  // m, a millimetre of the hand
 
     struct State {
         Vec3 anchor;             // m, where the end is now

@@ -43,16 +43,20 @@ struct CouplingScale {
 
 struct CouplingOptions {
     CouplingScale scale = {};
-    double stiffness = 200;        // N/m in the hand
+    double stiffness = 200;        // N/m, of the spring in the claim's world
     double interval = 0.02;        // s between frames as expected; measured from the fifth on
     int frames_late = 0;           // frames that pass between a force and the first frame since which it acts
     double greatest_force = 1e30;  // of the simulation's units, on the body
-    double greatest_speed = 0.25;  // m/s of the spring's end: at 200 N/m 0.05 N in a cycle of a millisecond
-    double longest_move = 0.2;     // s; a more frequent frame's move takes as long as the frame
-    double reserve = 0.01;     // J of the hand's that are kept for the body's restlessness; the rest is lost
-    bool keep_account = true;  // false: the end goes wherever the body is, with whatever force
-    double patience = 5;       // usual intervals, and half a second at least, until a simulation has stopped
-    double fade = 0.5;         // s in which the spring then goes
+    double greatest_speed =
+        0.25;                   // m/s, of the hand, of the spring's end: at 200 N/m 0.05 N in a cycle of 1 ms
+    double longest_move = 0.2;  // s; a more frequent frame's move takes as long as the frame
+    double reserve = 0.01;      // J of the hand's that are kept for the body's restlessness; the rest is lost
+    bool keep_account = true;   // false: the end goes wherever the body is, with whatever force
+    double patience = 5;        // usual intervals, and half a second at least, until a simulation has stopped
+    double fade = 0.5;          // s in which the spring then goes
+    // Of the claim's world, that one of the device's is (Claim::limits()): greatest_speed and reserve mean the
+    // hand, in metres and joules of the device; `stiffness` and `scale` are the claim's world's.
+    double metre = 1, newton = 1;
 };
 
 class Coupling {

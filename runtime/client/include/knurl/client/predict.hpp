@@ -22,6 +22,8 @@
 // A hand that turns round is not where its velocity says. How far the past updates' velocities did explain
 // where it went is measured, and the look-ahead shortened by it (trust): 1 on a stroke, about 0.8 for 50 ms
 // of a 3 Hz reversal.
+//
+// All these lengths and forces are the hand's, in a world of any size (Follower::metre).
 
 #include <array>
 #include <cstdint>
@@ -46,7 +48,8 @@ using SurfaceModel = std::function<SurfacePoint(const Vec3& near)>;
 
 /// The model, which does not know how its surface curves, with the curvatures that its own normals tell: each
 /// question becomes three, `step` (m) apart. For smooth surfaces: where the normal turns by more than 0.3 rad
-/// within a step that is an edge, and no curvature.
+/// within a step that is an edge, and no curvature. The model's metres: in a world of another size than the
+/// device, `1e-3 * hand.limits().metre` is a millimetre of the hand.
 SurfaceModel curved(SurfaceModel model, double step = 1e-3);
 
 /// How late an application is.
@@ -100,6 +103,9 @@ struct HandNow {
 struct Follower {
     double stiffness = 0;  // N/m, as applied
     double rim = 0;        // 1, of a cap (Cap::rim); 0: a plane
+    // Of the world, that one of the device's is (Limits::metre, Limits::newton): the lengths and forces above
+    // mean the hand, in a world of any size.
+    double metre = 1, newton = 1;
 };
 
 struct Followed {
@@ -113,10 +119,12 @@ struct Followed {
     std::uint32_t asked = 0;  // calls of the model
 };
 
-inline constexpr double max_look_ahead = 0.020;  // m
+inline constexpr double max_look_ahead = 0.020;  // m, of the hand
 
-/// Position of the hand t* from now, at most max_look_ahead away. Frame as given.
-Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness) noexcept;
+/// Position of the hand t* from now, at most max_look_ahead away. Frame as given; a metre of the device is
+/// `metre` in it.
+Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& lateness,
+                double metre = 1) noexcept;
 
 /// The plane or cap to send. Throws knurl::Error if the model answers with something not finite, a zero
 /// normal, or two curvatures without the direction of the first.
