@@ -31,4 +31,8 @@ Wrench evaluate(const Constraint& params, Constraint::State&, const Probe& probe
     return {};
 }
 
+bool powerless(const Constraint& params) noexcept {
+    return params.stiffness == 0 && params.damping == 0;
+}
+
 }  // namespace knurl

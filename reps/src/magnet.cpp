@@ -60,4 +60,12 @@ Wrench evaluate(const Magnet& params, Magnet::State&, const Probe& probe, double
     return {.force = scale * q - (share * params.damping) * probe.velocity};
 }
 
+bool powerless(const Magnet& params) noexcept {
+    return !(params.stiffness > 0);
+}
+
+std::optional<Bound> bound(const Magnet& params) noexcept {
+    return Bound{.center = to_eigen(params.position), .radius = params.radius + params.max_distance};
+}
+
 }  // namespace knurl

@@ -54,10 +54,15 @@ struct KindOps {
     double (*fade_time)(const std::byte* params) noexcept = nullptr;     // s, or automatic
     double (*asked_stiffness)(const std::byte* raw) noexcept = nullptr;  // N/m
     bool (*carry)(Record& old, const Record& next) noexcept = nullptr;   // true: the rest is equal too
-    std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;     // of a surface
-    void (*out_of_reach)(Record&) noexcept = nullptr;                    // its path so far is forgotten
-    Motion* (*motion)(Record&) noexcept = nullptr;                       // of a surface
-    const Asset* (*asset)(const Record&) noexcept = nullptr;             // that it is made of; null: of none
+    std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;
+    // Of an effect: it gives nothing wherever the probe is; it has nothing more to arrive at by itself.
+    bool (*powerless)(const Record&) noexcept = nullptr;
+    bool (*arrived)(const Record&) noexcept = nullptr;
+    // Of a surface without an end that stands still: m, it is no nearer.
+    std::optional<double> (*clearance)(const Record&, const Probe&) noexcept = nullptr;
+    void (*out_of_reach)(Record&) noexcept = nullptr;         // its path so far is forgotten
+    Motion* (*motion)(Record&) noexcept = nullptr;            // of a surface
+    const Asset* (*asset)(const Record&) noexcept = nullptr;  // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
     void (*evaluate_all)(SceneCore&, std::span<const std::uint32_t> slots, double dt,
@@ -145,6 +150,7 @@ class SceneCore {
     void replace_old(Group& group, std::uint32_t probe) noexcept;
 
     // scene_near.cpp
+    bool may_be_far(const Record& surface) const noexcept;
     void place_surface(std::uint32_t slot) noexcept;   // in Reach, or among those that are always asked
     void forget_surface(std::uint32_t slot) noexcept;  // from where it was
     void fetch(std::span<const std::uint32_t> slots) const noexcept;
@@ -176,6 +182,14 @@ class SceneCore {
     void evaluate_effects(double dt, Wrench& sum) noexcept;
     Wrench at_hand(const Wrench& at_probe, const Group& group) const noexcept;
 
+    // scene_asked.cpp: which effects are asked
+    bool to_be_asked(std::uint32_t slot) const noexcept;
+    void place_effect(std::uint32_t slot) noexcept;  // in its Reach, if it has an end
+    void forget_effect(std::uint32_t slot) noexcept;
+    void collect_effects(Group& group, std::uint32_t probe) noexcept;
+    bool near_effects_left() noexcept;  // a probe has moved out of what is asked for it
+    double still_effects() const noexcept;
+
     // scene_feedback.cpp
     bool retold_by_flags(std::span<Feedback> kept, std::span<std::uint64_t> written) noexcept;
     Feedback feedback_of(std::uint32_t slot, bool surface) const noexcept;
@@ -183,6 +197,8 @@ class SceneCore {
     void tell_surfaces(std::uint32_t room, Put put) noexcept;
     template <class Put>
     void tell_touched(Put put) noexcept;
+    template <class Put>
+    void tell_effects(std::uint32_t room, bool all, Put put) noexcept;
 
     // scene_still.cpp
     bool changed() const noexcept;
@@ -236,7 +252,9 @@ class SceneCore {
     std::uint32_t surfaces_size_ = 0;
     std::vector<std::uint32_t> always_;  // those of them that are in the sets wherever the probe is
     std::uint32_t always_size_ = 0;
-    Reach reach_;                              // the others
+    Reach reach_;                         // the others, as long as they have an end
+    std::vector<std::uint32_t> endless_;  // ... and those that have none, but stand still
+    std::uint32_t endless_size_ = 0;
     std::uint32_t bounded_used_ = 0;           // bit mask: probes with some of those
     std::array<Contact, max_contacts> found_;  // scratch of ask
     std::vector<std::uint32_t> near_;          // scratch of collect_near
@@ -257,6 +275,10 @@ class SceneCore {
     std::vector<std::uint32_t> fading_;  // slots whose effect fades
     std::uint32_t fading_size_ = 0;
     bool effects_edited_ = false;
+    Reach effect_reach_;                      // those with an end
+    std::uint32_t bounded_effects_used_ = 0;  // bit mask: probes with some of those
+    double effects_stiffness_ = 0;            // N/m, of all that are felt
+    bool effects_stiffness_edited_ = false;
     std::vector<std::uint32_t> by_kind_;
     std::array<std::uint32_t, Representations::size + 1> kind_begin_{};
     std::array<Kind, Representations::size> active_kinds_{};

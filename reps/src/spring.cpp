@@ -82,4 +82,12 @@ void settle(const Spring& params, Spring::State& state) noexcept {
     state.remaining = 0;
 }
 
+bool powerless(const Spring& params) noexcept {
+    return params.stiffness == 0 && params.damping == 0;
+}
+
+bool arrived(const Spring&, const Spring::State& state) noexcept {
+    return !(state.remaining > 0);
+}
+
 }  // namespace knurl

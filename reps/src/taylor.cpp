@@ -94,4 +94,13 @@ Wrench evaluate(const Taylor& params, Taylor::State&, const Probe& probe, double
     return {.force = share.value * force + (share.slope * work / r) * d};
 }
 
+bool powerless(const Taylor& params) noexcept {
+    return params.force == Vec3{} && params.jacobian == Mat3{};
+}
+
+std::optional<Bound> bound(const Taylor& params) noexcept {
+    if (params.edge == TaylorEdge::hold) return std::nullopt;
+    return Bound{.center = to_eigen(params.origin), .radius = params.radius};
+}
+
 }  // namespace knurl

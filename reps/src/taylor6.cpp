@@ -190,4 +190,13 @@ Wrench evaluate(const Taylor6& params, Taylor6::State&, const Probe& probe, doub
     return out;
 }
 
+bool powerless(const Taylor6& params) noexcept {
+    return params.force == Vec3{} && params.torque == Vec3{} && params.jacobian == Mat6{};
+}
+
+std::optional<Bound> bound(const Taylor6& params) noexcept {
+    if (params.edge == TaylorEdge::hold) return std::nullopt;
+    return Bound{.center = to_eigen(params.origin), .radius = params.radius};
+}
+
 }  // namespace knurl

@@ -20,4 +20,8 @@ Wrench evaluate(const Viscosity& params, Viscosity::State&, const Probe& probe, 
             .torque = -params.angular_damping * probe.angular_velocity};
 }
 
+bool powerless(const Viscosity& params) noexcept {
+    return params.damping == 0 && params.angular_damping == 0;
+}
+
 }  // namespace knurl

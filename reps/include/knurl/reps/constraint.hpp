@@ -71,5 +71,6 @@ Constraint prepared(Constraint params, const Limits& limits) noexcept;
 void adopt(const Constraint& params, const Constraint* previous, Constraint::State& state,
            const Probe& probe) noexcept;
 Wrench evaluate(const Constraint& params, Constraint::State& state, const Probe& probe, double dt) noexcept;
+bool powerless(const Constraint& params) noexcept;
 
 }  // namespace knurl

@@ -80,5 +80,7 @@ void adopt(const Magnet& params, const Magnet* previous, Magnet::State& state, c
 /// mm, radius / 20), f(radius) / k_max), which takes away the jump of 2 f(radius) at the centre of a sphere
 /// that reaches there. Without a radius e is 0.
 Wrench evaluate(const Magnet& params, Magnet::State& state, const Probe& probe, double dt) noexcept;
+bool powerless(const Magnet& params) noexcept;
+std::optional<Bound> bound(const Magnet& params) noexcept;
 
 }  // namespace knurl

@@ -85,5 +85,7 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
 Spring carried(const Spring& old, const Spring& next) noexcept;
 /// Arrives at once.
 void settle(const Spring& params, Spring::State& state) noexcept;
+bool powerless(const Spring& params) noexcept;
+bool arrived(const Spring& params, const Spring::State& state) noexcept;
 
 }  // namespace knurl

@@ -89,5 +89,7 @@ struct Describe<Taylor> {
 Taylor prepared(Taylor params, const Limits& limits) noexcept;
 void adopt(const Taylor& params, const Taylor* previous, Taylor::State& state, const Probe& probe) noexcept;
 Wrench evaluate(const Taylor& params, Taylor::State& state, const Probe& probe, double dt) noexcept;
+bool powerless(const Taylor& params) noexcept;
+std::optional<Bound> bound(const Taylor& params) noexcept;
 
 }  // namespace knurl

@@ -100,5 +100,7 @@ Taylor6 prepared(Taylor6 params, const Limits& limits) noexcept;
 void adopt(const Taylor6& params, const Taylor6* previous, Taylor6::State& state,
            const Probe& probe) noexcept;
 Wrench evaluate(const Taylor6& params, Taylor6::State& state, const Probe& probe, double dt) noexcept;
+bool powerless(const Taylor6& params) noexcept;
+std::optional<Bound> bound(const Taylor6& params) noexcept;
 
 }  // namespace knurl

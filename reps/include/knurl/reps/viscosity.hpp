@@ -44,5 +44,6 @@ Viscosity prepared(Viscosity params, const Limits& limits) noexcept;
 void adopt(const Viscosity& params, const Viscosity* previous, Viscosity::State& state,
            const Probe& probe) noexcept;
 Wrench evaluate(const Viscosity& params, Viscosity::State& state, const Probe& probe, double dt) noexcept;
+bool powerless(const Viscosity& params) noexcept;
 
 }  // namespace knurl
