@@ -181,6 +181,12 @@ class SceneCore {
     void advance_effect_fades(double dt, Wrench& sum) noexcept;
     void evaluate_effects(double dt, Wrench& sum) noexcept;
     Wrench at_hand(const Wrench& at_probe, const Group& group) const noexcept;
+    // An effect's own time: it stands still where the silence holds it, or has taken it away. What it was told to
+    // arrive at it arrives at all the same.
+    double own_step(const Record& r, bool arrived, double dt) const noexcept {
+        const bool holds = silence_ > 0 && r.use.on_silence == OnSilence::hold;
+        return (holds || r.weight == 0) && arrived ? 0 : dt;
+    }
 
     // scene_asked.cpp: which effects are asked
     bool to_be_asked(std::uint32_t slot) const noexcept;

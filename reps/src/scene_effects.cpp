@@ -92,8 +92,10 @@ void SceneCore::advance_effect_fades(double dt, Wrench& sum) noexcept {
         if (slot.from == Slot::From::record) {
             Record& old = faded(i);
             const Group& group = groups_[old.probe];
-            slot.remnant = ((1 - slot.gain) * old.weight) *
-                           at_hand(kind_ops()[old.kind].evaluate(old, group.probe, dt), group);
+            const KindOps& ops = kind_ops()[old.kind];
+            const double step = own_step(old, ops.arrived(old), dt);
+            slot.remnant =
+                ((1 - slot.gain) * old.weight) * at_hand(ops.evaluate(old, group.probe, step), group);
             ++evaluated_;
         } else if (slot.from == Slot::From::frozen) {
             slot.remnant = (1 - slot.gain) * slot.frozen;

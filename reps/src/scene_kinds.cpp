@@ -244,8 +244,7 @@ struct Ops {
                 Slot& slot = scene.slots_[i];
                 const Group& group = scene.groups_[r.probe];
                 const bool under_way = !arrived_by_now(r);
-                // What a silence has taken away has no time of its own, but arrives where it was told to.
-                const double step = r.weight == 0 && !under_way ? 0 : dt;
+                const double step = scene.own_step(r, !under_way, dt);
                 const Wrench w =
                     scene.at_hand(evaluate(params_of<R>(r), state_of<R>(r), group.probe, step), group);
                 slot.last = (slot.gain * r.weight) * w;

@@ -158,7 +158,8 @@ class Asking {
             s.remnant = Wrench{};
             if (s.from == Slot::From::record) {
                 s.remnant = ((1 - s.gain) * s.old.weight) *
-                            bounded(kinds_of_effects[s.old_kind].evaluate(s.old, hand, step));
+                            bounded(kinds_of_effects[s.old_kind].evaluate(
+                                s.old, hand, own_step(s.old, s.use, kinds_of_effects[s.old_kind], step)));
             } else if (s.from == Slot::From::frozen) {
                 s.remnant = (1 - s.gain) * s.frozen;
             }
@@ -171,8 +172,8 @@ class Asking {
                 Slot& s = slot[i];
                 if (s.kind != kind) continue;
                 const Effects& e = kinds_of_effects[kind];
-                const bool stands = s.now.weight == 0 && e.arrived(s.now);
-                s.last = (s.gain * s.now.weight) * bounded(e.evaluate(s.now, hand, stands ? 0 : step));
+                s.last = (s.gain * s.now.weight) *
+                         bounded(e.evaluate(s.now, hand, own_step(s.now, s.use, e, step)));
                 sum += s.last;
                 if (s.from != Slot::From::none) s.last += s.remnant;
             }
@@ -213,6 +214,10 @@ class Asking {
         const double to = silence > delay ? std::max(0.0, held.weight - step / 0.1)
                                           : std::min(1.0, held.weight + step / 0.05);
         held.weight = to < 1e-12 ? 0 : to > 1 - 1e-12 ? 1 : to;
+    }
+    double own_step(const Held& held, const Use& use, const Effects& e, double step) const {
+        const bool stands = held.weight == 0 || (silence > 0 && use.on_silence == OnSilence::hold);
+        return stands && e.arrived(held) ? 0 : step;
     }
     static Vector bounded(const Vector& v, double largest) {
         const double square = v.squaredNorm();

@@ -101,7 +101,9 @@ concept Effect = Representation<R> &&
 //   bool powerless(const R&)
 //       an effect that gives nothing anywhere, as its parameters stand, nor changes by itself: not asked
 //   bool arrived(const R&, const R::State&)
-//       an effect that moves towards what it was told: asked until it has arrived, though it gives nothing
+//       an effect that moves towards what it was told: asked until it has arrived, though it gives nothing, and through a
+//       silence. All other time of an effect is the scene's to stop: in a silence through which it holds, and where
+//       one has taken it away, evaluate is called with dt = 0
 //   void out_of_reach(const R&, R::State&)
 //       beside bound(): it was not asked for a while and forgets its path
 //   std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
