@@ -109,4 +109,10 @@ Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double
                       tube.height - probe.radius);
 }
 
+// Its height is a signed distance.
+double clearance(const Cap& params, const Cap::State& state, const Probe& probe) noexcept {
+    Cap::State copy = state;
+    return contact(params, copy, probe, 0).height;
+}
+
 }  // namespace knurl

@@ -12,4 +12,8 @@ Wrench evaluate(const ConstantForce& params, ConstantForce::State&, const Probe&
     return {.force = to_eigen(params.force), .torque = to_eigen(params.torque)};
 }
 
+bool powerless(const ConstantForce& params) noexcept {
+    return params.force == Vec3{} && params.torque == Vec3{};
+}
+
 }  // namespace knurl

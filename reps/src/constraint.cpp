@@ -42,4 +42,8 @@ HandLoad load(const Constraint& params, const Constraint::State&, const Probe&) 
     return load;
 }
 
+bool powerless(const Constraint& params) noexcept {
+    return params.stiffness == 0 && params.damping == 0;
+}
+
 }  // namespace knurl

@@ -12,4 +12,8 @@ Wrench evaluate(const Gravity& params, Gravity::State&, const Probe&, double) no
     return {.force = params.mass * to_eigen(params.acceleration)};
 }
 
+bool powerless(const Gravity& params) noexcept {
+    return params.mass == 0 || params.acceleration == Vec3{};
+}
+
 }  // namespace knurl

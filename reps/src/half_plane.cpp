@@ -78,4 +78,18 @@ Contact contact(const HalfPlane& params, PieceState& state, const Probe& probe, 
     return piece::contact(params, HalfPlaneOutline(params), state, probe, dt);
 }
 
+// Clear of the piece there is nothing to remember but the side, which prime() finds again.
+double clearance(const HalfPlane& params, const PieceState& state, const Probe& probe) noexcept {
+    if (state.touched != 0) return 0;
+    const HalfPlaneOutline outline(params);
+    const Vector3d& q = probe.position;
+    const double distance =
+        outline.holds(q, q.lpNorm<1>()) ? std::abs(outline.height(q)) : outline.away(q).norm();
+    return distance - probe.radius;
+}
+
+void out_of_reach(const HalfPlane&, PieceState& state) noexcept {
+    piece::forget(state);
+}
+
 }  // namespace knurl

@@ -48,32 +48,93 @@ void diagonalise(Square<N>& s, Square<N>& q) noexcept {
     }
 }
 
-/// Brings the eigenvalues of j's symmetric part into [low, high]; j is untouched, to the bit, where
-/// Gershgorin's circles show that they are there. Returns a bound on how strongly any direction restores:
-/// minus the least of them, or 0.
-template <int N>
-double clamp_eigenvalues(Square<N>& j, double low, double high) noexcept {
-    Square<N> s = 0.5 * (j + j.transpose());
+/// What the eigenvalues of a symmetric matrix lie between (N/m); 0 does so too.
+struct Spectrum {
     double least = 0, most = 0;
+    double largest() const noexcept { return std::max(-least, most); }
+};
+
+/// Brings the eigenvalues of j's symmetric part into [low, high]; j is untouched, to the bit, where
+/// Gershgorin's circles show that they are there. Returns what they lie between then.
+template <int N>
+Spectrum clamp_eigenvalues(Square<N>& j, double low, double high) noexcept {
+    Square<N> s = 0.5 * (j + j.transpose());
+    Spectrum found;
     for (int i = 0; i < N; ++i) {
         const double others = s.row(i).cwiseAbs().sum() - std::abs(s(i, i));
-        least = std::min(least, s(i, i) - others);
-        most = std::max(most, s(i, i) + others);
+        found.least = std::min(found.least, s(i, i) - others);
+        found.most = std::max(found.most, s(i, i) + others);
     }
-    if (least >= low && most <= high) return std::abs(least);
+    if (found.least >= low && found.most <= high) return found;
     const Square<N> rest = 0.5 * (j - j.transpose());
     Square<N> q;
     diagonalise<N>(s, q);
     const Eigen::Matrix<double, N, 1> values = s.diagonal().cwiseMax(low).cwiseMin(high);
     j = q * values.asDiagonal() * q.transpose();
     j += rest;
-    return std::max(0.0, -values.minCoeff());
+    return {std::min(0.0, values.minCoeff()), std::max(0.0, values.maxCoeff())};
 }
 
-/// 1 up to 0.8 of the reach, then a smoothstep down to 0 at its end.
-inline double smooth_edge(double distance, double reach) noexcept {
-    const double t = std::clamp((reach - distance) / (0.2 * reach), 0.0, 1.0);
-    return t * t * (3 - 2 * t);
+/// The lower clamp of a field that is held beyond its rim: there the tangential force goes on growing, and a
+/// direction restores with up to a third of the most that pushes away more than within.
+inline double restoring_when_held(double largest, double pushing) noexcept {
+    return std::isfinite(largest) ? std::max(0.0, largest - pushing / 3) : largest;
+}
+
+/// Up to this share of its reach a field is its series, unless the edge would be too steep for the device.
+inline constexpr double widest_core = 0.8;
+
+/// What is left of the energy at a distance, and how that changes with it (1/m).
+struct EdgeShare {
+    double value = 1, slope = 0;
+};
+
+/// 1 up to core x reach, then a smoothstep down to 0 at the reach.
+inline EdgeShare smooth_edge(double distance, double core, double reach) noexcept {
+    if (distance <= core * reach) return {};
+    if (!(distance < reach)) return {.value = 0};
+    const double width = (1 - core) * reach, t = (reach - distance) / width;
+    return {.value = t * t * (3 - 2 * t), .slope = -6 * t * (1 - t) / width};
+}
+
+/// What is left of a field's load: all up to nine tenths of its reach, nothing at its end.
+inline double load_left(double distance, double reach) noexcept {
+    return std::clamp(10 * (1 - distance / reach), 0.0, 1.0);
+}
+
+/// The middle of the edge, as a share of the reach: from the field's mean energy there it is cut, so that least
+/// of it has to be taken away.
+inline double middle_of_edge(double core) noexcept {
+    return (1 + core) / 2;
+}
+
+/// The widest core, at most widest_core, with which `slope_of(core)` is no more than `largest` (N/m).
+/// `strength` is the share of the field that is left where even an edge over all of the reach is steeper.
+struct Core {
+    double share = widest_core, strength = 1;
+    double slope = 0;  // N/m, of the edge
+};
+template <class SlopeOf>
+Core core_within(double largest, SlopeOf slope_of) noexcept {
+    constexpr int halvings = 30;
+    Core out{.slope = slope_of(widest_core)};
+    if (out.slope <= largest) return out;
+    out = {.share = 0, .slope = slope_of(0.0)};
+    if (out.slope > largest) {
+        out.strength = largest / out.slope;
+        out.slope = largest;
+        return out;
+    }
+    double beyond = widest_core;
+    for (int i = 0; i < halvings; ++i) {
+        const double middle = (out.share + beyond) / 2, slope = slope_of(middle);
+        if (slope <= largest) {
+            out = {.share = middle, .slope = slope};
+        } else {
+            beyond = middle;
+        }
+    }
+    return out;
 }
 
 }  // namespace knurl

@@ -84,4 +84,12 @@ HandLoad load(const Magnet& params, const Magnet::State&, const Probe& probe) no
     return load;
 }
 
+bool powerless(const Magnet& params) noexcept {
+    return !(params.stiffness > 0);
+}
+
+std::optional<Bound> bound(const Magnet& params) noexcept {
+    return Bound{.center = to_eigen(params.position), .radius = params.radius + params.max_distance};
+}
+
 }  // namespace knurl

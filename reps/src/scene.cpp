@@ -142,6 +142,7 @@ bool Scene::refers_to(const Asset& asset) const noexcept {
 
 void Scene::index() {
     impl_->reach_.index();
+    impl_->effect_reach_.index();
 }
 
 void Scene::set_fade(const FadePolicy& policy) noexcept {
@@ -192,8 +193,9 @@ Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     core.evaluated_ = 0;
     if (core.moved_) core.take_placements();
     core.place_probes(hand);
-    if ((core.bounded_used_ != 0 && core.near_left()) || core.changed_size_ > 0 || core.sets_edited_ ||
-        core.effects_edited_) {
+    const bool left = core.bounded_used_ != 0 && core.near_left();
+    const bool effects_left = core.bounded_effects_used_ != 0 && core.near_effects_left();
+    if (left || effects_left || core.changed_size_ > 0 || core.sets_edited_ || core.effects_edited_) {
         // What comes during a silence begins in full.
         core.weights_move_ =
             core.weights_move_ || (core.silence_ > 0 && (core.changed_size_ > 0 || core.sets_edited_));
@@ -203,7 +205,8 @@ Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     if (core.weights_move_ && dt > 0) core.advance_weights(dt);
     Wrench sum;
     if (core.contacts_used_ != 0) core.evaluate_contacts(dt, sum);
-    if (core.effects_size_ > 0 || core.fading_size_ > 0) core.evaluate_effects(dt, sum);
+    if (core.active_kinds_size_ > 0 || core.collapsed_used_ != 0 || core.fading_size_ > 0)
+        core.evaluate_effects(dt, sum);
     if (dt > 0) core.last_timed_ = core.cycle_;
     // The field tables keep every product finite; this is the last word all the same.
     if (!sum.force.allFinite() || !sum.torque.allFinite()) return {};

@@ -119,7 +119,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
         renew(i, same ? &faded(i) : nullptr);
         groups_[felt(i).probe].edited = true;
         if (!felt(i).recovers) note_change(felt(i));
-        if (!listed || kind_ops()[felt(i).kind].bound(felt(i))) {
+        if (!listed || may_be_far(felt(i))) {
             if (listed) leave(always_, always_size_, i, &Slot::always_place);
             place_surface(i);
         }
@@ -147,7 +147,9 @@ void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same) noe
     effects_bound_stale_ = true;
     Record previous;
     if (was) copy(felt(i), previous);
+    if (was) forget_effect(i);
     if (is) renew(i, same ? &previous : nullptr);
+    if (is) place_effect(i);
     if (is && !was) join(effects_, effects_size_, i);
     if (was && !is) leave(effects_, effects_size_, i);
     if (is != was || previous.kind != felt(i).kind || felt(i).kind == kind_of<Spring>) effects_edited_ = true;
@@ -208,6 +210,7 @@ bool SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
     }
     slot.felt = is;
     slot.felt_generation = slot.generation;
+    if (is && !is_surface && slot.asked != to_be_asked(i)) effects_edited_ = true;
     return true;
 }
 
@@ -220,6 +223,7 @@ void SceneCore::take_placements() noexcept {
         group.placement = group.next_placement;
         group.replaced = true;
         group.near.margin = -1;  // it may be larger
+        group.near_effects.margin = -1;
         // Nothing was felt there, and there is nothing that a larger probe might reach.
         if (group.now.count == 0 && !group.fading && group.bounded == 0) continue;
         group.edited = group.fades = group.interrupted = true;
@@ -231,6 +235,7 @@ void SceneCore::take_placements() noexcept {
         Slot& slot = slots_[effects_[e]];
         const Group& group = groups_[felt(effects_[e]).probe];
         if (!group.replaced) continue;
+        if (!slot.asked) effects_edited_ = true;
         if (slot.collapsed) {
             Record& r = felt(effects_[e]);
             slot.last = at_hand(kind_ops()[r.kind].evaluate(r, group.probe, 0), group);
@@ -263,7 +268,14 @@ void SceneCore::take_changes() noexcept {
     if (!sets_edited_ && reshaped_size_ > 0) sets_edited_ = !reshape_sets();
     if (sets_edited_) rebuild_sets();
     reshaped_size_ = 0;
-    if (effects_edited_) list_effects();
+    for (std::uint32_t rest = bounded_effects_used_; rest != 0; rest &= rest - 1) {
+        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
+        if (groups_[p].near_effects.margin < 0) collect_effects(groups_[p], p);
+    }
+    if (effects_edited_) {
+        list_effects();
+        effects_bound_stale_ = true;
+    }
     if (effects_bound_stale_) bound_effects();
     for (std::uint32_t c = 0; c < changed_size_; ++c) slots_[changed_[c]].renewed = false;
     changed_size_ = 0;

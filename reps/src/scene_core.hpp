@@ -68,9 +68,14 @@ struct KindOps {
     Demand (*load_bound)(const Record&, const Limits&) noexcept = nullptr;  // of an effect
     HandLoad (*load)(const Record&, const Probe&) noexcept = nullptr;       // of an effect, at the probe
     bool (*carry)(Record& old, const Record& next) noexcept = nullptr;      // true: the rest is equal too
-    std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;        // of a surface
-    void (*out_of_reach)(Record&) noexcept = nullptr;                       // its path so far is forgotten
-    Motion* (*motion)(Record&) noexcept = nullptr;                          // of a surface
+    std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;
+    // Of an effect: it gives nothing wherever the probe is; it has nothing more to arrive at by itself.
+    bool (*powerless)(const Record&) noexcept = nullptr;
+    bool (*arrived)(const Record&) noexcept = nullptr;
+    // Of a surface without an end that stands still: m, it is no nearer.
+    std::optional<double> (*clearance)(const Record&, const Probe&) noexcept = nullptr;
+    void (*out_of_reach)(Record&) noexcept = nullptr;         // its path so far is forgotten
+    Motion* (*motion)(Record&) noexcept = nullptr;            // of a surface
     const Asset* (*asset)(const Record&) noexcept = nullptr;  // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
@@ -160,6 +165,7 @@ class SceneCore {
     void replace_old(Group& group, std::uint32_t probe) noexcept;
 
     // scene_near.cpp
+    bool may_be_far(const Record& surface) const noexcept;
     void place_surface(std::uint32_t slot) noexcept;   // in Reach, or among those that are always asked
     void forget_surface(std::uint32_t slot) noexcept;  // from where it was
     void fetch(std::span<const std::uint32_t> slots) const noexcept;
@@ -191,6 +197,20 @@ class SceneCore {
     void evaluate_effects(double dt, Wrench& sum) noexcept;
     void evaluate_effects_at(double dt, Wrench& sum) noexcept;  // where the probes are, as fast as they say
     Wrench at_hand(const Wrench& at_probe, const Group& group) const noexcept;
+    // An effect's own time: it stands still where the silence holds it, or has taken it away. What it was told to
+    // arrive at it arrives at all the same.
+    double own_step(const Record& r, bool arrived, double dt) const noexcept {
+        const bool holds = silence_ > 0 && r.use.on_silence == OnSilence::hold;
+        return (holds || r.weight == 0) && arrived ? 0 : dt;
+    }
+
+    // scene_asked.cpp: which effects are asked
+    bool to_be_asked(std::uint32_t slot) const noexcept;
+    void place_effect(std::uint32_t slot) noexcept;  // in its Reach, if it has an end
+    void forget_effect(std::uint32_t slot) noexcept;
+    void collect_effects(Group& group, std::uint32_t probe) noexcept;
+    bool near_effects_left() noexcept;  // a probe has moved out of what is asked for it
+    double still_effects() const noexcept;
 
     // scene_load.cpp
     Demand bound_of(const ContactSet& set) const noexcept;
@@ -207,6 +227,8 @@ class SceneCore {
     void tell_surfaces(std::uint32_t room, Put put) noexcept;
     template <class Put>
     void tell_touched(Put put) noexcept;
+    template <class Put>
+    void tell_effects(std::uint32_t room, bool all, Put put) noexcept;
 
     // scene_still.cpp
     bool changed() const noexcept;
@@ -262,7 +284,9 @@ class SceneCore {
     std::uint32_t surfaces_size_ = 0;
     std::vector<std::uint32_t> always_;  // those of them that are in the sets wherever the probe is
     std::uint32_t always_size_ = 0;
-    Reach reach_;                              // the others
+    Reach reach_;                         // the others, as long as they have an end
+    std::vector<std::uint32_t> endless_;  // ... and those that have none, but stand still
+    std::uint32_t endless_size_ = 0;
     std::uint32_t bounded_used_ = 0;           // bit mask: probes with some of those
     std::array<Contact, max_contacts> found_;  // scratch of ask
     std::vector<std::uint32_t> near_;          // scratch of collect_near
@@ -285,6 +309,8 @@ class SceneCore {
     std::vector<std::uint32_t> fading_;  // slots whose effect fades
     std::uint32_t fading_size_ = 0;
     bool effects_edited_ = false;
+    Reach effect_reach_;                      // those with an end
+    std::uint32_t bounded_effects_used_ = 0;  // bit mask: probes with some of those
     std::vector<std::uint32_t> by_kind_;
     std::array<std::uint32_t, Representations::size + 1> kind_begin_{};
     std::array<Kind, Representations::size> active_kinds_{};

@@ -40,8 +40,12 @@ void SceneCore::list_effects() noexcept {
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
         const std::uint32_t i = effects_[e];
         const Record& r = felt(i);
-        slots_[i].collapsed = may_collapse(i);
-        if (slots_[i].collapsed) {
+        Slot& slot = slots_[i];
+        slot.asked = to_be_asked(i);
+        slot.collapsed = slot.asked && may_collapse(i);
+        if (!slot.asked) {
+            slot.last = Wrench{};
+        } else if (slot.collapsed) {
             groups_[r.probe].springs.add(
                 *std::launder(reinterpret_cast<const Spring*>(r.params)),
                 std::launder(reinterpret_cast<const Spring::State*>(r.state))->anchor);
@@ -53,13 +57,15 @@ void SceneCore::list_effects() noexcept {
     for (std::size_t k = 0; k < Representations::size; ++k) next[k + 1] += next[k];
     kind_begin_ = next;
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
-        if (!slots_[effects_[e]].collapsed) by_kind_[next[felt(effects_[e]).kind]++] = effects_[e];
+        if (slots_[effects_[e]].asked && !slots_[effects_[e]].collapsed)
+            by_kind_[next[felt(effects_[e]).kind]++] = effects_[e];
     }
     active_kinds_size_ = 0;
     for (Kind k = 0; k < Representations::size; ++k) {
         if (kind_begin_[k + 1] > kind_begin_[k]) active_kinds_[active_kinds_size_++] = k;
     }
     effects_edited_ = false;
+    told_.relisted = true;
 }
 
 Wrench SceneCore::at_hand(const Wrench& at_probe, const Group& group) const noexcept {
@@ -77,7 +83,7 @@ void SceneCore::advance_effect_fades(double dt, Wrench& sum) noexcept {
             slot.from = Slot::From::none;
             slot.gain = 1;
             slot.remnant = slot.last = Wrench{};
-            effects_edited_ = effects_edited_ || felt(i).kind == kind_of<Spring>;
+            effects_edited_ = effects_edited_ || felt(i).kind == kind_of<Spring> || !to_be_asked(i);
             fading_[f] = fading_[--fading_size_];
             continue;
         }
@@ -86,8 +92,10 @@ void SceneCore::advance_effect_fades(double dt, Wrench& sum) noexcept {
         if (slot.from == Slot::From::record) {
             Record& old = faded(i);
             const Group& group = groups_[old.probe];
-            slot.remnant = ((1 - slot.gain) * old.weight) *
-                           at_hand(kind_ops()[old.kind].evaluate(old, group.probe, dt), group);
+            const KindOps& ops = kind_ops()[old.kind];
+            const double step = own_step(old, ops.arrived(old), dt);
+            slot.remnant =
+                ((1 - slot.gain) * old.weight) * at_hand(ops.evaluate(old, group.probe, step), group);
             ++evaluated_;
         } else if (slot.from == Slot::From::frozen) {
             slot.remnant = (1 - slot.gain) * slot.frozen;

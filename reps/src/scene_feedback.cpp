@@ -152,6 +152,27 @@ void SceneCore::tell_surfaces(std::uint32_t room, Put put) noexcept {
     }
 }
 
+/// All effects, or those alone that are asked: of the others there is nothing new.
+template <class Put>
+void SceneCore::tell_effects(std::uint32_t room, bool all, Put put) noexcept {
+    if (!all) {
+        for (std::uint32_t k = 0; k < kind_begin_.back(); ++k) {
+            const std::uint32_t i = by_kind_[k];
+            if (slots_[i].entry != gone) put(slots_[i].entry, feedback_of(i, false));
+        }
+        return;
+    }
+    std::uint32_t n = told_.entries;
+    for (std::uint32_t k = 0; k < effects_size_; ++k) {
+        const std::uint32_t i = effects_[k];
+        const bool told = felt(i).reported && n < room;
+        slots_[i].entry = told ? n++ : gone;
+        if (told) put(slots_[i].entry, feedback_of(i, false));
+    }
+    told_.effects = n - told_.entries;
+    told_.relisted = false;
+}
+
 /// Those that are touched, and those that were.
 template <class Put>
 void SceneCore::tell_touched(Put put) noexcept {
@@ -219,6 +240,8 @@ std::size_t Scene::feedback(std::span<Feedback> kept, const Rewritten& rewritten
         written[n / 64] |= bit(n);
         return (f.flags & Feedback::touching) != 0;
     };
+    const bool silence = (core.told_.silent != 0) != (core.silence_ > 0);
+    const bool all_effects = core.told_.edited || core.told_.relisted || silence;
     if (core.retold_by_flags(kept, flags)) {
         core.tell_touched([&, written = written](std::size_t n, auto feedback) {
             return (written[n / 64] & bit(n)) == 0 && put(n, feedback());  // one may be named twice
@@ -226,12 +249,8 @@ std::size_t Scene::feedback(std::span<Feedback> kept, const Rewritten& rewritten
     } else {
         core.tell_surfaces(static_cast<std::uint32_t>(room), put);
     }
-    std::size_t n = core.told_.entries;
-    for (std::uint32_t k = 0; k < core.effects_size_ && n < room; ++k) {
-        const std::uint32_t i = core.effects_[k];
-        if (core.felt(i).reported) put(n++, core.feedback_of(i, false));
-    }
-    return n;
+    core.tell_effects(static_cast<std::uint32_t>(room), all_effects, put);
+    return core.told_.entries + core.told_.effects;
 }
 
 }  // namespace knurl

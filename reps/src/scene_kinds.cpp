@@ -185,14 +185,17 @@ struct Ops {
         if constexpr (requires { carried(params_of<R>(old), params_of<R>(next)); }) {
             const R params = carried(params_of<R>(old), params_of<R>(next));
             std::memcpy(old.params, &params, sizeof params);
-            std::memcpy(old.state, next.state, sizeof(typename R::State));
+            if constexpr (!requires { R::State::moves_alike; })
+                std::memcpy(old.state, next.state, sizeof(typename R::State));
         }
         return std::memcmp(old.params, next.params, sizeof(R)) == 0;
     }
     // One that moves by itself is asked in every cycle: its ball would have to move along, which that of one
     // that turns does, but not its texture.
     static std::optional<Bound> bound_of(const Record& r) noexcept {
-        if constexpr (requires(const R& p, const typename R::State& state) { bound(p, state); }) {
+        if constexpr (Effect<R> && requires(const R& p) { bound(p); }) {
+            return bound(params_of<R>(r));
+        } else if constexpr (requires(const R& p, const typename R::State& state) { bound(p, state); }) {
             if (r.velocity != Eigen::Vector3d::Zero() && (!turns_of<R>() || r.textured)) return std::nullopt;
             std::optional<Bound> ball =
                 bound(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)));
@@ -200,6 +203,33 @@ struct Ops {
             return ball;
         } else {
             return std::nullopt;
+        }
+    }
+    static std::optional<double> clearance_of([[maybe_unused]] const Record& r,
+                                              [[maybe_unused]] const Probe& probe) noexcept {
+        if constexpr (requires(const R& p, const typename R::State& state) { clearance(p, state, probe); }) {
+            if (r.velocity != Eigen::Vector3d::Zero()) return std::nullopt;
+            const double relief = r.textured ? params_of<R>(r).texture.amplitude : 0;
+            return clearance(params_of<R>(r),
+                             *std::launder(reinterpret_cast<const typename R::State*>(r.state)), probe) -
+                   relief;
+        } else {
+            return std::nullopt;
+        }
+    }
+    static bool powerless_now([[maybe_unused]] const Record& r) noexcept {
+        if constexpr (requires(const R& p) { powerless(p); }) {
+            return powerless(params_of<R>(r));
+        } else {
+            return false;
+        }
+    }
+    static bool arrived_by_now([[maybe_unused]] const Record& r) noexcept {
+        if constexpr (requires(const R& p, const typename R::State& state) { arrived(p, state); }) {
+            return arrived(params_of<R>(r),
+                           *std::launder(reinterpret_cast<const typename R::State*>(r.state)));
+        } else {
+            return true;
         }
     }
     static void forget_path(Record& r) noexcept {
@@ -246,14 +276,15 @@ struct Ops {
                 Record& r = scene.felt(i);
                 Slot& slot = scene.slots_[i];
                 const Group& group = scene.groups_[r.probe];
+                const bool under_way = !arrived_by_now(r);
+                const double step = scene.own_step(r, !under_way, dt);
                 const Wrench w =
-                    scene.at_hand(evaluate(params_of<R>(r), state_of<R>(r), group.probe, dt), group);
+                    scene.at_hand(evaluate(params_of<R>(r), state_of<R>(r), group.probe, step), group);
                 slot.last = (slot.gain * r.weight) * w;
                 sum += slot.last;
                 if (slot.from != Slot::From::none) slot.last += slot.remnant;
-                if constexpr (std::is_same_v<R, Spring>) {
-                    if (scene.may_collapse(i)) scene.effects_edited_ = true;  // it has arrived
-                }
+                // It may be one with others, or cost nothing, from now on.
+                if (under_way && arrived_by_now(r)) scene.effects_edited_ = true;
             }
         }
     }
@@ -291,6 +322,9 @@ constexpr auto table(TypeList<R...>) {
                 .load = Ops<R>::loads ? &Ops<R>::load_at : nullptr,
                 .carry = &Ops<R>::carry,
                 .bound = &Ops<R>::bound_of,
+                .powerless = &Ops<R>::powerless_now,
+                .arrived = &Ops<R>::arrived_by_now,
+                .clearance = &Ops<R>::clearance_of,
                 .out_of_reach = &Ops<R>::forget_path,
                 .motion = &Ops<R>::motion_of,
                 .asset = &Ops<R>::asset_of,

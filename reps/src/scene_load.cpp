@@ -131,8 +131,8 @@ Demand SceneCore::bound_of(const Record& effect) const noexcept {
 void SceneCore::bound_effects() noexcept {
     effects_bound_ = {};
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
-        const Record& r = felt(effects_[e]);
-        const Demand bound = bound_of(r);
+        if (!slots_[effects_[e]].asked) continue;
+        const Demand bound = bound_of(felt(effects_[e]));
         effects_bound_.stiffness += bound.stiffness;
         effects_bound_.damping += bound.damping;
     }
@@ -194,6 +194,7 @@ SceneLoad Scene::load() const noexcept {
     for (std::uint32_t e = 0; e < core.effects_size_; ++e) {
         const std::uint32_t i = core.effects_[e];
         const Slot& slot = core.slots_[i];
+        if (!slot.asked) continue;
         add_effect(core.felt(i), slot.gain * core.felt(i).weight);
         if (!slot.collapsed) turn(effects, slot.last.force, core.groups_[core.felt(i).probe]);
         add_old(i);

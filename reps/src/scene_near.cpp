@@ -16,14 +16,23 @@ constexpr std::uint32_t many = 64, few = 16;
 
 }  // namespace
 
+// One without stiffness is in no set, wherever the probe is.
+bool SceneCore::may_be_far(const Record& r) const noexcept {
+    const KindOps& ops = kind_ops()[r.kind];
+    return r.stiffness > 0 && (ops.bound(r) || ops.clearance(r, groups_[r.probe].probe));
+}
+
 void SceneCore::place_surface(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
     const Record& r = felt(i);
     const std::optional<Bound> ball = kind_ops()[r.kind].bound(r);
-    slot.near = slot.near && ball.has_value();
-    slot.bounded = ball.has_value();
-    if (!ball) return join(always_, always_size_, i, &Slot::always_place);
-    if (ball->velocity.isZero(0)) {
+    slot.bounded = may_be_far(r);
+    slot.endless = slot.bounded && !ball;
+    slot.near = slot.near && slot.bounded;
+    if (!slot.bounded) return join(always_, always_size_, i, &Slot::always_place);
+    if (slot.endless) {
+        join(endless_, endless_size_, i, &Slot::always_place);
+    } else if (ball->velocity.isZero(0)) {
         reach_.put(i, ball->center, ball->radius);
     } else {
         const bool holds = r.use.on_silence == OnSilence::hold;
@@ -38,7 +47,11 @@ void SceneCore::place_surface(std::uint32_t i) noexcept {
 void SceneCore::forget_surface(std::uint32_t i) noexcept {
     Slot& slot = slots_[i];
     if (!slot.bounded) return leave(always_, always_size_, i, &Slot::always_place);
-    reach_.drop(i);
+    if (slot.endless) {
+        leave(endless_, endless_size_, i, &Slot::always_place);
+    } else {
+        reach_.drop(i);
+    }
     const std::uint32_t probe = felt(i).probe;
     Group& group = groups_[probe];
     group.near.margin = -1;
@@ -90,7 +103,7 @@ void SceneCore::catch_up(Record& r) noexcept {
 void SceneCore::prime(Record& r, const Group& group) noexcept {
     const KindOps& ops = kind_ops()[r.kind];
     if (ops.turns) catch_up(r);
-    if (!ops.bound(r)) return;  // not skipped, but without stiffness
+    if (!ops.bound(r) && !ops.clearance(r, group.probe)) return;  // not skipped, but without stiffness
     ops.out_of_reach(r);
     Probe then = group.probe;
     then.position = group.before;
@@ -131,6 +144,15 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
         reach_.collect_moving(near.at, within, now_, std::span(near_).subspan(found));
     found += coming.count;
     near.until = now_.all + coming.lasts;
+    // Through one that has no end the path of this cycle may have led, if it was as long as that is far away.
+    const double endless = near.margin + (near.at - group.before).norm();
+    for (std::uint32_t k = 0; k < endless_size_; ++k) {
+        const std::uint32_t i = endless_[k];
+        if (felt(i).probe != probe) continue;
+        const std::optional<double> clear = kind_ops()[felt(i).kind].clearance(felt(i), group.probe);
+        const double lost = 1e-12 * (near.at.lpNorm<1>() + endless);
+        if (!clear || !(*clear > endless + lost)) near_[found++] = i;
+    }
     fetch(std::span(near_.data(), found));
 
     std::uint32_t size = 0;
@@ -145,7 +167,9 @@ void SceneCore::collect_near(Group& group, std::uint32_t probe) noexcept {
     for (std::uint32_t k = 0; k < near.size; ++k) {
         const std::uint32_t i = near.slots[k];
         const Slot& slot = slots_[i];
-        if (slot.near || !slot.bounded || !slot.felt || slot.renewed || felt(i).probe != probe) continue;
+        if (slot.near || !slot.bounded || slot.endless || !slot.felt || slot.renewed ||
+            felt(i).probe != probe)
+            continue;
         if (!kind_ops()[felt(i).kind].bound(felt(i))) near_[size++] = i;
     }
     std::sort(near_.begin(), near_.begin() + size);

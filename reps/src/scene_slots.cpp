@@ -14,7 +14,8 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
     : capacity_(capacity),
       limits_(sane_limits(limits)),
       shares_(shares_of(limits_)),
-      reach_(std::max(1u, capacity.representations)) {
+      reach_(std::max(1u, capacity.representations)),
+      effect_reach_(std::max(1u, capacity.representations)) {
     capacity_.representations = std::max(1u, capacity.representations);
     capacity_.probes = std::clamp(capacity.probes, 1u, Scene::max_probes);
     const std::size_t n = capacity_.representations;
@@ -26,6 +27,7 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
     groups_.resize(capacity_.probes);
     surfaces_.resize(n);
     always_.resize(n);
+    endless_.resize(n);
     near_.resize(n);
     told_.probe.resize(n);
     told_.touched.resize(n);
@@ -141,10 +143,11 @@ void SceneCore::leave(std::vector<std::uint32_t>& list, std::uint32_t& size, std
 
 void SceneCore::clear() noexcept {
     for (std::uint32_t i = 0; i < slots_.size(); ++i) slots_[i] = Slot{};
-    changed_size_ = surfaces_size_ = always_size_ = effects_size_ = fading_size_ = fading_olds_size_ = size_ =
-        0;
+    changed_size_ = surfaces_size_ = always_size_ = endless_size_ = effects_size_ = fading_size_ =
+        fading_olds_size_ = size_ = 0;
     counts_ = {};
     reach_.clear();
+    effect_reach_.clear();
     now_ = before_ = {};
     pace_ = 1;
     scales_ = {};
@@ -158,11 +161,12 @@ void SceneCore::clear() noexcept {
         group.friction = FrictionState{};
         group.springs.clear();
         group.near.size = group.bounded = 0;
-        group.near.margin = -1;
+        group.near.margin = group.near_effects.margin = -1;
+        group.bounded_effects = 0;
     }
-    contacts_used_ = bounded_used_ = collapsed_used_ = reshaped_size_ = 0;
+    contacts_used_ = bounded_used_ = bounded_effects_used_ = collapsed_used_ = reshaped_size_ = 0;
     probes_used_ = 1;
-    sets_edited_ = effects_edited_ = told_.edited = true;
+    sets_edited_ = effects_edited_ = told_.edited = told_.relisted = true;
     kind_begin_ = {};
     active_kinds_size_ = 0;
 }

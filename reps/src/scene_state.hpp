@@ -89,8 +89,9 @@ struct alignas(64) Slot {
     std::uint8_t current = 0;  // which of its two records is the one that is felt
     bool twins = false;        // they differ in nothing but shape, of a surface that stands: see reshape
     bool renewed = false;      // while changes are taken: this slot's is one of them
-    bool bounded = false;      // of a surface: in Reach, and in a set only while near
+    bool bounded = false;      // in Reach; a surface is in a set, an effect asked, only while near
     bool near = false;         // ... which it is
+    bool endless = false;      // bounded, not by a ball: asked how far away it is
     bool old_listed = false;   // in fading_olds_
     From from = From::none;    // of an effect: its fade is from the old record, a frozen wrench, or nothing
     std::uint32_t felt_generation = 0;
@@ -98,12 +99,13 @@ struct alignas(64) Slot {
     std::uint32_t place = 0;           // in the list of surfaces or effects
     std::uint32_t member = 0;          // of a surface: its first index in the arena; gone: it is in no set
     std::uint32_t always_place = 0;
-    std::uint32_t entry = 0;        // of a surface: in kept feedback
+    std::uint32_t entry = 0;        // in kept feedback
     std::uint32_t new_in_fade = 0;  // the fade of its probe that brings it in: not in the fading set
     std::uint32_t old_in_fade = 0;  // ... whose fading set has its old record; 0: to come
 
     Use use;
     // Of an effect: its own fade.
+    bool asked = false;            // in each cycle: see to_be_asked
     bool collapsed = false;        // a spring that is part of its probe's CollapsedSprings
     bool carries = false;          // the old record is the same effect's: it moves along
     double elapsed = 0, time = 0;  // s
@@ -168,16 +170,24 @@ struct Candidates {
     double until = 0;                              // s, of the scene's time: then others may have come near
 };
 
+/// Which bounded effects a probe may feel before it has moved by `margin` from `at`: those that are `near`.
+struct Nearby {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();  // m
+    double margin = -1;                            // m; negative: to be collected anew
+    double wanted = 0;                             // m, the next margin
+};
+
 inline constexpr double near_rounding = 1 - 5e-5;  // of the margin: what rounding of positions may not eat
 
 /// What kept feedback of surfaces was made from. While nothing of this changes, nothing is to be said of
 /// those that are not touched.
 struct Told {
-    bool edited = true;  // the surfaces, their order, or what follows from their parameters alone
+    bool edited = true;    // what is felt, its order, or what follows from its parameters alone
+    bool relisted = true;  // other effects are asked than were
     std::uint32_t silent = 0, fading = 0, infeasible = 0;  // bit masks: probes
-    std::uint32_t entries = 0;
-    std::vector<std::uint8_t> probe;     // by entry
-    std::vector<std::uint32_t> touched;  // slots
+    std::uint32_t entries = 0, effects = 0;                // of surfaces; of effects, behind them
+    std::vector<std::uint8_t> probe;                       // by entry
+    std::vector<std::uint32_t> touched;                    // slots
     std::uint32_t touched_size = 0;
 };
 
@@ -191,6 +201,8 @@ struct Group {
     ContactSet now, old;
     Candidates near;
     std::uint32_t bounded = 0;  // surfaces that may become candidates
+    Nearby near_effects;
+    std::uint32_t bounded_effects = 0;
     bool fading = false;
     bool bridged = false;          // the fading set is the bridge alone
     bool olds_left_out = false;    // old records out of reach are not in it

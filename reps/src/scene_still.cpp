@@ -38,15 +38,15 @@ double still_bounds(const Group& group) noexcept {
 bool SceneCore::changed() const noexcept {
     const bool pace_moves = pace_ != (silence_ > 0 ? 0 : 1);
     return changed_size_ > 0 || moved_ || sets_edited_ || effects_edited_ || weights_move_ || pace_moves ||
-           settle_ || told_.edited;
+           settle_ || told_.edited || told_.relisted;
 }
 
 double SceneCore::still_within() const noexcept {
     // In the last evaluation time passed, and nobody was asked.
-    if (evaluated_ > 0 || last_timed_ != cycle_ || effects_size_ + fading_size_ > 0 ||
+    if (evaluated_ > 0 || last_timed_ != cycle_ || active_kinds_size_ + collapsed_used_ + fading_size_ > 0 ||
         told_.touched_size > 0 || changed())
         return 0;
-    double within = infinity, farthest = 0;
+    double within = still_effects(), farthest = 0;
     for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
         const Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
         if (group.placement.offset != Vec3{}) return 0;  // the hand's turning moves it, too

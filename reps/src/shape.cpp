@@ -118,7 +118,7 @@ Contact contact(const Shape& params, Shape::State& state, const Probe& probe, do
 // the point of the axis next to that, which goes straight on: so it holds wherever it has moved on to.
 std::optional<Bound> bound(const Shape& params, const Shape::State& state) noexcept {
     if (touches(state.proxy)) return std::nullopt;
-    if (!state.asset) return Bound{};
+    if (!state.asset) return Bound{.center = to_eigen(params.position)};
     const Pose pose(params, state.motion);
     const Vector3d middle = (state.asset->low + state.asset->high) / 2;
     Vector3d arm = pose.turn * middle;

@@ -104,4 +104,12 @@ HandLoad load(const Spring& params, const Spring::State& state, const Probe& pro
     return load;
 }
 
+bool powerless(const Spring& params) noexcept {
+    return params.stiffness == 0 && params.damping == 0;
+}
+
+bool arrived(const Spring&, const Spring::State& state) noexcept {
+    return !(state.remaining > 0);
+}
+
 }  // namespace knurl

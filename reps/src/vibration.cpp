@@ -18,6 +18,7 @@ void adopt(const Vibration&, const Vibration* previous, Vibration::State& state,
 }
 
 Wrench evaluate(const Vibration& params, Vibration::State& state, const Probe&, double dt) noexcept {
+    if (powerless(params)) return {};
     state.phase += params.frequency * dt;
     state.phase -= std::floor(state.phase);
     return {.force = (params.amplitude * std::sin(2 * M_PI * state.phase)) * to_eigen(params.direction)};
@@ -28,6 +29,10 @@ Vibration carried(const Vibration& old, const Vibration& next) noexcept {
     out.frequency = next.frequency;
     out.recovery = next.recovery;
     return out;
+}
+
+bool powerless(const Vibration& params) noexcept {
+    return params.amplitude == 0;
 }
 
 }  // namespace knurl

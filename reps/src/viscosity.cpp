@@ -26,4 +26,8 @@ HandLoad load(const Viscosity& params, const Viscosity::State&, const Probe&) no
     return load;
 }
 
+bool powerless(const Viscosity& params) noexcept {
+    return params.damping == 0 && params.angular_damping == 0;
+}
+
 }  // namespace knurl

@@ -65,6 +65,23 @@ exact::Matrix any_jacobian(Rng& rng, int size, double* out) {
     return m;
 }
 
+/// How far the device lets the edge go is the field's own (tests/reps/taylor_edges.cpp bounds it): from there on it
+/// is what its formula says.
+template <class R>
+void take_edge(const R& prepared, exact::Taylor& out) {
+    out.core = prepared.core;
+    out.force = real(prepared.force);
+    Real square = 0;
+    for (const double entry : prepared.jacobian.at) square += Real(entry) * entry;
+    out.size = std::sqrt(square);
+}
+
+/// Of the share of the energy, and of its slope.
+Real edge_scale(const exact::Taylor& t, Real size, Real reach) {
+    const Real width = (1 - t.core) * t.radius;
+    return size / width * reach * (1 + 6 * t.radius / width);
+}
+
 Real largest_of(const exact::Matrix& m) {
     Real most = 0;
     for (int r = 0; r < m.size; ++r) {
@@ -94,13 +111,13 @@ TEST(Fields, Taylor) {
                               .jacobian = any_jacobian(rng, 3, t.jacobian.at),
                               .radius = t.radius,
                               .hold = t.edge == knurl::TaylorEdge::hold};
+        take_edge(knurl::prepared(t, limits), want_of);
         const Probe hand = any_hand(rng, origin, rng.one_in(10) ? 0 : rng.uniform(0, 1.3) * t.radius);
         const exact::Twist want = exact::taylor(want_of, tip_of(hand), device_of(limits));
         const Real reach = std::max(exact::length(real(hand.position)), exact::length(real(t.origin)));
         const Real j = largest_of(want_of.jacobian) + 50, size = exact::length(real(t.force)) + j * t.radius;
-        // The edge is 7.5 / radius steep.
         c.compare(felt(c, t, hand, limits).force, exact::capped(want.force, limits.max_force),
-                  size + (j + 7.5L * size / t.radius) * reach);
+                  10 * size + j * reach + edge_scale(want_of, size, reach));
     });
 }
 
@@ -127,6 +144,9 @@ TEST(Fields, Taylor6) {
                               .radius = t.radius,
                               .angle = t.angle,
                               .hold = t.edge == knurl::TaylorEdge::hold};
+        const knurl::Taylor6 servo = knurl::prepared(t, limits);
+        take_edge(servo, want_of);
+        want_of.torque = real(servo.torque);
         Probe hand = any_hand(rng, origin, rng.uniform(0, 1.3) * t.radius);
         const double turn = rng.one_in(10) ? rng.scale(1e-12, 1e-3) : rng.uniform(0, 1.3) * t.angle;
         const Vector axis = rng.direction();
@@ -144,7 +164,10 @@ TEST(Fields, Taylor6) {
                                 ? std::sqrt(Real(limits.max_torsion) / Real(limits.max_stiffness))
                                 : 1;
         const Real ratio = std::max(metres * metres, 1 / (metres * metres));
-        const Real scale = (size + (j + 7.5L * size / t.radius) * reach + 7.5L * size / t.angle) * ratio;
+        const Real narrow = (1 - want_of.core) * t.angle;
+        const Real scale = (10 * size + j * reach + edge_scale(want_of, size, reach) +
+                            10 * size / narrow / narrow + size * reach / narrow) *
+                           ratio;
         const Wrench got = felt(c, t, hand, limits);
         c.compare(got.force, exact::capped(want.force, limits.max_force), scale);
         c.compare(got.torque, exact::capped(want.torque, limits.max_torque), scale);

@@ -291,3 +291,74 @@ TYPED_TEST(Conformance, ComesAndGoesWithoutAJolt) {
         ASSERT_EQ(last.norm(), 0.0);
     }
 }
+
+// Surfaces have theirs in held_in_silence.cpp: what moves them is the scene's own.
+template <class... Lists>
+struct Joined {
+    using Type = testing::Types<>;
+};
+template <class... A, class... B, class... Rest>
+struct Joined<testing::Types<A...>, testing::Types<B...>, Rest...> {
+    using Type = typename Joined<testing::Types<A..., B...>, Rest...>::Type;
+};
+template <class... A>
+struct Joined<testing::Types<A...>> {
+    using Type = testing::Types<A...>;
+};
+template <class List>
+struct EffectsOf;
+template <class... R>
+struct EffectsOf<TypeList<R...>> {
+    using Types =
+        typename Joined<std::conditional_t<Effect<R>, testing::Types<R>, testing::Types<>>...>::Type;
+};
+template <class R>
+struct EffectConformance : Conformance<R> {};
+TYPED_TEST_SUITE(EffectConformance, EffectsOf<Representations>::Types);
+
+// An effect's own time is the scene's: where a silence holds it, it gives what it gave; where it fades, as much less as
+// its weight is, of what it would have given, and then nothing, for ever.
+TYPED_TEST(EffectConformance, DoesNotGrowWhileItsApplicationIsSilent) {
+    constexpr double wait = 0.03;  // s
+    for (int round = 0; round < 100; ++round) {
+        const TypeParam params = random_params<TypeParam>(this->rng, false);
+        const Probe probe = wander(this->rng);  // held still
+        Scene speaking = make_scene(), fades = make_scene(), moves = make_scene(), holds = make_scene();
+        const auto add = [&](Scene& scene, OnSilence on_silence) {
+            ASSERT_TRUE(scene.add(this->handle, params, {.on_silence = on_silence, .silence_time = wait}));
+            scene.settle();
+        };
+        add(speaking, OnSilence::fade);
+        add(fades, OnSilence::fade);
+        add(moves, OnSilence::move);
+        add(holds, OnSilence::hold);
+        Wrench last;
+        for (int i = 0; i < 37; ++i) {
+            last = holds.evaluate(probe, dt);
+            for (Scene* scene : {&speaking, &fades, &moves}) scene->evaluate(probe, dt);
+        }
+        for (int i = 1; i <= 400; ++i) {
+            for (Scene* scene : {&fades, &moves, &holds}) scene->set_silence(i * dt);
+            const Wrench would = speaking.evaluate(probe, dt);
+            const Vector faded = fades.evaluate(probe, dt).force, moved = moves.evaluate(probe, dt).force;
+            const double slack = 1e-10 * would.force.norm();
+            const double share = std::max(0.0, 1 - i / 100.0),
+                         later = std::clamp(1 - (i - wait / dt) / 100.0, 0.0, 1.0);
+            ASSERT_LE((faded - share * would.force).norm(), slack)
+                << "seed " << this->seed << " round " << round << " cycle " << i;
+            ASSERT_LE((moved - later * would.force).norm(), slack)
+                << "seed " << this->seed << " round " << round << " cycle " << i;
+            ASSERT_TRUE(same_bits(holds.evaluate(probe, dt), last))
+                << "seed " << this->seed << " round " << round << " cycle " << i;
+        }
+        // It goes on from there.
+        fades.set_silence(0);
+        holds.set_silence(0);
+        Scene twin = make_scene();
+        add(twin, OnSilence::fade);
+        for (int i = 0; i < 37; ++i) twin.evaluate(probe, dt);
+        for (int i = 0; i < 20; ++i)
+            ASSERT_TRUE(same_bits(holds.evaluate(probe, dt), twin.evaluate(probe, dt)))
+                << "seed " << this->seed << " round " << round << " cycle " << i;
+    }
+}

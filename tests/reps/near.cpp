@@ -58,3 +58,82 @@ TEST(Reach, CollectsExactlyThoseThatComeNearer) {
         }
     }
 }
+
+namespace near_tests {
+namespace {
+
+/// One surface without an end: in the scene, and asked in every cycle beside it.
+template <class R, class Make>
+void expect_as_if_asked(std::uint64_t seed, Make make) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Rng rng(seed);
+    Scene scene = make_scene();
+    const double radius = between(rng, 0, 1) ? 0 : uniform(rng, 0, 0.003);
+    ASSERT_TRUE(scene.place_probe(0, {.offset = {}, .radius = radius}));
+    R raw = make(rng), params = prepared(raw, Limits{});
+    ASSERT_TRUE(scene.add({0, 1}, raw));
+    typename R::State state{};
+    adopt(params, static_cast<const R*>(nullptr), state, Probe{});
+    scene.settle();
+    const double swift = scale(rng, 0.1, 10);
+    Vector about = Vector::Zero();
+    long touched = 0, asked = 0;
+    for (int cycle = 0; cycle < 4000; ++cycle) {
+        if (between(rng, 0, 100) == 0) about = scale(rng, 1e-3, 0.3) * direction(rng);  // a teleport
+        if (between(rng, 0, 300) == 0) {
+            raw = make(rng);
+            const R next = prepared(raw, Limits{}), previous = params;
+            ASSERT_TRUE(scene.update({0, 1}, raw));
+            params = next;
+            if (std::memcmp(&params, &previous, sizeof params) != 0) adopt(params, &previous, state, Probe{});
+        }
+        const double t = 1e-3 * cycle * swift;
+        Probe hand = at(about + 0.02 * Vector(std::sin(3 * t), std::cos(2 * t), std::sin(5 * t)));
+        const double step = between(rng, 0, 30) == 0 ? 0 : dt;
+        const Vector got = scene.evaluate(hand, step).force;
+        hand.radius = radius;
+        const Contact want = contact(params, state, hand, step);
+        const Vector force = std::max(0.0, -want.height) * want.stiffness * want.normal;
+        ASSERT_LE((got - force).norm(), 1e-12 * (1 + force.norm())) << "cycle " << cycle;
+        touched += force.norm() > 0;
+        asked += scene.evaluated();
+    }
+    EXPECT_LT(asked, 4000);
+}
+
+TEST(Near, CapsOutOfReachAnswerAsIfTheyWereAskedInEveryCycle) {
+    for (std::uint64_t seed = 1; seed <= (long_form() ? 2000u : 100u); ++seed) {
+        ASSERT_NO_FATAL_FAILURE(expect_as_if_asked<Cap>(seed, [](Rng& rng) {
+            Cap cap{.foot = to_plain(uniform(rng, 0, 0.1) * direction(rng)),
+                    .normal = to_plain(direction(rng)),
+                    .curvature = between(rng, 0, 2) ? uniform(rng, -60, 60) : 0,
+                    .stiffness = 300};
+            cap.curvature2 = cap.curvature;
+            if (between(rng, 0, 1)) {
+                cap.axis = to_plain(to_eigen(cap.normal).unitOrthogonal());
+                cap.curvature2 = uniform(rng, -60, 60);
+            }
+            if (between(rng, 0, 3) == 0) cap.stiffness = 0;
+            cap.recovery = 0;
+            return cap;
+        }));
+    }
+}
+
+TEST(Near, HalfPlanesOutOfReachAnswerAsIfTheyWereAskedInEveryCycle) {
+    for (std::uint64_t seed = 1; seed <= (long_form() ? 2000u : 100u); ++seed) {
+        ASSERT_NO_FATAL_FAILURE(expect_as_if_asked<HalfPlane>(seed, [](Rng& rng) {
+            const Vector n = direction(rng);
+            return HalfPlane{.normal = to_plain(n),
+                             .offset = uniform(rng, -0.08, 0.08),
+                             .edge = to_plain(n.unitOrthogonal()),
+                             .edge_offset = uniform(rng, -0.08, 0.08),
+                             .stiffness = 300,
+                             .recovery = 0,
+                             .sides = between(rng, 0, 1) ? Sides::both : Sides::front};
+        }));
+    }
+}
+
+}  // namespace
+}  // namespace near_tests

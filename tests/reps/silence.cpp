@@ -158,3 +158,23 @@ TEST(Silence, IsReportedToTheOwner) {
     ASSERT_EQ(scene.feedback(feedback), 2u);
     EXPECT_TRUE(feedback[0].flags & Feedback::silent);
 }
+
+TEST(Silence, HeldEffectsStandStillAndASpringArrivesWhereItWasTold) {
+    Scene scene = make_scene();
+    const Use holds{.on_silence = OnSilence::hold};
+    ASSERT_TRUE(scene.add({0, 1}, Vibration{.direction = {1, 0, 0}, .amplitude = 2, .frequency = 20}, holds));
+    ASSERT_TRUE(scene.add({1, 1}, Spring{.anchor = {0, 0, 0.01}, .stiffness = 100, .duration = 0.1}, holds));
+    settled(scene, at({0, 0, 0}));
+    for (int i = 0; i < 7; ++i) scene.evaluate(at({0, 0, 0}), dt);
+    ASSERT_TRUE(scene.update({1, 1}, Spring{.anchor = {0, 0, 0.03}, .stiffness = 100, .duration = 0.1}));
+    for (int i = 0; i < 5; ++i) scene.evaluate(at({0, 0, 0}), dt);
+    const double held = 2 * std::sin(2 * M_PI * 20 * 13 * dt);
+    for (int i = 1; i <= 200; ++i) {
+        scene.set_silence(i * dt);
+        const Vector force = scene.evaluate(at({0, 0, 0}), dt).force;
+        EXPECT_NEAR(force.x(), held, 1e-12) << i;
+        EXPECT_NEAR(force.z(), 1 + 2 * std::min(1.0, (5 + i) / 100.0), 1e-12) << i;
+    }
+    scene.set_silence(0);
+    EXPECT_NEAR(scene.evaluate(at({0, 0, 0}), dt).force.x(), 2 * std::sin(2 * M_PI * 20 * 14 * dt), 1e-12);
+}

@@ -11,7 +11,7 @@ using namespace knurl::test;
 namespace still_scene_tests {
 namespace {
 
-constexpr std::uint32_t slots = 6;
+constexpr std::uint32_t slots = 8;
 
 /// Kept, as the servo keeps it.
 struct Kept {
@@ -87,7 +87,7 @@ struct Twins {
             kind[slot] = 0;
             return;
         }
-        const int of = kind[slot] != 0 ? kind[slot] : between(rng, 1, 12);
+        const int of = kind[slot] != 0 ? kind[slot] : between(rng, 1, 18);
         if (of <= 7) {
             Plane p{.normal = to_plain(direction(rng)),
                     .offset = uniform(rng, -0.03, -0.002),
@@ -108,8 +108,36 @@ struct Twins {
             if (of >= 10)  // towards the hand
                 s.velocity = {-2 * s.center.x, -2 * s.center.y, -2 * s.center.z};
             put(slot, s, use, of);
+        } else if (of == 12) {
+            put(slot, Spring{.anchor = {0.01, 0, 0}, .stiffness = 20.0 * between(rng, 0, 2)}, use, of);
+        } else if (of <= 14) {
+            put(slot,
+                Magnet{.position = to_plain(uniform(rng, 0.005, 0.05) * direction(rng)),
+                       .stiffness = 100.0 * between(rng, 0, 2),
+                       .max_force = 0.2,
+                       .max_distance = 0.006},
+                use, of);
+        } else if (of == 15) {
+            put(slot,
+                Taylor{.origin = to_plain(uniform(rng, 0.005, 0.05) * direction(rng)),
+                       .force = {0.5, 0, 0},
+                       .radius = 0.008},
+                use, of);
+        } else if (of == 16) {
+            put(slot, Vibration{.amplitude = 0.5 * between(rng, 0, 1), .frequency = 30}, use, of);
+        } else if (of == 17) {
+            put(slot,
+                Cap{.foot = to_plain(uniform(rng, 0.005, 0.03) * Vector(0.3, 0, -1)),
+                    .curvature = uniform(rng, -20, 20),
+                    .stiffness = 200.0 * between(rng, 0, 2)},
+                use, of);
         } else {
-            put(slot, Spring{.anchor = {0.01, 0, 0}, .stiffness = 20}, use, of);
+            put(slot,
+                HalfPlane{.normal = {0, 0, 1},
+                          .offset = uniform(rng, -0.02, 0.02),
+                          .edge_offset = uniform(rng, -0.02, 0.02),
+                          .stiffness = 200},
+                use, of);
         }
     }
 };
@@ -204,6 +232,11 @@ TEST(StillScene, IsNoneThatIsFeltFadesMovesOrIsAskedInEachCycle) {
               0)
         << "a spring is asked in each cycle";
     EXPECT_EQ(within(Plane{.offset = -0.02, .stiffness = 100, .velocity = {0, 0, 1e-6}}), 0) << "it moves";
+    EXPECT_GT(within(Plane{.offset = -0.02, .stiffness = 100}, Spring{.anchor = {1, 0, 0}, .stiffness = 0}),
+              0.019)
+        << "a spring that gives nothing is not";
+    EXPECT_GT(within(Magnet{.position = {1, 0, 0}, .stiffness = 100, .max_force = 1}, ConstantForce{}), 1e-3);
+    EXPECT_EQ(within(Magnet{.position = {0.01, 0, 0}, .stiffness = 100, .max_force = 1}), 0) << "felt";
     const Sphere far{.center = {0.5, 0, 0}, .radius = 0.01, .stiffness = 100};
     EXPECT_GT(within(far), 1e-3);
     Sphere coming = far;

@@ -68,13 +68,44 @@ Matrix clamped(const Matrix& m, Real low, Real high) {
     return out;
 }
 
-Real faded(Real r, Real edge) {
-    const Real u = std::min(std::max((r / edge - 0.8L) / 0.2L, Real(0)), Real(1));
-    return 1 - u * u * (3 - 2 * u);
+Edge faded(Real r, Real core, Real edge) {
+    const Real u = std::min(std::max((r / edge - core) / (1 - core), Real(0)), Real(1));
+    return {1 - u * u * (3 - 2 * u), -6 * u * (1 - u) / ((1 - core) * edge)};
 }
+Edge held_square(Real r, Real edge) {
+    if (r <= edge) return {r * r, 2 * r};
+    return {2 * edge * r - edge * edge, 2 * edge};
+}
+Edge held_length(Real r, Real edge) {
+    if (r <= edge) return {r, 1};
+    return {2 * edge - edge * edge / r, edge / r * (edge / r)};
+}
+
+namespace {
+
+V block(const Matrix& j, int row, int column, const V& x) {
+    V out;
+    Real* const at[] = {&out.x, &out.y, &out.z};
+    for (int r = 0; r < 3; ++r) {
+        // The symmetric part alone: it has a potential.
+        const auto s = [&](int c) { return (j.at[row + r][column + c] + j.at[column + c][row + r]) / 2; };
+        *at[r] = s(0) * x.x + s(1) * x.y + s(2) * x.z;
+    }
+    return out;
+}
+
+/// The gradient of f(u) h(r), f homogeneous of that degree in d = r u, with `slope` its own at u.
+V gradient(const V& slope, int degree, const V& u, Real r, const Edge& h) {
+    if (!(r > 0)) return degree == 1 ? h.slope * slope : V{};
+    const Real along = dot(slope, u);
+    return h.slope * along / degree * u + h.value / r * (slope - along * u);
+}
+
+}  // namespace
 
 Twist taylor(const Taylor& t, const Tip& tip, const Device& device) {
     constexpr Real hand = 50;  // N/m
+    const Real low = t.hold ? std::max(Real(0), device.stiffness - hand / 3) : device.stiffness;
     Matrix j = t.jacobian;
     V turn;
     if (j.size == 6) {
@@ -90,14 +121,14 @@ Twist taylor(const Taylor& t, const Tip& tip, const Device& device) {
     }
     if (device.known()) {
         if (j.size == 3) {
-            j = clamped(j, -device.stiffness, hand);
+            j = clamped(j, -low, hand);
         } else if (std::isfinite(device.torsion)) {
             const Real metres = std::sqrt(device.torsion / device.stiffness);  // a radian counts as so many
             const auto scale = [&](int row) { return row < 3 ? Real(1) : metres; };
             for (int r = 0; r < 6; ++r) {
                 for (int c = 0; c < 6; ++c) j.at[r][c] /= scale(r) * scale(c);
             }
-            j = clamped(j, -device.stiffness, hand);
+            j = clamped(j, -low, hand);
             for (int r = 0; r < 6; ++r) {
                 for (int c = 0; c < 6; ++c) j.at[r][c] *= scale(r) * scale(c);
             }
@@ -106,28 +137,54 @@ Twist taylor(const Taylor& t, const Tip& tip, const Device& device) {
             for (int r = 0; r < 3; ++r) {
                 for (int c = 0; c < 3; ++c) block.at[r][c] = j.at[r][c];
             }
-            block = clamped(block, -device.stiffness, hand);
+            block = clamped(block, -low, hand);
             for (int r = 0; r < 3; ++r) {
                 for (int c = 0; c < 3; ++c) j.at[r][c] = block.at[r][c];
             }
         }
     }
-    V d = tip.position - t.origin;
-    Real felt = 1;
+    const int n = j.size;
+    Real square = 0;
+    for (int r = 0; r < n; ++r) {
+        for (int c = 0; c < n; ++c) square += j.at[r][c] * j.at[r][c];
+    }
+    for (int r = 0; r < n; ++r) {
+        for (int c = 0; c < n; ++c) j.at[r][c] *= square > 0 ? t.size / std::sqrt(square) : 1;
+    }
+    const V d = tip.position - t.origin;
+    const Real far = length(d), turned = length(turn);
+    const V u = far > 0 ? 1 / far * d : V{}, axis = turned > 0 ? 1 / turned * turn : V{};
     if (t.hold) {
-        if (length(d) > t.radius) d = t.radius / length(d) * d;
-        if (j.size == 6 && length(turn) > t.angle) turn = t.angle / length(turn) * turn;
-    } else {
-        felt = faded(length(d), t.radius);
-        if (j.size == 6) felt *= faded(length(turn), t.angle);
+        const Edge a = held_length(far, t.radius), b = held_length(turned, t.angle);
+        const Real rim = std::min(far, t.radius), most = std::min(turned, t.angle);
+        Twist twist{t.force + gradient(block(j, 0, 0, u), 2, u, far, held_square(far, t.radius)), t.torque};
+        if (n == 6) {
+            twist.force += gradient(block(j, 0, 3, b.value * axis), 1, u, far, a);
+            twist.torque += gradient(block(j, 3, 3, axis), 2, axis, turned, held_square(turned, t.angle)) +
+                            gradient(block(j, 3, 0, a.value * u), 1, axis, turned, b);
+        }
+        const Real x[6] = {rim * u.x, rim * u.y, rim * u.z, most * axis.x, most * axis.y, most * axis.z};
+        Real curl[6] = {};
+        for (int r = 0; r < n; ++r) {
+            for (int c = 0; c < n; ++c) curl[r] += (j.at[r][c] - j.at[c][r]) / 2 * x[c];
+        }
+        return {twist.force + V{curl[0], curl[1], curl[2]}, twist.torque + V{curl[3], curl[4], curl[5]}};
     }
+    const Edge place = faded(far, t.core, t.radius);
+    const Edge turning = n == 6 ? faded(turned, t.core, t.angle) : Edge{1, 0};
     const Real x[6] = {d.x, d.y, d.z, turn.x, turn.y, turn.z};
-    Real out[6] = {t.force.x, t.force.y, t.force.z, t.torque.x, t.torque.y, t.torque.z};
-    for (int r = 0; r < j.size; ++r) {
-        for (int c = 0; c < j.size; ++c) out[r] += j.at[r][c] * x[c];
+    const Real f[6] = {t.force.x, t.force.y, t.force.z, t.torque.x, t.torque.y, t.torque.z};
+    Real out[6], work = 0;
+    const Real middle = (1 + t.core) / 2;
+    for (int r = 0; r < n; ++r) {
+        out[r] = f[r];
+        for (int c = 0; c < n; ++c) out[r] += j.at[r][c] * x[c];
+        const Real reach = middle * (r < 3 ? t.radius : t.angle);
+        work += (f[r] + out[r]) / 2 * x[r] - reach * reach * j.at[r][r] / 6;
     }
-    Twist twist{felt * V{out[0], out[1], out[2]}, {}};
-    if (j.size == 6) twist.torque = felt * V{out[3], out[4], out[5]};
+    const Real share = place.value * turning.value;
+    Twist twist{share * V{out[0], out[1], out[2]} + place.slope * turning.value * work * u, {}};
+    if (n == 6) twist.torque = share * V{out[3], out[4], out[5]} + place.value * turning.slope * work * axis;
     return twist;
 }
 

@@ -42,15 +42,24 @@ struct Matrix {
 /// The same with the eigenvalues of its symmetric part brought within [low, high] (Jacobi's rotations).
 Matrix clamped(const Matrix& m, Real low, Real high);
 
-/// The share of a field that is felt at r: 1 up to 0.8 of the edge, 0 from the edge on, a smoothstep between.
-Real faded(Real r, Real edge);
+/// What an edge makes of a length r, with its slope: the share of the energy that is left (1 up to `core` of the
+/// edge, from there a smoothstep to 0), or r^2 and r as they go on beyond a rim.
+struct Edge {
+    Real value, slope;
+};
+Edge faded(Real r, Real core, Real edge);
+Edge held_square(Real r, Real edge);
+Edge held_length(Real r, Real edge);
 
 struct Taylor {
     V origin, force, torque;
     Turn orientation;
     Matrix jacobian;  // 3 x 3, or 6 x 6 with torque and rotation
-    Real radius = 0, angle = 0;
+    Real radius = 0, angle = 1;
     bool hold = false;
+    // How far the device lets the edge go: the core's share of the reach, and what is left of the field.
+    Real core = 0.8L;
+    Real size = 0;  // the root of the sum of squares of the jacobian after that
 };
 Twist taylor(const Taylor& t, const Tip& tip, const Device& device);
 

@@ -93,6 +93,18 @@ concept Effect = Representation<R> &&
 //   std::optional<Bound> bound(const R&, const R::State&)
 //       a surface that is not asked where it is out of reach; without it, or without a value, it is asked in every
 //       cycle
+//   double clearance(const R&, const R::State&, const Probe&)
+//       a surface without an end, while it stands still: that far (m) the probe may go before it touches; 0 where it
+//       holds the probe. It changes by no more than the probe moves
+//   std::optional<Bound> bound(const R&)
+//       an effect that gives nothing outside of that ball, whatever it remembers: there it is not asked, and no time
+//       passes for it
+//   bool powerless(const R&)
+//       an effect that gives nothing anywhere, as its parameters stand, nor changes by itself: not asked
+//   bool arrived(const R&, const R::State&)
+//       an effect that moves towards what it was told: asked until it has arrived, though it gives nothing, and through a
+//       silence. All other time of an effect is the scene's to stop: in a silence through which it holds, and where
+//       one has taken it away, evaluate is called with dt = 0
 //   void out_of_reach(const R&, R::State&)
 //       beside bound(): it was not asked for a while and forgets its path
 //   std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
@@ -108,7 +120,8 @@ concept Effect = Representation<R> &&
 //       how stiff and how damped an effect is, at the probe (hand_load.hpp); without it, as its members `stiffness`
 //       (N/m) and `damping` (N s/m) say, alike in every direction; with none of these, not at all
 //   R carried(const R& old, const R& next)
-//       an effect's `old` with all that moves by itself from `next`
+//       an effect's `old` with all that moves by itself from `next`; its state, too, unless there is a
+//       State::moves_alike, which says that both move by themselves and alike
 //   void settle(const R&, R::State&)
 //       ends every motion and recovery at once
 //

@@ -44,5 +44,6 @@ void adopt(const ConstantForce& params, const ConstantForce* previous, ConstantF
            const Probe& probe) noexcept;
 Wrench evaluate(const ConstantForce& params, ConstantForce::State& state, const Probe& probe,
                 double dt) noexcept;
+bool powerless(const ConstantForce& params) noexcept;
 
 }  // namespace knurl

@@ -72,5 +72,6 @@ void adopt(const Constraint& params, const Constraint* previous, Constraint::Sta
            const Probe& probe) noexcept;
 Wrench evaluate(const Constraint& params, Constraint::State& state, const Probe& probe, double dt) noexcept;
 HandLoad load(const Constraint& params, const Constraint::State& state, const Probe& probe) noexcept;
+bool powerless(const Constraint& params) noexcept;
 
 }  // namespace knurl

@@ -42,5 +42,6 @@ Gravity prepared(Gravity params, const Limits& limits) noexcept;
 void adopt(const Gravity& params, const Gravity* previous, Gravity::State& state,
            const Probe& probe) noexcept;
 Wrench evaluate(const Gravity& params, Gravity::State& state, const Probe& probe, double dt) noexcept;
+bool powerless(const Gravity& params) noexcept;
 
 }  // namespace knurl

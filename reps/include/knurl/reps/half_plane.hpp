@@ -82,5 +82,7 @@ void adopt(const HalfPlane& params, const HalfPlane* previous, PieceState& state
            const Probe& probe) noexcept;
 /// The height is infinite where it cannot be touched: seen from behind with `sides = front`.
 Contact contact(const HalfPlane& params, PieceState& state, const Probe& probe, double dt) noexcept;
+double clearance(const HalfPlane& params, const PieceState& state, const Probe& probe) noexcept;
+void out_of_reach(const HalfPlane& params, PieceState& state) noexcept;
 
 }  // namespace knurl

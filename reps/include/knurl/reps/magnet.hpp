@@ -81,5 +81,7 @@ void adopt(const Magnet& params, const Magnet* previous, Magnet::State& state, c
 /// that reaches there. Without a radius e is 0.
 Wrench evaluate(const Magnet& params, Magnet::State& state, const Probe& probe, double dt) noexcept;
 HandLoad load(const Magnet& params, const Magnet::State& state, const Probe& probe) noexcept;
+bool powerless(const Magnet& params) noexcept;
+std::optional<Bound> bound(const Magnet& params) noexcept;
 
 }  // namespace knurl

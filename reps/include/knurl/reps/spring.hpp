@@ -86,5 +86,7 @@ HandLoad load(const Spring& params, const Spring::State& state, const Probe& pro
 Spring carried(const Spring& old, const Spring& next) noexcept;
 /// Arrives at once.
 void settle(const Spring& params, Spring::State& state) noexcept;
+bool powerless(const Spring& params) noexcept;
+bool arrived(const Spring& params, const Spring::State& state) noexcept;
 
 }  // namespace knurl

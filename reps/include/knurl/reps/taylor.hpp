@@ -7,10 +7,11 @@
 
 namespace knurl {
 
-/// What is felt beyond the radius within which the series is to be believed.
+/// What is felt beyond the radius within which the series is to be believed. Both are edges of the energy, so that
+/// a loop returns its work where the jacobian is symmetric; what is not symmetric is cut or held as a force.
 enum class TaylorEdge : std::uint32_t {
-    fade = 0,  // nothing: a smoothstep takes the force away between 0.8 radius and radius
-    hold = 1,  // the force at the rim, in that direction
+    fade = 0,  // nothing: a smoothstep takes the energy away between 0.8 radius (or core) and radius
+    hold = 1,  // radially the force at the rim, along the rim up to twice its part of the jacobian
 };
 
 namespace detail {
@@ -28,7 +29,10 @@ struct Taylor {
     double recovery = automatic;  // s; 0: at once
     TaylorEdge edge = TaylorEdge::fade;
     std::uint32_t reserved = 0;
-    double stiffness = 0;  // N/m, no direction restores with more: the servo's, filled in by `prepared`
+    // The servo's, filled in by `prepared`:
+    double stiffness = 0;  // N/m, no direction restores with more
+    double core = 0.8;     // of `fade`: up to this share of its reach it is the series
+    double level = 0;      // J, work at which the edge cuts: nothing is felt where it is that
 
     struct State {
         std::uint64_t unused = 0;
@@ -79,10 +83,14 @@ struct Describe<Taylor> {
 /// On a device the eigenvalues of the jacobian's symmetric part are clamped to [-k_max, hand_stiffness]:
 /// below, the loop is not stable; above, the hand is thrown out. Without a device nothing is clamped. The
 /// rest of the jacobian, the field's curl, stays as it is: it does the work pi r^2 |curl| in each turn of
-/// radius r, which is the application's will.
+/// radius r, which is the application's will. The edge counts as well: that of `fade` begins nearer to the
+/// origin than 0.8 radius where it would restore or push away with more than k_max, and where even that is not
+/// enough the whole field is scaled down; for `hold` the lower clamp is hand_stiffness / 3 nearer to 0.
 Taylor prepared(Taylor params, const Limits& limits) noexcept;
 void adopt(const Taylor& params, const Taylor* previous, Taylor::State& state, const Probe& probe) noexcept;
 Wrench evaluate(const Taylor& params, Taylor::State& state, const Probe& probe, double dt) noexcept;
 HandLoad load(const Taylor& params, const Taylor::State& state, const Probe& probe) noexcept;
+bool powerless(const Taylor& params) noexcept;
+std::optional<Bound> bound(const Taylor& params) noexcept;
 
 }  // namespace knurl

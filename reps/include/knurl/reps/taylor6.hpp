@@ -21,7 +21,11 @@ struct Taylor6 {
     double recovery = automatic;
     TaylorEdge edge = TaylorEdge::fade;
     std::uint32_t reserved = 0;
-    double stiffness = 0;  // N/m, no direction restores with more: the servo's, filled in by `prepared`
+    // The servo's, filled in by `prepared`:
+    double stiffness = 0;  // N/m, no direction restores with more
+    double core = 0.8;     // of `fade`: up to this share of its reach it is the series
+    double metres = 0;     // that a radian counts as; 0: the device's torsion is not known
+    double level = 0;      // J, work at which the edge cuts: nothing is felt where it is that
 
     struct State {
         std::uint64_t unused = 0;
@@ -91,11 +95,14 @@ struct Describe<Taylor6> {
 
 /// On a device the jacobian is clamped as Taylor's is, once force and torque have the same unit: with k_max
 /// (N/m) and kappa_max (N m/rad) a radian counts as sqrt(kappa_max / k_max) metres. Where kappa_max is not
-/// known, only the part of force by position is clamped.
+/// known, only the part of force by position is clamped. Edges are bounded as Taylor's, where needed by scaling
+/// down the field (`fade`) or the jacobian (`hold`).
 Taylor6 prepared(Taylor6 params, const Limits& limits) noexcept;
 void adopt(const Taylor6& params, const Taylor6* previous, Taylor6::State& state,
            const Probe& probe) noexcept;
 Wrench evaluate(const Taylor6& params, Taylor6::State& state, const Probe& probe, double dt) noexcept;
 HandLoad load(const Taylor6& params, const Taylor6::State& state, const Probe& probe) noexcept;
+bool powerless(const Taylor6& params) noexcept;
+std::optional<Bound> bound(const Taylor6& params) noexcept;
 
 }  // namespace knurl

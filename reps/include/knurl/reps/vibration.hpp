@@ -15,7 +15,8 @@ struct Vibration {
     double recovery = automatic;  // s; 0: at once
 
     struct State {
-        double phase = 0;  // 1, of a period, 0 to 1
+        static constexpr bool moves_alike = true;
+        double phase = 0;  // 1, of a period, 0 to 1; it stands where there is no amplitude
     };
 };
 
@@ -54,5 +55,6 @@ Wrench evaluate(const Vibration& params, Vibration::State& state, const Probe& p
 
 /// The frequency changes by itself, without a jump; the rest is cross-faded.
 Vibration carried(const Vibration& old, const Vibration& next) noexcept;
+bool powerless(const Vibration& params) noexcept;
 
 }  // namespace knurl

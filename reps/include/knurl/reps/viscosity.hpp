@@ -45,5 +45,6 @@ void adopt(const Viscosity& params, const Viscosity* previous, Viscosity::State&
            const Probe& probe) noexcept;
 Wrench evaluate(const Viscosity& params, Viscosity::State& state, const Probe& probe, double dt) noexcept;
 HandLoad load(const Viscosity& params, const Viscosity::State& state, const Probe& probe) noexcept;
+bool powerless(const Viscosity& params) noexcept;
 
 }  // namespace knurl
