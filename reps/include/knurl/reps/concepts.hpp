@@ -97,7 +97,7 @@ concept Effect = Representation<R> &&
 //       a surface without an end, while it stands still: that far (m) the probe may go before it touches; 0 where it
 //       holds the probe. It changes by no more than the probe moves
 //   std::optional<Bound> bound(const R&)
-//       an effect that gives nothing outside of that ball, whatever it remembers: there it is not asked, and no time
+//       an effect that gives nothing where the probe's position is outside of that ball, whatever it remembers: there it is not asked, and no time
 //       passes for it
 //   bool powerless(const R&)
 //       an effect that gives nothing anywhere, as its parameters stand, nor changes by itself: not asked
