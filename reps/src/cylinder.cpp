@@ -3,6 +3,7 @@
 
 #include <knurl/reps/cylinder.hpp>
 
+#include "bend.hpp"
 #include "solid.hpp"
 
 namespace knurl {
@@ -104,6 +105,27 @@ struct SolidCylinder {
     }
 };
 
+// The nearest surface at q and how it bends; `wall`: as if it had no ends.
+CurvedContact curved_solid(const SolidCylinder& solid, const Place& at, bool wall) noexcept {
+    const double beside = at.away - solid.radius, beyond = std::abs(at.along) - solid.half_length;
+    const Vector3d around = at.axis.cross(at.out);
+    CurvedContact out;
+    if (!wall && beside > 0 && beyond > 0) {  // over the edge, a circle
+        const double distance = std::hypot(beside, beyond), x = beside / distance, z = beyond / distance;
+        out.normal = x * at.out + z * at.to_end();
+        out.height = distance - solid.probe;
+        out.bend = bend_along(x * at.to_end() - z * at.out, 1 / distance) + bend_along(around, x / at.away);
+    } else if (wall || beside >= beyond) {
+        out.normal = at.out;
+        out.height = beside - solid.probe;
+        if (at.away > 1e-100) out.bend = bend_along(around, 1 / at.away);
+    } else {
+        out.normal = at.to_end();
+        out.height = beyond - solid.probe;
+    }
+    return out;
+}
+
 struct Hollow {
     Facing wall, end;
 
@@ -152,6 +174,24 @@ std::uint32_t contacts(const Cylinder& params, Cylinder::State& state, const Pro
     out[0] = contact_of(params, hollow.wall.normal, hollow.wall.height);
     if (std::isinf(params.half_length)) return 1;
     out[1] = contact_of(params, hollow.end.normal, hollow.end.height);
+    return 2;
+}
+
+std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const Probe& there,
+                     std::span<CurvedContact> out) noexcept {
+    const SolidHold& hold = state.hold;
+    if (hold.part > wall_part || hold.turning != 0) return 0;
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
+    const Place at(to_eigen(params.axis), q, hold.normal);
+    const SolidCylinder solid{at.axis, params.radius, params.half_length, there.radius};
+    if (params.side == Side::outside) {
+        out[0] = curved_solid(solid, at, hold.part == wall_part);
+        return 1;
+    }
+    const Hollow room(params, at, there);
+    out[0] = hollow(curved_solid(solid, at, true), room.wall.height);
+    if (std::isinf(params.half_length) || out.size() < 2) return 1;
+    out[1] = {.normal = room.end.normal, .height = room.end.height};
     return 2;
 }
 

@@ -19,6 +19,7 @@
 #include <knurl/reps/motion.hpp>
 #include <knurl/reps/scene.hpp>
 
+#include "curved_contact.hpp"
 #include "reach.hpp"
 #include "scene_state.hpp"
 
@@ -33,6 +34,7 @@ using Assets = std::array<const Asset*, max_assets>;
 struct KindOps {
     bool surface = false;
     bool turns = false;          // a surface's velocity is that of its contact
+    bool curved = false;         // a surface that may not be flat
     std::uint32_t contacts = 1;  // tangent planes of a surface, at most
     std::size_t params_size = 0, state_size = 0;
     // Parameters as they would be felt.
@@ -59,6 +61,9 @@ struct KindOps {
     Motion* (*motion)(Record&) noexcept = nullptr;                       // of a surface
     const Asset* (*asset)(const Record&) noexcept = nullptr;             // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
+    std::uint32_t (*curved_at)(const Record&, const Probe& there,
+                               std::span<CurvedContact> out) noexcept = nullptr;
+    void (*lean)(Record&, const Probe& there) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
     void (*evaluate_all)(SceneCore&, std::span<const std::uint32_t> slots, double dt,
                          Wrench& sum) noexcept = nullptr;
@@ -69,6 +74,8 @@ inline const std::array<KindOps, Representations::size>& kind_ops() noexcept {
 }
 
 Limits sane_limits(Limits limits) noexcept;
+/// Of a layer's planes as they are; p is the probe. False: they contradict each other.
+bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst, const Eigen::Vector3d& p) noexcept;
 /// As for a set that has never been solved.
 void forget_solution(ContactSet& set, const Group& group) noexcept;
 /// Nothing is felt along the surface, nor remembered of it, and time makes no difference any more.
@@ -157,6 +164,19 @@ class SceneCore {
     void evaluate_contacts(double dt, Wrench& sum) noexcept;
     const Layer* solve(ContactSet& set, const Group& group, double worst) noexcept;
     bool near_falls_short() noexcept;
+
+    // scene_curved.cpp
+    bool solve_curved(ContactSet& set, const Group& group, Layer& layer, double worst) noexcept;
+    bool solve_curved_layer(ContactSet& set, const Group& group, Layer& layer, double worst) noexcept;
+    CurvedStart start_of(const Layer& layer) const noexcept;
+    bool meet_elsewhere(const ContactSet& set, const Group& group, const Layer& layer) const noexcept;
+    std::uint32_t list_near_surfaces(const ContactSet& set, const Group& group, const Layer& layer,
+                                     const Eigen::Vector3d& dx, double within) noexcept;
+    CurvedStarts starts_of(const ContactSet& set) const noexcept;
+    void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts) noexcept;
+    void lean(const ContactSet& set, const Group& group) noexcept;
+    double relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept;
+
     double damped_force(ContactSet& set, const Group& group, const Layer& top) noexcept;
     void evaluate_set(ContactSet& set, const Group& group, double dt) noexcept;
     void prime(Record& record, const Group& group) noexcept;
@@ -236,11 +256,13 @@ class SceneCore {
     std::uint32_t surfaces_size_ = 0;
     std::vector<std::uint32_t> always_;  // those of them that are in the sets wherever the probe is
     std::uint32_t always_size_ = 0;
-    Reach reach_;                              // the others
-    std::uint32_t bounded_used_ = 0;           // bit mask: probes with some of those
-    std::array<Contact, max_contacts> found_;  // scratch of ask
-    std::vector<std::uint32_t> near_;          // scratch of collect_near
-    std::vector<std::uint32_t> fading_olds_;   // slots whose old record is in a fading set
+    Reach reach_;                                               // the others
+    std::uint32_t bounded_used_ = 0;                            // bit mask: probes with some of those
+    std::array<Contact, max_contacts> found_;                   // scratch of ask
+    std::array<NearSurface, max_near_surfaces> near_surfaces_;  // scratch of solve_curved
+    std::uint32_t curved_rounds_ = 0;                           // in this cycle
+    std::vector<std::uint32_t> near_;                           // scratch of collect_near
+    std::vector<std::uint32_t> fading_olds_;                    // slots whose old record is in a fading set
     std::uint32_t fading_olds_size_ = 0;
     bool sets_edited_ = false;
     std::vector<std::uint32_t> reshaped_;  // in this cycle: slots whose surface stands elsewhere now

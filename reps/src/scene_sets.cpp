@@ -152,7 +152,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     set.layers = 0;
     set.moving_begin = into.moving_used;
     set.moving_count = set.room = set.moving_room = set.inside = 0;
-    set.infeasible = set.rough = false;
+    set.infeasible = set.rough = set.curved = false;
     if (owners.empty()) {
         set.force.setZero();
         set.touching = false;
@@ -227,6 +227,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
             into.b[part] = stands && o != bridge_owner ? plane.damping * (uniform ? 1 : weight_of(o)) : 0;
         }
         if (!stands) {
+            set.curved = set.curved || kind_ops()[record(o).kind].curved;
             Eigen::Vector3d center = Eigen::Vector3d::Zero();
             double reach = std::numeric_limits<double>::infinity();
             // One that moves may come near: it is asked while it is in a set.
@@ -242,6 +243,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         if (o != bridge_owner && &set == &group.now) slots_[o >> 1].member = at;
     }
     set.moving_count = set.moving_room = into.moving_used - set.moving_begin;
+    set.curved = set.curved && set.count > 1;
     set.room = (set.count + set.summed + 3) / 4 * 4;
     into.used += set.room;
 }
@@ -252,6 +254,9 @@ void forget_solution(ContactSet& set, const Group& group) noexcept {
         Layer& layer = set.layer[j];
         layer.give = layer.given_at = 0;
         layer.solution = ContactSolution{};
+        layer.start = layer.reached = CurvedStart{};
+        layer.far = 0;
+        layer.joined = false;
         layer.proxy = group.probe.position;
     }
 }
@@ -289,8 +294,12 @@ void SceneCore::rebuild_sets() noexcept {
         Group& group = groups_[p];
         if (!(probes_used_ >> p & 1)) continue;
         const std::uint32_t olds = list_old(group, p);
+        const CurvedStarts now = starts_of(group.now);
+        const CurvedStarts old = starts_of(group.old.layers > 0 ? group.old : group.now);
         build(group.old, group, into, std::span<const Owner>(scratch_.data(), olds));
         build(group.now, group, into, std::span<const Owner>(scratch_.data(), list_now(group, p)));
+        take_starts(group.now, into, now);
+        take_starts(group.old, into, old);
         built(group, p);
     }
     arena_ ^= 1;

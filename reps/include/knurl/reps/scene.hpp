@@ -145,7 +145,9 @@ class Scene {
     std::uint32_t size() const noexcept;             // representations present
     std::uint32_t count(Kind kind) const noexcept;
     std::uint32_t evaluated() const noexcept;  // representations evaluated in the last cycle
-    double stiffness_sum() const noexcept;     // N/m, the stiffest direction's bound: for sharing a device
+    // Steps that were taken in it to where curved surfaces meet; at most max_curved_rounds a layer of a set.
+    std::uint32_t curved_rounds() const noexcept;
+    double stiffness_sum() const noexcept;  // N/m, the stiffest direction's bound: for sharing a device
     /// Fills in feedback of the representations that ask for it; returns how many (at most out.size()).
     std::size_t feedback(std::span<Feedback> out) const noexcept;
     /// The same for a `kept` that holds what the call before left there: what is not touched and has not
