@@ -195,6 +195,13 @@ std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const
     return 2;
 }
 
+// By its wall: an end is as flat wherever it is met.
+void lean(const Cylinder& params, Cylinder::State& state, const Probe& there) noexcept {
+    if (state.hold.part != wall_part) return;
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
+    state.hold.joint = to_plain(Place(to_eigen(params.axis), q, state.hold.normal).out);
+}
+
 std::optional<Bound> bound(const Cylinder& params, const Cylinder::State& state) noexcept {
     if (std::isinf(params.half_length)) return std::nullopt;
     return ball_about(params, state, std::hypot(params.radius, params.half_length));

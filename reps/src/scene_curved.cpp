@@ -251,7 +251,7 @@ void SceneCore::lean(const ContactSet& set, const Group& group) noexcept {
     Probe there = group.probe;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         const Layer& layer = set.layer[j];
-        if (!layer.joined) continue;
+        if (layer.solution.active.count < 2) continue;
         there.position = layer.proxy;
         for (std::uint32_t k = 0; k < layer.solution.active.count; ++k) {
             const Owner owner = a.owner[set.begin + layer.solution.active.plane[k]];

@@ -132,7 +132,10 @@ Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, 
     if (part != 0) {
         Eigen::Vector3d normal = hold.part != 0 ? to_eigen(hold.normal) : now.normal;
         Aim aim = solid.aim(q, normal, part, natural);
-        if (aim.kind == Aim::Kind::natural && !(hold.joint == Vec3{})) aim.normal = to_eigen(hold.joint);
+        if (!(hold.joint == Vec3{})) {
+            if (turning) aim.normal = to_eigen(hold.joint);
+            if (aim.kind == Aim::Kind::keep && !turning) normal = to_eigen(hold.joint);
+        }
         if (aim.kind == Aim::Kind::keep) {
             turning = true;
         } else if (aim.kind == Aim::Kind::face && !turning) {

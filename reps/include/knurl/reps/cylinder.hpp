@@ -59,6 +59,7 @@ std::uint32_t contacts(const Cylinder& params, Cylinder::State& state, const Pro
                        std::span<Contact> out) noexcept;
 std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const Probe& there,
                      std::span<CurvedContact> out) noexcept;
+void lean(const Cylinder& params, Cylinder::State& state, const Probe& there) noexcept;
 std::optional<Bound> bound(const Cylinder& params, const Cylinder::State& state) noexcept;
 void out_of_reach(const Cylinder& params, Cylinder::State& state) noexcept;
 
