@@ -168,7 +168,7 @@ class SceneCore {
     // scene_curved.cpp
     bool solve_curved(ContactSet& set, const Group& group, Layer& layer, double worst) noexcept;
     bool solve_curved_layer(ContactSet& set, const Group& group, Layer& layer, double worst) noexcept;
-    CurvedStart start_of(const Layer& layer) const noexcept;
+    const CurvedStart* start_of(const Layer& layer) const noexcept;
     bool meet_elsewhere(const ContactSet& set, const Group& group, const Layer& layer) const noexcept;
     std::uint32_t list_near_surfaces(const ContactSet& set, const Group& group, const Layer& layer,
                                      const Eigen::Vector3d& dx, double within) noexcept;

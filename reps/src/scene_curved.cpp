@@ -21,13 +21,13 @@ constexpr double least_bend = 10;
 
 }  // namespace
 
-// Where it came to in the last cycle that took time. One that is solved again, of more surfaces or without time
-// passing, starts from the same: so its answer is the same to the bit.
-CurvedStart SceneCore::start_of(const Layer& layer) const noexcept {
-    const bool again = !(step_ > 0) && layer.start.cycle >= last_timed_;
-    if (again || layer.start.cycle == cycle_) return layer.start;
-    if (layer.reached.cycle == last_timed_) return layer.reached;
-    return {};
+// Where it came to in the last cycle that took time; null: it is not known. One that is solved again, of more
+// surfaces or without time passing, starts from the same: so its answer is the same to the bit.
+const CurvedStart* SceneCore::start_of(const Layer& layer) const noexcept {
+    const CurvedStart& newest = layer.reached[layer.newest];
+    const bool again = newest.cycle == (step_ > 0 ? cycle_ : last_timed_);
+    if (again) return layer.started ? &layer.reached[layer.newest ^ 1u] : nullptr;
+    return newest.cycle == last_timed_ && last_timed_ > 0 ? &newest : nullptr;
 }
 
 CurvedStarts SceneCore::starts_of(const ContactSet& set) const noexcept {
@@ -35,8 +35,9 @@ CurvedStarts SceneCore::starts_of(const ContactSet& set) const noexcept {
     CurvedStarts starts;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         const Layer& layer = set.layer[j];
-        const CurvedStart from = start_of(layer);
-        if (!from.known) continue;
+        const CurvedStart* const start = start_of(layer);
+        if (!start || start->active.count == 0) continue;
+        const CurvedStart& from = *start;
         starts.stiffness[starts.count] = layer.stiffness;
         starts.dx[starts.count] = to_plain(from.dx);
         starts.p[starts.count] = to_plain(from.p);
@@ -60,21 +61,20 @@ void SceneCore::take_starts(ContactSet& set, const Arena& arena, const CurvedSta
         for (std::uint32_t i = 1; i < starts.count; ++i) {
             if (apart(i) < apart(nearest)) nearest = i;
         }
-        layer.start.dx = to_eigen(starts.dx[nearest]);
-        layer.start.p = to_eigen(starts.p[nearest]);
-        layer.start.known = true;
-        layer.start.cycle = cycle_;
-        ActiveSet& active = layer.start.active;
+        CurvedStart& start = layer.reached[layer.newest];
+        start = CurvedStart{};
+        start.dx = to_eigen(starts.dx[nearest]);
+        start.p = to_eigen(starts.p[nearest]);
+        start.cycle = last_timed_;
+        ActiveSet& active = start.active;
         for (std::uint32_t k = 0; k < starts.pushes[nearest]; ++k) {
             const CurvedStarts::Push& by = starts.by[nearest][k];
             std::uint32_t i = set.begin;
             while (i < set.begin + layer.count && arena.owner[i] != by.owner) ++i;
             if (i + by.part >= set.begin + layer.count) continue;
-            layer.start.multiplier[active.count] = by.multiplier;
+            start.multiplier[active.count] = by.multiplier;
             active.plane[active.count++] = i + by.part - set.begin;
         }
-        layer.reached = layer.start;
-        layer.reached.cycle = last_timed_;
     }
 }
 
@@ -84,16 +84,23 @@ double SceneCore::relief_at(Owner owner, std::uint32_t member, std::uint32_t par
     return -arenas_[arena_].s[member] - rough(owner).height[part];
 }
 
+// Is it where the surfaces themselves meet, what their planes at the probe's feet have told?
 bool SceneCore::meet_elsewhere(const ContactSet& set, const Group& group, const Layer& layer) const noexcept {
     const Arena& a = arenas_[arena_];
-    const ContactSolution& planes = layer.solution;
-    const double far = planes.dx.norm();
-    std::array<CurvedContact, max_contacts> found;
-    Probe there = group.probe;
-    there.position += planes.dx;
+    const ActiveSet& active = layer.solution.active;
     const auto holds = [&](std::uint32_t member) {
-        for (std::uint32_t k = 0; k < planes.active.count; ++k) {
-            if (set.begin + planes.active.plane[k] == member) return true;
+        return (active.count > 0 && set.begin + active.plane[0] == member) ||
+               (active.count > 1 && set.begin + active.plane[1] == member) ||
+               (active.count > 2 && set.begin + active.plane[2] == member);
+    };
+    const auto lies_elsewhere = [&](std::uint32_t first, const KindOps& ops, Owner owner) {
+        std::array<CurvedContact, max_contacts> found;
+        Probe there = group.probe;
+        there.position += layer.solution.dx;
+        const std::uint32_t count = ops.curved_at(record(owner), there, found);
+        for (std::uint32_t part = 0; part < count; ++part) {
+            const std::uint32_t i = first + part;
+            if (holds(i) ? active.count > 1 : found[part].height + relief_at(owner, i, part) < 0) return true;
         }
         return false;
     };
@@ -103,17 +110,10 @@ bool SceneCore::meet_elsewhere(const ContactSet& set, const Group& group, const 
         const Owner owner = a.owner[first];
         const KindOps& ops = kind_ops()[record(owner).kind];
         if (!ops.curved) continue;
-        bool near = false;
+        bool near = false;  // one that holds alone does so at its foot
         for (std::uint32_t i = first; i < first + ops.contacts; ++i)
-            near = near || (-a.s[i] < far && (planes.active.count != 1 || !holds(i)));
-        if (!near) continue;
-        const std::uint32_t count = ops.curved_at(record(owner), there, found);
-        for (std::uint32_t part = 0; part < count; ++part) {
-            const std::uint32_t i = first + part;
-            const bool one_of_several = planes.active.count > 1 && holds(i);
-            if (one_of_several) return true;
-            if (!holds(i) && found[part].height + relief_at(owner, i, part) < 0) return true;
-        }
+            near = near || (-a.s[i] < layer.far && (active.count != 1 || !holds(i)));
+        if (near && lies_elsewhere(first, ops, owner)) return true;
     }
     return false;
 }
@@ -162,9 +162,6 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
     const Arena& a = arenas_[arena_];
     const Vector3d& p = group.probe.position;
     const bool softest = &layer == set.layer.data();
-    layer.start = start_of(layer);
-    layer.start.cycle = cycle_;
-    const CurvedStart& start = layer.start;
     const ContactPlanes planes{&a.nx[set.begin], &a.ny[set.begin], &a.nz[set.begin], &a.s[set.begin],
                                layer.count};
     const bool feasible = solve_planes(layer, planes, worst, p);
@@ -173,12 +170,13 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
     if (feasible && !meet_elsewhere(set, group, layer)) return true;
 
     // The hand has come from nearer than it was held: else it begins where the planes meet.
-    bool warm = start.known && start.dx.norm() >= (p - start.p).norm();
+    const CurvedStart* const start = start_of(layer);
+    bool warm = start && start->active.count > 0 && start->dx.norm() >= (p - start->p).norm();
     ContactSolution at = layer.solution;
-    if (warm) at.dx = start.dx + (start.p - p);
-    if (warm && start.active.count > 0) {
-        at.active = start.active;
-        at.multiplier = start.multiplier;
+    if (warm) {
+        at.dx = start->dx + (start->p - p);
+        at.active = start->active;
+        at.multiplier = start->multiplier;
     }
     const double most = 2 * std::max(layer.far, at.dx.norm());  // m: no farther, whatever happens
     double within = most;
@@ -237,10 +235,19 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
 }
 
 bool SceneCore::solve_curved(ContactSet& set, const Group& group, Layer& layer, double worst) noexcept {
+    if (step_ > 0 && layer.reached[layer.newest].cycle != cycle_) {
+        layer.started = start_of(layer) != nullptr;
+        layer.newest ^= 1u;
+        layer.reached[layer.newest].cycle = cycle_;
+    }
     const bool feasible = solve_curved_layer(set, group, layer, worst);
     if (step_ > 0) {
-        const ContactSolution& by = layer.solution;
-        layer.reached = {by.dx, group.probe.position, by.active, by.multiplier, by.active.count > 0, cycle_};
+        CurvedStart& reached = layer.reached[layer.newest];
+        reached.dx = layer.solution.dx;
+        reached.p = group.probe.position;
+        reached.active = layer.solution.active;
+        reached.multiplier = layer.solution.multiplier;
+        reached.cycle = cycle_;
     }
     return feasible;
 }

@@ -202,7 +202,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     }
     forget_solution(set, group);
     set.summed = sums;
-    std::uint32_t next_sum = set.count;
+    std::uint32_t next_sum = set.count, surfaces = 0;
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const Owner o = owners[i];
         if (level_[i] == none) {
@@ -213,6 +213,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         const std::uint32_t at = set.begin + place, parts = parts_of(o);
         place += parts;
         const bool stands = o == bridge_owner || record(o).stands;
+        surfaces += level_[i] != summed;
         if (stands && level_[i] != summed) ++set.standing;
         const HalfSpace& plane = o == bridge_owner ? group.bridge : record(o).plane;
         for (std::uint32_t part = at; part < at + parts; ++part) {
@@ -227,7 +228,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
             into.b[part] = stands && o != bridge_owner ? plane.damping * (uniform ? 1 : weight_of(o)) : 0;
         }
         if (!stands) {
-            set.curved = set.curved || kind_ops()[record(o).kind].curved;
+            set.curved = set.curved || (level_[i] != summed && kind_ops()[record(o).kind].curved);
             Eigen::Vector3d center = Eigen::Vector3d::Zero();
             double reach = std::numeric_limits<double>::infinity();
             // One that moves may come near: it is asked while it is in a set.
@@ -243,7 +244,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         if (o != bridge_owner && &set == &group.now) slots_[o >> 1].member = at;
     }
     set.moving_count = set.moving_room = into.moving_used - set.moving_begin;
-    set.curved = set.curved && set.count > 1;
+    set.curved = set.curved && surfaces > 1;
     set.room = (set.count + set.summed + 3) / 4 * 4;
     into.used += set.room;
 }
@@ -254,7 +255,8 @@ void forget_solution(ContactSet& set, const Group& group) noexcept {
         Layer& layer = set.layer[j];
         layer.give = layer.given_at = 0;
         layer.solution = ContactSolution{};
-        layer.start = layer.reached = CurvedStart{};
+        layer.reached[0].cycle = layer.reached[1].cycle = 0;
+        layer.started = false;
         layer.far = 0;
         layer.joined = false;
         layer.proxy = group.probe.position;

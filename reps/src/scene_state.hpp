@@ -113,13 +113,12 @@ struct alignas(64) Slot {
     Wrench last;                   // contribution to the hand in the last cycle
 };
 
-/// From where curved surfaces are solved: last cycle's x, with what held it if the members are still the same.
+/// What a layer with curved surfaces came to in a cycle: from there the next one goes on.
 struct CurvedStart {
-    // m: last cycle's x - p, and that p (apart: a hand at rest starts from the same to the bit)
+    // m: x - p, and that p (apart: a hand at rest starts from the same to the bit)
     Eigen::Vector3d dx = Eigen::Vector3d::Zero(), p = Eigen::Vector3d::Zero();
     ActiveSet active;
     std::array<double, 3> multiplier{};
-    bool known = false;
     std::uint64_t cycle = 0;
 };
 
@@ -147,11 +146,11 @@ struct Layer {
     // m, world: last cycle's x, kept when no solution is found
     Eigen::Vector3d proxy = Eigen::Vector3d::Zero();
     // Of a set with curved surfaces.
-    CurvedStart start;    // of this cycle
-    CurvedStart reached;  // in that one, if time passed
-    bool joined =
-        false;       // the solution is of the surfaces themselves, not of their planes at the probe's feet
-    double far = 0;  // m, what lies farther from the probe has had no say
+    std::array<CurvedStart, 2> reached;  // in the last two cycles that took time
+    std::uint8_t newest = 0;             // of them
+    bool started = false;                // the newest one, from the other
+    bool joined = false;                 // by the surfaces themselves, not by planes at the probe's feet
+    double far = 0;                      // m, what lies farther from the probe has had no say
 };
 
 struct ContactSet {
