@@ -4,7 +4,6 @@
 
 #include <knurl/reps/box.hpp>
 
-#include "bend.hpp"
 #include "distance.hpp"
 #include "solid.hpp"
 
@@ -185,27 +184,6 @@ std::uint32_t contacts(const Box& params, Box::State& state, const Probe& probe,
         out[static_cast<std::size_t>(axis)] = wall(params, seen, probe, axis);
     remember(seen, {}, state, dt);
     return Box::max_contacts;
-}
-
-std::uint32_t curved(const Box& params, const Box::State& state, const Probe& there,
-                     std::span<CurvedContact> out) noexcept {
-    if (params.side == Side::inside || state.face != 0 || state.slipped != 0) return 0;
-    const Vector3d half = to_eigen(params.half_size);
-    const Matrix3d axes = to_eigen(params.orientation).toRotationMatrix();
-    const Vector3d y = axes.transpose() * from_surface(params.center, params.velocity, state.motion, there);
-    if (within(y, half)) {
-        const Face face(nearest_face(y, half));
-        out[0] = {.normal = face.sign * axes.col(face.axis), .height = -face.depth(y, half) - there.radius};
-        return 1;
-    }
-    // Over an edge or a corner it is round.
-    const Vector3d away = y - y.cwiseMin(half).cwiseMax(-half);
-    const Distance from(away);
-    out[0] = {.normal = axes * from.direction, .height = from.length - there.radius};
-    const Matrix3d beyond = (away.array() != 0).cast<double>().matrix().asDiagonal();
-    const Matrix3d bend = (beyond - from.direction * from.direction.transpose()) / from.length;
-    out[0].bend = axes * bend * axes.transpose();
-    return 1;
 }
 
 std::optional<Bound> bound(const Box& params, const Box::State& state) noexcept {

@@ -138,7 +138,7 @@ Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double
     return contact_of(params, there.normal, there.height);
 }
 
-std::uint32_t curved(const Cap& params, const Cap::State& state, const Probe& there,
+std::uint32_t curved(const Cap& params, const Cap::State& state, const Probe&, const Probe& there,
                      std::span<CurvedContact> out) noexcept {
     out[0] = curved_at<true>(params, state, there);
     return 1;

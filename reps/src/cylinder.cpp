@@ -105,25 +105,15 @@ struct SolidCylinder {
     }
 };
 
-// The nearest surface at q and how it bends; `wall`: as if it had no ends.
-CurvedContact curved_solid(const SolidCylinder& solid, const Place& at, bool wall) noexcept {
-    const double beside = at.away - solid.radius, beyond = std::abs(at.along) - solid.half_length;
-    const Vector3d around = at.axis.cross(at.out);
-    CurvedContact out;
-    if (!wall && beside > 0 && beyond > 0) {  // over the edge, a circle
-        const double distance = std::hypot(beside, beyond), x = beside / distance, z = beyond / distance;
-        out.normal = x * at.out + z * at.to_end();
-        out.height = distance - solid.probe;
-        out.bend = bend_along(x * at.to_end() - z * at.out, 1 / distance) + bend_along(around, x / at.away);
-    } else if (wall || beside >= beyond) {
-        out.normal = at.out;
-        out.height = beside - solid.probe;
-        if (at.away > 1e-100) out.bend = bend_along(around, 1 / at.away);
-    } else {
-        out.normal = at.to_end();
-        out.height = beyond - solid.probe;
-    }
-    return out;
+// All that its section, turned about the axis, has in common with the plane that `lean` (from the wall, along
+// the axis) is normal to: the wall, endless, over an end its plane, over an edge the cone between them. By what
+// it is met follows from the probe, as that of a box; so it changes where the probe rolls over, not where x does.
+CurvedContact turned_about(const SolidCylinder& solid, const Place& at, double out, double along) noexcept {
+    CurvedContact cone{.normal = out * at.out + along * at.axis};
+    cone.height = out * (at.away - solid.radius) - solid.probe;
+    if (along != 0) cone.height += std::abs(along) * (std::copysign(1.0, along) * at.along - solid.half_length);
+    if (at.away > 1e-100) cone.bend = bend_along(at.axis.cross(at.out), out / at.away);
+    return cone;
 }
 
 struct Hollow {
@@ -177,22 +167,35 @@ std::uint32_t contacts(const Cylinder& params, Cylinder::State& state, const Pro
     return 2;
 }
 
-std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const Probe& there,
-                     std::span<CurvedContact> out) noexcept {
+std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const Probe& probe,
+                     const Probe& there, std::span<CurvedContact> out) noexcept {
     const SolidHold& hold = state.hold;
     if (hold.part > wall_part || hold.turning != 0) return 0;
-    const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
-    const Place at(to_eigen(params.axis), q, hold.normal);
-    const SolidCylinder solid{at.axis, params.radius, params.half_length, there.radius};
-    if (params.side == Side::outside) {
-        out[0] = curved_solid(solid, at, hold.part == wall_part);
+    const Vector3d axis = to_eigen(params.axis);
+    const Place at(axis, from_surface(params.center, params.velocity, state.motion, there), hold.normal);
+    const SolidCylinder solid{axis, params.radius, params.half_length, there.radius};
+    if (params.side == Side::inside) {
+        const Hollow room(params, at, there);
+        out[0] = hollow(turned_about(solid, at, 1, 0), room.wall.height);
+        if (std::isinf(params.half_length) || out.size() < 2) return 1;
+        out[1] = {.normal = room.end.normal, .height = room.end.height};
+        return 2;
+    }
+    if (hold.part == wall_part) {
+        out[0] = turned_about(solid, at, 1, 0);
         return 1;
     }
-    const Hollow room(params, at, there);
-    out[0] = hollow(curved_solid(solid, at, true), room.wall.height);
-    if (std::isinf(params.half_length) || out.size() < 2) return 1;
-    out[1] = {.normal = room.end.normal, .height = room.end.height};
-    return 2;
+    const Place foot(axis, from_surface(params.center, params.velocity, state.motion, probe), hold.normal);
+    const double beside = foot.away - solid.radius, beyond = std::abs(foot.along) - solid.half_length;
+    if (beside > 0 && beyond > 0) {
+        const double distance = std::hypot(beside, beyond);
+        out[0] = turned_about(solid, at, beside / distance, std::copysign(beyond / distance, foot.along));
+    } else if (beside >= beyond) {
+        out[0] = turned_about(solid, at, 1, 0);
+    } else {
+        return 0;
+    }
+    return 1;
 }
 
 // By its wall: an end is as flat wherever it is met.

@@ -17,7 +17,7 @@ constexpr int widenings = 64;
 
 // How far the proxy lies from the probe (m). Not the first layer's alone: one that contradicts itself gives
 // way, and may lie nearer than a harder one, which does not.
-double proxy_distance(const ContactSet& set) noexcept {
+[[gnu::always_inline]] inline double proxy_distance(const ContactSet& set) noexcept {
     double square = 0;
     for (std::uint32_t j = 0; j < set.layers; ++j)
         square = std::max(square, set.layer[j].solution.dx.squaredNorm());
@@ -29,20 +29,6 @@ double proxy_distance(const ContactSet& set) noexcept {
 }
 
 }  // namespace
-
-bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst, const Vector3d& p) noexcept {
-    const double given = layer.give;
-    solve_contact_relaxed(planes, worst, layer.give, layer.solution);
-    if (layer.give != given) layer.given_at = worst;
-    if (layer.solution.status == ContactSolution::Status::solved) {
-        layer.proxy = p + layer.solution.dx;
-        return !(layer.give > 0);
-    }
-    // Bounded whatever happens: the proxy stays where it was.
-    layer.solution.dx = layer.proxy - p;
-    layer.solution.active.count = 0;
-    return false;
-}
 
 // Surfaces that do not stand still say where they are. In both sets of a fade there may be the same one: its
 // state advances once. Returns the worst violation.

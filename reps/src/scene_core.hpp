@@ -61,7 +61,7 @@ struct KindOps {
     Motion* (*motion)(Record&) noexcept = nullptr;                       // of a surface
     const Asset* (*asset)(const Record&) noexcept = nullptr;             // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
-    std::uint32_t (*curved_at)(const Record&, const Probe& there,
+    std::uint32_t (*curved_at)(const Record&, const Probe&, const Probe& there,
                                std::span<CurvedContact> out) noexcept = nullptr;
     void (*lean)(Record&, const Probe& there) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
@@ -75,7 +75,19 @@ inline const std::array<KindOps, Representations::size>& kind_ops() noexcept {
 
 Limits sane_limits(Limits limits) noexcept;
 /// Of a layer's planes as they are; p is the probe. False: they contradict each other.
-bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst, const Eigen::Vector3d& p) noexcept;
+[[gnu::always_inline]] inline bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst, const Eigen::Vector3d& p) noexcept {
+    const double given = layer.give;
+    solve_contact_relaxed(planes, worst, layer.give, layer.solution);
+    if (layer.give != given) layer.given_at = worst;
+    if (layer.solution.status == ContactSolution::Status::solved) {
+        layer.proxy = p + layer.solution.dx;
+        return !(layer.give > 0);
+    }
+    // Bounded whatever happens: the proxy stays where it was.
+    layer.solution.dx = layer.proxy - p;
+    layer.solution.active.count = 0;
+    return false;
+}
 /// As for a set that has never been solved.
 void forget_solution(ContactSet& set, const Group& group) noexcept;
 /// Nothing is felt along the surface, nor remembered of it, and time makes no difference any more.

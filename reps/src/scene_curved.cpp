@@ -97,7 +97,7 @@ bool SceneCore::meet_elsewhere(const ContactSet& set, const Group& group, const 
         std::array<CurvedContact, max_contacts> found;
         Probe there = group.probe;
         there.position += layer.solution.dx;
-        const std::uint32_t count = ops.curved_at(record(owner), there, found);
+        const std::uint32_t count = ops.curved_at(record(owner), group.probe, there, found);
         for (std::uint32_t part = 0; part < count; ++part) {
             const std::uint32_t i = first + part;
             if (holds(i) ? active.count > 1 : found[part].height + relief_at(owner, i, part) < 0) return true;
@@ -135,7 +135,7 @@ std::uint32_t SceneCore::list_near_surfaces(const ContactSet& set, const Group& 
         bool near = false;
         for (std::uint32_t part = 0; part < parts; ++part) near = near || a.s[i + part] >= -within;
         const std::uint32_t count =
-            near && ops && ops->curved ? ops->curved_at(record(owner), there, found) : 0;
+            near && ops && ops->curved ? ops->curved_at(record(owner), group.probe, there, found) : 0;
         for (std::uint32_t part = 0; near && part < parts; ++part) {
             const std::uint32_t at = i + part;
             if (!(a.s[at] >= -within)) continue;
@@ -255,10 +255,10 @@ bool SceneCore::solve_curved(ContactSet& set, const Group& group, Layer& layer, 
 // At the end of a cycle: within it a surface that is asked again answers the same.
 void SceneCore::lean(const ContactSet& set, const Group& group) noexcept {
     const Arena& a = arenas_[arena_];
-    Probe there = group.probe;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         const Layer& layer = set.layer[j];
         if (layer.solution.active.count < 2) continue;
+        Probe there = group.probe;
         there.position = layer.proxy;
         for (std::uint32_t k = 0; k < layer.solution.active.count; ++k) {
             const Owner owner = a.owner[set.begin + layer.solution.active.plane[k]];

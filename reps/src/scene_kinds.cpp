@@ -30,9 +30,8 @@ constexpr bool turns_of() {
 }
 
 template <class R>
-inline constexpr bool is_curved = requires(const R& params, const typename R::State& state,
-                                           const Probe& there, std::span<CurvedContact> out) {
-    curved(params, state, there, out);
+inline constexpr bool is_curved = requires(const R& params, const typename R::State& state, const Probe& probe, std::span<CurvedContact> out) {
+    curved(params, state, probe, probe, out);
 };
 
 template <class R>
@@ -204,11 +203,11 @@ struct Ops {
             return 0;
         }
     }
-    static std::uint32_t curved_at(const Record& r, const Probe& there,
+    static std::uint32_t curved_at(const Record& r, const Probe& probe, const Probe& there,
                                    std::span<CurvedContact> out) noexcept {
         if constexpr (is_curved<R>) {
             return curved(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)),
-                          there, out);
+                          probe, there, out);
         } else {
             return 0;
         }

@@ -27,7 +27,7 @@ Contact contact(const Sphere& params, Sphere::State& state, const Probe& probe, 
     return contact_of(params, now.normal, now.height);
 }
 
-std::uint32_t curved(const Sphere& params, const Sphere::State& state, const Probe& there,
+std::uint32_t curved(const Sphere& params, const Sphere::State& state, const Probe&, const Probe& there,
                      std::span<CurvedContact> out) noexcept {
     if (state.hold.part != 0) return 0;
     const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);

@@ -184,7 +184,7 @@ Contact contact(const Torus& params, Torus::State& state, const Probe& probe, do
 }
 
 // Where the probe plugs the hole its seats are points: the plane of this cycle stands for them.
-std::uint32_t curved(const Torus& params, const Torus::State& state, const Probe& there,
+std::uint32_t curved(const Torus& params, const Torus::State& state, const Probe&, const Probe& there,
                      std::span<CurvedContact> out) noexcept {
     const bool inside = params.side == Side::inside;
     if (state.hold.part != 0) return 0;

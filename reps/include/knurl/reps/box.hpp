@@ -101,8 +101,6 @@ std::uint32_t contacts(const Box& params, Box::State& state, const Probe& probe,
                        std::span<Contact> out) noexcept;
 
 /// Of a solid box that does not hold the probe (it holds it from however deep).
-std::uint32_t curved(const Box& params, const Box::State& state, const Probe& there,
-                     std::span<CurvedContact> out) noexcept;
 std::optional<Bound> bound(const Box& params, const Box::State& state) noexcept;
 /// The path so far is forgotten: the next cycle sees the probe for the first time.
 void out_of_reach(const Box& params, Box::State& state) noexcept;

@@ -100,7 +100,7 @@ void adopt(const Cap& params, const Cap* previous, Cap::State& state, const Prob
 /// The height is that of the probe's surface. A hollow tighter than half of 1 / the probe's radius is felt as
 /// one of that curvature: in a tighter one the probe would touch on both sides.
 Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double dt) noexcept;
-std::uint32_t curved(const Cap& params, const Cap::State& state, const Probe& there,
+std::uint32_t curved(const Cap& params, const Cap::State& state, const Probe& probe, const Probe& there,
                      std::span<CurvedContact> out) noexcept;
 
 }  // namespace knurl

@@ -104,9 +104,10 @@ concept Effect = Representation<R> &&
 //   std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
 //       a surface with up to R::max_contacts tangent planes at once (the corner of a hollow box): fills in those
 //       that matter
-//   std::uint32_t curved(const R&, const R::State&, const Probe& there, std::span<CurvedContact> out)
-//       a surface that is not flat: what `contact` has answered in this cycle, at another place of the probe; as many
-//       as it has tangent planes. 0: those of this cycle hold wherever the probe is (a face that holds it)
+//   std::uint32_t curved(const R&, const R::State&, const Probe&, const Probe& there, std::span<CurvedContact> out)
+//       a surface that is not flat: what `contact` has answered for the probe in this cycle, as it is at another place;
+//       as many as it has tangent planes. 0: those of this cycle hold there too (a face that holds the probe). Where
+//       the answer changes with the probe, it must agree with the tangent plane at the probe's foot
 //   void lean(const R&, R::State&, const Probe& there)
 //       beside curved(): where it meets others, so that the plane by which it holds a deep probe is the one felt there
 //   R::turns
