@@ -111,7 +111,8 @@ struct SolidCylinder {
 CurvedContact turned_about(const SolidCylinder& solid, const Place& at, double out, double along) noexcept {
     CurvedContact cone{.normal = out * at.out + along * at.axis};
     cone.height = out * (at.away - solid.radius) - solid.probe;
-    if (along != 0) cone.height += std::abs(along) * (std::copysign(1.0, along) * at.along - solid.half_length);
+    if (along != 0)
+        cone.height += std::abs(along) * (std::copysign(1.0, along) * at.along - solid.half_length);
     if (at.away > 1e-100) cone.bend = bend_along(at.axis.cross(at.out), out / at.away);
     return cone;
 }

@@ -75,7 +75,8 @@ inline const std::array<KindOps, Representations::size>& kind_ops() noexcept {
 
 Limits sane_limits(Limits limits) noexcept;
 /// Of a layer's planes as they are; p is the probe. False: they contradict each other.
-[[gnu::always_inline]] inline bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst, const Eigen::Vector3d& p) noexcept {
+[[gnu::always_inline]] inline bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst,
+                                                const Eigen::Vector3d& p) noexcept {
     const double given = layer.give;
     solve_contact_relaxed(planes, worst, layer.give, layer.solution);
     if (layer.give != given) layer.given_at = worst;

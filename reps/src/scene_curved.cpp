@@ -18,6 +18,9 @@ namespace {
 constexpr double exact = 1e-15;
 // 1/m: what is round somewhere (the edges of a box) may be flat at x_k and not where the step ends.
 constexpr double least_bend = 10;
+// By how much more than the hand a place moves that holds it where surfaces curve as sharply as it is deep in
+// them: in the middle of a hole whose rim holds it by any amount.
+constexpr double most_per_motion = 4;
 
 }  // namespace
 
@@ -225,6 +228,19 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         within = std::max(within, 2 * at.dx.norm());
     }
     if (!at.dx.allFinite() || (!done && at.dx.norm() > most)) return feasible;
+    // Where it has to go farther than the hand explains, since the place that held it is none any more, it slides.
+    if (warm) {
+        const Vector3d from = start->dx + (start->p - p), way = at.dx - from;
+        const double length = way.norm();
+        double speed = 0;  // m/s, of what holds it
+        for (std::uint32_t k = 0; k < at.active.count; ++k) {
+            const Owner owner = a.owner[set.begin + at.active.plane[k]];
+            if (owner != bridge_owner) speed = std::max(speed, record(owner).velocity.norm());
+        }
+        const double moved = (p - start->p).norm() + speed * limits_.period;
+        const double room = std::max(most_per_motion * moved, policy_.rise_speed * limits_.period);
+        if (length > room) at.dx = from + (room / length) * way;
+    }
     at.status = ContactSolution::Status::solved;
     layer.solution = at;
     layer.proxy = p + at.dx;

@@ -30,7 +30,8 @@ constexpr bool turns_of() {
 }
 
 template <class R>
-inline constexpr bool is_curved = requires(const R& params, const typename R::State& state, const Probe& probe, std::span<CurvedContact> out) {
+inline constexpr bool is_curved = requires(const R& params, const typename R::State& state,
+                                           const Probe& probe, std::span<CurvedContact> out) {
     curved(params, state, probe, probe, out);
 };
 

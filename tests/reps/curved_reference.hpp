@@ -154,7 +154,9 @@ inline Distances add_near_origin(Rng& rng, Scene& scene, std::uint32_t i, double
     const Side side = inside ? Side::inside : Side::outside;
     const Vec3 center = to_plain(Vector(foot + (inside ? r : -r) * n));
     const auto add = [&](const auto& s) {
-        if (getenv("SHOW")) std::printf("    %s inside %d r %.4g k %g\n", std::string(Describe<std::decay_t<decltype(s)>>::name).c_str(), inside, r * 1e3, k);
+        if (getenv("SHOW"))
+            std::printf("    %s inside %d r %.4g k %g\n",
+                        std::string(Describe<std::decay_t<decltype(s)>>::name).c_str(), inside, r * 1e3, k);
         EXPECT_TRUE(scene.add({i, 1}, s));
         return distances_of(s);
     };

@@ -1,7 +1,8 @@
 // Curved surfaces that hold the hand together: at the nearest point that satisfies the surfaces themselves.
 
-#include "curved_reference.hpp"
 #include <iostream>
+
+#include "curved_reference.hpp"
 
 using namespace knurl;
 using namespace knurl::test;
@@ -83,34 +84,48 @@ TEST(CurvedTogether, ExploreLoops) {
         const std::uint32_t count = surfaces_of(rng);
         std::vector<Distances> all;
         for (std::uint32_t i = 0; i < count; ++i)
-            all.push_back(add_near_origin(rng, scene, i, size / 1.5, getenv("MIX") ? scale(rng, 100, 2000) : 1000, least, 5 * least));
+            all.push_back(add_near_origin(rng, scene, i, size / 1.5,
+                                          getenv("MIX") ? scale(rng, 100, 2000) : 1000, least, 5 * least));
         const SmallLoop loop(rng, Vector(0, 0, -size / 1.5), size);
         scene.settle();
-        double most = 0, sh = 0; int at_ = 0;
+        double most = 0, sh = 0;
+        int at_ = 0;
         constexpr int steps = 20000;
         double sum = 0;
         Vector p = loop.at(0), lastf = Vector::Zero(), lastm = p;
         for (int i = 0; i < steps; ++i) {
             const Vector next = loop.at(2 * M_PI * (i + 1) / steps), mid = (p + next) / 2;
             const Vector f = scene.evaluate(at(mid), dt).force;
-            ++cyc; rounds[std::min(7u, scene.curved_rounds())]++;
+            ++cyc;
+            rounds[std::min(7u, scene.curved_rounds())]++;
             if (i) {
                 const Vector dp = mid - lastm, df = f - lastf;
                 const double r = df.norm() / dp.norm() / (getenv("MIX") ? 2000 : 1000);
                 if (r > most) most = r, at_ = i;
                 sh = std::max(sh, -df.dot(dp) / dp.squaredNorm() / (getenv("MIX") ? 2000 : 1000));
             }
-            if (getenv("ROUND") && atoi(getenv("ROUND")) == round && i > 0 && (f - lastf).norm() / (mid - lastm).norm() > 2000) {
-                std::printf("  %d: p %g %g %g, f from %.5g %.5g %.5g to %.5g %.5g %.5g rounds %u; heights", i, mid.x()*1e3, mid.y()*1e3, mid.z()*1e3, lastf.x(), lastf.y(), lastf.z(), f.x(), f.y(), f.z(), scene.curved_rounds());
-                for (auto& d : all) std::printf(" p %.5g last x %.3g x %.3g;", 1e3*(double)d.height(mid.cast<Real>()), 1e3*(double)d.height((lastm + lastf/1000).cast<Real>()), 1e3*(double)d.height((mid + f/1000).cast<Real>()));
+            if (getenv("ROUND") && atoi(getenv("ROUND")) == round && i > 0 &&
+                (f - lastf).norm() / (mid - lastm).norm() > 2000) {
+                std::printf("  %d: p %g %g %g, f from %.5g %.5g %.5g to %.5g %.5g %.5g rounds %u; heights", i,
+                            mid.x() * 1e3, mid.y() * 1e3, mid.z() * 1e3, lastf.x(), lastf.y(), lastf.z(),
+                            f.x(), f.y(), f.z(), scene.curved_rounds());
+                for (auto& d : all)
+                    std::printf(" p %.5g last x %.3g x %.3g;", 1e3 * (double)d.height(mid.cast<Real>()),
+                                1e3 * (double)d.height((lastm + lastf / 1000).cast<Real>()),
+                                1e3 * (double)d.height((mid + f / 1000).cast<Real>()));
                 std::printf("\n");
             }
-            lastf = f; lastm = mid;
+            lastf = f;
+            lastm = mid;
             sum += f.dot(next - p);
             p = next;
         }
-        if (std::abs(sum) > 1e-8 || most > 1.01) std::printf("round %d, %u surfaces: work %.3g J, largest step %.4g k at %d, stiffness %.4g k\n", round, count, sum, most, at_, sh);
-        worst = std::max(worst, std::abs(sum)); jump = std::max(jump, most); stiff = std::max(stiff, sh);
+        if (std::abs(sum) > 1e-8 || most > 1.01)
+            std::printf("round %d, %u surfaces: work %.3g J, largest step %.4g k at %d, stiffness %.4g k\n",
+                        round, count, sum, most, at_, sh);
+        worst = std::max(worst, std::abs(sum));
+        jump = std::max(jump, most);
+        stiff = std::max(stiff, sh);
     }
     (void)over;
     std::printf("worst %.3g J, step %.4g k, stiffness %.6g k, %ld cycles, rounds", worst, jump, stiff, cyc);
