@@ -1,4 +1,4 @@
-#include "curved_contact.hpp"
+#include <knurl/reps/curved_contact.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -19,7 +19,7 @@
 #include <knurl/reps/motion.hpp>
 #include <knurl/reps/scene.hpp>
 
-#include "curved_contact.hpp"
+#include <knurl/reps/curved_contact.hpp>
 #include "reach.hpp"
 #include "scene_state.hpp"
 

@@ -21,6 +21,7 @@ constexpr double least_bend = 10;
 // By how much more than the hand a place moves that holds it where surfaces curve as sharply as it is deep in
 // them: in the middle of a hole whose rim holds it by any amount.
 constexpr double most_per_motion = 4;
+constexpr double least_jump = 1e-6;  // m: of a millinewton, which nobody feels
 
 }  // namespace
 
@@ -170,11 +171,23 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
     const bool feasible = solve_planes(layer, planes, worst, p);
     layer.far = layer.solution.dx.norm();
     layer.joined = false;
-    if (feasible && !meet_elsewhere(set, group, layer)) return true;
-
     // The hand has come from nearer than it was held: else it begins where the planes meet.
     const CurvedStart* const start = start_of(layer);
-    bool warm = start && start->active.count > 0 && start->dx.norm() >= (p - start->p).norm();
+    const double motion = start ? (p - start->p).norm() : 0;
+    bool warm = start && start->active.count > 0 && start->dx.norm() >= motion;
+    const auto explained = [&](const ContactSolution& to) {  // m: a way of x that no surface has let go for
+        double speed = 0;
+        for (std::uint32_t k = 0; k < to.active.count; ++k) {
+            const Owner owner = a.owner[set.begin + to.active.plane[k]];
+            if (owner != bridge_owner) speed = std::max(speed, record(owner).velocity.norm());
+        }
+        return most_per_motion * (motion + speed * limits_.period);
+    };
+    // Where the planes' solution lies farther off, it is another place, though nearer: the one that holds goes on.
+    const bool jumps = warm && (layer.solution.dx - start->dx + (p - start->p)).norm() >
+                                   explained(layer.solution) + least_jump;
+    if (feasible && !jumps && !meet_elsewhere(set, group, layer)) return true;
+
     ContactSolution at = layer.solution;
     if (warm) {
         at.dx = start->dx + (start->p - p);
@@ -221,7 +234,8 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         }
         // What is no more than rounding is no step: a hand at rest feels the same to the bit.
         const double length = step.step.norm();
-        if (length > 4 * std::numeric_limits<double>::epsilon() * (p.lpNorm<1>() + at.dx.lpNorm<1>()))
+        const double scale = p.lpNorm<1>() + at.dx.lpNorm<1>();
+        if (length > std::max(exact / 8, 4 * std::numeric_limits<double>::epsilon() * scale))
             at.dx += step.step;
         done = bend * length * (length + change) <= exact;
         layer.far = std::max(layer.far, at.dx.norm());
@@ -232,13 +246,7 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
     if (warm) {
         const Vector3d from = start->dx + (start->p - p), way = at.dx - from;
         const double length = way.norm();
-        double speed = 0;  // m/s, of what holds it
-        for (std::uint32_t k = 0; k < at.active.count; ++k) {
-            const Owner owner = a.owner[set.begin + at.active.plane[k]];
-            if (owner != bridge_owner) speed = std::max(speed, record(owner).velocity.norm());
-        }
-        const double moved = (p - start->p).norm() + speed * limits_.period;
-        const double room = std::max(most_per_motion * moved, policy_.rise_speed * limits_.period);
+        const double room = std::max(explained(at), policy_.rise_speed * limits_.period);
         if (length > room) at.dx = from + (room / length) * way;
     }
     at.status = ContactSolution::Status::solved;

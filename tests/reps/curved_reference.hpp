@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <knurl/reps/all.hpp>
@@ -139,14 +140,13 @@ inline std::optional<Met> nearest_of(const std::vector<Distances>& all, const Lo
     return best;
 }
 
-/// One that comes to within `near` (m) of the origin, with a normal that leaves the room above it free.
-
-/// Adds surface `i` to the scene.
+/// Adds one to the scene that passes the origin no farther than `near` (m), with room above it, `least` to `most`
+/// in size. Flat pieces are as large.
 inline Distances add_near_origin(Rng& rng, Scene& scene, std::uint32_t i, double near, double k, double least,
                                  double most) {
     Vector n;
     do n = direction(rng);
-    while (n.z() < 0.2);
+    while (n.z() < 0.4);
     const Vector foot = near * uniform(rng, 0, 1) * direction(rng);
     const double r = scale(rng, least, most);
     const Vector along = n.cross(direction(rng)).normalized();
@@ -154,9 +154,6 @@ inline Distances add_near_origin(Rng& rng, Scene& scene, std::uint32_t i, double
     const Side side = inside ? Side::inside : Side::outside;
     const Vec3 center = to_plain(Vector(foot + (inside ? r : -r) * n));
     const auto add = [&](const auto& s) {
-        if (getenv("SHOW"))
-            std::printf("    %s inside %d r %.4g k %g\n",
-                        std::string(Describe<std::decay_t<decltype(s)>>::name).c_str(), inside, r * 1e3, k);
         EXPECT_TRUE(scene.add({i, 1}, s));
         return distances_of(s);
     };
@@ -177,13 +174,9 @@ inline Distances add_near_origin(Rng& rng, Scene& scene, std::uint32_t i, double
                                 .half_length = infinity,
                                 .side = side,
                                 .stiffness = k});
-        case 3: {  // from outside, or from within the hole
-            const double ring = r * uniform(rng, 1.5, 3);
-            const Vector out = std::cos(uniform(rng, -3, 3)) * n + 0.0 * along;
-            (void)out;
-            const double turn = uniform(rng, -3, 3);
+        case 3: {  // met from outside, or from within the hole
+            const double ring = r * uniform(rng, 1.5, 3), turn = uniform(rng, -3, 3);
             const Vector third = n.cross(along);
-            // n = cos(turn) radial + sin(turn) axis
             const Vector radial = std::cos(turn) * n + std::sin(turn) * third;
             const Vector axis = std::sin(turn) * n - std::cos(turn) * third;
             return add(Torus{.center = to_plain(Vector(to_eigen(center) - ring * radial)),
@@ -199,6 +192,35 @@ inline Distances add_near_origin(Rng& rng, Scene& scene, std::uint32_t i, double
                            .curvature = (inside ? 1 : -1) / r,
                            .rim = 0.5,
                            .stiffness = k});
+        case 5: {  // what is flat, as a plane
+            const Plane plane{.normal = to_plain(n), .offset = n.dot(foot), .stiffness = k};
+            const Vector across = n.cross(along);
+            const int which = between(rng, 0, 3);
+            if (which == 0) return add(plane);
+            if (which == 1) {
+                Polygon polygon{.stiffness = k};
+                polygon.vertices.count = 4;
+                for (std::uint32_t c = 0; c < 4; ++c)
+                    polygon.vertices.at[c] =
+                        to_plain(Vector(foot + (c == 0 || c == 3 ? 1 : -1) * most * along +
+                                        (c < 2 ? 1 : -1) * most * across));
+                EXPECT_TRUE(scene.add({i, 1}, polygon));
+            } else if (which == 2) {
+                EXPECT_TRUE(scene.add({i, 1}, HalfPlane{.normal = to_plain(n),
+                                                        .offset = n.dot(foot),
+                                                        .edge = to_plain(along),
+                                                        .edge_offset = along.dot(foot) + most,
+                                                        .stiffness = k}));
+            } else {
+                Eigen::Matrix3d axes;
+                axes << along, across, n;
+                EXPECT_TRUE(scene.add({i, 1}, Box{.center = to_plain(Vector(foot - most * n)),
+                                                  .orientation = to_plain(Eigen::Quaterniond(axes)),
+                                                  .half_size = {most, most, most},
+                                                  .stiffness = k}));
+            }
+            return distances_of(plane);
+        }
         default:
             return add(Plane{.normal = to_plain(n), .offset = n.dot(foot), .stiffness = k});
     }
