@@ -92,7 +92,7 @@ bool SceneCore::reshape_sets() noexcept {
         const CurvedStarts starts = starts_of(group.now);
         forget_solution(group.now, group);
         forget_solution(group.old, group);
-        take_starts(group.now, a, starts);
+        if (!group.edited) take_starts(group.now, a, starts);  // what is new is felt for what it is
         take_starts(group.old, a, starts);
         built(group, p);
     }

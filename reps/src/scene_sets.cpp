@@ -300,7 +300,7 @@ void SceneCore::rebuild_sets() noexcept {
         const CurvedStarts old = starts_of(group.old.layers > 0 ? group.old : group.now);
         build(group.old, group, into, std::span<const Owner>(scratch_.data(), olds));
         build(group.now, group, into, std::span<const Owner>(scratch_.data(), list_now(group, p)));
-        take_starts(group.now, into, now);
+        if (!group.edited) take_starts(group.now, into, now);  // what is new is felt for what it is
         take_starts(group.old, into, old);
         built(group, p);
     }
