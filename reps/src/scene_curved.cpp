@@ -226,18 +226,25 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         }
         // The next step makes up for what the bend of the surfaces has changed on the way, and what the change
         // of their multipliers has changed of this one.
+        const double length = step.step.norm();
         double bend = 0, change = 0;
+        bool missed = false;  // one that the step did not touch may bend into it
         for (const NearSurface& surface : near) {
-            if (!surface.curved || !(surface.holds || surface.pushes != 0)) continue;
-            bend = std::max({bend, least_bend, surface.at.bend.norm()});
-            change += std::abs(surface.pushes);
+            if (!surface.curved) continue;
+            const double by = std::max(least_bend, surface.at.bend.norm());
+            if (surface.holds || surface.pushes != 0) {
+                bend = std::max(bend, by);
+                change += std::abs(surface.pushes);
+            } else {
+                const double left = surface.at.height + surface.at.normal.dot(step.step);
+                missed = missed || (left < by * length * length && by * length * length > exact);
+            }
         }
         // What is no more than rounding is no step: a hand at rest feels the same to the bit.
-        const double length = step.step.norm();
         const double scale = p.lpNorm<1>() + at.dx.lpNorm<1>();
         if (length > std::max(exact / 8, 4 * std::numeric_limits<double>::epsilon() * scale))
             at.dx += step.step;
-        done = bend * length * (length + change) <= exact;
+        done = !missed && bend * length * (length + change) <= exact;
         layer.far = std::max(layer.far, at.dx.norm());
         within = std::max(within, 2 * at.dx.norm());
     }
