@@ -22,7 +22,7 @@ struct Meeting {
                                           mixed ? scale(rng, 100, 2000) : 1000, 0.01, 0.05));
         scene.settle();
         for (int i = 0; i <= 100; ++i)  // from above, where a piece is met from its front
-            scene.evaluate(at(Vector(loop.at(0) + Vector(0, 0, 6e-5 * (100 - i)))), dt);
+            scene.evaluate(at(Vector(loop.at(0) + Vector(0, 0, 1e-4 * (100 - i)))), dt);
     }
 };
 
