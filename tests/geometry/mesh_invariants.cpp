@@ -88,7 +88,8 @@ class Check {
         const long double may = 1.01L * how_.weld * data_.size +
                                 (data_.exact ? 0 : std::ldexp(data_.size, -24)) + largest * 0x1p-51L;
         const MeshNotes& n = mesh_.notes();
-        if (n.faces_cut + n.faces_inside > 0) return pieces(may + 2 * how_.gap * data_.size);
+        if (n.faces_cut + n.faces_inside + n.vertices_moved > 0)
+            return pieces(may + 2 * how_.gap * data_.size);
         for (const AnyFace& f : faces_) {
             if (f.triangle >= raw_.triangles.size() || !seen.insert(f.triangle).second) {
                 say("triangle ", f.triangle, " twice or from nowhere");

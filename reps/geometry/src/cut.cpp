@@ -157,7 +157,7 @@ class Cutter {
             queue_.pop_front();
             queued_[f] = false;
             if (pieces_[f].there) settle(f);
-            if (pieces_.size() > most_ || steps_ > 4 * most_) {
+            if (pieces_.size() > most_ || steps_ > 2 * most_) {
                 faces_.at.resize(vertices);
                 return false;
             }
@@ -166,6 +166,7 @@ class Cutter {
         return steps_ > 0;
     }
     std::vector<Piece> take() { return std::move(pieces_); }
+    std::uint64_t moved() const { return moved_; }
 
   private:
     /// Faces that meet others, and all around their corners, which are split with them but not asked.
@@ -396,6 +397,7 @@ class Cutter {
         return static_cast<std::uint32_t>(faces_.at.size() - 1);
     }
     void become(std::uint32_t from, std::uint32_t to) {
+        ++moved_;
         const std::vector<std::uint32_t> all = around_[from];
         for (const std::uint32_t f : all) {
             Piece piece = pieces_[f];
@@ -465,6 +467,7 @@ class Cutter {
     Splits splits_;
     std::map<std::array<std::uint32_t, 3>, std::uint32_t> turns_;  // tries, of edges
     std::size_t steps_ = 0;
+    std::uint64_t moved_ = 0;  // vertices that became another
 };
 
 }  // namespace
@@ -478,9 +481,10 @@ bool meet(const Faces& faces, std::uint32_t f, std::uint32_t g, bool across, dou
 }
 
 std::vector<Piece> cut(Faces& faces, const Pairs& pairs, const Near& near, std::size_t most,
-                       std::vector<bool>& touched, Slices& slices) {
+                       std::vector<bool>& touched, MeshNotes& notes, Slices& slices) {
     Cutter cutter(faces, near, most, slices);
     if (!cutter.run(pairs, touched)) return {};
+    notes.vertices_moved += cutter.moved();
     return cutter.take();
 }
 

@@ -95,7 +95,7 @@ void link(Faces& faces, Links& links, SolidLinks& solid, std::vector<MeshNode>& 
 std::size_t most_pieces(const Triangles& given, const MeshBuild& how) {
     constexpr std::size_t bytes = 512;  // of a piece on its way, at most
     const std::size_t n = given.triangles.size();
-    return std::min((how.budget - mesh_budget(given.vertices.size(), n, how.exact)) / bytes, 16 * n + 65536);
+    return std::min((how.budget - mesh_budget(given.vertices.size(), n, how.exact)) / bytes, 16 * n + 1024);
 }
 
 }  // namespace
@@ -118,6 +118,7 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
     build::Slices slices(how.go_on);
 
     const build::Frame frame = build::find_frame(given, how.exact, notes, slices);
+    const MeshNotes before = notes;
     build::Faces faces = build::weld(given, frame, how, notes, slices);
     data.origin = frame.origin;
     data.size = frame.size;
@@ -126,18 +127,26 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
     build::SolidLinks solid;
     std::vector<std::uint8_t> flags;
     const double touch = std::max(build::tolerance(frame, how), 2 * frame.noise);
-    build::Near near{.touch = std::max({touch, 4 * frame.noise, 1e-9 * frame.size}),
-                     .gap = how.gap * frame.size,
-                     .as_float = !how.exact};
+    const double gap = how.gap * frame.size;
+    build::Near near{
+        .touch = std::max({touch, 4 * frame.noise, 1e-9 * frame.size}), .gap = gap, .as_float = !how.exact};
     std::uint64_t duplicates = 0;
+    bool unites = how.find_crossings && how.unite, closed = false;
     constexpr int rounds = 3;  // what is bent by a cut may meet something else
     for (int round = 0;; ++round) {
         build::link(faces, links, solid, memory->nodes, notes, slices);
+        if (round == 0) closed = notes.edges_open == 0;
+        if (closed && notes.edges_open > 0) {  // a cut that went wrong is worse than none
+            faces = build::weld(given, frame, how, notes = before, slices);
+            unites = false;
+            round = -1;
+            continue;
+        }
         if (round == 0) duplicates = notes.faces_duplicate;
         notes.faces_inside += notes.faces_duplicate - duplicates;  // pieces that lie on each other
         notes.faces_duplicate = duplicates;
         data.nodes = memory->nodes;
-        const bool may_unite = how.find_crossings && how.unite && round < rounds;
+        const bool may_unite = unites && round < rounds;
         build::Parts parts;
         if (may_unite && (notes.parts > 1 || !solid.empty())) parts = build::find_parts(links, solid, slices);
         flags = build::split_fans(faces, links, notes, slices);

@@ -39,10 +39,10 @@ Extent extent_of(const Faces& faces, std::uint32_t f) {
 }
 
 /// Calls see(f, g), f < g, for faces whose boxes are within `reach` of each other; `asked` says whether f's
-/// leaf needs to be looked at. False when see() does.
-template <class Asked, class See>
+/// leaf needs to be looked at, and `skipped` which nodes do not. False when see() does.
+template <class Asked, class Skipped, class See>
 bool for_near(const Faces& faces, std::span<const MeshNode> nodes, double reach, Slices& slices,
-              Asked&& asked, std::uint64_t& left, See&& see) {
+              Asked&& asked, Skipped&& skipped, std::uint64_t& left, See&& see) {
     std::vector<std::uint32_t> stack;
     for (const MeshNode& from : nodes) {
         for (std::uint32_t place = 0; place < MeshNode::fan; ++place) {
@@ -65,7 +65,7 @@ bool for_near(const Faces& faces, std::span<const MeshNode> nodes, double reach,
                                 node.high[k][i] >= own.low[k] - reach;
                     if (!meets) continue;
                     if (!is_leaf(node.child[i])) {
-                        stack.push_back(node.child[i]);
+                        if (!skipped(node.child[i], first, end)) stack.push_back(node.child[i]);
                         continue;
                     }
                     const std::uint32_t last = leaf_first(node.child[i]) + leaf_count(node.child[i]);
@@ -179,9 +179,29 @@ bool find_pairs(const Faces& faces, std::span<const MeshNode> nodes, const Parts
         }
         return false;
     };
+    // Nodes of one part alone, which a face of that part need not look into.
+    constexpr std::uint32_t mixed = 0xffffffff;
+    std::vector<std::uint32_t> of_node(crossed ? 0 : nodes.size(), mixed);
+    for (std::size_t n = of_node.size(); n-- > 0; slices()) {
+        bool first = true;
+        for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
+            if (!(nodes[n].low[0][i] <= nodes[n].high[0][i])) continue;
+            const std::uint32_t child = nodes[n].child[i];
+            std::uint32_t part = is_leaf(child) ? parts.of[leaf_first(child)] : of_node[child];
+            for (std::uint32_t f = 1; is_leaf(child) && f < leaf_count(child); ++f)
+                if (parts.of[leaf_first(child) + f] != part) part = mixed;
+            of_node[n] = first || of_node[n] == part ? part : mixed;
+            first = false;
+        }
+    }
+    const auto skipped = [&](std::uint32_t node, std::uint32_t first, std::uint32_t end) {
+        bool own = !crossed;
+        for (std::uint32_t f = first; f < end; ++f) own = own && of_node[node] == parts.of[f];
+        return own;
+    };
     // Where very many boxes overlap the cuts would be too many as well.
-    std::uint64_t left = 256 * faces.corners.size() + 1'000'000;
-    return for_near(faces, nodes, reach, slices, asked, left, [&](std::uint32_t f, std::uint32_t g) {
+    std::uint64_t left = 64 * faces.corners.size() + 100'000;
+    return for_near(faces, nodes, reach, slices, asked, skipped, left, [&](std::uint32_t f, std::uint32_t g) {
         if (parts.of[f] != parts.of[g]) {
             pairs.emplace_back(f, g);
         } else if (crossed && extent_of(faces, f).meets(extent_of(faces, g), near.touch)) {
@@ -193,9 +213,10 @@ bool find_pairs(const Faces& faces, std::span<const MeshNode> nodes, const Parts
 }
 
 /// Moves vertices of one body into the plane of another's face that they are within a gap of, so that the two
-/// are one wall, or level: then nothing is nearly so. True if any moved.
-bool shut_gaps(Faces& faces, const Pairs& pairs, const Parts& parts, const Near& near, Slices& slices) {
-    bool moved = false;
+/// are one wall, or level: then nothing is nearly so. Returns how many.
+std::uint64_t shut_gaps(Faces& faces, const Pairs& pairs, const Parts& parts, const Near& near,
+                        Slices& slices) {
+    std::uint64_t moved = 0;
     for (const auto& [f, g] : pairs) {
         slices(2);
         if (parts.of[f] == parts.of[g] || !parts.closed[parts.of[f]] || !parts.closed[parts.of[g]]) continue;
@@ -215,7 +236,7 @@ bool shut_gaps(Faces& faces, const Pairs& pairs, const Parts& parts, const Near&
                 const double x = to[static_cast<int>(k)];
                 faces.at[v][k] = near.as_float ? static_cast<float>(x) : x;
             }
-            moved = true;
+            ++moved;
         }
     }
     return moved;
@@ -229,7 +250,9 @@ bool unite(Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bo
     Pairs pairs;
     if (!find_pairs(faces, nodes, parts, crossed, near, most, pairs, slices) || pairs.empty()) return false;
     std::sort(pairs.begin(), pairs.end());
-    const bool moved = near.gap > 0 && shut_gaps(faces, pairs, parts, near, slices);
+    const std::uint64_t shut = near.gap > 0 ? shut_gaps(faces, pairs, parts, near, slices) : 0;
+    notes.vertices_moved += shut;
+    const bool moved = shut > 0;
     std::erase_if(pairs, [&](const auto& pair) {
         slices();
         const auto& [f, g] = pair;
@@ -237,7 +260,7 @@ bool unite(Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bo
     });
     if (pairs.empty()) return moved;
     std::vector<bool> touched(faces.corners.size());
-    const std::vector<Piece> pieces = cut(faces, pairs, near, most, touched, slices);
+    const std::vector<Piece> pieces = cut(faces, pairs, near, most, touched, notes, slices);
     if (pieces.empty()) return moved;
     Faces out;
     out.at = std::move(faces.at);

@@ -46,7 +46,7 @@ struct Piece {
 /// alone. Returns the pieces of all faces that `touched` then says; none, and nothing changed, if that takes
 /// more than `most`.
 std::vector<Piece> cut(Faces& faces, const Pairs& pairs, const Near& near, std::size_t most,
-                       std::vector<bool>& touched, Slices& slices);
+                       std::vector<bool>& touched, MeshNotes& notes, Slices& slices);
 
 /// Drops walls between closed parts that lie on each other, and patches with changed faces whose front lies
 /// inside of closed parts. Returns how many faces.

@@ -62,8 +62,9 @@ struct MeshNotes {
     std::uint64_t faces_duplicate = 0;
     std::uint64_t faces_turned = 0;  // wound against their neighbours
     std::uint64_t edges_open = 0, edges_non_manifold = 0, vertices_split = 0, faces_crossed = 0;
-    std::uint64_t faces_cut = 0;     // where others cross or touch them,
-    std::uint64_t faces_added = 0;   // into so many more
+    std::uint64_t vertices_moved = 0;  // where gaps and steps between bodies were shut, or into another
+    std::uint64_t faces_cut = 0;       // where others cross or touch them,
+    std::uint64_t faces_added = 0;     // into so many more
     std::uint64_t faces_inside = 0;  // that were inside of a body then, and pieces, or lay on others: dropped
     std::uint64_t parts = 0;         // that hang together
 };
