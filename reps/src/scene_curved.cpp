@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "clamped.hpp"
 #include "scene_core.hpp"
 
 namespace knurl::detail {
@@ -14,8 +15,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-// m: an error that no force shows.
-constexpr double exact = 1e-15;
+// Of the hand. m: an error that no force shows.
+constexpr double exact_of_hand = 1e-15;
 // 1/m: what is round somewhere (the edges of a box) may be flat at x_k and not where the step ends.
 constexpr double least_bend = 10;
 // By how much more than the hand a place moves that holds it where surfaces curve as sharply as it is deep in
@@ -185,7 +186,7 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
     };
     // Where the planes' solution lies farther off, it is another place, though nearer: the one that holds goes on.
     const bool jumps = warm && (layer.solution.dx - start->dx + (p - start->p)).norm() >
-                                   explained(layer.solution) + least_jump;
+                                   explained(layer.solution) + world_length(least_jump, limits_);
     if (feasible && !jumps && !meet_elsewhere(set, group, layer)) return true;
 
     ContactSolution at = layer.solution;
@@ -195,6 +196,7 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         at.multiplier = start->multiplier;
     }
     const double most = 2 * std::max(layer.far, at.dx.norm());  // m: no farther, whatever happens
+    const double exact = world_length(exact_of_hand, limits_);
     double within = most;
     bool done = false;
     std::array<Vec3, 3> normals{};
@@ -231,7 +233,7 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         bool missed = false;  // one that the step did not touch may bend into it
         for (const NearSurface& surface : near) {
             if (!surface.curved) continue;
-            const double by = std::max(least_bend, surface.at.bend.norm());
+            const double by = std::max(least_bend / limits_.metre, surface.at.bend.norm());
             if (surface.holds || surface.pushes != 0) {
                 bend = std::max(bend, by);
                 change += std::abs(surface.pushes);
@@ -253,7 +255,8 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
     if (warm) {
         const Vector3d from = start->dx + (start->p - p), way = at.dx - from;
         const double length = way.norm();
-        const double room = std::max(explained(at), policy_.rise_speed * limits_.period);
+        const double room =
+            std::max(explained(at), world_length(policy_.rise_speed, limits_) * limits_.period);
         if (length > room) at.dx = from + (room / length) * way;
     }
     at.status = ContactSolution::Status::solved;
