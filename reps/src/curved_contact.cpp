@@ -1,10 +1,10 @@
-#include <knurl/reps/curved_contact.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <Eigen/Cholesky>
+
+#include <knurl/reps/curved_contact.hpp>
 
 namespace knurl {
 namespace {

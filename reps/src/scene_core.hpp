@@ -16,10 +16,10 @@
 #include <span>
 #include <vector>
 
+#include <knurl/reps/curved_contact.hpp>
 #include <knurl/reps/motion.hpp>
 #include <knurl/reps/scene.hpp>
 
-#include <knurl/reps/curved_contact.hpp>
 #include "reach.hpp"
 #include "scene_state.hpp"
 
