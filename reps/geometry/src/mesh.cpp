@@ -131,14 +131,17 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
     build::Near near{
         .touch = std::max({touch, 4 * frame.noise, 1e-9 * frame.size}), .gap = gap, .as_float = !how.exact};
     std::uint64_t duplicates = 0;
-    bool unites = how.find_crossings && how.unite, closed = false;
+    bool unites = how.find_crossings && how.unite, closed = false, again = false;
     constexpr int rounds = 3;  // what is bent by a cut may meet something else
     for (int round = 0;; ++round) {
         build::link(faces, links, solid, memory->nodes, notes, slices);
         if (round == 0) closed = notes.edges_open == 0;
-        if (closed && notes.edges_open > 0) {  // a cut that went wrong is worse than none
+        if (closed && notes.edges_open > 0) {  // once more, less finely; an open cut is worse than none
             faces = build::weld(given, frame, how, notes = before, slices);
-            unites = false;
+            unites = !again;
+            again = true;
+            near.touch *= 4;
+            near.gap = gap;
             round = -1;
             continue;
         }
