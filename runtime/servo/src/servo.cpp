@@ -256,9 +256,7 @@ void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     } else {
         budget.advance_within(dt);
     }
-    if (budget.scales() == before) return;
-    rouse(last_now);  // each is told
-    if (!settles) return;
+    if (!settles || budget.scales() == before) return;
     for (std::size_t i = 0; i < awake_size; ++i) {
         Claim::Impl& c = awake_claim(i);
         if (!felt(c)) continue;
