@@ -28,6 +28,7 @@ struct alignas(32) Rest {
     bool resting = false;
     bool armed = false;         // wants force: the supervisor counts it
     bool keeps_on = false;      // and keeps the device on
+    bool surfaces = false;      // it has some, out of reach: the hand's budget keeps a share for them
     std::uint32_t present = 0;  // representations, out of the hand's reach; 0: there are none
 
     /// Once in a cycle, before the rings are looked at. False: nothing of it is to be looked at.

@@ -239,7 +239,7 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
 // What is out of the hand's reach is not felt: scenes that rest have no load.
 void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     const auto felt = [](const Claim::Impl& c) { return c.channels && c.gain > 0 && !c.quiet(); };
-    LoadBound bound;
+    LoadBound bound{.surfaces = resting_surfaces};
     for (std::size_t i = 0; i < awake_size; ++i) {
         const Claim::Impl& c = awake_claim(i);
         if (felt(c)) bound += c.scene.load_bound();
@@ -247,7 +247,7 @@ void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     if (budget.rests() && !bound.exceeds()) return;
     const HandScales before = budget.scales();
     if (bound.exceeds()) {
-        SceneLoad load;
+        SceneLoad load{.surfaces = resting_surfaces};
         for (std::size_t i = 0; i < awake_size; ++i) {
             const Claim::Impl& c = awake_claim(i);
             if (felt(c)) load += c.gain * c.scene.load();

@@ -94,7 +94,7 @@ struct Servo::Impl {
     std::array<std::size_t, protocol::max_clients> awake = {};  // indexes of claims, in their order
     std::size_t awake_size = 0;
     int resting_armed = 0;  // of those that are not awake
-    bool resting_keep_on = false;
+    bool resting_keep_on = false, resting_surfaces = false;
     std::uint64_t resting_present = 0;
     std::array<StillScene, protocol::max_clients> stills;
     std::array<StillClock, protocol::max_clients> clocks;

@@ -29,7 +29,7 @@ void Servo::Impl::find_awake(Nanoseconds now, double dt) noexcept {
     awake_size = 0;
     resting_armed = 0;
     resting_present = 0;
-    resting_keep_on = false;
+    resting_keep_on = resting_surfaces = false;
     for (std::size_t i = 0; i < claims_size; ++i) {
         if (rests[i].look(now)) {
             awake[awake_size++] = i;
@@ -37,6 +37,7 @@ void Servo::Impl::find_awake(Nanoseconds now, double dt) noexcept {
             resting_present += rests[i].present;
             resting_armed += rests[i].armed ? 1 : 0;
             resting_keep_on = resting_keep_on || rests[i].keeps_on;
+            resting_surfaces = resting_surfaces || rests[i].surfaces;
         }
     }
 }
@@ -63,7 +64,7 @@ void Servo::Impl::rouse(Nanoseconds now) noexcept {
     }
     resting_armed = 0;
     resting_present = 0;
-    resting_keep_on = false;
+    resting_keep_on = resting_surfaces = false;
 }
 
 void Servo::Impl::evaluate_scene(std::size_t index, const Probe& probe, double dt) noexcept {
@@ -115,6 +116,7 @@ void Servo::Impl::put_to_rest(std::size_t index) noexcept {
     rest.armed = c.wants_force();
     rest.keeps_on = rest.armed && !c.joined;
     rest.present = c.still ? c.scene.size() : 0;
+    rest.surfaces = c.still && c.gain > 0 && c.scene.load_bound().surfaces;
     if (c.still) {
         c.felt.keep();
         rest_within = std::min(rest_within, room_in(stills[index], rest_at));
