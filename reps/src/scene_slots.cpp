@@ -156,12 +156,13 @@ void SceneCore::clear() noexcept {
     effects_bound_stale_ = false;
     for (Group& group : groups_) {
         // What stays: where the probe sits, and was; and memory.
-        Group fresh{.placement = group.placement,
-                    .next_placement = group.next_placement,
-                    .moved = group.moved,
-                    .probe = group.probe,
-                    .before = group.before,
-                    .arm = group.arm};
+        Group fresh;
+        fresh.placement = group.placement;
+        fresh.next_placement = group.next_placement;
+        fresh.moved = group.moved;
+        fresh.probe = group.probe;
+        fresh.before = group.before;
+        fresh.arm = group.arm;
         fresh.near.slots = std::move(group.near.slots);
         group = std::move(fresh);
     }
