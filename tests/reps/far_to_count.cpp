@@ -31,7 +31,7 @@ Probe hand_at(int cycle) {
 void cycle_of(Scene& scene, Kept& kept, int cycle, double& sum) {
     sum += scene.evaluate(hand_at(cycle), 1e-3).force.z();
     sum += static_cast<double>(scene.feedback(kept.entries, {.wholly = kept.wholly, .flags = kept.flags}));
-    sum += scene.stiffness_sum();
+    sum += scene.load_bound().effects;
 }
 
 }  // namespace

@@ -128,9 +128,9 @@ struct FeedbackHeader {
     double refused_against = 0;  // refused_code contradiction: the figure that the value contradicts
     std::uint32_t refused_kind = 0;
     std::uint32_t refused_slot = 0;
-    double gain = 0;     // this claim's, 0-1
-    double silence = 0;  // s since the last commit counted as silence, as of `cycle`; 0: not silent
-    HandScales scales;   // < 1: all that the hand feels, of all claims, is more than the device stands
+    double gain = 0;         // this claim's, 0-1
+    double silence = 0;      // s since the last commit counted as silence, as of `cycle`; 0: not silent
+    HandScales scales = {};  // < 1: all that the hand feels, of all claims, is more than the device stands
     std::uint32_t entries = 0;
     std::uint32_t refused_reason = 0;  // refused_code contradiction: which of the kind's
 };
