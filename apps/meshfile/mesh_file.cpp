@@ -154,6 +154,7 @@ std::vector<std::string> notes_of(const knurl::MeshNotes& n) {
     note(n.faces_turned, "triangles were wound against their neighbours and are turned");
     note(n.edges_open, "edges are open: past them the hand slips off");
     note(n.edges_non_manifold, "edges have more than two triangles");
+    note(n.faces_cut, "triangles cross or touch others and are cut there");
     note(n.faces_crossed, "triangles cross others");
     return lines;
 }

@@ -3,6 +3,7 @@
 
 #include <knurl/reps/cap.hpp>
 
+#include "bend.hpp"
 #include "surface.hpp"
 
 namespace knurl {
@@ -19,6 +20,7 @@ constexpr double least_axis = 1e-6;
 //   beyond:  h = n.(p - g), g the rim point
 struct Arc {
     double height, x, z;
+    double bend;  // 1/m, along (-z, x)
 
     Arc(double curvature, double rim, double px, double pz) noexcept {
         const double mx = -curvature * px, mz = 1 - curvature * pz;  // (centre - p) x curvature
@@ -28,9 +30,11 @@ struct Arc {
             height = (2 * pz - curvature * (px * px + pz * pz)) / (1 + length);
             x = length > 0 ? mx / length : 0;  // at the centre itself: as on the way there from the foot
             z = length > 0 ? mz / length : 1;
+            bend = length > 0 ? -curvature / length : 0;
         } else {
             x = std::copysign(rim, mx);
             z = cosine;
+            bend = 0;
             height = x * px + z * pz + rim * rim / ((1 + cosine) * curvature);
         }
     }
@@ -87,26 +91,57 @@ void adopt(const Cap& params, const Cap* previous, Cap::State& state, const Prob
     }
 }
 
-Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double dt) noexcept {
-    move_on(state.motion, dt);
+namespace {
+
+// `bend` alone takes more than the contact; who does not ask for it does not pay.
+template <bool Bends>
+CurvedContact curved_at(const Cap& params, const Cap::State& state, const Probe& probe) noexcept {
     const Vector3d q = from_surface(params.foot, params.velocity, state.motion, probe);
     const Vector3d normal = to_eigen(params.normal), axis = to_eigen(params.axis);
     const double z = normal.dot(q);
     const double curvature = felt(params.curvature, probe);
+    CurvedContact out;
     if (params.curvature == params.curvature2) {
         const Vector3d along = across(q, normal);
         const double r = along.norm();
         const Arc arc(curvature, params.rim, r, z);
         const Vector3d direction = r > 0 ? Vector3d(along / r) : Vector3d(normal.unitOrthogonal());
-        return contact_of(params, arc.z * normal + arc.x * direction, arc.height - probe.radius);
+        out.normal = arc.z * normal + arc.x * direction;
+        out.height = arc.height - probe.radius;
+        if constexpr (Bends) {
+            const double around = r > 0 ? arc.x / r : arc.bend;
+            out.bend = bend_along(arc.z * direction - arc.x * normal, arc.bend) +
+                       bend_along(normal.cross(direction), around);
+        }
+        return out;
     }
     // The distance from a torus is that from a circle in the plane which has turned with the ring: two arcs.
     const Vector3d side = normal.cross(axis);
     const double share = std::abs(params.curvature2 / params.curvature);  // the same reach in both directions
     const Arc ring(felt(params.curvature2, probe), params.rim * share, side.dot(q), z);
     const Arc tube(curvature, params.rim, axis.dot(q), ring.height);
-    return contact_of(params, tube.x * axis + tube.z * (ring.x * side + ring.z * normal),
-                      tube.height - probe.radius);
+    const Vector3d up = ring.x * side + ring.z * normal;
+    out.normal = tube.x * axis + tube.z * up;
+    out.height = tube.height - probe.radius;
+    if constexpr (Bends) {
+        out.bend = bend_along(tube.z * axis - tube.x * up, tube.bend) +
+                   bend_along(ring.z * side - ring.x * normal, tube.z * ring.bend);
+    }
+    return out;
+}
+
+}  // namespace
+
+Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double dt) noexcept {
+    move_on(state.motion, dt);
+    const CurvedContact there = curved_at<false>(params, state, probe);
+    return contact_of(params, there.normal, there.height);
+}
+
+std::uint32_t curved(const Cap& params, const Cap::State& state, const Probe&, const Probe& there,
+                     std::span<CurvedContact> out) noexcept {
+    out[0] = curved_at<true>(params, state, there);
+    return 1;
 }
 
 // Its height is a signed distance.

@@ -31,6 +31,23 @@ Contact contact(const Capsule& params, Capsule::State& state, const Probe& probe
     return contact_of(params, now.normal, now.height);
 }
 
+std::uint32_t curved(const Capsule& params, const Capsule::State& state, const Probe&, const Probe& there,
+                     std::span<CurvedContact> out) noexcept {
+    if (state.hold.part != 0) return 0;
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
+    const RoundSolid solid(to_eigen(params.axis), params.half_length, params.radius + there.radius);
+    out[0] = solid.curved(q);
+    if (params.side == Side::inside)
+        out[0] = hollow(out[0], room(params.radius, there) - solid.from_core(q).norm());
+    return 1;
+}
+
+void lean(const Capsule& params, Capsule::State& state, const Probe& there) noexcept {
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
+    state.hold.joint =
+        to_plain(RoundSolid(to_eigen(params.axis), params.half_length, params.radius).curved(q).normal);
+}
+
 std::optional<Bound> bound(const Capsule& params, const Capsule::State& state) noexcept {
     return ball_about(params, state, params.half_length + params.radius);
 }

@@ -3,6 +3,7 @@
 
 #include <knurl/reps/cylinder.hpp>
 
+#include "bend.hpp"
 #include "solid.hpp"
 
 namespace knurl {
@@ -104,6 +105,18 @@ struct SolidCylinder {
     }
 };
 
+// All that its section, turned about the axis, has in common with the plane that `lean` (from the wall, along
+// the axis) is normal to: the wall, endless, over an end its plane, over an edge the cone between them. By what
+// it is met follows from the probe, as that of a box; so it changes where the probe rolls over, not where x does.
+CurvedContact turned_about(const SolidCylinder& solid, const Place& at, double out, double along) noexcept {
+    CurvedContact cone{.normal = out * at.out + along * at.axis};
+    cone.height = out * (at.away - solid.radius) - solid.probe;
+    if (along != 0)
+        cone.height += std::abs(along) * (std::copysign(1.0, along) * at.along - solid.half_length);
+    if (at.away > 1e-100) cone.bend = bend_along(at.axis.cross(at.out), out / at.away);
+    return cone;
+}
+
 struct Hollow {
     Facing wall, end;
 
@@ -153,6 +166,44 @@ std::uint32_t contacts(const Cylinder& params, Cylinder::State& state, const Pro
     if (std::isinf(params.half_length)) return 1;
     out[1] = contact_of(params, hollow.end.normal, hollow.end.height);
     return 2;
+}
+
+std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const Probe& probe,
+                     const Probe& there, std::span<CurvedContact> out) noexcept {
+    const SolidHold& hold = state.hold;
+    if (hold.part > wall_part || hold.turning != 0) return 0;
+    const Vector3d axis = to_eigen(params.axis);
+    const Place at(axis, from_surface(params.center, params.velocity, state.motion, there), hold.normal);
+    const SolidCylinder solid{axis, params.radius, params.half_length, there.radius};
+    if (params.side == Side::inside) {
+        const Hollow room(params, at, there);
+        out[0] = hollow(turned_about(solid, at, 1, 0), room.wall.height);
+        if (std::isinf(params.half_length) || out.size() < 2) return 1;
+        out[1] = {.normal = room.end.normal, .height = room.end.height};
+        return 2;
+    }
+    if (hold.part == wall_part) {
+        out[0] = turned_about(solid, at, 1, 0);
+        return 1;
+    }
+    const Place foot(axis, from_surface(params.center, params.velocity, state.motion, probe), hold.normal);
+    const double beside = foot.away - solid.radius, beyond = std::abs(foot.along) - solid.half_length;
+    if (beside > 0 && beyond > 0) {
+        const double distance = std::hypot(beside, beyond);
+        out[0] = turned_about(solid, at, beside / distance, std::copysign(beyond / distance, foot.along));
+    } else if (beside >= beyond) {
+        out[0] = turned_about(solid, at, 1, 0);
+    } else {
+        return 0;
+    }
+    return 1;
+}
+
+// By its wall: an end is as flat wherever it is met.
+void lean(const Cylinder& params, Cylinder::State& state, const Probe& there) noexcept {
+    if (state.hold.part != wall_part) return;
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
+    state.hold.joint = to_plain(Place(to_eigen(params.axis), q, state.hold.normal).out);
 }
 
 std::optional<Bound> bound(const Cylinder& params, const Cylinder::State& state) noexcept {

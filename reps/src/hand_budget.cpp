@@ -22,7 +22,9 @@ HandLoad isotropic_load(double stiffness, double damping) noexcept {
 HandLoad moved_by(const HandLoad& load, const Eigen::Vector3d& arm) noexcept {
     Matrix6 t = Matrix6::Identity();
     t.topRightCorner<3, 3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
-    return {t.transpose() * load.stiffness * t, t.transpose() * load.damping * t};
+    HandLoad moved{.stiffness = t.transpose() * load.stiffness * t};
+    if (!load.damping.isZero(0)) moved.damping = t.transpose() * load.damping * t;
+    return moved;
 }
 
 // The symmetric part of -d((theta x a) x F)/dtheta = (a . F) - a F^T.
@@ -35,7 +37,7 @@ HandLoad as_shares(const HandLoad& load, const Limits& limits) noexcept {
     HandLoad shares;
     if (!std::isfinite(limits.max_stiffness) || !(limits.max_stiffness > 0)) return shares;
     const auto scaled = [&](const Matrix6& matrix, double translation, double rotation) {
-        if (!(translation > 0)) return Matrix6(Matrix6::Zero());
+        if (!(translation > 0) || matrix.isZero(0)) return Matrix6(Matrix6::Zero());
         Eigen::Matrix<double, 6, 1> unit;
         unit.head<3>().setConstant(1 / std::sqrt(translation));
         unit.tail<3>().setConstant(std::isfinite(rotation) && rotation > 0 ? 1 / std::sqrt(rotation) : 0);

@@ -1,6 +1,7 @@
 #pragma once
 // A solid of all that lies within `reach` of a straight core: a point (sphere) or a segment (capsule).
 
+#include "bend.hpp"
 #include "solid.hpp"
 
 namespace knurl {
@@ -22,6 +23,15 @@ struct RoundSolid {
         const Eigen::Vector3d away = from_core(q);
         const double length = away.norm();
         return {direction_or(away, length, hold.normal, axis), length - reach};
+    }
+    /// The nearest surface at q and how it bends.
+    CurvedContact curved(const Eigen::Vector3d& q) const noexcept {
+        const Eigen::Vector3d away = from_core(q);
+        const double length = away.norm();
+        CurvedContact out{.normal = direction_or(away, length, Vec3{}, axis), .height = length - reach};
+        out.bend = bend_about_point(out.normal, length);
+        if (std::abs(axis.dot(q)) < half_length && length > 1e-100) out.bend -= bend_along(axis, 1 / length);
+        return out;
     }
     std::optional<Facing> entered(const Eigen::Vector3d& last, const Eigen::Vector3d& q,
                                   const SolidHold& hold) const noexcept {

@@ -183,7 +183,7 @@ Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     core.now_.all += dt;
     if (!(core.silence_ > 0)) core.now_.held += dt;
     core.advance_pace(dt);
-    core.evaluated_ = 0;
+    core.evaluated_ = core.curved_rounds_ = 0;
     if (core.moved_) core.take_placements();
     core.place_probes(hand);
     const bool left = core.bounded_used_ != 0 && core.near_left();

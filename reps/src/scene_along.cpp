@@ -79,7 +79,8 @@ Vector3d SceneCore::along(Group& group, const Vector3d& force, double dt) noexce
         const ActiveSet& active = corner.layer[0].solution.active;
         if (active.count == 3) tangent.dimensions = 0;
         if (active.count == 2) {
-            const auto normal = [&](std::uint32_t i) {
+            const auto normal = [&](std::uint32_t i) -> Vector3d {
+                if (corner.layer[0].joined) return to_eigen(corner.corner[i]);
                 const std::uint32_t at = corner.begin + active.plane[i];
                 return Vector3d(a.nx[at], a.ny[at], a.nz[at]);
             };

@@ -12,7 +12,8 @@ namespace knurl::detail {
 namespace {
 
 constexpr double least_effect_margin = 2e-3;  // m, of the hand
-constexpr std::uint32_t many_effects = 64, few_effects = 16;
+constexpr std::uint32_t few_effects = 8;
+constexpr int narrowings = 4;  // of the margin, in one collection
 
 /// How far the probe may go until others may have come near (m).
 double left_of(const Group& group) noexcept {
@@ -74,9 +75,13 @@ void SceneCore::collect_effects(Group& group, std::uint32_t probe) noexcept {
     if (!(near.wanted > 0)) near.wanted = typical;
     near.at = group.probe.position;
     near.margin = near.wanted;
-    const std::uint32_t found = effect_reach_.collect(near.at, near.margin, near_);
-    if (found > many_effects) near.wanted = std::max(least / 8, near.wanted / 2);
-    if (found < few_effects) near.wanted = std::min(typical, near.wanted * 2);
+    std::uint32_t found = effect_reach_.collect(near.at, near.margin, near_);
+    // One that is large makes the others no nearer: rather look again sooner than ask many that give nothing.
+    for (int i = 0; i < narrowings && found > few_effects && near.margin > least; ++i) {
+        near.margin = std::max(least, near.margin / 4);
+        found = effect_reach_.collect(near.at, near.margin, near_);
+    }
+    near.wanted = found < few_effects ? std::min(typical, near.margin * 2) : near.margin;
     for (std::uint32_t e = 0; e < effects_size_; ++e) {
         Slot& slot = slots_[effects_[e]];
         if (slot.bounded && felt(effects_[e]).probe == probe) slot.near = false;

@@ -17,11 +17,15 @@ constexpr int widenings = 64;
 
 // How far the proxy lies from the probe (m). Not the first layer's alone: one that contradicts itself gives
 // way, and may lie nearer than a harder one, which does not.
-double proxy_distance(const ContactSet& set) noexcept {
+[[gnu::always_inline]] inline double proxy_distance(const ContactSet& set) noexcept {
     double square = 0;
     for (std::uint32_t j = 0; j < set.layers; ++j)
         square = std::max(square, set.layer[j].solution.dx.squaredNorm());
-    return std::sqrt(square);
+    double far = std::sqrt(square);
+    if (set.curved) {
+        for (std::uint32_t j = 0; j < set.layers; ++j) far = std::max(far, set.layer[j].far);
+    }
+    return far;
 }
 
 }  // namespace
@@ -157,17 +161,11 @@ const Layer* SceneCore::solve(ContactSet& set, const Group& group, double worst)
         // How far contradictory planes that stand still give way is found once, but as exactly as distances
         // round where the probe is then: again where they are half as large. Moving ones are asked afresh.
         if (set.moving_count > 0 || worst < layer.given_at / 2) layer.give = 0;
-        const double given = layer.give;
-        solve_contact_relaxed(planes, worst, layer.give, layer.solution);
-        if (layer.give != given) layer.given_at = worst;
-        if (layer.solution.status == ContactSolution::Status::solved) {
-            layer.proxy = p + layer.solution.dx;
-        } else {  // bounded whatever happens: the proxy stays where it was
-            layer.solution.dx = layer.proxy - p;
-            layer.solution.active.count = 0;
-            infeasible = true;
+        if (set.curved) {
+            infeasible = !solve_curved(set, group, layer, worst) || infeasible;
+        } else {
+            infeasible = !solve_planes(layer, planes, worst, p) || infeasible;
         }
-        infeasible = infeasible || layer.give > 0;
         set.force += (layer.stiffness - below) * layer.solution.dx;
         below = layer.stiffness;
         if (layer.solution.active.count > 0) top = &layer;
@@ -291,6 +289,7 @@ void SceneCore::evaluate_contacts(double dt, Wrench& sum) noexcept {
     for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
         const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
         Group& group = groups_[p];
+        if (group.now.curved && group.now.touching && dt > 0) lean(group.now, group);
         Vector3d force = group.now.force;
         if (group.fading) {
             if (group.fresh) {

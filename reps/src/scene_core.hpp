@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include <knurl/reps/curved_contact.hpp>
 #include <knurl/reps/motion.hpp>
 #include <knurl/reps/scene.hpp>
 
@@ -45,6 +46,7 @@ struct Demand {
 struct KindOps {
     bool surface = false;
     bool turns = false;          // a surface's velocity is that of its contact
+    bool curved = false;         // a surface that may not be flat
     std::uint32_t contacts = 1;  // tangent planes of a surface, at most
     std::size_t params_size = 0, state_size = 0;
     // Parameters as they would be felt.
@@ -78,6 +80,9 @@ struct KindOps {
     Motion* (*motion)(Record&) noexcept = nullptr;            // of a surface
     const Asset* (*asset)(const Record&) noexcept = nullptr;  // that it is made of; null: of none
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
+    std::uint32_t (*curved_at)(const Record&, const Probe&, const Probe& there,
+                               std::span<CurvedContact> out) noexcept = nullptr;
+    void (*lean)(Record&, const Probe& there) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
     void (*evaluate_all)(SceneCore&, std::span<const std::uint32_t> slots, double dt,
                          Wrench& sum) noexcept = nullptr;
@@ -88,6 +93,21 @@ inline const std::array<KindOps, Representations::size>& kind_ops() noexcept {
 }
 
 Limits sane_limits(Limits limits) noexcept;
+/// Of a layer's planes as they are; p is the probe. False: they contradict each other.
+[[gnu::always_inline]] inline bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst,
+                                                const Eigen::Vector3d& p) noexcept {
+    const double given = layer.give;
+    solve_contact_relaxed(planes, worst, layer.give, layer.solution);
+    if (layer.give != given) layer.given_at = worst;
+    if (layer.solution.status == ContactSolution::Status::solved) {
+        layer.proxy = p + layer.solution.dx;
+        return !(layer.give > 0);
+    }
+    // Bounded whatever happens: the proxy stays where it was.
+    layer.solution.dx = layer.proxy - p;
+    layer.solution.active.count = 0;
+    return false;
+}
 /// As for a set that has never been solved.
 void forget_solution(ContactSet& set, const Group& group) noexcept;
 /// Nothing is felt along the surface, nor remembered of it, and time makes no difference any more.
@@ -176,6 +196,19 @@ class SceneCore {
     void evaluate_contacts(double dt, Wrench& sum) noexcept;
     const Layer* solve(ContactSet& set, const Group& group, double worst) noexcept;
     bool near_falls_short() noexcept;
+
+    // scene_curved.cpp
+    bool solve_curved(ContactSet& set, const Group& group, Layer& layer, double worst) noexcept;
+    bool solve_curved_layer(ContactSet& set, const Group& group, Layer& layer, double worst) noexcept;
+    const CurvedStart* start_of(const Layer& layer) const noexcept;
+    bool meet_elsewhere(const ContactSet& set, const Group& group, const Layer& layer) const noexcept;
+    std::uint32_t list_near_surfaces(const ContactSet& set, const Group& group, const Layer& layer,
+                                     const Eigen::Vector3d& dx, double within) noexcept;
+    CurvedStarts starts_of(const ContactSet& set) const noexcept;
+    void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts) noexcept;
+    void lean(const ContactSet& set, const Group& group) noexcept;
+    double relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept;
+
     double damped_force(ContactSet& set, const Group& group, const Layer& top) noexcept;
     void evaluate_set(ContactSet& set, const Group& group, double dt) noexcept;
     void prime(Record& record, const Group& group) noexcept;
@@ -285,10 +318,12 @@ class SceneCore {
     Reach reach_;                         // the others, as long as they have an end
     std::vector<std::uint32_t> endless_;  // ... and those that have none, but stand still
     std::uint32_t endless_size_ = 0;
-    std::uint32_t bounded_used_ = 0;           // bit mask: probes with some of those
-    std::array<Contact, max_contacts> found_;  // scratch of ask
-    std::vector<std::uint32_t> near_;          // scratch of collect_near
-    std::vector<std::uint32_t> fading_olds_;   // slots whose old record is in a fading set
+    std::uint32_t bounded_used_ = 0;                            // bit mask: probes with some of those
+    std::array<Contact, max_contacts> found_;                   // scratch of ask
+    std::array<NearSurface, max_near_surfaces> near_surfaces_;  // scratch of solve_curved
+    std::uint32_t curved_rounds_ = 0;                           // in this cycle
+    std::vector<std::uint32_t> near_;                           // scratch of collect_near
+    std::vector<std::uint32_t> fading_olds_;                    // slots whose old record is in a fading set
     std::uint32_t fading_olds_size_ = 0;
     bool sets_edited_ = false;
     std::vector<std::uint32_t> reshaped_;  // in this cycle: slots whose surface stands elsewhere now

@@ -210,6 +210,9 @@ std::uint32_t Scene::size() const noexcept {
 std::uint32_t Scene::count(Kind kind) const noexcept {
     return kind < Representations::size ? impl_->counts_[kind] : 0;
 }
+std::uint32_t Scene::curved_rounds() const noexcept {
+    return impl_->curved_rounds_;
+}
 std::uint32_t Scene::evaluated() const noexcept {
     return impl_->evaluated_;
 }

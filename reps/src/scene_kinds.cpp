@@ -30,6 +30,12 @@ constexpr bool turns_of() {
 }
 
 template <class R>
+inline constexpr bool is_curved = requires(const R& params, const typename R::State& state,
+                                           const Probe& probe, std::span<CurvedContact> out) {
+    curved(params, state, probe, probe, out);
+};
+
+template <class R>
 struct Ops {
     static R& typed(std::byte* bytes) noexcept { return *std::launder(reinterpret_cast<R*>(bytes)); }
     static const R& typed(const std::byte* bytes) noexcept {
@@ -261,6 +267,19 @@ struct Ops {
             return 0;
         }
     }
+    static std::uint32_t curved_at(const Record& r, const Probe& probe, const Probe& there,
+                                   std::span<CurvedContact> out) noexcept {
+        if constexpr (is_curved<R>) {
+            return curved(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)),
+                          probe, there, out);
+        } else {
+            return 0;
+        }
+    }
+    static void lean_at(Record& r, const Probe& there) noexcept {
+        if constexpr (requires { lean(params_of<R>(r), state_of<R>(r), there); })
+            lean(params_of<R>(r), state_of<R>(r), there);
+    }
     static Wrench evaluate_at(Record& r, const Probe& probe, double dt) noexcept {
         if constexpr (Effect<R>) {
             return evaluate(params_of<R>(r), state_of<R>(r), probe, dt);
@@ -305,6 +324,7 @@ constexpr auto table(TypeList<R...>) {
     return std::array<KindOps, sizeof...(R)>{
         KindOps{.surface = Surface<R>,
                 .turns = turns_of<R>(),
+                .curved = is_curved<R>,
                 .contacts = contacts_of<R>(),
                 .params_size = sizeof(R),
                 .state_size = sizeof(typename R::State),
@@ -329,6 +349,8 @@ constexpr auto table(TypeList<R...>) {
                 .motion = &Ops<R>::motion_of,
                 .asset = &Ops<R>::asset_of,
                 .contact = &Ops<R>::contact_at,
+                .curved_at = &Ops<R>::curved_at,
+                .lean = &Ops<R>::lean_at,
                 .evaluate = &Ops<R>::evaluate_at,
                 .evaluate_all = &Ops<R>::evaluate_all}...};
 }

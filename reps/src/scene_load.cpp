@@ -168,13 +168,15 @@ LoadBound Scene::load_bound() const noexcept {
 SceneLoad Scene::load() const noexcept {
     const SceneCore& core = *impl_;
     HandLoad contacts, effects;
+    const auto has_arm = [&core](const Group& group) {  // that matters: of rotation nothing may be known
+        return core.shares_.turning > 0 && group.placement.offset != Vec3{};
+    };
     const auto add = [&](HandLoad& sum, const HandLoad& at_probe, const Group& group) {
-        sum += group.placement.offset == Vec3{} ? at_probe : moved_by(at_probe, group.arm);
+        sum += has_arm(group) ? moved_by(at_probe, group.arm) : at_probe;
     };
     // What the arm of a force adds, which turns with the hand.
     const auto turn = [&](HandLoad& sum, const Eigen::Vector3d& force, const Group& group) {
-        if (group.placement.offset != Vec3{})
-            sum.stiffness.bottomRightCorner<3, 3>() += turned_force(group.arm, force);
+        if (has_arm(group)) sum.stiffness.bottomRightCorner<3, 3>() += turned_force(group.arm, force);
     };
     for (std::uint32_t rest = core.contacts_used_; rest != 0; rest &= rest - 1) {
         const Group& group = core.groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];

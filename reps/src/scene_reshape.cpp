@@ -51,6 +51,7 @@ void SceneCore::copy_to_old(Group& group) noexcept {
     old.moving_count = now.moving_count;
     old.layers = now.layers;
     old.rough = now.rough;
+    old.curved = now.curved;
     old.scale = now.scale;
     for (std::uint32_t j = 0; j < now.layers; ++j) old.layer[j] = now.layer[j];
 }
@@ -88,8 +89,11 @@ bool SceneCore::reshape_sets() noexcept {
                 replace_old(group, p);
             }
         }
+        const CurvedStarts starts = starts_of(group.now);
         forget_solution(group.now, group);
         forget_solution(group.old, group);
+        if (!group.edited) take_starts(group.now, a, starts);  // what is new is felt for what it is
+        take_starts(group.old, a, starts);
         built(group, p);
     }
     for (std::uint32_t k = 0; k < reshaped_size_; ++k) {

@@ -154,7 +154,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     set.layers = 0;
     set.moving_begin = into.moving_used;
     set.moving_count = set.room = set.moving_room = set.inside = 0;
-    set.infeasible = set.rough = false;
+    set.infeasible = set.rough = set.curved = false;
     if (owners.empty()) {
         set.force.setZero();
         set.touching = false;
@@ -204,7 +204,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
     }
     forget_solution(set, group);
     set.summed = sums;
-    std::uint32_t next_sum = set.count;
+    std::uint32_t next_sum = set.count, surfaces = 0;
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const Owner o = owners[i];
         if (level_[i] == none) {
@@ -215,6 +215,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         const std::uint32_t at = set.begin + place, parts = parts_of(o);
         place += parts;
         const bool stands = o == bridge_owner || record(o).stands;
+        surfaces += level_[i] != summed;
         if (stands && level_[i] != summed) ++set.standing;
         const HalfSpace& plane = o == bridge_owner ? group.bridge : record(o).plane;
         for (std::uint32_t part = at; part < at + parts; ++part) {
@@ -229,6 +230,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
             into.b[part] = stands && o != bridge_owner ? plane.damping * (uniform ? 1 : weight_of(o)) : 0;
         }
         if (!stands) {
+            set.curved = set.curved || (level_[i] != summed && kind_ops()[record(o).kind].curved);
             Eigen::Vector3d center = Eigen::Vector3d::Zero();
             double reach = std::numeric_limits<double>::infinity();
             // One that moves may come near: it is asked while it is in a set.
@@ -244,6 +246,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         if (o != bridge_owner && &set == &group.now) slots_[o >> 1].member = at;
     }
     set.moving_count = set.moving_room = into.moving_used - set.moving_begin;
+    set.curved = set.curved && surfaces > 1;
     set.room = (set.count + set.summed + 3) / 4 * 4;
     into.used += set.room;
 }
@@ -254,6 +257,10 @@ void forget_solution(ContactSet& set, const Group& group) noexcept {
         Layer& layer = set.layer[j];
         layer.give = layer.given_at = 0;
         layer.solution = ContactSolution{};
+        layer.reached[0].cycle = layer.reached[1].cycle = 0;
+        layer.started = false;
+        layer.far = 0;
+        layer.joined = false;
         layer.proxy = group.probe.position;
     }
 }
@@ -301,8 +308,12 @@ void SceneCore::rebuild_sets() noexcept {
         Group& group = groups_[p];
         if (!(probes_used_ >> p & 1)) continue;
         const std::uint32_t olds = list_old(group, p);
+        const CurvedStarts now = starts_of(group.now);
+        const CurvedStarts old = starts_of(group.old.layers > 0 ? group.old : group.now);
         build(group.old, group, into, std::span<const Owner>(scratch_.data(), olds));
         build(group.now, group, into, std::span<const Owner>(scratch_.data(), list_now(group, p)));
+        if (!group.edited) take_starts(group.now, into, now);  // what is new is felt for what it is
+        take_starts(group.old, into, old);
         built(group, p);
     }
     arena_ ^= 1;

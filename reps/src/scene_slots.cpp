@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include <knurl/reps/check.hpp>
 
@@ -131,15 +132,16 @@ void SceneCore::clear() noexcept {
     effects_bound_ = {};
     effects_bound_stale_ = false;
     for (Group& group : groups_) {
-        group.now = ContactSet{};
-        group.old = ContactSet{};
-        group.fading = group.fresh = group.rough = false;
-        group.force.setZero();
-        group.friction = FrictionState{};
-        group.springs.clear();
-        group.near.size = group.bounded = 0;
-        group.near.margin = group.near_effects.margin = -1;
-        group.bounded_effects = 0;
+        // What stays: where the probe sits, and was; and memory.
+        Group fresh;
+        fresh.placement = group.placement;
+        fresh.next_placement = group.next_placement;
+        fresh.moved = group.moved;
+        fresh.probe = group.probe;
+        fresh.before = group.before;
+        fresh.arm = group.arm;
+        fresh.near.slots = std::move(group.near.slots);
+        group = std::move(fresh);
     }
     contacts_used_ = bounded_used_ = bounded_effects_used_ = collapsed_used_ = reshaped_size_ = 0;
     probes_used_ = 1;

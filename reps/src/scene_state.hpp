@@ -114,6 +114,30 @@ struct alignas(64) Slot {
     Wrench last;                   // contribution to the hand in the last cycle
 };
 
+/// What a layer with curved surfaces came to in a cycle: from there the next one goes on.
+struct CurvedStart {
+    // m: x - p, and that p (apart: a hand at rest starts from the same to the bit)
+    Eigen::Vector3d dx = Eigen::Vector3d::Zero(), p = Eigen::Vector3d::Zero();
+    ActiveSet active;
+    std::array<double, 3> multiplier{};
+    std::uint64_t cycle = 0;
+};
+
+/// Those of all layers of a set: where it held the probe goes on being where it is solved from, whatever changes.
+struct CurvedStarts {
+    std::array<double, max_layers> stiffness{};  // N/m
+    std::array<Vec3, max_layers> dx{}, p{};      // m
+    // What held it there: a surface, which of its contacts, and how much it pushed.
+    struct Push {
+        Owner owner;
+        std::uint32_t part;
+        double multiplier;  // m
+    };
+    std::array<std::array<Push, 3>, max_layers> by{};
+    std::array<std::uint32_t, max_layers> pushes{};
+    std::uint32_t count = 0;
+};
+
 struct Layer {
     double stiffness = 0;     // N/m
     std::uint32_t count = 0;  // the first so many members are as stiff or stiffer
@@ -122,6 +146,12 @@ struct Layer {
     ContactSolution solution;
     // m, world: last cycle's x, kept when no solution is found
     Eigen::Vector3d proxy = Eigen::Vector3d::Zero();
+    // Of a set with curved surfaces.
+    std::array<CurvedStart, 2> reached;  // in the last two cycles that took time
+    std::uint8_t newest = 0;             // of them
+    bool started = false;                // the newest one, from the other
+    bool joined = false;                 // by the surfaces themselves, not by planes at the probe's feet
+    double far = 0;                      // m, what lies farther from the probe has had no say
 };
 
 struct ContactSet {
@@ -133,6 +163,8 @@ struct ContactSet {
     std::uint32_t inside = 0;                          // of those: asked when they were last looked at
     std::uint32_t layers = 0;
     bool rough = false;                   // one of them is
+    bool curved = false;                  // one of several may be
+    std::array<Vec3, 3> corner{};         // of the softest layer, if joined: the active normals
     bool left_out = false;                // of the last round of asking: some were out of reach
     double slack = 0;                     // m, by which their reach is extended: the proxy may get that far
     double scale = 1;                     // the weight, where all members share one

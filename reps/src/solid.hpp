@@ -31,6 +31,11 @@ inline double room(double size, const Probe& probe) noexcept {
     return std::max(0.0, size - probe.radius);
 }
 
+/// The same surface from within.
+inline CurvedContact hollow(const CurvedContact& solid, double height) noexcept {
+    return {.normal = -solid.normal, .height = height, .bend = -solid.bend};
+}
+
 /// Of a solid that does not hold the probe (it holds it from however deep).
 template <class R>
 std::optional<Bound> ball_about(const R& params, const SolidState& state, double radius) noexcept {

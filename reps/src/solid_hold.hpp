@@ -79,6 +79,12 @@ struct Aim {
     Eigen::Vector3d normal;
 };
 
+/// Where it meets other surfaces, it is felt at their common point and not at its own foot: as it leans there it
+/// takes hold and lets go, so that neither is a step.
+inline void lean(Facing& facing, const SolidHold& hold) noexcept {
+    if (!(hold.joint == Vec3{})) facing.normal = to_eigen(hold.joint);
+}
+
 /// Where `hold` did not hold the probe. True: it does now, by what `by` becomes.
 template <class Solid>
 bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, const SolidHold& hold,
@@ -88,7 +94,8 @@ bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, c
         const Eigen::Vector3d last = to_eigen(hold.last);
         const bool may_have = above < 0 || above * above <= (q - last).squaredNorm();
         if (may_have && q.squaredNorm() <= solid.ball() * solid.ball()) {
-            if (const std::optional<Facing> entry = solid.entered(last, q, hold)) {
+            if (std::optional<Facing> entry = solid.entered(last, q, hold)) {
+                lean(*entry, hold);
                 // One that cuts a corner and is out again has touched nothing.
                 const bool holds =
                     above < 0 || solid.aim(q, entry->normal, entry->part, natural).kind != Aim::Kind::natural;
@@ -99,6 +106,7 @@ bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, c
     }
     if (!(above < 0)) return false;
     by = natural;
+    lean(by, hold);
     return true;
 }
 
@@ -123,7 +131,11 @@ Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, 
     }
     if (part != 0) {
         Eigen::Vector3d normal = hold.part != 0 ? to_eigen(hold.normal) : now.normal;
-        const Aim aim = solid.aim(q, normal, part, natural);
+        Aim aim = solid.aim(q, normal, part, natural);
+        if (!(hold.joint == Vec3{})) {
+            if (turning) aim.normal = to_eigen(hold.joint);
+            if (aim.kind == Aim::Kind::keep && !turning) normal = to_eigen(hold.joint);
+        }
         if (aim.kind == Aim::Kind::keep) {
             turning = true;
         } else if (aim.kind == Aim::Kind::face && !turning) {
@@ -141,6 +153,7 @@ Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, 
     }
     if (dt > 0) {
         hold.normal = now.height < 0 ? to_plain(now.normal) : Vec3{};
+        hold.joint = Vec3{};
         hold.last = to_plain(q);
         hold.part = part;
         hold.turning = turning && part != 0;

@@ -27,6 +27,20 @@ Contact contact(const Sphere& params, Sphere::State& state, const Probe& probe, 
     return contact_of(params, now.normal, now.height);
 }
 
+std::uint32_t curved(const Sphere& params, const Sphere::State& state, const Probe&, const Probe& there,
+                     std::span<CurvedContact> out) noexcept {
+    if (state.hold.part != 0) return 0;
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
+    out[0] = RoundSolid(Vector3d::UnitZ(), 0, params.radius + there.radius).curved(q);
+    if (params.side == Side::inside) out[0] = hollow(out[0], room(params.radius, there) - q.norm());
+    return 1;
+}
+
+void lean(const Sphere& params, Sphere::State& state, const Probe& there) noexcept {
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
+    state.hold.joint = to_plain(RoundSolid(Vector3d::UnitZ(), 0, params.radius).curved(q).normal);
+}
+
 std::optional<Bound> bound(const Sphere& params, const Sphere::State& state) noexcept {
     return ball_about(params, state, params.radius);
 }

@@ -41,7 +41,8 @@ inline Eigen::Vector3d from_surface(const Vec3& point, const Vec3& velocity, con
 
 /// The part of v across a unit vector. Taken again where v is almost along it: what the first time leaves
 /// there is rounding.
-inline Eigen::Vector3d across(const Eigen::Vector3d& v, const Eigen::Vector3d& axis) noexcept {
+[[gnu::always_inline]] inline Eigen::Vector3d across(const Eigen::Vector3d& v,
+                                                     const Eigen::Vector3d& axis) noexcept {
     Eigen::Vector3d part = v - axis.dot(v) * axis;
     if (part.squaredNorm() < 0.01 * v.squaredNorm()) part -= axis.dot(part) * axis;
     return part;

@@ -3,6 +3,7 @@
 
 #include <knurl/reps/torus.hpp>
 
+#include "bend.hpp"
 #include "solid.hpp"
 
 namespace knurl {
@@ -180,6 +181,23 @@ Contact contact(const Torus& params, Torus::State& state, const Probe& probe, do
     const Section at(to_eigen(params.axis), q);
     const Section::Away away = at.away(params.radius);
     return contact_of(params, at.world(-away.normal(SolidHold{})), room(params.tube, probe) - away.length);
+}
+
+// Where the probe plugs the hole its seats are points: the plane of this cycle stands for them.
+std::uint32_t curved(const Torus& params, const Torus::State& state, const Probe&, const Probe& there,
+                     std::span<CurvedContact> out) noexcept {
+    const bool inside = params.side == Side::inside;
+    if (state.hold.part != 0) return 0;
+    if (!inside && Seat(params.tube + there.radius, params.radius).along > 0) return 0;
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
+    const Section at(to_eigen(params.axis), q);
+    const Section::Away away = at.away(params.radius);
+    const Vector3d n = away.normal(SolidHold{}), tangent(-n.z(), 0, n.x());
+    CurvedContact tube{.normal = at.world(n), .height = away.length - (params.tube + there.radius)};
+    if (away.length > 1e-100) tube.bend = bend_along(at.world(tangent), 1 / away.length);
+    if (at.from_axis > 1e-100) tube.bend += bend_along(at.axis.cross(at.radial), n.x() / at.from_axis);
+    out[0] = inside ? hollow(tube, room(params.tube, there) - away.length) : tube;
+    return 1;
 }
 
 std::optional<Bound> bound(const Torus& params, const Torus::State& state) noexcept {

@@ -1,4 +1,5 @@
-// Faces that others pass through are found, and those of clean meshes are not.
+// Faces that others pass through are found, and those of clean meshes are not. Without the cuts (unite), which
+// would leave nothing to be found.
 
 #include <cmath>
 
@@ -31,6 +32,7 @@ TEST(MeshCrossings, AFloorAndAWallAreFoundAtEverySizeAndPlace) {
                 raw.move({offset, offset, -offset});
                 MeshBuild how;
                 how.exact = exact;
+                how.unite = false;
                 const Mesh mesh(raw.given(), how);
                 EXPECT_EQ(wrong(mesh, raw, how), "") << scale << " at " << offset;
                 // The floor's column under the wall, and the wall's second row of squares.
@@ -57,7 +59,7 @@ TEST(MeshCrossings, AWallThatStandsOnTheFloorIsInTheWay) {
             const Eigen::Vector3d v = scale * (turn.normalized() * Eigen::Vector3d(p[0], p[1], p[2]));
             p = {v.x() + offset, v.y(), v.z() - offset};
         }
-        const Mesh mesh(raw.given());
+        const Mesh mesh(raw.given(), {.unite = false});
         for (std::uint32_t j = 0; j < 20; ++j)
             EXPECT_TRUE(is_crossed(mesh, 2 * (20 * j + 9)) || is_crossed(mesh, 2 * (20 * j + 9) + 1))
                 << "seed " << seed << " round " << round << " square " << j;
@@ -71,7 +73,7 @@ TEST(MeshCrossings, WhatHangsUnderTheFloorIsNot) {
             RawMesh raw = floor_and_wall(low);
             for (std::size_t v = 21 * 21; v < raw.vertices.size(); ++v)
                 raw.vertices[v][0] += lean * raw.vertices[v][2];
-            EXPECT_EQ(crossed(Mesh(raw.given())), 0) << "lean " << lean << " from " << low;
+            EXPECT_EQ(crossed(Mesh(raw.given(), {.unite = false})), 0) << "lean " << lean << " from " << low;
         }
     }
 }
@@ -80,7 +82,7 @@ TEST(MeshCrossings, SpheresThatCrossDoSoInARing) {
     RawMesh raw = raw_sphere(4), other = raw_sphere(4);
     other.move({0.08, 0.01, 0.02});
     raw.add(other);
-    const Mesh mesh(raw.given());
+    const Mesh mesh(raw.given(), {.unite = false});
     EXPECT_EQ(wrong(mesh, raw), "");
     EXPECT_GT(crossed(mesh), 100);
     EXPECT_LT(crossed(mesh), 600);
@@ -101,7 +103,7 @@ TEST(MeshCrossings, BodiesWhoseFacesLieInOnePlaneAreFound) {
     RawMesh raw = raw_box(0.1, 0.1, 0.05), other = raw_box(0.1, 0.07, 0.05);
     other.move({0.05, 0.015, 0});
     raw.add(other);
-    const Mesh mesh(raw.given());
+    const Mesh mesh(raw.given(), {.unite = false});
     const auto both =
         is_crossed(mesh, 2) && is_crossed(mesh, 3) && is_crossed(mesh, 14) && is_crossed(mesh, 15);
     EXPECT_TRUE(both) << "the tops";
@@ -110,7 +112,7 @@ TEST(MeshCrossings, BodiesWhoseFacesLieInOnePlaneAreFound) {
 TEST(MeshCrossings, SeamsThatWereNotWeldedAreNoCrossings) {
     for (const RawMesh& clean : {raw_grid(20, 20), raw_sphere(3), raw_box()}) {
         const RawMesh raw = clean.unwelded();
-        const Mesh mesh(raw.given(), {.weld = 0});
+        const Mesh mesh(raw.given(), {.weld = 0, .unite = false});
         EXPECT_EQ(mesh.notes().faces_crossed, 0);
     }
     // T-junctions: one row of squares beside a finer one, level or over a ridge; and each 1 um out of place.
@@ -124,7 +126,7 @@ TEST(MeshCrossings, SeamsThatWereNotWeldedAreNoCrossings) {
             raw.add(fine);
             for (Point3& p : raw.vertices)
                 for (double& x : p) x += between(random, -jitter, jitter);
-            const Mesh mesh(raw.given());
+            const Mesh mesh(raw.given(), {.unite = false});
             EXPECT_EQ(mesh.notes().faces_crossed, 0)
                 << "fall " << fall << " jitter " << jitter << " seed " << seed;
         }
@@ -136,7 +138,7 @@ TEST(MeshCrossings, AFaceThatGoesThroughItsNeighboursNeighbourIsFound) {
     const RawMesh raw{
         {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 1}, {0.3, 0.3, -1}, {1, 0, -1}, {0.5, -1, 0.2}},
         {{0, 1, 2}, {0, 3, 4}, {0, 6, 5}}};
-    const Mesh mesh(raw.given());
+    const Mesh mesh(raw.given(), {.unite = false});
     EXPECT_TRUE(is_crossed(mesh, 0));
     EXPECT_TRUE(is_crossed(mesh, 1));
     EXPECT_FALSE(is_crossed(mesh, 2));
@@ -170,7 +172,7 @@ TEST(MeshCrossings, InASoupTheyAreThoseThatEveryPairTellsOf) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
         std::mt19937_64 random(seed);
         const RawMesh raw = raw_soup(random, 300, seed % 2 == 0 ? 0.1 : 0.06);
-        const Mesh mesh(raw.given(), {.weld = 0, .find_crossings = true});
+        const Mesh mesh(raw.given(), {.weld = 0, .find_crossings = true, .unite = false});
         const auto margin = 1e-9L;
         std::size_t found = 0;
         for (std::uint32_t i = 0; i < raw.triangles.size(); ++i) {
@@ -209,7 +211,7 @@ RawMesh looped_fan() {
 }
 
 TEST(MeshCrossings, FacesOfAFanThatPassesThroughItselfAllSaySo) {
-    const Mesh mesh(looped_fan().given());
+    const Mesh mesh(looped_fan().given(), {.unite = false});
     EXPECT_EQ(mesh.notes().faces_crossed, 2U);
     for (const Face& face : mesh.data().faces) {
         EXPECT_NE(face.flags & face_knot, 0) << face.triangle;
@@ -228,7 +230,7 @@ TEST(MeshCrossings, AFanThatPassesThroughItselfSaysSoBehindSheetsToo) {
             raw.vertices.insert(raw.vertices.end(), {{-3, -3, z}, {3, -3, z}, {0, 4, z}});
             raw.triangles.push_back({first, first + 1, first + 2});
         }
-        const Mesh mesh(raw.given());
+        const Mesh mesh(raw.given(), {.unite = false});
         EXPECT_EQ(mesh.notes().faces_crossed, 8 + sheets);
         for (const Face& face : mesh.data().faces)
             EXPECT_EQ((face.flags & face_knot) != 0, face.triangle < 8) << face.triangle << ", " << sheets;

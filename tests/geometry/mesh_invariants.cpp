@@ -63,7 +63,8 @@ class Check {
     void counts() {
         const MeshNotes& n = mesh_.notes();
         if (n.triangles_given != raw_.triangles.size()) say("triangles_given ", n.triangles_given);
-        if (n.faces_dropped + n.faces_degenerate + n.faces_duplicate + faces_.size() != n.triangles_given)
+        if (n.faces_dropped + n.faces_degenerate + n.faces_duplicate + n.faces_inside + faces_.size() !=
+            n.triangles_given + n.faces_added)
             say("the notes do not account for all triangles");
         if (mesh_.faces() != faces_.size() || data_.faces.empty() == data_.exact_faces.empty())
             say("faces()");
@@ -86,6 +87,9 @@ class Check {
                 if (std::abs(x) < 1e7) largest = std::max<long double>(largest, std::abs(x));
         const long double may = 1.01L * how_.weld * data_.size +
                                 (data_.exact ? 0 : std::ldexp(data_.size, -24)) + largest * 0x1p-51L;
+        const MeshNotes& n = mesh_.notes();
+        if (n.faces_cut + n.faces_inside + n.vertices_moved > 0)
+            return pieces(may + 2 * how_.gap * data_.size);
         for (const AnyFace& f : faces_) {
             if (f.triangle >= raw_.triangles.size() || !seen.insert(f.triangle).second) {
                 say("triangle ", f.triangle, " twice or from nowhere");
@@ -110,6 +114,61 @@ class Check {
             const std::uint8_t material = raw_.materials.empty() ? 0 : raw_.materials[f.triangle];
             if (f.material != material) say("material of triangle ", f.triangle);
         }
+    }
+
+    /// Where faces are cut each piece lies on the surface that was given, all of it, and is of some triangle of
+    /// its material: one whose edges were turned lies in two of them.
+    void pieces(long double may) {
+        for (const AnyFace& f : faces_) {
+            if (f.triangle >= raw_.triangles.size()) {
+                say("triangle ", f.triangle, " is from nowhere");
+                continue;
+            }
+            if (f.material != (raw_.materials.empty() ? 0 : raw_.materials[f.triangle]))
+                say("material of triangle ", f.triangle);
+            for (int i = 0; i <= 3; ++i) {
+                Real3 p{};
+                for (std::size_t k = 0; k < 3; ++k) {
+                    for (int c = 0; c < 3; ++c)
+                        p[k] += (i == 3 ? 1.0L / 3 : i == c ? 1.0L : 0.0L) * f.corner[c][k];
+                    p[k] += data_.origin[static_cast<int>(k)];
+                }
+                long double least = HUGE_VALL;
+                for (const Triangle& t : raw_.triangles) {
+                    bool finite = true;
+                    for (const std::uint32_t v : t)
+                        for (const double x : raw_.vertices[v]) finite = finite && std::abs(x) < 1e7;
+                    if (finite) least = std::min(least, distance(p, t));
+                }
+                if (!(least <= may))
+                    say("a piece of triangle ", f.triangle, " is off the surface by ", double(least));
+            }
+        }
+    }
+    using Real3 = std::array<long double, 3>;
+    static long double dot(const Real3& a, const Real3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+    static Real3 minus(const Real3& a, const Real3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+    static Real3 cross(const Real3& a, const Real3& b) {
+        return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    }
+    long double distance(const Real3& p, const Triangle& t) const {
+        Real3 q[3];
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t k = 0; k < 3; ++k) q[c][k] = raw_.vertices[t[c]][k];
+        const Real3 normal = cross(minus(q[1], q[0]), minus(q[2], q[0]));
+        const long double length = std::sqrt(dot(normal, normal));
+        bool over = length > 0;
+        long double least = HUGE_VALL;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Real3 side = minus(q[(c + 1) % 3], q[c]), from = minus(p, q[c]);
+            over = over && dot(normal, cross(side, from)) >= 0;
+            const long double square = dot(side, side);
+            const long double along = square > 0 ? std::clamp(dot(side, from) / square, 0.0L, 1.0L) : 0;
+            Real3 off = from;
+            for (std::size_t k = 0; k < 3; ++k) off[k] -= along * side[k];
+            least = std::min(least, std::sqrt(dot(off, off)));
+        }
+        return over ? std::min(least, std::abs(dot(normal, minus(p, q[0]))) / length) : least;
     }
 
     void links() {

@@ -41,7 +41,7 @@ TEST(MeshSeams, WhatTouchesARimSaysSo) {
 TEST(MeshSeams, ATJunctionIsOpenAndSaysSo) {
     RawMesh raw{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0, 0}, {0.5, -1, 0}},
                 {{0, 1, 2}, {0, 2, 3}, {0, 5, 4}, {4, 5, 1}}};
-    const Mesh mesh(raw.given());
+    const Mesh mesh(raw.given(), {.unite = false});
     EXPECT_EQ(wrong(mesh, raw), "");
     EXPECT_EQ(over(mesh, raw, 0, 0, 1), -1);
     EXPECT_EQ(mesh.notes().parts, 2);

@@ -222,7 +222,9 @@ TEST(NoManifold, AHandThatIsNotANumberFeelsNothing) {
 }
 
 TEST(NoManifold, SheetsThatCrossAreFoundAndOthersAreNot) {
-    EXPECT_GT(Mesh(given(crossing_sheets())).notes().faces_crossed, 0U);
+    EXPECT_GT(Mesh(given(crossing_sheets()), {.unite = false}).notes().faces_crossed, 0U);
+    EXPECT_EQ(Mesh(given(crossing_sheets())).notes().faces_crossed, 0U);  // cut there
+    EXPECT_GT(Mesh(given(crossing_sheets())).notes().faces_cut, 0U);
     for (const MadeMesh& shape : clean_shapes(seed()))
         EXPECT_EQ(Mesh(given(shape)).notes().faces_crossed, 0U) << shape.name;
 }

@@ -237,7 +237,7 @@ TEST_P(WalkInATangle, AWallThatCrossesTheFloorIsNotPassedBelow) {
                    sheets.vertices[t[2]][2] == 0;
         });
     }
-    const auto mesh = build(sheets);
+    const auto mesh = build(sheets, true, false);
     ASSERT_GT(mesh->notes().faces_crossed, 0u);
     Finger finger(*mesh);
     finger.to(0.0123, 0.0031, 0.001);

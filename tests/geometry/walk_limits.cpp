@@ -57,7 +57,7 @@ TEST(WalkWithinLimits, ASweepThatALimitCutsGoesOn) {
         const std::uint32_t v = 3 * i;
         shape.triangles.push_back(i < sheets ? Triangle{v, v + 1, v + 2} : Triangle{v, v + 2, v + 1});
     }
-    const auto mesh = build(shape, false);
+    const auto mesh = build(shape, false, false);
     Finger finger(*mesh);
     finger.to(-0.01, 0, 0);
     finger.to(1.001, 0, 0);
@@ -72,7 +72,7 @@ TEST(WalkWithinLimits, ASweepThatALimitCutsGoesOn) {
 
 TEST(WalkWithinLimits, AllocatesNothing) {
     const MadeMesh shape = noisy_sphere(4, 0.3, 3);
-    const auto mesh = build(shape), other = build(crossing_sheets());
+    const auto mesh = build(shape), other = build(crossing_sheets(), true, false);  // not cut: tangled
     Hands hands(shape, 4);
     const Hand stroke = hands.stroke(), poke = hands.poke(), thrown = hands.teleports(50, 2);
     Proxy proxy;

@@ -17,8 +17,10 @@ namespace knurl::test {
 inline Triangles view(const MadeMesh& shape) {
     return {.vertices = shape.vertices, .triangles = shape.triangles};
 }
-inline std::unique_ptr<Mesh> build(const MadeMesh& shape, bool exact = true) {
-    return std::make_unique<Mesh>(view(shape), MeshBuild{.exact = exact, .budget = std::size_t{1} << 30});
+/// Without `unite` what crosses stays as it is, and the walk has to cope with it.
+inline std::unique_ptr<Mesh> build(const MadeMesh& shape, bool exact = true, bool unite = true) {
+    return std::make_unique<Mesh>(view(shape),
+                                  MeshBuild{.exact = exact, .budget = std::size_t{1} << 30, .unite = unite});
 }
 
 class Finger {

@@ -25,7 +25,8 @@ struct Held {
 /// What the model knows of a kind.
 struct Effects {
     std::size_t size = 0;
-    double (*time)(const Held&) = nullptr;  // s, of its fade
+    double (*time)(const Held&) = nullptr;                    // s, of its fade
+    bool (*unchanged)(const void* raw, Held& now) = nullptr;  // but for another recovery
     void (*adopt)(const void* raw, Held& now, const Held* previous) = nullptr;
     Wrench (*evaluate)(Held&, const Probe&, double dt) = nullptr;
     bool (*carry)(Held& old, const Held& next) = nullptr;
@@ -59,6 +60,16 @@ Effects effects_of() {
             if constexpr (requires { p.recovery; }) time = p.recovery;
             if constexpr (requires { p.duration; }) time = p.duration;
             return time == automatic ? 0.01 : time;
+        };
+        e.unchanged = [](const void* raw, Held& now) {
+            R params;
+            std::memcpy(&params, raw, sizeof params);
+            params = prepared(params, limits);
+            [[maybe_unused]] const R asked = params;
+            if constexpr (requires { params.recovery; }) params.recovery = params_of<R>(now).recovery;
+            if (std::memcmp(&params, now.params.data(), sizeof params) != 0) return false;
+            if constexpr (requires { params.recovery; }) params_of<R>(now).recovery = asked.recovery;
+            return true;
         };
         e.adopt = [](const void* raw, Held& now, const Held* previous) {
             R params;
@@ -113,6 +124,7 @@ class Asking {
         Slot& s = slot[i];
         const Effects& e = kinds_of_effects[kind];
         const bool same = s.felt;
+        if (same && e.unchanged(raw, s.now)) return;
         Held previous = s.now;
         const Kind previous_kind = s.kind;
         s.kind = kind;
@@ -375,6 +387,17 @@ TEST(AskedEffects, OfManyThatAreFarAwayNoneIsAskedAndOfThoseAroundTheHandAFew) {
         EXPECT_GE(scene.evaluated(), 1u);
         EXPECT_LE(scene.evaluated(), 8u);
     }
+}
+
+TEST(AskedEffects, OneThatReachesFarMakesTheOthersNoNearer) {
+    Scene scene({.representations = 64, .probes = 1}, {});
+    ASSERT_TRUE(scene.add({0, 1}, Taylor{.force = {1, 0, 0}, .radius = 1000}));
+    for (std::uint32_t i = 1; i < 40; ++i)
+        ASSERT_TRUE(
+            scene.add({i, 1}, Magnet{.position = {0.1 * i, 0, 0}, .stiffness = 200, .max_force = 0.5}));
+    settled(scene, {});
+    for (int i = 0; i < 10; ++i) scene.evaluate(at({0, 0.05, 0}), dt);
+    EXPECT_LE(scene.evaluated(), 8u);
 }
 
 TEST(AskedEffects, WhatASilenceHasTakenAwayIsNotAskedUntilTheApplicationSpeaks) {

@@ -196,6 +196,37 @@ void two_probes_three_planes_four_springs(benchmark::State& state) {
 }
 
 // Every one of N planes is updated, and all take effect in the next cycle.
+const Limits device{.max_stiffness = 3105, .max_force = 8.5, .damping = 0.2, .mass = 0.15, .lag = 0.5e-3};
+
+/// Five fingers on a desk of 1000 N/m, each a probe, with what the servo's budget does in each cycle: the load of all of
+/// them, its eigenvalues, the scales.
+void five_fingers_in_a_budget(benchmark::State& state) {
+    Scene scene = make_scene(device);
+    for (std::uint32_t finger = 0; finger < 5; ++finger) {
+        (void)scene.place_probe(finger, {.offset = {0.01 * finger, 0, 0}});
+        (void)scene.add({finger, 1}, Plane{.stiffness = 1000}, {.probe = finger});
+    }
+    scene.settle();
+    HandBudget budget;
+    Hand hand;
+    for (auto _ : state) {
+        scene.set_scales(budget.scales());
+        benchmark::DoNotOptimize(scene.evaluate(hand(), dt));
+        if (scene.load_bound().exceeds()) budget.advance(scene.load(), dt);
+    }
+    state.counters["k of the hand, N/m"] = 5 * 1000 * budget.scales().contacts;
+}
+
+/// The other way: a rigid glove. All contacts are one problem in the hand's displacement, so the desk is felt five times
+/// at one place, and the hand feels no more than one finger's stiffness.
+void five_fingers_of_a_rigid_glove(benchmark::State& state) {
+    Scene scene = make_scene(device);
+    for (std::uint32_t finger = 0; finger < 5; ++finger)
+        (void)scene.add({finger, 1}, Plane{.stiffness = 1000});
+    run(state, scene);
+    state.counters["k of the hand, N/m"] = scene.evaluate(at({0, 0, -1e-3}), 0).force.z() / 1e-3;
+}
+
 void batch_of_updates(benchmark::State& state) {
     const auto n = static_cast<std::uint32_t>(state.range(0));
     Scene scene({.representations = 1024, .probes = 1}, {});
@@ -266,6 +297,8 @@ BENCHMARK(turning_meshes_out_of_reach)->Arg(1)->Arg(100);
 BENCHMARK(carried_meshes_out_of_reach)->Args({100, 1'000'000'000})->Args({100, 17});
 BENCHMARK(springs)->Arg(1)->Arg(6)->Arg(64)->Arg(1000);
 BENCHMARK(two_probes_three_planes_four_springs);
+BENCHMARK(five_fingers_in_a_budget);
+BENCHMARK(five_fingers_of_a_rigid_glove);
 BENCHMARK(batch_of_updates)->Arg(10)->Arg(100)->Arg(1000);
 
 }  // namespace

@@ -119,7 +119,7 @@ TEST(TaylorEdges, ClosedLoopsThatCrossThemReturnTheirWorkWhereTheJacobianIsSymme
     const std::uint64_t seed = 411;
     Rng rng(seed);
     double worst = 0, crossed = 0;
-    for (int i = 0; i < (long_form() ? 2000 : 60); ++i) {
+    for (int i = 0; i < (long_form() ? 400 : 60); ++i) {
         const TaylorEdge edge = i % 2 ? TaylorEdge::hold : TaylorEdge::fade;
         const Limits limits = between(rng, 0, 1) ? device : Limits{};
         const Taylor field = prepared(random_field(rng, edge), limits);
@@ -144,7 +144,7 @@ TEST(TaylorEdges, ClosedLoopsOfPositionAndTurningAboutOneAxisReturnTheirWorkInSi
     const std::uint64_t seed = 412;
     Rng rng(seed);
     double worst = 0;
-    for (int i = 0; i < (long_form() ? 1000 : 40); ++i) {
+    for (int i = 0; i < (long_form() ? 300 : 40); ++i) {
         const TaylorEdge edge = i % 2 ? TaylorEdge::hold : TaylorEdge::fade;
         const Limits limits = between(rng, 0, 1) ? device : Limits{};
         const Taylor6 field = prepared(random_field6(rng, edge), limits);

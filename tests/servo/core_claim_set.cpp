@@ -46,6 +46,7 @@ struct PlainSet {
                 c.is_awake = false;
                 resting.armed += c.rest.armed;
                 resting.keep_on |= c.rest.keeps_on;
+                resting.surfaces |= c.rest.surfaces;
                 resting.present += c.rest.present;
                 continue;
             }
@@ -84,6 +85,7 @@ void expect_same(ClaimSet& set, const PlainSet& plain, bool looked) {
     ASSERT_EQ(std::vector<std::size_t>(set.awake().begin(), set.awake().end()), awake);
     ASSERT_EQ(set.resting().armed, plain.resting.armed);
     ASSERT_EQ(set.resting().keep_on, plain.resting.keep_on);
+    ASSERT_EQ(set.resting().surfaces, plain.resting.surfaces);
     ASSERT_EQ(set.resting().present, plain.resting.present);
 }
 
@@ -173,7 +175,8 @@ TEST(ClaimSet, DoesWhatAPlainOneDoes) {
                                                  : now + static_cast<Nanoseconds>(below(300'000'000)),
                           .present = still ? static_cast<std::uint32_t>(below(3)) : 0,
                           .armed = below(3) == 0,
-                          .keeps_on = below(20) == 0};
+                          .keeps_on = below(20) == 0,
+                          .surfaces = below(20) == 0};
                 c.resting = true;
                 set.put_to_rest(i, c.rest);
                 ++rested;

@@ -353,7 +353,26 @@ TEST(Sharing, FiveFingersOfOneClaimTogetherAreNoStifferThanTheDeviceStands) {
     EXPECT_EQ(hand.feedback().header.scales.effects, 1);
 }
 
-// A magnet's force does not depend on whether a surface is touched: else the hand would never rest.
+// ... nor on whether whoever has the surface is at rest, out of the hand's reach.
+TEST(Sharing, SurfacesOfAClaimAtRestKeepTheirShare) {
+    PuppetDevice device;
+    const double k_max = max_stiffness(device.link(), 1000);
+    device.tip = {0, 0, 0.05};
+    ServoOptions options = live_options();
+    options.silence = false;
+    Offline servo(device, options);
+    OfflineClaim& springs = servo.claim();
+    OfflineClaim& desk = servo.claim();
+    desk.add(Plane{.stiffness = 1000});
+    springs.add(Spring{.anchor = {1e-3, 0, 0.05}, .stiffness = k_max});
+    springs.arm();
+    desk.arm();
+    run(servo, 600);
+    EXPECT_NEAR(springs.feedback().header.scales.effects, 0.5, 1e-12);
+    EXPECT_LT(desk.feedback().header.cycle, servo.servo().last().cycle) << "it is at rest";
+}
+
+// A spring's force does not depend on whether a surface is touched: else the hand would never rest.
 TEST(Sharing, ASpringKeepsItsForceWhenASurfaceIsTouched) {
     PuppetDevice device;
     const double k_max = max_stiffness(device.link(), 1000);

@@ -1,7 +1,7 @@
 // knurl_combinations: random scenes of many parts that act on the hand together, in the closed loop of the real
 // servo on simulated devices.
 //
-//   knurl_combinations [--count 10000] [--seed 1] [--threads 2] [--without-budget] [--verbose]
+//   knurl_combinations [--count 10000] [--seed 1] [--threads 2] [--without-budget] [--flat] [--verbose] [--trace FILE]
 //
 // Each scene: up to 12 parts (planes of any stiffness and damping, on up to five probes, solved or summed; springs,
 // constraints, magnets, viscosities, Taylor fields; balls, bars and boxes), spread over one to eight claims, on

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -70,8 +71,11 @@ Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, Mes
            Slices& slices);
 /// Brings faces and vertices into the order of the tree that it returns.
 std::vector<MeshNode> sort_into_tree(Faces& faces, Slices& slices);
+/// Where more than two faces meet in an edge, those that have the same solid between them; all of them
+/// with no_link first.
+using SolidLinks = std::vector<std::pair<Link, Link>>;
 /// Finds each edge's neighbour. May turn faces over and drop duplicates: true if it did, and the tree is old.
-bool pair_edges(Faces& faces, Links& links, MeshNotes& notes, Slices& slices);
+bool pair_edges(Faces& faces, Links& links, SolidLinks& solid, MeshNotes& notes, Slices& slices);
 /// Bounds the fans and returns each face's flags.
 std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes& notes, Slices& slices);
 /// Flags the faces that others cross; what is nearer than `touch` (m) touches.

@@ -2,6 +2,8 @@
 // What pairing asks of its neighbours.
 
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "build.hpp"
 
@@ -11,7 +13,10 @@ namespace knurl::build {
 /// part has one side only.
 void orient(Faces& faces, const Links& links, MeshNotes& notes, Slices& slices);
 
-/// Links the half-edges of an edge where more than two faces meet, each to the first that it sees.
-void pair_radially(const Faces& faces, std::span<const Link> halves, Links& links, Slices& slices);
+/// Pairs the half-edges of an edge where more than two faces meet: each with the first that it sees in front of
+/// it, or behind. Of two that lie on each other neither sees the other.
+enum class Through { space, solid };
+void pair_radially(const Faces& faces, std::span<const Link> halves, Through through,
+                   std::vector<std::pair<Link, Link>>& pairs, Slices& slices);
 
 }  // namespace knurl::build

@@ -6,6 +6,7 @@
 #include <knurl/geometry/mesh.hpp>
 
 #include "build.hpp"
+#include "unite.hpp"
 
 namespace knurl {
 namespace build {
@@ -66,12 +67,35 @@ void check(const Triangles& given, const MeshBuild& how) {
     if (!(how.weld >= 0 && how.weld <= 0.1))
         throw MeshError("the mesh's welding tolerance is " + std::to_string(how.weld) +
                         " of its size; set it to 0 ... 0.1");
+    if (!(how.gap >= 0 && how.gap <= 0.01))
+        throw MeshError("the mesh's gap is " + std::to_string(how.gap) +
+                        " of its size; set it to 0 ... 0.01");
     const std::size_t need = mesh_budget(given.vertices.size(), n, how.exact);
     if (need > how.budget)
         throw MeshError("the mesh of " + std::to_string(n) + " triangles and " +
                         std::to_string(given.vertices.size()) + " vertices would take " +
                         std::to_string(need) + " bytes to build, but the budget is " +
                         std::to_string(how.budget) + "; raise it, or send fewer triangles");
+}
+
+/// Into the tree's order, each edge with its neighbour.
+void link(Faces& faces, Links& links, SolidLinks& solid, std::vector<MeshNode>& nodes, MeshNotes& notes,
+          Slices& slices) {
+    do {
+        if (faces.corners.empty())
+            throw MeshError(
+                "no triangle of the mesh is left: of " + std::to_string(notes.triangles_given) + ", " +
+                std::to_string(notes.faces_dropped) + " have a vertex that is not a plausible number and " +
+                std::to_string(notes.faces_degenerate) + " have no area; check its vertices and their unit");
+        nodes = sort_into_tree(faces, slices);
+    } while (pair_edges(faces, links, solid, notes, slices));
+}
+
+/// What the budget leaves for pieces of faces that are cut, and not without bound where everything crosses.
+std::size_t most_pieces(const Triangles& given, const MeshBuild& how) {
+    constexpr std::size_t bytes = 512;  // of a piece on its way, at most
+    const std::size_t n = given.triangles.size();
+    return std::min((how.budget - mesh_budget(given.vertices.size(), n, how.exact)) / bytes, 16 * n + 1024);
 }
 
 }  // namespace
@@ -94,25 +118,51 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
     build::Slices slices(how.go_on);
 
     const build::Frame frame = build::find_frame(given, how.exact, notes, slices);
+    const MeshNotes before = notes;
     build::Faces faces = build::weld(given, frame, how, notes, slices);
-    build::Links links;
-    do {
-        if (faces.corners.empty())
-            throw MeshError(
-                "no triangle of the mesh is left: of " + std::to_string(notes.triangles_given) + ", " +
-                std::to_string(notes.faces_dropped) + " have a vertex that is not a plausible number and " +
-                std::to_string(notes.faces_degenerate) + " have no area; check its vertices and their unit");
-        memory->nodes = build::sort_into_tree(faces, slices);
-    } while (build::pair_edges(faces, links, notes, slices));
-    std::vector<std::uint8_t> flags = build::split_fans(faces, links, notes, slices);
-
     data.origin = frame.origin;
     data.size = frame.size;
     data.exact = how.exact;
-    data.nodes = memory->nodes;
-    if (how.find_crossings)
-        build::find_crossings(data, faces, std::max(build::tolerance(frame, how), 2 * frame.noise), flags,
-                              notes, slices);
+    build::Links links;
+    build::SolidLinks solid;
+    std::vector<std::uint8_t> flags;
+    const double touch = std::max(build::tolerance(frame, how), 2 * frame.noise);
+    const double gap = how.gap * frame.size;
+    build::Near near{
+        .touch = std::max({touch, 4 * frame.noise, 1e-9 * frame.size}), .gap = gap, .as_float = !how.exact};
+    std::uint64_t duplicates = 0;
+    bool unites = how.find_crossings && how.unite, closed = false, again = false;
+    constexpr int rounds = 3;  // what is bent by a cut may meet something else
+    for (int round = 0;; ++round) {
+        build::link(faces, links, solid, memory->nodes, notes, slices);
+        if (round == 0) closed = notes.edges_open == 0;
+        if (closed && notes.edges_open > 0) {  // once more, less finely; an open cut is worse than none
+            faces = build::weld(given, frame, how, notes = before, slices);
+            unites = !again;
+            again = true;
+            near.touch *= 4;
+            near.gap = gap;
+            round = -1;
+            continue;
+        }
+        if (round == 0) duplicates = notes.faces_duplicate;
+        notes.faces_inside += notes.faces_duplicate - duplicates;  // pieces that lie on each other
+        notes.faces_duplicate = duplicates;
+        data.nodes = memory->nodes;
+        const bool may_unite = unites && round < rounds;
+        build::Parts parts;
+        if (may_unite && (notes.parts > 1 || !solid.empty())) parts = build::find_parts(links, solid, slices);
+        flags = build::split_fans(faces, links, notes, slices);
+        if (how.find_crossings) build::find_crossings(data, faces, touch, flags, notes, slices);
+        const bool crossed = notes.faces_crossed > 0;
+        if (!may_unite || (parts.closed.size() < 2 && !crossed)) break;
+        if (parts.of.empty())
+            parts = {std::vector<std::uint32_t>(faces.corners.size()), {notes.edges_open == 0}};
+        const std::size_t most = build::most_pieces(given, how);
+        if (!build::unite(faces, memory->nodes, parts, crossed, near, most, notes, slices)) break;
+        near.gap = 0;
+        notes.edges_open = notes.edges_non_manifold = notes.vertices_split = notes.faces_crossed = 0;
+    }
     for (const auto& over : links) {
         slices();
         data.open = data.open || over[0] == no_link || over[1] == no_link || over[2] == no_link;

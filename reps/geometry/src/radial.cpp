@@ -12,7 +12,8 @@
 namespace knurl::build {
 namespace {
 
-constexpr double alike = 1e-6;  // rad: angles nearer than that are one
+// rad: angles nearer than that are one. Bodies that touch may lie a little in each other there.
+constexpr double alike_in_space = 1e-6, alike_in_solid = 1e-3;
 
 struct Spoke {
     double angle;
@@ -28,7 +29,9 @@ Vector3d vector(const Point3& p) {
 
 }  // namespace
 
-void pair_radially(const Faces& faces, std::span<const Link> halves, Links& links, Slices& slices) {
+void pair_radially(const Faces& faces, std::span<const Link> halves, Through through,
+                   std::vector<std::pair<Link, Link>>& pairs, Slices& slices) {
+    const double alike = through == Through::space ? alike_in_space : alike_in_solid;
     const auto corner = [&](Link h, std::uint32_t c) {
         return faces.corners[face_of(h)][(edge_of(h) + c) % 3];
     };
@@ -47,7 +50,7 @@ void pair_radially(const Faces& faces, std::span<const Link> halves, Links& link
         }
         double angle = std::atan2(out.dot(v), out.dot(u));
         if (angle < -alike) angle += 2 * std::numbers::pi;
-        spokes.push_back({angle, corner(h, 0) != first, h});
+        spokes.push_back({angle, (corner(h, 0) != first) == (through == Through::space), h});
     }
     // Of those at one angle the backward ones first: else the two sides of a sheet without thickness would be
     // each other's neighbours, and the sheet a crack.
@@ -80,8 +83,7 @@ void pair_radially(const Faces& faces, std::span<const Link> halves, Links& link
             const Link other = waiting.back();
             waiting.pop_back();
             done[i] = true;
-            links[face_of(h)][edge_of(h)] = other;
-            links[face_of(other)][edge_of(other)] = h;
+            pairs.emplace_back(h, other);
         }
     }
 }

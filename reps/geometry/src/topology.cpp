@@ -133,7 +133,7 @@ std::uint64_t count_parts(const Links& links, Slices& slices) {
 
 }  // namespace
 
-bool pair_edges(Faces& faces, Links& links, MeshNotes& notes, Slices& slices) {
+bool pair_edges(Faces& faces, Links& links, SolidLinks& solid, MeshNotes& notes, Slices& slices) {
     Edges edges = collect(faces, slices);
     if (drop_duplicates(faces, edges, notes, slices)) return true;
 
@@ -155,10 +155,16 @@ bool pair_edges(Faces& faces, Links& links, MeshNotes& notes, Slices& slices) {
         edges = collect(faces, slices);
         unlinked();
     }
+    SolidLinks pairs;
+    solid.clear();
     for_each_edge(edges, slices, [&](std::span<const Link> halves) {
         if (halves.size() > 2) {
             ++notes.edges_non_manifold;
-            pair_radially(faces, halves, links, slices);
+            pairs.clear();
+            pair_radially(faces, halves, Through::space, pairs, slices);
+            for (const auto& [a, b] : pairs) link_up(links, a, b);
+            for (const Link h : halves) solid.emplace_back(h, no_link);
+            pair_radially(faces, halves, Through::solid, solid, slices);
         } else if (halves.size() == 2 && twisted) {
             link_up(links, halves[0], halves[1]);
         }

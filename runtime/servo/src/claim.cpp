@@ -189,9 +189,11 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
         put(row->interval_ns, static_cast<std::uint64_t>(silence.interval() * 1e9));
         put(row->gain_ppm, static_cast<std::uint64_t>(gain * 1e6));
         const auto cut = [](double scale) { return static_cast<std::uint64_t>((1 - scale) * 1e6); };
-        put(row->contacts_cut_ppm, cut(scales.contacts));
-        put(row->effects_cut_ppm, cut(scales.effects));
-        put(row->damping_cut_ppm, cut(scales.damping));
+        const bool felt_now = !wrench.force.isZero(0) || !wrench.torque.isZero(0);
+        const HandScales told = felt_now ? scales : HandScales{};
+        put(row->contacts_cut_ppm, cut(told.contacts));
+        put(row->effects_cut_ppm, cut(told.effects));
+        put(row->damping_cut_ppm, cut(told.damping));
         put(row->silent, std::uint64_t{silent_for > 0});
         put(row->armed, std::uint64_t{armed});
         if (counts_changed)
@@ -228,6 +230,7 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     published.cycle = cycle;
     if (published.silence > 0 && header.silence > 0) published.silence = header.silence;
     const bool nothing_felt = felt.size() == 0 || (still && !felt.news());
+    if (nothing_felt) header.scales = published.scales;  // of what is not felt nothing is scaled
     if (nothing_felt && std::memcmp(&published, &header, sizeof header) == 0) return;
     published = header;
 

@@ -112,11 +112,11 @@ struct Claim::Impl {
     bool announced = false;       // the device knows that it is active
     bool from_the_start = false;  // offline: what the first cycle finds is in full force at once
     double gain = 0;
-    double empty_for = 0;                           // s, without a representation or a force
-    HandScales scales;  // of the hand's budget
-    Wrench wrench;                                  // world, of this cycle
-    bool touching = false;                          // of this cycle, as far as feedback is asked for
-    bool still = false;                             // its scene is out of the hand's reach: see StillScene
+    double empty_for = 0;   // s, without a representation or a force
+    HandScales scales;      // of the hand's budget
+    Wrench wrench;          // world, of this cycle
+    bool touching = false;  // of this cycle, as far as feedback is asked for
+    bool still = false;     // its scene is out of the hand's reach: see StillScene
     SilenceWatch silence;
     double silent_for = 0;  // s
 

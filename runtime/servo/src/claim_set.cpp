@@ -54,6 +54,7 @@ void ClaimSet::look(const Eigen::Vector3d* hand, Nanoseconds now) noexcept {
                 resting_.present += mark.rest.present;
                 resting_.armed += mark.rest.armed ? 1 : 0;
                 resting_.keep_on = resting_.keep_on || mark.rest.keeps_on;
+                resting_.surfaces = resting_.surfaces || mark.rest.surfaces;
                 continue;
             }
             mark.seen = count;

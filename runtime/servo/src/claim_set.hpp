@@ -49,6 +49,7 @@ struct Rest {
     std::uint32_t present = 0;     // representations, in a still scene; 0: there are none
     bool armed = false;            // wants force: the supervisor counts it
     bool keeps_on = false;         // and keeps the device on
+    bool surfaces = false;         // it has some, out of reach: the hand's budget keeps a share for them
 };
 
 /// Observers too. A claim is named by its place in the order of arrival, which holds until `let_go`.
@@ -57,7 +58,7 @@ class ClaimSet {
     /// The sum of what rests.
     struct Resting {
         int armed = 0;
-        bool keep_on = false;
+        bool keep_on = false, surfaces = false;
         std::uint64_t present = 0;
     };
 

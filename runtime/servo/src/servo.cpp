@@ -234,7 +234,7 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
 // What is out of the hand's reach is not felt: scenes that rest have no load.
 void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     const auto felt = [](const Claim::Impl& c) { return c.channels && c.gain > 0 && !c.quiet(); };
-    LoadBound bound;
+    LoadBound bound{.surfaces = claims.resting().surfaces};
     for (const std::size_t place : claims.awake()) {
         const Claim::Impl& c = claims[place];
         if (felt(c)) bound += c.scene.load_bound();
@@ -242,7 +242,7 @@ void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     if (budget.rests() && !bound.exceeds()) return;
     const HandScales before = budget.scales();
     if (bound.exceeds()) {
-        SceneLoad load;
+        SceneLoad load{.surfaces = claims.resting().surfaces};
         for (const std::size_t place : claims.awake()) {
             const Claim::Impl& c = claims[place];
             if (felt(c)) load += c.gain * c.scene.load();
@@ -251,9 +251,7 @@ void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     } else {
         budget.advance_within(dt);
     }
-    if (budget.scales() == before) return;
-    rouse();  // each is told
-    if (!settles) return;
+    if (!settles || budget.scales() == before) return;
     for (const std::size_t place : claims.awake()) {
         Claim::Impl& c = claims[place];
         if (!felt(c)) continue;

@@ -55,7 +55,8 @@ void Servo::Impl::put_to_rest(std::size_t place) noexcept {
     claims.put_to_rest(place, {.until = heard ? c.silence.heard_until() : Rest::for_ever,
                                .present = c.still ? c.scene.size() : 0,
                                .armed = c.wants_force(),
-                               .keeps_on = c.wants_force() && !c.joined});
+                               .keeps_on = c.wants_force() && !c.joined,
+                               .surfaces = c.still && c.gain > 0 && c.scene.load_bound().surfaces});
 }
 
 }  // namespace knurl::servo

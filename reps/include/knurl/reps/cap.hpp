@@ -101,5 +101,7 @@ void adopt(const Cap& params, const Cap* previous, Cap::State& state, const Prob
 /// one of that curvature: in a tighter one the probe would touch on both sides.
 Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double dt) noexcept;
 double clearance(const Cap& params, const Cap::State& state, const Probe& probe) noexcept;
+std::uint32_t curved(const Cap& params, const Cap::State& state, const Probe& probe, const Probe& there,
+                     std::span<CurvedContact> out) noexcept;
 
 }  // namespace knurl

@@ -46,6 +46,9 @@ Capsule prepared(Capsule params, const Limits& limits) noexcept;
 void adopt(const Capsule& params, const Capsule* previous, Capsule::State& state,
            const Probe& probe) noexcept;
 Contact contact(const Capsule& params, Capsule::State& state, const Probe& probe, double dt) noexcept;
+std::uint32_t curved(const Capsule& params, const Capsule::State& state, const Probe& probe,
+                     const Probe& there, std::span<CurvedContact> out) noexcept;
+void lean(const Capsule& params, Capsule::State& state, const Probe& there) noexcept;
 std::optional<Bound> bound(const Capsule& params, const Capsule::State& state) noexcept;
 void out_of_reach(const Capsule& params, Capsule::State& state) noexcept;
 

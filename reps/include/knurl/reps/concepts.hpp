@@ -28,6 +28,13 @@ struct Contact {
     double friction = 1;                                 // 1, of the surface's own coefficients, here
 };
 
+/// A surface at some point: as a Contact there, and how its normal turns.
+struct CurvedContact {
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, the height's gradient
+    double height = 0;                                  // m, signed: of the probe's surface there
+    Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();     // 1/m, the height's second derivatives
+};
+
 /// A ball outside of which a surface is out of reach: its height there is positive.
 struct Bound {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();  // m, at the moment
@@ -95,7 +102,7 @@ concept Effect = Representation<R> &&
 //       a surface without an end, while it stands still: that far (m) the probe may go before it touches; 0 where it
 //       holds the probe. It changes by no more than the probe moves
 //   std::optional<Bound> bound(const R&)
-//       an effect that gives nothing outside of that ball, whatever it remembers: there it is not asked, and no time
+//       an effect that gives nothing where the probe's position is outside of that ball, whatever it remembers: there it is not asked, and no time
 //       passes for it
 //   bool powerless(const R&)
 //       an effect that gives nothing anywhere, as its parameters stand, nor changes by itself: not asked
@@ -108,6 +115,12 @@ concept Effect = Representation<R> &&
 //   std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)
 //       a surface with up to R::max_contacts tangent planes at once (the corner of a hollow box): fills in those
 //       that matter
+//   std::uint32_t curved(const R&, const R::State&, const Probe&, const Probe& there, std::span<CurvedContact> out)
+//       a surface that is not flat: what `contact` has answered for the probe in this cycle, as it is at another place;
+//       as many as it has tangent planes. 0: those of this cycle hold there too (a face that holds the probe). Where
+//       the answer changes with the probe, it must agree with the tangent plane at the probe's foot
+//   void lean(const R&, R::State&, const Probe& there)
+//       beside curved(): where it meets others, so that the plane by which it holds a deep probe is the one felt there
 //   R::turns
 //       a surface whose material moves differently from place to place: Contact::velocity counts, not R's. Its bound
 //       holds while it moves on: where it is out of reach it is not asked, and is put where it has come to before it is

@@ -57,6 +57,9 @@ Contact contact(const Cylinder& params, Cylinder::State& state, const Probe& pro
 /// Of the hollow one the wall and the nearer end, which hold both in its corner; else the one contact.
 std::uint32_t contacts(const Cylinder& params, Cylinder::State& state, const Probe& probe, double dt,
                        std::span<Contact> out) noexcept;
+std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const Probe& probe,
+                     const Probe& there, std::span<CurvedContact> out) noexcept;
+void lean(const Cylinder& params, Cylinder::State& state, const Probe& there) noexcept;
 std::optional<Bound> bound(const Cylinder& params, const Cylinder::State& state) noexcept;
 void out_of_reach(const Cylinder& params, Cylinder::State& state) noexcept;
 

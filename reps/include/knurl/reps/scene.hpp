@@ -150,6 +150,8 @@ class Scene {
     std::uint32_t size() const noexcept;             // representations present
     std::uint32_t count(Kind kind) const noexcept;
     std::uint32_t evaluated() const noexcept;  // representations evaluated in the last cycle
+    // Steps that were taken in it to where curved surfaces meet; at most max_curved_rounds a layer of a set.
+    std::uint32_t curved_rounds() const noexcept;
     /// What the hand feels of all this in the last cycle at full strength, for a HandBudget; and at least its
     /// eigenvalues, for next to nothing. Of textures and of what pushes away nothing counts.
     SceneLoad load() const noexcept;

@@ -18,6 +18,7 @@ enum class Side : std::uint32_t {
 struct SolidHold {
     Vec3 normal = {};           // the contact's while it touches, else 0 0 0; of a ring in its section
     Vec3 radial = {};           // of a ring that holds: where around its axis
+    Vec3 joint = {};            // 0 0 0, or its normal in the last cycle where it met other surfaces
     Vec3 last = {};             // m, from the middle: the probe in the last cycle
     std::uint32_t part = 0;     // of the solid (1, 2, ...) by which it holds; 0: it does not
     std::uint16_t turning = 0;  // 1: the normal that is kept is not that of the surface there

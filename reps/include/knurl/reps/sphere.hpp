@@ -42,6 +42,9 @@ struct Describe<Sphere> {
 Sphere prepared(Sphere params, const Limits& limits) noexcept;
 void adopt(const Sphere& params, const Sphere* previous, Sphere::State& state, const Probe& probe) noexcept;
 Contact contact(const Sphere& params, Sphere::State& state, const Probe& probe, double dt) noexcept;
+std::uint32_t curved(const Sphere& params, const Sphere::State& state, const Probe& probe, const Probe& there,
+                     std::span<CurvedContact> out) noexcept;
+void lean(const Sphere& params, Sphere::State& state, const Probe& there) noexcept;
 std::optional<Bound> bound(const Sphere& params, const Sphere::State& state) noexcept;
 void out_of_reach(const Sphere& params, Sphere::State& state) noexcept;
 

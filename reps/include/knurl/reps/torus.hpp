@@ -46,6 +46,8 @@ struct Describe<Torus> {
 Torus prepared(Torus params, const Limits& limits) noexcept;
 void adopt(const Torus& params, const Torus* previous, Torus::State& state, const Probe& probe) noexcept;
 Contact contact(const Torus& params, Torus::State& state, const Probe& probe, double dt) noexcept;
+std::uint32_t curved(const Torus& params, const Torus::State& state, const Probe& probe, const Probe& there,
+                     std::span<CurvedContact> out) noexcept;
 std::optional<Bound> bound(const Torus& params, const Torus::State& state) noexcept;
 void out_of_reach(const Torus& params, Torus::State& state) noexcept;
 

@@ -4,7 +4,8 @@
 //
 //   Triangles ──> finite? indices? ──> weld ──> drop zero-area and duplicate faces ──> pair edges (radially
 //   where more than two meet) ──> orient ──> split vertices with two fans, and fans of more than 64 ──> BVH,
-//   faces in its order ──> mark faces that others cross
+//   faces in its order ──> mark faces that others cross ──> where there are any, or parts that touch: cut
+//   them there, drop what lies inside of a body, and again from pairing on
 //
 // What can be mended is, and told in MeshNotes; the rest is refused with the numbers of the triangles and the
 // reason.
@@ -41,6 +42,11 @@ struct MeshBuild {
     /// Looks for faces that cross others: 0.6 s per million. Without it a hand may pass under a crossing
     /// sheet.
     bool find_crossings = true;
+    /// Cuts what crosses where it does, drops what is inside of bodies then, and shuts gaps between parts, so
+    /// that what touches holds the hand like one. As far as the budget allows it, and if find_crossings.
+    bool unite = true;
+    /// Of the mesh's size: bodies whose walls are that near to each other touch.
+    double gap = 1e-4;
     /// Asked after every slice of at most some milliseconds; false ends the building with MeshCancelled.
     std::function<bool()> go_on = {};
 };
@@ -56,10 +62,15 @@ struct MeshNotes {
     std::uint64_t faces_duplicate = 0;
     std::uint64_t faces_turned = 0;  // wound against their neighbours
     std::uint64_t edges_open = 0, edges_non_manifold = 0, vertices_split = 0, faces_crossed = 0;
-    std::uint64_t parts = 0;  // that hang together
+    std::uint64_t vertices_moved = 0;  // where gaps and steps between bodies were shut, or into another
+    std::uint64_t faces_cut = 0;       // where others cross or touch them,
+    std::uint64_t faces_added = 0;     // into so many more
+    std::uint64_t faces_inside = 0;  // that were inside of a body then, and pieces, or lay on others: dropped
+    std::uint64_t parts = 0;         // that hang together
 };
 
-/// About what the building of so many would take in all (bytes), so that a budget can be asked for.
+/// About what the building of so many would take in all (bytes), so that a budget can be asked for. Without
+/// the cuts: where faces cross these take what MeshBuild::budget leaves at most.
 std::size_t mesh_budget(std::size_t vertices, std::size_t triangles, bool exact) noexcept;
 
 struct MeshData;  // src/mesh_data.hpp

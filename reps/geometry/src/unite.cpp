@@ -1,0 +1,294 @@
+// Which faces are near each other, and the gaps between parts.
+
+#include "unite.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace knurl::build {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double parallel = 0.9998;  // cosine: within about 1 degree
+
+struct Extent {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+
+    void add(const Point3& p) {
+        for (std::size_t k = 0; k < 3; ++k)
+            low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
+    }
+    void add(const Extent& o) {
+        for (std::size_t k = 0; k < 3; ++k)
+            low[k] = std::min(low[k], o.low[k]), high[k] = std::max(high[k], o.high[k]);
+    }
+    bool meets(const Extent& o, double more) const {
+        for (std::size_t k = 0; k < 3; ++k)
+            if (!(low[k] <= o.high[k] + more && o.low[k] <= high[k] + more)) return false;
+        return true;
+    }
+};
+
+Extent extent_of(const Faces& faces, std::uint32_t f) {
+    Extent box;
+    for (const std::uint32_t v : faces.corners[f]) box.add(faces.at[v]);
+    return box;
+}
+
+/// Calls see(f, g), f < g, for faces whose boxes are within `reach` of each other; `asked` says whether f's
+/// leaf needs to be looked at, and `skipped` which nodes do not. False when see() does.
+template <class Asked, class Skipped, class See>
+bool for_near(const Faces& faces, std::span<const MeshNode> nodes, double reach, Slices& slices,
+              Asked&& asked, Skipped&& skipped, std::uint64_t& left, See&& see) {
+    std::vector<std::uint32_t> stack;
+    for (const MeshNode& from : nodes) {
+        for (std::uint32_t place = 0; place < MeshNode::fan; ++place) {
+            if (!(from.low[0][place] <= from.high[0][place]) || !is_leaf(from.child[place])) continue;
+            const std::uint32_t first = leaf_first(from.child[place]),
+                                end = first + leaf_count(from.child[place]);
+            Extent own;
+            for (std::uint32_t f = first; f < end; ++f) own.add(extent_of(faces, f));
+            slices();
+            if (!asked(first, end, own)) continue;
+            stack.assign(1, 0);
+            while (!stack.empty()) {
+                const MeshNode& node = nodes[stack.back()];
+                stack.pop_back();
+                slices(4);
+                for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
+                    bool meets = node.low[0][i] <= node.high[0][i];
+                    for (std::size_t k = 0; k < 3; ++k)
+                        meets = meets && node.low[k][i] <= own.high[k] + reach &&
+                                node.high[k][i] >= own.low[k] - reach;
+                    if (!meets) continue;
+                    if (!is_leaf(node.child[i])) {
+                        if (!skipped(node.child[i], first, end)) stack.push_back(node.child[i]);
+                        continue;
+                    }
+                    const std::uint32_t last = leaf_first(node.child[i]) + leaf_count(node.child[i]);
+                    for (std::uint32_t g = std::max(leaf_first(node.child[i]), first + 1); g < last; ++g) {
+                        const Extent other = extent_of(faces, g);
+                        slices();
+                        if (left-- == 0) return false;
+                        for (std::uint32_t f = first; f < end && f < g; ++f) {
+                            if (extent_of(faces, f).meets(other, reach) && !see(f, g)) return false;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    return true;
+}
+
+std::uint32_t shared_corners(const Triangle& s, const Triangle& t) {
+    std::uint32_t count = 0;
+    for (const std::uint32_t a : s)
+        for (const std::uint32_t b : t) count += a == b;
+    return count;
+}
+
+enum class Beside { no, facing, flush };
+
+/// facing: the two sides of a gap, or of walls that lie on each other. flush: they look the same way, side by
+/// side but for a gap.
+Beside beside(const Faces& faces, std::uint32_t f, std::uint32_t g, const Near& near, Vector3d& normal) {
+    const auto corners = [&](std::uint32_t face, Vector3d(&p)[3]) {
+        for (std::size_t i = 0; i < 3; ++i) p[i] = Vector3d(faces.at[faces.corners[face][i]].data());
+    };
+    Vector3d p[3], q[3];
+    corners(f, p), corners(g, q);
+    normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+    const Vector3d other = (q[1] - q[0]).cross(q[2] - q[0]).normalized();
+    const double cosine = normal.dot(other);
+    if (std::abs(cosine) < parallel) return Beside::no;
+    const auto apart = [&](const Vector3d& axis) {
+        double p_low = HUGE_VAL, p_high = -HUGE_VAL, q_low = HUGE_VAL, q_high = -HUGE_VAL;
+        for (std::size_t i = 0; i < 3; ++i) {
+            p_low = std::min(p_low, axis.dot(p[i])), p_high = std::max(p_high, axis.dot(p[i]));
+            q_low = std::min(q_low, axis.dot(q[i])), q_high = std::max(q_high, axis.dot(q[i]));
+        }
+        return std::max(p_low - q_high, q_low - p_high);
+    };
+    const double most = cosine < 0 ? -near.touch : 2 * near.gap;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (apart(normal.cross(p[(i + 1) % 3] - p[i]).normalized()) > most) return Beside::no;
+        if (apart(normal.cross(q[(i + 1) % 3] - q[i]).normalized()) > most) return Beside::no;
+    }
+    return cosine < 0 ? Beside::facing : Beside::flush;
+}
+
+}  // namespace
+
+Parts find_parts(Links links, const SolidLinks& solid, Slices& slices) {
+    for (const auto& [a, b] : solid) {
+        links[face_of(a)][edge_of(a)] = b;
+        if (b != no_link) links[face_of(b)][edge_of(b)] = a;
+    }
+    Parts parts;
+    constexpr std::uint32_t none = 0xffffffff;
+    parts.of.assign(links.size(), none);
+    std::vector<std::uint32_t> open;
+    for (std::uint32_t seed = 0; seed < links.size(); ++seed, slices()) {
+        if (parts.of[seed] != none) continue;
+        const auto part = static_cast<std::uint32_t>(parts.closed.size());
+        parts.closed.push_back(true);
+        parts.of[seed] = part;
+        open.push_back(seed);
+        while (!open.empty()) {
+            const std::uint32_t f = open.back();
+            open.pop_back();
+            slices(2);
+            for (const Link over : links[f]) {
+                if (over == no_link) {
+                    parts.closed[part] = false;
+                } else if (parts.of[face_of(over)] == none) {
+                    parts.of[face_of(over)] = part;
+                    open.push_back(face_of(over));
+                }
+            }
+        }
+    }
+    return parts;
+}
+
+namespace {
+
+/// Pairs of different parts whose boxes are that near (m); of one part those that meet, where faces cross at
+/// all. False: more than `most`.
+bool find_pairs(const Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed,
+                const Near& near, std::size_t most, Pairs& pairs, Slices& slices) {
+    const double reach = 3 * near.gap + near.touch;
+    // Few parts far from each other need no look at their faces.
+    constexpr std::size_t few = 64;
+    std::vector<Extent> boxes;
+    if (parts.closed.size() <= few) {
+        boxes.resize(parts.closed.size());
+        for (std::uint32_t f = 0; f < faces.corners.size(); ++f, slices())
+            boxes[parts.of[f]].add(extent_of(faces, f));
+    }
+    const auto asked = [&](std::uint32_t first, std::uint32_t end, const Extent& own) {
+        if (crossed || boxes.empty()) return true;
+        for (std::uint32_t part = 0; part < boxes.size(); ++part) {
+            if (!own.meets(boxes[part], reach)) continue;
+            for (std::uint32_t f = first; f < end; ++f)
+                if (parts.of[f] != part) return true;
+        }
+        return false;
+    };
+    // Nodes of one part alone, which a face of that part need not look into.
+    constexpr std::uint32_t mixed = 0xffffffff;
+    std::vector<std::uint32_t> of_node(crossed ? 0 : nodes.size(), mixed);
+    for (std::size_t n = of_node.size(); n-- > 0; slices()) {
+        bool first = true;
+        for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
+            if (!(nodes[n].low[0][i] <= nodes[n].high[0][i])) continue;
+            const std::uint32_t child = nodes[n].child[i];
+            std::uint32_t part = is_leaf(child) ? parts.of[leaf_first(child)] : of_node[child];
+            for (std::uint32_t f = 1; is_leaf(child) && f < leaf_count(child); ++f)
+                if (parts.of[leaf_first(child) + f] != part) part = mixed;
+            of_node[n] = first || of_node[n] == part ? part : mixed;
+            first = false;
+        }
+    }
+    const auto skipped = [&](std::uint32_t node, std::uint32_t first, std::uint32_t end) {
+        bool own = !crossed;
+        for (std::uint32_t f = first; f < end; ++f) own = own && of_node[node] == parts.of[f];
+        return own;
+    };
+    // Where very many boxes overlap the cuts would be too many as well.
+    std::uint64_t left = 64 * faces.corners.size() + 100'000;
+    return for_near(faces, nodes, reach, slices, asked, skipped, left, [&](std::uint32_t f, std::uint32_t g) {
+        if (parts.of[f] != parts.of[g]) {
+            pairs.emplace_back(f, g);
+        } else if (crossed && extent_of(faces, f).meets(extent_of(faces, g), near.touch)) {
+            const std::uint32_t shared = shared_corners(faces.corners[f], faces.corners[g]);
+            if (shared < 2 && meet(faces, f, g, shared > 0, near.touch)) pairs.emplace_back(f, g);
+        }
+        return pairs.size() <= most;
+    });
+}
+
+/// Moves vertices of one body into the plane of another's face that they are within a gap of, so that the two
+/// are one wall, or level: then nothing is nearly so. Returns how many.
+std::uint64_t shut_gaps(Faces& faces, const Pairs& pairs, const Parts& parts, const Near& near,
+                        Slices& slices) {
+    std::uint64_t moved = 0;
+    for (const auto& [f, g] : pairs) {
+        slices(2);
+        if (parts.of[f] == parts.of[g] || !parts.closed[parts.of[f]] || !parts.closed[parts.of[g]]) continue;
+        const bool first = parts.of[f] < parts.of[g];
+        const std::uint32_t stays = first ? f : g, moves = first ? g : f;
+        Vector3d normal;
+        const Beside how = beside(faces, stays, moves, near, normal);
+        if (how == Beside::no) continue;
+        const Vector3d from(faces.at[faces.corners[stays][0]].data());
+        for (const std::uint32_t v : faces.corners[moves]) {
+            const Vector3d p(faces.at[v].data());
+            const double height = normal.dot(p - from);
+            // Walls that lie a little in each other likewise: so thin an overlap is cut badly.
+            if (!(std::abs(height) <= near.gap) || std::abs(height) < near.touch / 16) continue;
+            const Vector3d to = p - normal * height;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double x = to[static_cast<int>(k)];
+                faces.at[v][k] = near.as_float ? static_cast<float>(x) : x;
+            }
+            ++moved;
+        }
+    }
+    return moved;
+}
+
+}  // namespace
+
+bool unite(Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed, const Near& near,
+           std::size_t most, MeshNotes& notes, Slices& slices) {
+    slices.ask();
+    Pairs pairs;
+    if (!find_pairs(faces, nodes, parts, crossed, near, most, pairs, slices) || pairs.empty()) return false;
+    std::sort(pairs.begin(), pairs.end());
+    const std::uint64_t shut = near.gap > 0 ? shut_gaps(faces, pairs, parts, near, slices) : 0;
+    notes.vertices_moved += shut;
+    const bool moved = shut > 0;
+    std::erase_if(pairs, [&](const auto& pair) {
+        slices();
+        const auto& [f, g] = pair;
+        return parts.of[f] != parts.of[g] && !meet(faces, f, g, false, near.touch);
+    });
+    if (pairs.empty()) return moved;
+    std::vector<bool> touched(faces.corners.size());
+    const std::vector<Piece> pieces = cut(faces, pairs, near, most, touched, notes, slices);
+    if (pieces.empty()) return moved;
+    Faces out;
+    out.at = std::move(faces.at);
+    std::vector<std::uint32_t> part;
+    std::vector<bool> changed;
+    const auto add = [&](const Triangle& corners, std::uint32_t face, bool is_new) {
+        out.corners.push_back(corners);
+        out.given.push_back(faces.given[face]);
+        part.push_back(parts.of[face]);
+        changed.push_back(is_new);
+        slices();
+    };
+    for (std::uint32_t f = 0; f < faces.corners.size(); ++f) {
+        if (!touched[f]) add(faces.corners[f], f, false);
+    }
+    std::vector<std::uint32_t> count(faces.corners.size());
+    for (const Piece& piece : pieces) count[piece.face] += piece.there;
+    for (const Piece& piece : pieces) {
+        if (piece.there) add(piece.corners, piece.face, piece.meets);
+    }
+    for (std::uint32_t f = 0; f < count.size(); ++f) {
+        notes.faces_cut += count[f] > 1;
+        if (count[f] > 1) notes.faces_added += count[f] - 1;
+        if (touched[f] && count[f] == 0) ++notes.faces_inside;
+    }
+    notes.faces_inside += drop_inside(out, part, changed, parts.closed, near, slices);
+    faces = std::move(out);
+    return true;
+}
+
+}  // namespace knurl::build

@@ -1,0 +1,229 @@
+#pragma once
+// Curved and flat surfaces at random about one place, and where the point is that is nearest to the hand and
+// satisfies all of them: in long double, from signed distances of its own, by trying every set of up to three
+// surfaces that might hold it. Nothing in it is shared with reps/ but the parameters.
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <knurl/reps/all.hpp>
+
+#include "shape_tools.hpp"
+
+namespace knurl::test {
+
+using Real = long double;
+
+/// A signed distance and its gradient.
+struct Distances {
+    std::function<Real(const Long&)> height;
+    std::function<Long(const Long&)> normal;
+};
+
+inline Distances distances_of(const Plane& s) {
+    const Long n = exact(s.normal).normalized();
+    const Real offset = s.offset / exact(s.normal).norm();
+    return {[=](const Long& x) { return n.dot(x) - offset; }, [=](const Long&) { return n; }};
+}
+
+/// All that is `size` from a core, of which `nearest` gives the nearest point.
+inline Distances around(std::function<Long(const Long&)> nearest, Real size, Side side) {
+    const Real sign = side == Side::inside ? -1 : 1;
+    return {[=](const Long& x) { return sign * ((x - nearest(x)).norm() - size); },
+            [=](const Long& x) { return Long(sign * (x - nearest(x)).normalized()); }};
+}
+inline Distances distances_of(const Sphere& s) {
+    const Long c = exact(s.center);
+    return around([=](const Long&) { return c; }, s.radius, s.side);
+}
+inline Distances distances_of(const Capsule& s) {
+    const Long a = exact(s.axis).normalized(), c = exact(s.center);
+    const Real half = s.half_length;
+    return around([=](const Long& x) { return Long(c + std::clamp<Real>(a.dot(x - c), -half, half) * a); },
+                  s.radius, s.side);
+}
+/// Without its ends.
+inline Distances distances_of(const Cylinder& s) {
+    const Long a = exact(s.axis).normalized(), c = exact(s.center);
+    return around([=](const Long& x) { return Long(c + a.dot(x - c) * a); }, s.radius, s.side);
+}
+inline Distances distances_of(const Torus& s) {
+    const Long a = exact(s.axis).normalized(), c = exact(s.center);
+    const Real ring = s.radius;
+    return around(
+        [=](const Long& x) {
+            const Long flat = (x - c) - a.dot(x - c) * a;
+            return Long(c + ring * flat.normalized());
+        },
+        s.tube, s.side);
+}
+/// Within its rim, of one curvature.
+inline Distances distances_of(const Cap& s) {
+    const Long n = exact(s.normal).normalized(), c = exact(s.foot) + n / Real(s.curvature);
+    return around([=](const Long&) { return c; }, 1 / std::abs(Real(s.curvature)),
+                  s.curvature > 0 ? Side::inside : Side::outside);
+}
+
+struct Met {
+    Long x;
+    int active = 0;
+};
+
+/// Newton's method on the conditions of Karush, Kuhn and Tucker, all of `set` held, from the point that
+/// projections onto one after the other come to. Nothing where it ends elsewhere or one of them would pull.
+inline std::optional<Long> held_by(const std::vector<Distances>& all, const std::vector<std::size_t>& set,
+                                   const Long& p, Real size) {
+    using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+    using Column = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+    Long x = p;
+    for (int i = 0; i < 60; ++i) {
+        const Distances& s = all[set[static_cast<std::size_t>(i) % set.size()]];
+        x -= s.height(x) * s.normal(x);
+    }
+    const auto m = static_cast<Eigen::Index>(set.size());
+    Matrix normals(3, m);
+    for (Eigen::Index j = 0; j < m; ++j) normals.col(j) = all[set[static_cast<std::size_t>(j)]].normal(x);
+    Column u = normals.fullPivLu().solve(Column(x - p));
+    Real length = 1;
+    for (int i = 0; i < 40 && length > 1e-17L; ++i) {
+        Matrix system = Matrix::Zero(3 + m, 3 + m);
+        Column wrong(3 + m);
+        wrong.head(3) = x - p;
+        system.topLeftCorner(3, 3).setIdentity();
+        for (Eigen::Index j = 0; j < m; ++j) {
+            const Distances& s = all[set[static_cast<std::size_t>(j)]];
+            const Long n = s.normal(x);
+            wrong.head(3) -= u[j] * n;
+            wrong[3 + j] = -s.height(x);
+            system.block(0, 3 + j, 3, 1) = -n;
+            system.block(3 + j, 0, 1, 3) = n.transpose();
+            constexpr Real h = 1e-6L;  // m: of differences, whose error only slows it down
+            for (int axis = 0; axis < 3; ++axis) {
+                const Long e = h * Long::Unit(axis);
+                system.block(0, axis, 3, 1) -= u[j] * (s.normal(x + e) - s.normal(x - e)) / (2 * h);
+            }
+        }
+        wrong.head(3) *= -1;
+        const Column step = system.fullPivLu().solve(wrong);
+        x += step.head(3);
+        u += step.tail(m);
+        length = step.head(3).norm();
+        if (!(length < size)) return std::nullopt;
+    }
+    if (length > 1e-15L || (m > 0 && u.minCoeff() < -1e-15L)) return std::nullopt;
+    for (const Distances& s : all) {
+        if (s.height(x) < -1e-14L) return std::nullopt;
+    }
+    return x;
+}
+
+inline std::optional<Met> nearest_of(const std::vector<Distances>& all, const Long& p, Real size) {
+    bool free = true;
+    for (const Distances& s : all) free = free && s.height(p) >= 0;
+    if (free) return Met{p, 0};
+    std::optional<Met> best;
+    const auto consider = [&](std::vector<std::size_t> set) {
+        const std::optional<Long> x = held_by(all, set, p, size);
+        if (x && (!best || (*x - p).norm() < (best->x - p).norm())) best = {*x, static_cast<int>(set.size())};
+    };
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        consider({i});
+        for (std::size_t j = i + 1; j < all.size(); ++j) {
+            consider({i, j});
+            for (std::size_t k = j + 1; k < all.size(); ++k) consider({i, j, k});
+        }
+    }
+    return best;
+}
+
+/// Adds one to the scene that passes the origin no farther than `near` (m), with room above it, `least` to `most`
+/// in size. Flat pieces are as large.
+inline Distances add_near_origin(Rng& rng, Scene& scene, std::uint32_t i, double near, double k, double least,
+                                 double most) {
+    Vector n;
+    do n = direction(rng);
+    while (n.z() < 0.4);
+    const Vector foot = near * uniform(rng, 0, 1) * direction(rng);
+    const double r = scale(rng, least, most);
+    const Vector along = n.cross(direction(rng)).normalized();
+    const bool inside = between(rng, 0, 3) == 0;
+    const Side side = inside ? Side::inside : Side::outside;
+    const Vec3 center = to_plain(Vector(foot + (inside ? r : -r) * n));
+    const auto add = [&](const auto& s) {
+        EXPECT_TRUE(scene.add({i, 1}, s));
+        return distances_of(s);
+    };
+    switch (between(rng, 0, 6)) {
+        case 0:
+            return add(Sphere{.center = center, .radius = r, .side = side, .stiffness = k});
+        case 1:
+            return add(Capsule{.center = to_plain(Vector(to_eigen(center) + uniform(rng, -1, 1) * r * along)),
+                               .axis = to_plain(along),
+                               .half_length = r,
+                               .radius = r,
+                               .side = side,
+                               .stiffness = k});
+        case 2:
+            return add(Cylinder{.center = center,
+                                .axis = to_plain(along),
+                                .radius = r,
+                                .half_length = infinity,
+                                .side = side,
+                                .stiffness = k});
+        case 3: {  // met from outside, or from within the hole
+            const double ring = r * uniform(rng, 1.5, 3), turn = uniform(rng, -3, 3);
+            const Vector third = n.cross(along);
+            const Vector radial = std::cos(turn) * n + std::sin(turn) * third;
+            const Vector axis = std::sin(turn) * n - std::cos(turn) * third;
+            return add(Torus{.center = to_plain(Vector(to_eigen(center) - ring * radial)),
+                             .axis = to_plain(axis),
+                             .radius = ring,
+                             .tube = r,
+                             .side = side,
+                             .stiffness = k});
+        }
+        case 4:
+            return add(Cap{.foot = to_plain(foot),
+                           .normal = to_plain(n),
+                           .curvature = (inside ? 1 : -1) / r,
+                           .rim = 0.5,
+                           .stiffness = k});
+        case 5: {  // what is flat, as a plane
+            const Plane plane{.normal = to_plain(n), .offset = n.dot(foot), .stiffness = k};
+            const Vector across = n.cross(along);
+            const int which = between(rng, 0, 3);
+            if (which == 0) return add(plane);
+            if (which == 1) {
+                Polygon polygon{.stiffness = k};
+                polygon.vertices.count = 4;
+                for (std::uint32_t c = 0; c < 4; ++c)
+                    polygon.vertices.at[c] =
+                        to_plain(Vector(foot + (c == 0 || c == 3 ? 1 : -1) * most * along +
+                                        (c < 2 ? 1 : -1) * most * across));
+                EXPECT_TRUE(scene.add({i, 1}, polygon));
+            } else if (which == 2) {
+                EXPECT_TRUE(scene.add({i, 1}, HalfPlane{.normal = to_plain(n),
+                                                        .offset = n.dot(foot),
+                                                        .edge = to_plain(along),
+                                                        .edge_offset = along.dot(foot) + most,
+                                                        .stiffness = k}));
+            } else {
+                Eigen::Matrix3d axes;
+                axes << along, across, n;
+                EXPECT_TRUE(scene.add({i, 1}, Box{.center = to_plain(Vector(foot - most * n)),
+                                                  .orientation = to_plain(Eigen::Quaterniond(axes)),
+                                                  .half_size = {most, most, most},
+                                                  .stiffness = k}));
+            }
+            return distances_of(plane);
+        }
+        default:
+            return add(Plane{.normal = to_plain(n), .offset = n.dot(foot), .stiffness = k});
+    }
+}
+
+}  // namespace knurl::test
