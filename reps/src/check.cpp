@@ -1,3 +1,5 @@
+#include <iterator>
+
 #include <knurl/reps/check.hpp>
 
 namespace knurl {

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstdio>
+#include <span>
 
 #include <knurl/reps/check.hpp>
 #include <knurl/reps/describe.hpp>

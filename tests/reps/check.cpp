@@ -1,8 +1,11 @@
 // Whether a change makes sense: one answer and one sentence, whoever asks.
 
+#include <array>
 #include <cmath>
-#include <cstring>
+#include <iterator>
+#include <limits>
 #include <random>
+#include <string>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,7 @@
 #include "validate.hpp"
 
+#include <string_view>
+
 #include <knurl/client/error.hpp>
 #include <knurl/reps/check.hpp>
 #include <knurl/reps/describe.hpp>

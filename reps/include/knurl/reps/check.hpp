@@ -4,6 +4,8 @@
 // has one sentence (describe.hpp). Nothing here allocates.
 
 #include <cstddef>
+#include <cstdint>
+#include <string_view>
 
 #include <knurl/reps/scene.hpp>
 
