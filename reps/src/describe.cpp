@@ -1,6 +1,8 @@
 #include <cmath>
 #include <cstdio>
+#include <span>
 
+#include <knurl/reps/check.hpp>
 #include <knurl/reps/describe.hpp>
 
 namespace knurl {
@@ -53,24 +55,37 @@ std::string reason(const Verdict& verdict, const KindInfo& kind, std::string_vie
     return gap == std::string::npos ? text : text.replace(gap, 2, with_unit(verdict.against, unit));
 }
 
+struct Blamed {
+    const Field* field = nullptr;  // null: it is about the whole
+    std::string name;              // "plane.stiffness", "plane", "probe.radius"
+};
+
+Blamed blamed(std::uint32_t row, const KindInfo* kind) {
+    std::string name(kind ? kind->name : "representation");
+    std::span<const Field> fields = kind ? kind->fields : std::span<const Field>{};
+    if (row != Verdict::no_field && row >= Verdict::of_placement) {
+        name = Describe<ProbePlacement>::name;
+        fields = Describe<ProbePlacement>::fields;
+        row -= Verdict::of_placement;
+    } else if (row != Verdict::no_field && row >= Verdict::of_use) {
+        fields = Describe<Use>::fields;
+        row -= Verdict::of_use;
+    }
+    if (row >= fields.size()) return {nullptr, name};
+    return {&fields[row], name.append(".").append(fields[row].name)};
+}
+
 std::string what(const Verdict& verdict, const KindInfo* kind) {
-    const Field* field = kind && verdict.field < kind->fields.size() ? &kind->fields[verdict.field] : nullptr;
-    const std::string name = field ? std::string(kind->name) + "." + std::string(field->name)
-                                   : std::string(kind ? kind->name : "representation");
+    const auto [field, name] = blamed(verdict.field, kind);
     const std::string_view unit = field ? field->unit : std::string_view("1");
-    // Without a field the number belongs to how the representation is used, not to its parameters.
     const std::string remedy = field ? "; " + legal(*field) : std::string();
     switch (verdict.code) {
         case Verdict::Code::ok:
             return name + ": accepted";
         case Verdict::Code::not_finite:
-            return field
-                       ? name + " = " + number(verdict.value) + " is not a finite number" + remedy
-                       : name + ": a number is not finite (" + number(verdict.value) + "); give a finite one";
+            return name + " = " + number(verdict.value) + " is not a finite number" + remedy;
         case Verdict::Code::out_of_range:
-            return field ? name + " = " + with_unit(verdict.value, unit) + " is out of range" + remedy
-                         : name + ": silence_time = " + number(verdict.value) +
-                               " s is out of range; give 0 s or more";
+            return name + " = " + with_unit(verdict.value, unit) + " is out of range" + remedy;
         case Verdict::Code::zero_vector:
             return name + " has length " + number(verdict.value) + " and so no " +
                    (field && field->type == Field::Type::quaternion ? "orientation" : "direction") +
@@ -81,9 +96,7 @@ std::string what(const Verdict& verdict, const KindInfo* kind) {
                                 std::to_string(field->count)
                           : "");
         case Verdict::Code::no_such_choice:
-            return field ? name + " = " + number(verdict.value) + " is none of its choices" + remedy
-                         : name + ": on_silence = " + number(verdict.value) +
-                               " is none of its choices; give one of fade hold move";
+            return name + " = " + number(verdict.value) + " is none of its choices" + remedy;
         case Verdict::Code::contradiction:
             return name + " = " + with_unit(verdict.value, unit) + " " +
                    (kind && verdict.reason < kind->contradictions.size()
@@ -102,7 +115,8 @@ std::string what(const Verdict& verdict, const KindInfo* kind) {
         case Verdict::Code::slot_in_use:
             return name + ": slot " + number(verdict.value) + " is taken; remove what is there first";
         case Verdict::Code::no_such_probe:
-            return name + ": there is no probe " + number(verdict.value) + "; probes count from 0";
+            return name + " = " + number(verdict.value) + ": there is no such probe; give 0 to " +
+                   number(verdict.against);
         case Verdict::Code::too_many:
             return name + ": no room for another (limit " + number(verdict.value) + "); remove one first";
         case Verdict::Code::not_armed:

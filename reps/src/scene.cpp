@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include <knurl/reps/check.hpp>
 #include <knurl/reps/scene.hpp>
 
 #include "clamped.hpp"
@@ -150,16 +151,8 @@ void Scene::set_fade(const FadePolicy& policy) noexcept {
 }
 
 Verdict Scene::place_probe(std::uint32_t probe, const ProbePlacement& placement) noexcept {
-    using Code = Verdict::Code;
-    if (probe >= impl_->groups_.size())
-        return {Code::no_such_probe, Verdict::no_field, static_cast<double>(probe)};
-    constexpr double farthest = 1e9;  // m
-    for (const double value :
-         {placement.offset.x, placement.offset.y, placement.offset.z, placement.radius}) {
-        if (!std::isfinite(value)) return {Code::not_finite, Verdict::no_field, value};
-        if (std::abs(value) > farthest) return {Code::out_of_range, Verdict::no_field, value};
-    }
-    if (placement.radius < 0) return {Code::out_of_range, Verdict::no_field, placement.radius};
+    const Verdict verdict = check_placement(probe, placement, impl_->capacity_.probes);
+    if (!verdict) return verdict;
     detail::Group& group = impl_->groups_[probe];
     const ProbePlacement& present = group.moved ? group.next_placement : group.placement;
     if (present.offset == placement.offset && present.radius == placement.radius) return {};

@@ -124,8 +124,6 @@ class SceneCore {
     SceneCore(Scene::Capacity capacity, const Limits& limits);
 
     // scene_slots.cpp
-    Verdict check_use(const Use& use) const noexcept;
-    static Verdict check_params(Kind kind, const void* params, std::size_t bytes) noexcept;
     Verdict check_add(Handle, Kind, const void* params, std::size_t bytes, const Use&) const noexcept;
     Verdict check_update(Handle, Kind, const void* params, std::size_t bytes) noexcept;
     Verdict validate(Kind, const std::byte* raw, const std::byte* sent, std::size_t bytes) noexcept;

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include <knurl/reps/check.hpp>
+
 #include "ranges.hpp"
 #include "scene_core.hpp"
 
@@ -53,41 +55,16 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
     level_.resize(2 * n + 1);
 }
 
-Verdict SceneCore::check_use(const Use& use) const noexcept {
-    if (use.probe >= capacity_.probes)
-        return {Code::no_such_probe, Verdict::no_field, static_cast<double>(use.probe)};
-    const auto silence = static_cast<std::uint32_t>(use.on_silence);
-    if (silence > static_cast<std::uint32_t>(OnSilence::move)) {
-        return {Code::no_such_choice, Verdict::no_field, static_cast<double>(silence)};
-    }
-    if (!std::isfinite(use.silence_time)) return {Code::not_finite, Verdict::no_field, use.silence_time};
-    if (use.silence_time < 0) return {Code::out_of_range, Verdict::no_field, use.silence_time};
-    return {};
-}
-
-Verdict SceneCore::check_params(Kind kind, const void* params, std::size_t bytes) noexcept {
-    if (kind >= Representations::size)
-        return {Code::unknown_kind, Verdict::no_field, static_cast<double>(kind)};
-    if (bytes != kinds()[kind].size) return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
-    return kinds()[kind].validate(params);
-}
-
 Verdict SceneCore::check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
                              const Use& use) const noexcept {
-    if (handle.slot >= capacity_.representations) {
-        return {Code::too_many, Verdict::no_field, static_cast<double>(capacity_.representations)};
-    }
-    if (slots_[handle.slot].present)
-        return {Code::slot_in_use, Verdict::no_field, static_cast<double>(handle.slot)};
-    if (const Verdict verdict = check_use(use); !verdict) return verdict;
-    return check_params(kind, params, bytes);
+    const Verdict verdict = check_vacant(handle, slots_);
+    return verdict ? check_added(kind, params, bytes, use, capacity_.probes) : verdict;
 }
 
 Verdict SceneCore::check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept {
     if (kind >= Representations::size)
         return {Code::unknown_kind, Verdict::no_field, static_cast<double>(kind)};
-    if (handle.slot >= capacity_.representations || !slots_[handle.slot].present ||
-        slots_[handle.slot].generation != handle.generation || slots_[handle.slot].kind != kind) {
+    if (!names_one(handle, slots_) || slots_[handle.slot].kind != kind) {
         return {Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
     }
     const KindOps& ops = kind_ops()[kind];
@@ -213,13 +190,8 @@ void Scene::update_checked(Handle handle, const void* params, std::size_t bytes)
 }
 
 Verdict Scene::remove(Handle handle) noexcept {
-    if (handle.slot >= impl_->slots_.size()) {
-        return {Verdict::Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
-    }
+    if (const Verdict verdict = check_named(handle, impl_->slots_); !verdict) return verdict;
     detail::Slot& slot = impl_->slots_[handle.slot];
-    if (!slot.present || slot.generation != handle.generation) {
-        return {Verdict::Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
-    }
     slot.present = false;
     impl_->mark(handle.slot);
     --impl_->size_;

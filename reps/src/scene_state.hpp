@@ -17,7 +17,6 @@ namespace knurl::detail {
 
 // Of any list of kinds: so a kind that nobody uses does not even move the others in memory.
 inline constexpr std::size_t max_params = (max_parameter_bytes + 63) / 64 * 64;
-inline constexpr std::size_t max_state = max_state_bytes;
 
 /// Stiffnesses that one probe's set keeps apart, each with its own solution; more are rounded down to these.
 inline constexpr std::uint32_t max_layers = 8;
@@ -63,7 +62,7 @@ struct Rough {
 
 struct alignas(64) Record : RecordHead {
     alignas(64) std::byte params[max_params] = {};
-    alignas(64) std::byte state[max_state] = {};
+    alignas(64) std::byte state[max_state_bytes] = {};
 };
 
 /// Names a record: each slot has two, which change roles whenever its surface changes. A bridge is the plane

@@ -43,7 +43,8 @@ Probe wander(Rng& rng, double size = 0.02) {
 
 TYPED_TEST(Conformance, IsPlainDataThatMayCrossAProcessBoundary) {
     static_assert(std::is_trivially_copyable_v<TypeParam> && std::is_standard_layout_v<TypeParam>);
-    static_assert(sizeof(TypeParam) <= 512 && sizeof(typename TypeParam::State) <= 256);
+    static_assert(sizeof(TypeParam) <= max_parameter_bytes &&
+                  sizeof(typename TypeParam::State) <= max_state_bytes);
     static_assert(Surface<TypeParam> != Effect<TypeParam>);
 }
 

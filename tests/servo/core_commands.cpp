@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include <knurl/reps/describe.hpp>
+
 #include "core_desk.hpp"
 
 namespace knurl::servo {
@@ -141,6 +143,13 @@ TEST(Commands, SlotsAndProbesAreChecked) {
     ASSERT_EQ(replies.size(), std::size(expected));
     for (std::size_t i = 0; i < replies.size(); ++i)
         EXPECT_EQ(replies[i].code, static_cast<std::uint32_t>(expected[i])) << "command " << i + 1;
+    // As people read them; of a placement the servo's answer names no kind.
+    const auto sentence = [&](std::size_t i) {
+        return describe(verdict_of(replies[i]), replies[i].kind, "");
+    };
+    EXPECT_EQ(sentence(5), "plane.probe = 16: there is no such probe; give 0 to 15");
+    EXPECT_EQ(sentence(8), "probe = 16: there is no such probe; give 0 to 15");
+    EXPECT_EQ(sentence(9), "probe.radius = -1 m is out of range; give a value from 0 to 1000000000 m");
 }
 
 TEST(Commands, TheDevicesStateRefusesWithAReason) {

@@ -63,8 +63,7 @@ Handle ClaimState::add(Kind kind, const void* params, std::size_t bytes, const U
 }
 
 Handle ClaimState::add_now(Kind kind, const void* params, std::size_t bytes, const Use& use) {
-    validate(kind, params, bytes);
-    validate(kind, use);
+    validate(kind, params, bytes, use);
     require_asset(kind, params);
     const std::span given(static_cast<const std::byte*>(params), bytes);
     const Handle handle = table_.add(kind, given, use);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <knurl/reps/check.hpp>
 #include <knurl/reps/describe.hpp>
 #include <knurl/words/nearest.hpp>
 
@@ -13,7 +14,6 @@ namespace knurl::scenefile {
 
 namespace {
 
-constexpr std::string_view silence_names[] = {"fade", "hold", "move"};
 constexpr std::string_view entry_keys[] = {"id", "at", "remove", "probe", "on_silence", "silence_time"};
 
 std::string joined(const std::vector<std::string_view>& words) {
@@ -130,6 +130,14 @@ void fail_unknown_key(const std::string& path, const Value& value, const std::st
                      meant.empty() ? "it takes " + joined(known) : fmt::format("did you mean '{}'?", meant)));
 }
 
+Use use_of(const Entry& entry) {
+    Use use;
+    use.probe = entry.probe.value_or(use.probe);
+    use.on_silence = entry.on_silence.value_or(use.on_silence);
+    use.silence_time = entry.silence_time.value_or(use.silence_time);
+    return use;
+}
+
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
     const KindInfo& info = kinds()[kind];
     Entry entry;
@@ -158,13 +166,13 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
         } else if (value.key == "remove") {
             entry.remove = boolean(path, value, what);
         } else if (value.key == "probe") {
-            entry.probe = static_cast<std::uint32_t>(integer(path, value, what, 0, Scene::max_probes - 1));
+            entry.probe = static_cast<std::uint32_t>(integer(path, value, what, 0, max_probes - 1));
             entry.use_at = value.at;
         } else if (value.key == "on_silence") {
             entry.on_silence = static_cast<OnSilence>(choice(path, value, what, silence_names));
             entry.use_at = value.at;
         } else if (value.key == "silence_time") {
-            entry.silence_time = seconds(path, value, what);
+            entry.silence_time = real(path, value, what, "s");
             entry.use_at = value.at;
         } else if (value.key == "material" && info.surface) {
             entry.material = preset(preset_names()[choice(path, value, what, preset_names())]);
@@ -174,6 +182,9 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
             if (index == info.fields.size()) fail_unknown_key(path, value, entry.called, known);
             entry.settings.push_back(read_setting(path, value, index, info.fields[index], what));
         }
+        if (const Verdict verdict = check_use(use_of(entry));
+            !verdict)  // of what was read before it is legal
+            fail(path, value.at, describe(verdict, kind, entry.called));
     }
     return entry;
 }
@@ -202,16 +213,13 @@ ProbePlacement read_probe(const std::string& path, std::size_t index, const toml
         const std::string what = fmt::format("{} of {}", value.key, called);
         if (value.key == "offset") {
             placement.offset = vector(path, value, what, "m");
-            if (!to_eigen(placement.offset).allFinite()) fail(path, value.at, what + " must be finite");
         } else if (value.key == "radius") {
             placement.radius = real(path, value, what, "m");
-            if (!std::isfinite(placement.radius) || placement.radius < 0) {
-                fail(path, value.at,
-                     fmt::format("{} is {} m; it must be 0 m or more, and finite", what, placement.radius));
-            }
         } else {
             fail_unknown_key(path, value, called, {"offset", "radius"});
         }
+        if (const Verdict verdict = check_placement(static_cast<std::uint32_t>(index), placement); !verdict)
+            fail(path, value.at, describe(verdict, Representations::size, called));
     }
     return placement;
 }

@@ -32,6 +32,8 @@ struct Entry {
     std::vector<Setting> settings;
 };
 
+/// As it states it, the rest by default.
+Use use_of(const Entry& entry);
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table);
 ProbePlacement read_probe(const std::string& path, std::size_t index, const toml::table& table);
 /// Lengths that were probably meant in mm: a remark each.

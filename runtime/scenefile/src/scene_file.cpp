@@ -69,14 +69,6 @@ std::vector<const toml::table*> tables_of(const std::string& path, const toml::k
     return tables;
 }
 
-Use use_of(const Entry& entry) {
-    Use use;
-    use.probe = entry.probe.value_or(use.probe);
-    use.on_silence = entry.on_silence.value_or(use.on_silence);
-    use.silence_time = entry.silence_time.value_or(use.silence_time);
-    return use;
-}
-
 bool changes_use(const Entry& entry, const Use& use) {
     return entry.probe.value_or(use.probe) != use.probe ||
            entry.on_silence.value_or(use.on_silence) != use.on_silence ||

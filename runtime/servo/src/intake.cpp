@@ -3,8 +3,9 @@
 #include "intake.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
+
+#include <knurl/reps/check.hpp>
 
 namespace knurl::servo {
 
@@ -31,31 +32,6 @@ constexpr std::size_t body_bytes(CommandType type) noexcept {
             return 0;
     }
     return no_such_command;
-}
-
-constexpr double farthest_placement = 1e9;  // m, as Scene::place_probe has it: a group is never half done
-
-Verdict check_placement(const protocol::PlaceProbeBody& body) noexcept {
-    if (body.probe >= protocol::max_probes)
-        return {Code::no_such_probe, Verdict::no_field, static_cast<double>(body.probe)};
-    for (const double value :
-         {body.placement.offset.x, body.placement.offset.y, body.placement.offset.z, body.placement.radius}) {
-        if (!std::isfinite(value)) return {Code::not_finite, Verdict::no_field, value};
-        if (std::abs(value) > farthest_placement) return {Code::out_of_range, Verdict::no_field, value};
-    }
-    if (body.placement.radius < 0) return {Code::out_of_range, Verdict::no_field, body.placement.radius};
-    return {};
-}
-
-Verdict check_use(const Use& use) noexcept {
-    if (use.probe >= protocol::max_probes)
-        return {Code::no_such_probe, Verdict::no_field, static_cast<double>(use.probe)};
-    const auto silence = static_cast<std::uint32_t>(use.on_silence);
-    if (silence > static_cast<std::uint32_t>(OnSilence::move))
-        return {Code::no_such_choice, Verdict::no_field, static_cast<double>(silence)};
-    if (!std::isfinite(use.silence_time)) return {Code::not_finite, Verdict::no_field, use.silence_time};
-    if (use.silence_time < 0) return {Code::out_of_range, Verdict::no_field, use.silence_time};
-    return {};
 }
 
 template <class R>
@@ -244,8 +220,10 @@ Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const A
             return check_add(claim, command);
         case CommandType::remove:
             return check_remove(claim, command);
-        case CommandType::place_probe:
-            return {check_placement(read_as<protocol::PlaceProbeBody>(command.body))};
+        case CommandType::place_probe: {
+            const auto body = read_as<protocol::PlaceProbeBody>(command.body);
+            return {check_placement(body.probe, body.placement)};
+        }
         case CommandType::arm:
             if (authority.ending) return state(protocol::Refusal::disconnected);
             return state(authority.supervisor.may_arm(authority.calibrated, authority.speed, reset));
@@ -262,21 +240,9 @@ Intake::Answer Intake::check(Claim::Impl& claim, const Command& command, const A
 Intake::Answer Intake::check_add(Claim::Impl& claim, const Command& command) noexcept {
     const auto body = read_as<protocol::AddBody>(command.body);
     const std::uint32_t slot = body.handle.slot;
-    if (slot >= claim.slots.size())
-        return {{Code::too_many, Verdict::no_field, static_cast<double>(claim.slots.size())}};
-    if (claim.slots[slot].present) return {{Code::slot_in_use, Verdict::no_field, static_cast<double>(slot)}};
-    // The scene itself still has what an earlier command of this group removes: ask it for the parameters
-    // only then.
-    Verdict verdict =
-        claim.scene.check_add(body.handle, body.kind, command.params, command.header.bytes, body.use);
-    if (verdict.code == Code::slot_in_use) {
-        verdict = check_use(body.use);
-        if (verdict && body.kind >= Representations::size)
-            verdict = {Code::unknown_kind, Verdict::no_field, static_cast<double>(body.kind)};
-        if (verdict && command.header.bytes != kinds()[body.kind].size)
-            verdict = {Code::wrong_size, Verdict::no_field, static_cast<double>(command.header.bytes)};
-        if (verdict) verdict = kinds()[body.kind].validate(command.params);
-    }
+    // By what this group leaves of the slots: the scene still has what an earlier command of it removes.
+    Verdict verdict = check_vacant(body.handle, claim.slots);
+    if (verdict) verdict = check_added(body.kind, command.params, command.header.bytes, body.use);
     if (!verdict) return {verdict};
     remember(claim, slot);
     claim.slots[slot] = {.generation = body.handle.generation, .kind = body.kind, .present = true};
@@ -285,9 +251,7 @@ Intake::Answer Intake::check_add(Claim::Impl& claim, const Command& command) noe
 
 Intake::Answer Intake::check_remove(Claim::Impl& claim, const Command& command) noexcept {
     const Handle handle = read_as<protocol::RemoveBody>(command.body).handle;
-    if (handle.slot >= claim.slots.size() || !claim.slots[handle.slot].present ||
-        claim.slots[handle.slot].generation != handle.generation)
-        return {{Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)}};
+    if (const Verdict verdict = check_named(handle, claim.slots); !verdict) return {verdict};
     remember(claim, handle.slot);
     claim.slots[handle.slot].present = false;
     return {};

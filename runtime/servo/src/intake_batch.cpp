@@ -1,5 +1,7 @@
 // Batches of parameters: copied once, checked, then applied whole or not at all.
 
+#include <knurl/reps/check.hpp>
+
 #include "intake.hpp"
 
 namespace knurl::servo {
@@ -80,9 +82,7 @@ bool each_entry(const std::byte* at, const protocol::BatchHeader& header, Use us
 /// Parameters that are older than those in force, or of a representation that is gone: an entry may arrive
 /// twice, or cross its own removal.
 bool no_op(const Claim::Impl& claim, const protocol::EntryHeader& entry) noexcept {
-    if (entry.handle.slot >= claim.slots.size()) return true;
-    const Slot& slot = claim.slots[entry.handle.slot];
-    return !slot.present || slot.generation != entry.handle.generation || entry.version <= slot.version;
+    return !names_one(entry.handle, claim.slots) || entry.version <= claim.slots[entry.handle.slot].version;
 }
 
 }  // namespace

@@ -117,35 +117,31 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
             next_keyframe = 0;
         }
         // By address: a claim that was let go already may be freed by now.
-        for (std::size_t c = 0; c < claims_size && message.what == Message::What::drop; ++c)
-            if (claims[c] == message.claim) {
-                claims[c]->impl->dropping = true;
-                rests[c].resting = false;
-                if (tape != nullptr && claims[c]->impl->channels)
-                    put_claim(TapeType::drop, claims[c]->impl->number);
+        if (message.what == Message::What::drop)
+            if (const std::size_t place = claims.find(message.claim); place < claims.size()) {
+                drop(place);
+                if (tape != nullptr && claims[place].channels)
+                    put_claim(TapeType::drop, claims[place].number);
             }
         if (message.what != Message::What::drop_all) continue;
         ending = true;
         if (tape != nullptr) tape->put(TapeType::drop_all, {});
         supervisor.disarm();
-        for (std::size_t c = 0; c < claims_size; ++c) {
-            claims[c]->impl->dropping = true;
-            rests[c].resting = false;
-        }
+        for (std::size_t place = 0; place < claims.size(); ++place) drop(place);
     }
 }
 
+void Servo::Impl::drop(std::size_t place) noexcept {
+    claims[place].dropping = true;
+    claims.wake(place);
+}
+
 void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
-    if (ending || claims_size == claims.size()) {
+    if (ending || !claims.adopt(*claim)) {
         outbox.post(claim);  // no room, which the broker should have known
         return;
     }
     Claim::Impl& c = *claim->impl;
-    claims[claims_size] = claim;
-    sleepers[claims_size] = c.sleeper;
-    rests[claims_size] = {.flag = c.sleeper.flag};
-    stills[claims_size] = {};
-    ++claims_size;
     if (c.channels) {
         c.number = ++claims_seen;
         ++held;
@@ -183,11 +179,11 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
                               .trouble = trouble};
     const auto listening = [](const Claim::Impl& c) { return c.channels && !c.dropping && !c.faulted; };
     // Two passes: the lines that other cores wrote arrive together instead of one after the other.
-    for (std::size_t i = 0; i < awake_size; ++i)
-        if (const Claim::Impl& c = awake_claim(i); listening(c)) c.channels->batches.prefetch();
-    for (std::size_t i = 0; i < awake_size; ++i) {
-        Claim::Impl& c = awake_claim(i);
-        if (c.forgotten != 0) return_assets(*claims[awake[i]]);
+    for (const std::size_t place : claims.awake())
+        if (const Claim::Impl& c = claims[place]; listening(c)) c.channels->batches.prefetch();
+    for (const std::size_t place : claims.awake()) {
+        Claim::Impl& c = claims[place];
+        if (c.forgotten != 0) return_assets(claims.claim(place));
         c.batch_is_new = false;
         if (!listening(c)) continue;
         intake.take_commands(c, authority, now);
@@ -208,27 +204,26 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
                       .angular_velocity = hand.angular_velocity};
     const double gain_step = dt / options.supervisor.claim_ramp;
     evaluated = 0;
-    present = resting_present;
+    present = claims.resting().present;
     in_contact = nullptr;
-    became_still_size = 0;
-    for (std::size_t i = 0; i < awake_size; ++i) {
-        Claim::Impl& c = awake_claim(i);
+    for (const std::size_t place : claims.awake()) {
+        Claim::Impl& c = claims[place];
         if (!c.channels) continue;
         if (options.silence) c.watch_silence(now);
         c.advance_gain(gain_step);
         c.scene.set_scales(budget.scales());
-        evaluate_scene(awake[i], probe, dt);
+        evaluate_scene(place, probe, dt);
         evaluated += c.scene.evaluated();
         present += c.scene.size();
         if (c.touching && in_contact == nullptr) in_contact = &c;
     }
     passed_hand = probe;
-    pass_time(dt);
+    claims.pass_time(report.cycle, dt);
     if (options.clamp_stiffness && options.budget) keep_within_budget(probe, dt);
     settles = false;
     Wrench sum;
-    for (std::size_t i = 0; i < awake_size; ++i) {
-        Claim::Impl& c = awake_claim(i);
+    for (const std::size_t place : claims.awake()) {
+        Claim::Impl& c = claims[place];
         if (!c.channels) continue;
         c.scales = budget.scales();
         if (c.gain > 0 && !c.quiet()) sum += c.device_wrench();
@@ -239,17 +234,17 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
 // What is out of the hand's reach is not felt: scenes that rest have no load.
 void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     const auto felt = [](const Claim::Impl& c) { return c.channels && c.gain > 0 && !c.quiet(); };
-    LoadBound bound{.surfaces = resting_surfaces};
-    for (std::size_t i = 0; i < awake_size; ++i) {
-        const Claim::Impl& c = awake_claim(i);
+    LoadBound bound{.surfaces = claims.resting().surfaces};
+    for (const std::size_t place : claims.awake()) {
+        const Claim::Impl& c = claims[place];
         if (felt(c)) bound += c.scene.load_bound();
     }
     if (budget.rests() && !bound.exceeds()) return;
     const HandScales before = budget.scales();
     if (bound.exceeds()) {
-        SceneLoad load{.surfaces = resting_surfaces};
-        for (std::size_t i = 0; i < awake_size; ++i) {
-            const Claim::Impl& c = awake_claim(i);
+        SceneLoad load{.surfaces = claims.resting().surfaces};
+        for (const std::size_t place : claims.awake()) {
+            const Claim::Impl& c = claims[place];
             if (felt(c)) load += c.gain * c.scene.load();
         }
         budget.advance(load, settles ? std::numeric_limits<double>::infinity() : dt);
@@ -257,8 +252,8 @@ void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
         budget.advance_within(dt);
     }
     if (!settles || budget.scales() == before) return;
-    for (std::size_t i = 0; i < awake_size; ++i) {
-        Claim::Impl& c = awake_claim(i);
+    for (const std::size_t place : claims.awake()) {
+        Claim::Impl& c = claims[place];
         if (!felt(c)) continue;
         c.scene.set_scales(budget.scales());
         c.evaluate(probe, 0);
@@ -266,10 +261,10 @@ void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
 }
 
 Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
-    int armed = resting_armed;
-    bool kept_on = resting_keep_on;
-    for (std::size_t i = 0; i < awake_size; ++i) {
-        const Claim::Impl& claim = awake_claim(i);
+    int armed = claims.resting().armed;
+    bool kept_on = claims.resting().keep_on;
+    for (const std::size_t place : claims.awake()) {
+        const Claim::Impl& claim = claims[place];
         if (!claim.wants_force()) continue;
         ++armed;
         kept_on = kept_on || !claim.joined;
@@ -289,11 +284,9 @@ Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
 }
 
 void Servo::Impl::disarm_claims() noexcept {
-    for (std::size_t i = 0; i < claims_size; ++i) {
-        Rest& rest = rests[i];
-        if (rest.resting && !rest.armed) continue;  // in every cycle of an idle device
-        if (!std::exchange(claims[i]->impl->armed, false)) continue;
-        rest.resting = false;
+    for (std::size_t place = 0; place < claims.size(); ++place) {
+        if (claims.rests_unarmed(place)) continue;  // in every cycle of an idle device
+        if (std::exchange(claims[place].armed, false)) claims.wake(place);
     }
 }
 
@@ -301,10 +294,10 @@ void Servo::Impl::notify_device() noexcept {
     if (supervisor.powered() != enabled) {
         enabled = !enabled;
         device.notify(enabled ? drivers::Notice::enabled : drivers::Notice::disabled);
-        rouse(last_now);
+        rouse();
     }
-    for (std::size_t i = 0; i < awake_size; ++i) {
-        Claim::Impl& c = awake_claim(i);
+    for (const std::size_t place : claims.awake()) {
+        Claim::Impl& c = claims[place];
         if (c.gain < 1 || !enabled) c.announced = false;
         if (c.announced || c.gain < 1 || supervisor.state() != DeviceState::active) continue;
         c.announced = true;
@@ -322,28 +315,16 @@ void Servo::Impl::write_device(Nanoseconds now, const Supervised& out) noexcept 
 }
 
 void Servo::Impl::let_go() noexcept {
-    const auto end = awake.begin() + static_cast<std::ptrdiff_t>(awake_size);
-    if (std::none_of(awake.begin(), end, [this](std::size_t i) { return claims[i]->impl->dropping; })) return;
-    for (std::size_t i = 0; i < claims_size;) {
-        const Claim::Impl& c = *claims[i]->impl;
+    const auto awake = claims.awake();
+    if (std::none_of(awake.begin(), awake.end(), [this](std::size_t i) { return claims[i].dropping; }))
+        return;
+    claims.let_go([this](Claim& claim) {
+        const Claim::Impl& c = *claim.impl;
         const bool holds = c.channels.has_value();  // once posted it may be freed
-        if (c.dropping && !(c.gain > 0) && outbox.post(claims[i])) {
-            held -= holds;
-            --claims_size;
-            // Keeps the order: who came first is asked first.
-            const auto close_up = [&](auto& all) {
-                const auto at = all.begin() + static_cast<std::ptrdiff_t>(i);
-                std::copy(at + 1, all.begin() + static_cast<std::ptrdiff_t>(claims_size) + 1, at);
-            };
-            close_up(claims);
-            close_up(sleepers);
-            close_up(rests);
-            close_up(stills);
-            close_up(clocks);
-        } else {
-            ++i;
-        }
-    }
+        if (!c.dropping || c.gain > 0 || !outbox.post(&claim)) return false;
+        held -= holds;
+        return true;
+    });
 }
 
 // ------------------------------------------------------------------------------------------ around it
@@ -371,7 +352,7 @@ Claim* Servo::released() noexcept {
 }
 
 std::span<const shm::Sleeper> Servo::sleepers() const noexcept {
-    return {impl_->sleepers.data(), impl_->claims_size};
+    return impl_->claims.sleepers();
 }
 
 const Report& Servo::last() const noexcept {

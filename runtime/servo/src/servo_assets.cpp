@@ -1,6 +1,5 @@
 // Assets that claims get and give back.
 
-#include <algorithm>
 #include <bit>
 
 #include "servo_impl.hpp"
@@ -9,11 +8,10 @@ namespace knurl::servo {
 
 // By address, as everything in the mail: its claim may be on its way back already, and frees it.
 void Servo::Impl::take_asset(const Message& message) noexcept {
-    const auto end = claims.begin() + static_cast<std::ptrdiff_t>(claims_size);
-    const auto found = std::find(claims.begin(), end, message.claim);
-    if (found == end) return;
-    Claim::Impl& c = *(*found)->impl;
-    rests[static_cast<std::size_t>(found - claims.begin())].resting = false;
+    const std::size_t place = claims.find(message.claim);
+    if (place == claims.size()) return;
+    Claim::Impl& c = claims[place];
+    claims.wake(place);
     if (message.what == Message::What::forget) {
         c.forgotten |= std::uint64_t{1} << (message.number - 1);
         if (tape != nullptr)

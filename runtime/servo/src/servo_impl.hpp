@@ -9,11 +9,10 @@
 #include <knurl/shm/counters.hpp>
 #include <knurl/shm/waiter.hpp>
 
-#include "claim_impl.hpp"
+#include "claim_set.hpp"
 #include "hand.hpp"
 #include "intake.hpp"
 #include "mailbox.hpp"
-#include "rest.hpp"
 #include "stage_clock.hpp"
 
 namespace knurl::servo {
@@ -46,17 +45,15 @@ struct Servo::Impl {
     void let_go() noexcept;
     void disarm_claims() noexcept;
 
-    /// Who is looked at in this cycle: `awake`.
+    /// Who is looked at in this cycle: `claims.awake()`.
     void find_awake(Nanoseconds now, double dt) noexcept;
-    /// Those at rest whose scene the hand has come near to are not any more.
-    void wake_near() noexcept;
     /// All of them are, from here on.
-    void rouse(Nanoseconds now) noexcept;
-    Claim::Impl& awake_claim(std::size_t i) noexcept { return *claims[awake[i]]->impl; }
-    void put_to_rest(std::size_t index) noexcept;
+    void rouse() noexcept;
+    void drop(std::size_t place) noexcept;
+    /// One that was looked at in this cycle, if it has nothing to do.
+    void put_to_rest(std::size_t place) noexcept;
     /// The claim's scene, unless it is still.
-    void evaluate_scene(std::size_t index, const Probe& probe, double dt) noexcept;
-    void pass_time(double dt) noexcept;
+    void evaluate_scene(std::size_t place, const Probe& probe, double dt) noexcept;
 
     // servo_tape.cpp
     void put_keyframe() noexcept;
@@ -87,26 +84,9 @@ struct Servo::Impl {
     shm::BroadcastWriter reports;
     shm::Counters counters;
 
-    std::array<Claim*, protocol::max_clients> claims = {};  // observers too
-    std::array<shm::Sleeper, protocol::max_clients> sleepers = {};
-    std::array<Rest, protocol::max_clients> rests;
-    std::size_t claims_size = 0;
-    std::array<std::size_t, protocol::max_clients> awake = {};  // indexes of claims, in their order
-    std::size_t awake_size = 0;
-    int resting_armed = 0;  // of those that are not awake
-    bool resting_keep_on = false, resting_surfaces = false;
-    std::uint64_t resting_present = 0;
-    std::array<StillScene, protocol::max_clients> stills;
-    std::array<StillClock, protocol::max_clients> clocks;
-    std::array<std::size_t, protocol::max_clients> became_still = {};  // in this cycle
-    std::size_t became_still_size = 0;
-    // As of this cycle, until it gets to the scenes of the one before: what still scenes are told.
-    std::uint64_t passed = 0;
-    Probe passed_hand;
+    ClaimSet claims;
+    Probe passed_hand;         // of the last cycle whose scenes were evaluated: what still scenes are told
     bool hand_usable = false;  // time passes, and the hand is somewhere
-    // A ball within those of all still scenes at rest, so that not each of them is looked at.
-    Eigen::Vector3d rest_at = Eigen::Vector3d::Zero();
-    double rest_within = 0;
     Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
     Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
     Mailbox<ReturnedAsset, mailbox_slots> asset_outbox;

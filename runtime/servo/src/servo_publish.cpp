@@ -39,8 +39,8 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
     reports.publish(&report);
     read_times[report.cycle % read_times.size()] = read_ns;
 
-    for (std::size_t i = 0; i < awake_size; ++i) {
-        Claim::Impl& c = awake_claim(i);
+    for (const std::size_t place : claims.awake()) {
+        Claim::Impl& c = claims[place];
         if (c.batch_is_new) {
             c.in_force.write_ns = write_ns;
             const std::uint64_t from = c.in_force.report_cycle;
@@ -48,12 +48,12 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
             c.in_force.age_ns = known ? write_ns - read_times[from % read_times.size()] : 0;
         }
         c.publish(report.cycle);
-        put_to_rest(awake[i]);
+        put_to_rest(place);
     }
     // By turns: the client's line may have to come from another core, and people can wait for that.
     constexpr std::uint64_t missed_every = 64;  // cycles
-    for (std::size_t i = report.cycle % missed_every; i < claims_size; i += missed_every)
-        claims[i]->impl->publish_missed();
+    for (std::size_t i = report.cycle % missed_every; i < claims.size(); i += missed_every)
+        claims[i].publish_missed();
 }
 
 void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
@@ -82,7 +82,7 @@ void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
     set(protocol::Count::guardian_zeroings, guardian_zeroings);
     set(protocol::Count::reps_present, present);
     set(protocol::Count::reps_evaluated, evaluated);
-    set(protocol::Count::clients, claims_size);
+    set(protocol::Count::clients, claims.size());
     set(protocol::Count::last_step_ns, static_cast<std::uint64_t>(std::max<Nanoseconds>(0, write_ns - now)));
     set(protocol::Count::device_state, static_cast<std::uint64_t>(supervisor.state()));
     set(protocol::Count::fault_mask, supervisor.faults());

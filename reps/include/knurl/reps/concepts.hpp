@@ -7,6 +7,7 @@
 #include <span>
 #include <type_traits>
 
+#include <knurl/reps/bounds.hpp>
 #include <knurl/reps/field.hpp>
 #include <knurl/reps/hand_load.hpp>
 #include <knurl/reps/limits.hpp>
@@ -48,9 +49,6 @@ struct HalfSpace {
     double offset = 0;   // m
     double damping = 0;  // N s/m
 };
-
-inline constexpr std::size_t max_parameter_bytes = 480;
-inline constexpr std::size_t max_state_bytes = 192;
 
 // clang-format 14 breaks requirements and the table below apart.
 // clang-format off

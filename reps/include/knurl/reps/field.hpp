@@ -81,7 +81,8 @@ constexpr Field recovery_row(std::size_t offset) {
             .of_change = true};
 }
 
-/// The answer to a check. `field` is an index into the representation's table, `value` the offending number.
+/// The answer to a check. `field` is a row of the representation's table, or counted from `of_use` of Use's,
+/// or from `of_placement` of ProbePlacement's (check.hpp); `value` is the offending number.
 struct Verdict {
     enum class Code : std::uint32_t {
         ok,
@@ -104,9 +105,10 @@ struct Verdict {
     std::uint32_t field = no_field;
     double value = 0;
     std::uint32_t reason = 0;  // contradiction: index into Describe<R>::contradictions
-    double against = 0;        // contradiction: the figure that `value` contradicts, in its unit
+    // contradiction: the figure that `value` contradicts, in its unit; no_such_probe: the last that there is
+    double against = 0;
 
-    static constexpr std::uint32_t no_field = 0xffffffff;
+    static constexpr std::uint32_t no_field = 0xffffffff, of_use = 0x1000, of_placement = 0x2000;
     explicit operator bool() const noexcept { return code == Code::ok; }
 };
 

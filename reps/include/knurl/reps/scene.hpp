@@ -71,8 +71,8 @@ class Scene {
         std::uint32_t representations = 128;
         std::uint32_t probes = 16;
     };
-    static constexpr std::uint32_t max_representations = 1024;
-    static constexpr std::uint32_t max_probes = 16;
+    static constexpr std::uint32_t max_representations = knurl::max_representations;
+    static constexpr std::uint32_t max_probes = knurl::max_probes;
 
     /// Allocates all it will ever need; every later call is noexcept and allocates nothing.
     Scene(Capacity capacity, const Limits& limits);

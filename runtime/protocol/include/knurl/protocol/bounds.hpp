@@ -4,20 +4,22 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <knurl/reps/bounds.hpp>
+
 namespace knurl::protocol {
 
 inline constexpr std::uint32_t max_clients = 128;              // claims and observers of one device together
 inline constexpr std::uint32_t max_claims_of_connection = 16;  // and observers
 inline constexpr std::uint32_t max_devices = 8;                // of one servo process
 inline constexpr std::uint32_t max_joints = 8;
-inline constexpr std::uint32_t max_representations = 1024;  // of one claim
-inline constexpr std::uint32_t max_parameter_bytes = 480;   // of one representation
+using knurl::max_parameter_bytes;
+using knurl::max_probes;
+using knurl::max_representations;
 /// Of a batch that has room for each of so many representations, of any kind: its EntryHeader and parameters.
 constexpr std::uint32_t batch_bytes_for(std::uint32_t representations) {
     return representations * 512;
 }
 inline constexpr std::uint32_t max_batch_bytes = batch_bytes_for(max_representations);
-inline constexpr std::uint32_t max_probes = 16;
 inline constexpr std::uint32_t report_slots = 4096;       // about 4 s at 1 kHz: also the flight recorder
 inline constexpr std::uint32_t max_command_cells = 8192;  // 64 B each, of one claim's command ring
 inline constexpr std::uint32_t reply_cells = 2048;  // one for each of those, and for what comes with them

@@ -63,7 +63,7 @@ struct Reply {
     std::uint32_t reason = 0;      // code refused: Refusal; contradiction: which of the kind's
     std::uint32_t kind = 0;        // of the representation, for the sentence
     double applied_stiffness = 0;  // N/m: of an `add`, after clamping
-    double against = 0;            // code contradiction: the figure that `value` contradicts
+    double against = 0;            // Verdict::against
     std::uint64_t reserved[2] = {};
 };
 static_assert(sizeof(Reply) == 64);
@@ -106,7 +106,6 @@ struct EntryHeader {
     // counts.
     std::uint64_t version = 0;
 };
-static_assert(max_parameter_bytes == knurl::max_parameter_bytes);
 static_assert(sizeof(EntryHeader) + max_parameter_bytes <= batch_bytes_for(1));
 
 /// Feedback in a triple buffer back: this header, then `entries` FeedbackEntry. World frame of the claim.

@@ -1,0 +1,96 @@
+#pragma once
+// Whether a change makes sense, asked in one place by all who have to know: the application's library before it
+// sends, the servo before it believes, a scene before it changes, a scene file before it is played. Each refusal
+// has one sentence (describe.hpp). Nothing here allocates.
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include <knurl/reps/scene.hpp>
+
+namespace knurl {
+
+// How a representation is used and where a probe is placed have tables of fields, as parameters have. A Verdict
+// counts their rows from Verdict::of_use and Verdict::of_placement.
+
+inline constexpr std::string_view silence_names[] = {"fade", "hold", "move"};  // of OnSilence
+
+template <>
+struct Describe<Use> {
+    static constexpr Field fields[] = {
+        {.name = "probe",
+         .type = Field::Type::integer,
+         .offset = offsetof(Use, probe),
+         .meaning = "which probe it acts on",
+         .minimum = 0,
+         .maximum = max_probes - 1},
+        {.name = "on_silence",
+         .type = Field::Type::choice,
+         .offset = offsetof(Use, on_silence),
+         .meaning = "what it does when its application falls silent",
+         .choices = silence_names},
+        {.name = "silence_time",
+         .offset = offsetof(Use, silence_time),
+         .unit = "s",
+         .meaning = "for how long `move` goes on",
+         .minimum = 0},
+    };
+};
+
+template <>
+struct Describe<ProbePlacement> {
+    static constexpr double farthest = 1e9;  // m
+    static constexpr std::string_view name = "probe";
+    static constexpr Field fields[] = {
+        {.name = "offset",
+         .type = Field::Type::vector,
+         .offset = offsetof(ProbePlacement, offset),
+         .unit = "m",
+         .meaning = "from the tip, in the frame of the tool",
+         .minimum = -farthest,
+         .maximum = farthest},
+        {.name = "radius",
+         .offset = offsetof(ProbePlacement, radius),
+         .unit = "m",
+         .meaning = "of the probe",
+         .minimum = 0,
+         .maximum = farthest},
+    };
+};
+
+/// Kind, size, fields, contradictions.
+Verdict check_parameters(Kind kind, const void* params, std::size_t bytes) noexcept;
+/// `probes`: that there are, at most max_probes.
+Verdict check_use(const Use& use, std::uint32_t probes = max_probes) noexcept;
+Verdict check_placement(std::uint32_t probe, const ProbePlacement& placement,
+                        std::uint32_t probes = max_probes) noexcept;
+/// A representation that is to be added: its use, then its parameters.
+Verdict check_added(Kind kind, const void* params, std::size_t bytes, const Use& use,
+                    std::uint32_t probes = max_probes) noexcept;
+
+// The slots are kept by whoever asks: an array of structs with `present` and `generation`.
+
+template <class Slots>
+bool names_one(Handle handle, const Slots& slots) noexcept {
+    return handle.slot < slots.size() && slots[handle.slot].present &&
+           slots[handle.slot].generation == handle.generation;
+}
+/// What is there is to be changed or removed.
+template <class Slots>
+Verdict check_named(Handle handle, const Slots& slots) noexcept {
+    if (names_one(handle, slots)) return {};
+    return {Verdict::Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
+}
+/// Something is to be added there.
+template <class Slots>
+Verdict check_vacant(Handle handle, const Slots& slots) noexcept {
+    using Code = Verdict::Code;
+    if (handle.slot >= slots.size())
+        return {Code::too_many, Verdict::no_field, static_cast<double>(slots.size())};
+    if (slots[handle.slot].present)
+        return {Code::slot_in_use, Verdict::no_field, static_cast<double>(handle.slot)};
+    return {};
+}
+
+}  // namespace knurl
