@@ -125,7 +125,7 @@ class Player {
     /// Notes where the hand's budget scales what is felt, and what is felt then.
     void watch(double t) {
         const auto& felt = claim_.feedback();
-        const HandScales& scales = felt.header.scales;
+        const HandScales scales = protocol::scales_of(felt.header);
         if (scales == HandScales{}) return;
         if (scaled_.empty()) scaled_since_ = t;
         least_ = {std::min(least_.contacts, scales.contacts), std::min(least_.effects, scales.effects),

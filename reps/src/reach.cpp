@@ -19,12 +19,12 @@ constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
-Reach::Reach(std::uint32_t capacity)
+Reach::Reach(std::uint32_t capacity, Moves moves)
     : ball_(capacity),
       loose_(capacity),
       place_(capacity, nowhere),
       in_tree_(capacity, 0),
-      moving_(capacity),
+      moving_(moves == Moves::some ? capacity : 0),
       moving_place_(capacity, nowhere) {}
 
 void Reach::drop(std::uint32_t slot) noexcept {

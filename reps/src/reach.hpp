@@ -29,7 +29,8 @@ inline double away_for(double gap, double speed) noexcept {
 
 class Reach {
   public:
-    explicit Reach(std::uint32_t capacity);
+    enum class Moves { some, never };
+    explicit Reach(std::uint32_t capacity, Moves moves = Moves::some);
 
     /// The surface of `slot` lies within `radius` (m) of `center` (m) from now on. Allocates nothing.
     void put(std::uint32_t slot, const Eigen::Vector3d& center, double radius) noexcept;

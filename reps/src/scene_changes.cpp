@@ -89,7 +89,7 @@ void SceneCore::reshape(std::uint32_t i) noexcept {
     Record& next = faded(i);
     const bool clamped = now.clamped;
     double recovery = 0;
-    if (!kind_ops()[slot.kind].reshape(&raw_[i * max_params], limits_, felt(i), next, recovery)) {
+    if (!kind_ops()[slot.kind].reshape(&raw_[i * max_parameter_bytes], limits_, felt(i), next, recovery)) {
         told_.edited = told_.edited || now.clamped != clamped;
         return;
     }
@@ -187,12 +187,13 @@ void SceneCore::take_slot(std::uint32_t i) noexcept {
     if (change(i, was, is, same))
         slot.twins = shape_alone && felt(i).stands && faded(i).stands && !felt(i).rough;
     if (is)
-        felt(i).clamped = kind_ops()[slot.kind].asked_stiffness(&raw_[i * max_params]) > felt(i).stiffness;
+        felt(i).clamped =
+            kind_ops()[slot.kind].asked_stiffness(&raw_[i * max_parameter_bytes]) > felt(i).stiffness;
 }
 
 bool SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
     Slot& slot = slots_[i];
-    if (is) kind_ops()[slot.kind].prepare(&raw_[i * max_params], limits_, prepared_.data());
+    if (is) kind_ops()[slot.kind].prepare(&raw_[i * max_parameter_bytes], limits_, prepared_.data());
     if (same && kind_ops()[slot.kind].unchanged(prepared_.data(), felt(i))) return false;
 
     const bool was_surface = was && kind_ops()[felt(i).kind].surface;

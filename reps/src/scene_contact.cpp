@@ -35,20 +35,20 @@ constexpr int widenings = 64;
 double SceneCore::ask(ContactSet& set, const Group& group, double dt, double worst) noexcept {
     Arena& a = arenas_[arena_];
     std::uint32_t near = 0;
-    a.balls.for_near(set.moving_begin, set.moving_count, group.probe.position, set.slack,
-                     [&](std::uint32_t m) {
-                         ++near;
-                         set.inside += !a.moving[m].inside;
-                         a.moving[m].inside = true;
-                         worst = std::max(worst, ask_one(set, group, dt, a.moving[m].member));
-                     });
+    a.balls->for_near(set.moving_begin, set.moving_count, group.probe.position, set.slack,
+                      [&](std::uint32_t m) {
+                          ++near;
+                          set.inside += !a.moving[m].inside;
+                          a.moving[m].inside = true;
+                          worst = std::max(worst, ask_one(set, group, dt, a.moving[m].member));
+                      });
     set.left_out = near < set.moving_count;
     if (set.inside == near) return worst;
     // Some were inside and are out of reach now. One that holds the probe from however deep has no ball at
     // the moment.
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
         Moving& moving = a.moving[m];
-        if (!moving.inside || a.balls.near(m, group.probe.position, set.slack)) continue;
+        if (!moving.inside || a.balls->near(m, group.probe.position, set.slack)) continue;
         Record& r = record(a.owner[moving.member]);
         const KindOps& ops = kind_ops()[r.kind];
         if (!ops.bound(r)) {

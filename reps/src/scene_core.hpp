@@ -42,6 +42,11 @@ struct Demand {
     double stiffness = 0, damping = 0;
 };
 
+/// In scenes of more surfaces than this, curved ones that hold together do so where their tangent planes at the probe's
+/// feet meet. Where hundreds lie in each other, what is found depends on where the search began, and then on which
+/// surfaces were out of reach; and it has a bound of time.
+inline constexpr std::uint32_t max_curved_surfaces = 64;
+
 /// What the scene knows of a kind: functions over raw bytes, made from the typed ones.
 struct KindOps {
     bool surface = false;
@@ -204,7 +209,7 @@ class SceneCore {
     bool meet_elsewhere(const ContactSet& set, const Group& group, const Layer& layer) const noexcept;
     std::uint32_t list_near_surfaces(const ContactSet& set, const Group& group, const Layer& layer,
                                      const Eigen::Vector3d& dx, double within) noexcept;
-    CurvedStarts starts_of(const ContactSet& set) const noexcept;
+    CurvedStarts starts_of(const ContactSet& set, const Group& group) const noexcept;
     void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts) noexcept;
     void lean(const ContactSet& set, const Group& group) noexcept;
     double relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept;
@@ -300,7 +305,7 @@ class SceneCore {
     std::array<std::uint32_t, Representations::size> counts_{};
 
     std::vector<Slot> slots_;
-    std::vector<std::byte> raw_;                                // max_params each
+    std::vector<std::byte> raw_;                                // max_parameter_bytes each
     alignas(16) std::array<std::byte, max_params> prepared_{};  // of the slot that is being taken
     std::vector<Record> records_;                               // by Owner: two a slot
     std::vector<Rough> rough_;                                  // by Owner
@@ -329,6 +334,8 @@ class SceneCore {
     std::vector<std::uint32_t> reshaped_;  // in this cycle: slots whose surface stands elsewhere now
     std::uint32_t reshaped_size_ = 0;
     Told told_;
+    std::vector<double> planes_;  // of both arenas
+    Balls balls_;                 // likewise
     Arena arenas_[2];
     std::uint32_t arena_ = 0;
     std::vector<Owner> scratch_;

@@ -35,14 +35,23 @@ const CurvedStart* SceneCore::start_of(const Layer& layer) const noexcept {
     return newest.cycle == last_timed_ && last_timed_ > 0 ? &newest : nullptr;
 }
 
-CurvedStarts SceneCore::starts_of(const ContactSet& set) const noexcept {
+CurvedStarts SceneCore::starts_of(const ContactSet& set, const Group& group) const noexcept {
     const Arena& a = arenas_[arena_];
     CurvedStarts starts;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         const Layer& layer = set.layer[j];
         const CurvedStart* const start = start_of(layer);
-        if (!start || start->active.count == 0) continue;
-        const CurvedStart& from = *start;
+        if (set.curved ? !start || start->active.count == 0 : layer.solution.active.count == 0) continue;
+        // A set that was flat may not be any more: it was held where its planes meet.
+        CurvedStart from;
+        if (set.curved) {
+            from = *start;
+        } else {
+            from.dx = layer.solution.dx;
+            from.p = group.position;
+            from.active = layer.solution.active;
+            from.multiplier = layer.solution.multiplier;
+        }
         starts.stiffness[starts.count] = layer.stiffness;
         starts.dx[starts.count] = to_plain(from.dx);
         starts.p[starts.count] = to_plain(from.p);
@@ -185,8 +194,22 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         return most_per_motion * (motion + speed * limits_.period);
     };
     // Where the planes' solution lies farther off, it is another place, though nearer: the one that holds goes on.
-    const bool jumps = warm && (layer.solution.dx - start->dx + (p - start->p)).norm() >
-                                   explained(layer.solution) + world_length(least_jump, limits_);
+    // Not so one that holds alone, as it did, nor what is flat: they answer as if there were no other.
+    const auto is_curved = [&](std::uint32_t plane) {
+        const Owner owner = a.owner[set.begin + plane];
+        return owner != bridge_owner && !record(owner).stands && kind_ops()[record(owner).kind].curved;
+    };
+    const auto any_curved = [&](const ActiveSet& active) {
+        for (std::uint32_t k = 0; k < active.count; ++k)
+            if (is_curved(active.plane[k])) return true;
+        return false;
+    };
+    const bool alone = warm && layer.solution.active.count == 1 && start->active.count == 1 &&
+                       layer.solution.active.plane[0] == start->active.plane[0];
+    const bool flat = warm && !any_curved(layer.solution.active) && !any_curved(start->active);
+    const bool jumps = warm && !alone && !flat &&
+                       (layer.solution.dx - start->dx + (p - start->p)).norm() >
+                           explained(layer.solution) + world_length(least_jump, limits_);
     if (feasible && !jumps && !meet_elsewhere(set, group, layer)) return true;
 
     ContactSolution at = layer.solution;
@@ -250,6 +273,7 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         layer.far = std::max(layer.far, at.dx.norm());
         within = std::max(within, 2 * at.dx.norm());
     }
+    layer.far = std::max(layer.far, within);  // all that was listed has been asked, then
     if (!at.dx.allFinite() || (!done && at.dx.norm() > most)) return feasible;
     // Where it has to go farther than the hand explains, since the place that held it is none any more, it slides.
     if (warm) {

@@ -37,12 +37,12 @@ void SceneCore::copy_to_old(Group& group) noexcept {
     const auto copy = [&](auto& array) {
         std::copy_n(array.begin() + now.begin, now.count + now.summed, array.begin() + old.begin);
     };
-    for (std::vector<double>* array : {&a.nx, &a.ny, &a.nz, &a.c, &a.s, &a.b}) copy(*array);
+    for (const std::span<double>* array : {&a.nx, &a.ny, &a.nz, &a.c, &a.s, &a.b}) copy(*array);
     copy(a.owner);
     for (std::uint32_t m = 0; m < now.moving_count; ++m) {
         Moving& moving = a.moving[old.moving_begin + m] = a.moving[now.moving_begin + m];
         moving.member += old.begin - now.begin;
-        a.balls.copy(now.moving_begin + m, old.moving_begin + m);
+        a.balls->copy(now.moving_begin + m, old.moving_begin + m);
     }
     old.inside = now.inside;
     old.count = now.count;
@@ -89,7 +89,7 @@ bool SceneCore::reshape_sets() noexcept {
                 replace_old(group, p);
             }
         }
-        const CurvedStarts starts = starts_of(group.now);
+        const CurvedStarts starts = starts_of(group.now, group);
         forget_solution(group.now, group);
         forget_solution(group.old, group);
         if (!group.edited) take_starts(group.now, a, starts);  // what is new is felt for what it is

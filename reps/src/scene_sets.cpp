@@ -240,13 +240,13 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
                 reach = ball->radius + group.probe.radius;
                 reach += 1e-12 * (reach + center.lpNorm<1>());  // what the rounding of coordinates may hide
             }
-            into.balls.put(into.moving_used, center, reach);
+            into.balls->put(into.moving_used, center, reach);
             into.moving[into.moving_used++] = {.member = at};
         }
         if (o != bridge_owner && &set == &group.now) slots_[o >> 1].member = at;
     }
+    set.curved = set.curved && surfaces > 1 && surfaces_size_ <= max_curved_surfaces;
     set.moving_count = set.moving_room = into.moving_used - set.moving_begin;
-    set.curved = set.curved && surfaces > 1;
     set.room = (set.count + set.summed + 3) / 4 * 4;
     into.used += set.room;
 }
@@ -308,8 +308,8 @@ void SceneCore::rebuild_sets() noexcept {
         Group& group = groups_[p];
         if (!(probes_used_ >> p & 1)) continue;
         const std::uint32_t olds = list_old(group, p);
-        const CurvedStarts now = starts_of(group.now);
-        const CurvedStarts old = starts_of(group.old.layers > 0 ? group.old : group.now);
+        const CurvedStarts now = starts_of(group.now, group);
+        const CurvedStarts old = starts_of(group.old.layers > 0 ? group.old : group.now, group);
         build(group.old, group, into, std::span<const Owner>(scratch_.data(), olds));
         build(group.now, group, into, std::span<const Owner>(scratch_.data(), list_now(group, p)));
         if (!group.edited) take_starts(group.now, into, now);  // what is new is felt for what it is

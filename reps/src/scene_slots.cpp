@@ -18,12 +18,12 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
       limits_(sane_limits(limits)),
       shares_(shares_of(limits_)),
       reach_(std::max(1u, capacity.representations)),
-      effect_reach_(std::max(1u, capacity.representations)) {
+      effect_reach_(std::max(1u, capacity.representations), Reach::Moves::never) {
     capacity_.representations = std::max(1u, capacity.representations);
     capacity_.probes = std::clamp(capacity.probes, 1u, Scene::max_probes);
     const std::size_t n = capacity_.representations;
     slots_.resize(n);
-    raw_.resize(n * max_params);
+    raw_.resize(n * max_parameter_bytes);
     records_.resize(2 * n);
     rough_.resize(2 * n);
     changed_.resize(n);
@@ -42,13 +42,17 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
     // A slot is at most in three sets: the old record in one probe's fading set, the new one in both of
     // another's. Each set is aligned to four.
     const std::size_t members = 3 * n * max_contacts + Scene::max_probes + 2 * 4 * Scene::max_probes;
+    planes_.resize(6 * members);
+    balls_.resize(3 * n);
     for (Arena& arena : arenas_) {
-        for (std::vector<double>* array : {&arena.nx, &arena.ny, &arena.nz, &arena.c, &arena.s, &arena.b}) {
-            array->resize(members);
+        std::span<double> rest(planes_);
+        for (std::span<double>* array : {&arena.nx, &arena.ny, &arena.nz, &arena.c, &arena.s, &arena.b}) {
+            *array = rest.first(members);
+            rest = rest.subspan(members);
         }
         arena.owner.resize(members);
         arena.moving.resize(3 * n);
-        arena.balls.resize(3 * n);
+        arena.balls = &balls_;
     }
     scratch_.resize(2 * n + 1);
     reshaped_.resize(n);
@@ -73,7 +77,7 @@ Verdict SceneCore::check_update(Handle handle, Kind kind, const void* params, st
     if (bytes != ops.params_size && !shape_alone)
         return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
     // What stands in the slot is legal: where only the shape differs from it, only that is looked at.
-    const std::byte* raw = &raw_[handle.slot * max_params];
+    const std::byte* raw = &raw_[handle.slot * max_parameter_bytes];
     const auto* sent = static_cast<const std::byte*>(params);
     const bool rest_stays = shape_alone || std::memcmp(raw + shape, sent + shape, bytes - shape) == 0;
     slots_[handle.slot].differ = rest_stays ? ops.compare_shape(raw, sent) : Differ::anywhere;
@@ -102,7 +106,7 @@ void SceneCore::write_checked(std::uint32_t i, const void* params, std::size_t b
     if (slot.differ == Differ::nowhere) return;  // as it was asked for last
     const bool shape = slot.differ == Differ::in_shape;
     slot.shape_alone = slot.shape_alone && shape;
-    std::memcpy(&raw_[i * max_params], params, shape ? kind_ops()[slot.kind].shape_bytes : bytes);
+    std::memcpy(&raw_[i * max_parameter_bytes], params, shape ? kind_ops()[slot.kind].shape_bytes : bytes);
     mark(i);
 }
 
@@ -167,7 +171,7 @@ Verdict Scene::add(Handle handle, Kind kind, const void* params, std::size_t byt
     slot.kind = kind;
     slot.use = use;
     slot.shape_alone = false;
-    std::memcpy(&impl_->raw_[handle.slot * detail::max_params], params, bytes);
+    std::memcpy(&impl_->raw_[handle.slot * max_parameter_bytes], params, bytes);
     impl_->mark(handle.slot);
     impl_->probes_used_ |= 1u << use.probe;
     ++impl_->size_;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <knurl/reps/collapsed_springs.hpp>
@@ -16,6 +17,7 @@
 namespace knurl::detail {
 
 // Of any list of kinds: so a kind that nobody uses does not even move the others in memory.
+static_assert(max_parameter_bytes % 16 == 0, "parameters as they were sent lie one behind the other");
 inline constexpr std::size_t max_params = (max_parameter_bytes + 63) / 64 * 64;
 
 /// Stiffnesses that one probe's set keeps apart, each with its own solution; more are rounded down to these.
@@ -183,11 +185,13 @@ struct Moving {
     bool inside = false;       // it was asked when it was last looked at
 };
 
+/// Of two, sets are built in one by turns. They are built from records: of what stood in the other one, only whose it
+/// was is looked at, so the rest has one memory.
 struct Arena {
-    std::vector<double> nx, ny, nz, c, s, b;
+    std::span<double> nx, ny, nz, c, s, b;
     std::vector<Owner> owner;
     std::vector<Moving> moving;
-    Balls balls;  // theirs; reach infinity: always asked
+    Balls* balls = nullptr;  // theirs; reach infinity: always asked
     std::uint32_t used = 0, moving_used = 0;
 };
 

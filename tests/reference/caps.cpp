@@ -67,8 +67,8 @@ void judge_cap(Case& c, bool two) {
           s.cap.rim, s.hand.radius, q.dot(n), (q - q.dot(n) * n).norm());
     for (int i = 0; i < 2; ++i) {
         const exact::Foot want = exact::cap(cap, real(s.hand.position), s.hand.radius);
-        check_one(c, scene.evaluate(s.hand, any_step(rng)).force, want, k, s.cap.damping, s.hand, limits,
-                  s.reach, want.clear > 1e-12L * s.reach);
+        check_one(c, scene.evaluate(s.hand, any_step(rng)).force, want, k, bounded(s.cap.damping, limits),
+                  s.hand, limits, s.reach, want.clear > 1e-12L * s.reach);
         s.hand.position += rng.scale(1e-9, 1e-4) * rng.direction();
     }
 }

@@ -48,7 +48,7 @@ Rub any_rub(Rng& rng, double stiffness, const Limits& limits, exact::Law::Kind k
         }
     }
     if (rng.one_in(3)) r.friction.viscous = rng.scale(0.01, 100);
-    r.law.viscous = r.friction.viscous;
+    r.law.viscous = bounded(r.friction.viscous, limits);
     return r;
 }
 

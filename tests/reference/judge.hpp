@@ -34,6 +34,11 @@ inline exact::Device device_of(const Limits& limits) {
     return {limits.max_stiffness, limits.max_torsion, limits.mass, limits.lag, limits.period};
 }
 
+/// N s/m, as a surface is felt: no more damped than the device stands.
+inline double bounded(double damping, const Limits& limits) {
+    return static_cast<double>(std::min(Real(damping), device_of(limits).damping()));
+}
+
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// SplitMix64 (Steele, Lea & Flood, OOPSLA 2014): the same numbers with every standard library.

@@ -48,7 +48,7 @@ void follow(Case& c, R& surface, Touch& touch, const Shape& shape, const Vector&
         hand.velocity -= knurl::to_eigen(surface.velocity);  // damping knows the difference
         c.say(" %d: at %g %g %g doubt %Lg\n", i, p.x(), p.y(), p.z(), touch.doubt);
         if (foot) {
-            check_one(c, got.force, *foot, k, surface.damping, hand, limits,
+            check_one(c, got.force, *foot, k, bounded(surface.damping, limits), hand, limits,
                       reach * std::max(Real(1), std::fabs(foot->height) / size));
         } else {
             c.say("  nothing is felt\n");

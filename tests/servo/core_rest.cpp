@@ -184,7 +184,7 @@ TEST(Rest, NobodyCanTell) {
                 const protocol::FeedbackHeader& said = resting.claims[i]->feedback().header;
                 still += !gone[i] && said.entries > 0 && said.cycle < resting.servo->last().cycle;
             }
-            shared += resting.claims[0]->feedback().header.scales.contacts < 1;
+            shared += protocol::scales_of(resting.claims[0]->feedback().header).contacts < 1;
         }
     }
     EXPECT_GT(silent, 100);

@@ -235,15 +235,15 @@ Outcome live(std::uint64_t seed, Options options) {
             const Vector3d& p = device.state().position;
             fmt::print(options.trace, "{},{},{},{},{},{},{},{},{}\n", i, p.x(), p.y(), p.z(),
                        report.sent_force.x, report.sent_force.y, report.sent_force.z,
-                       all.front()->feedback().header.scales.contacts,
-                       all.front()->feedback().header.scales.effects);
+                       protocol::scales_of(all.front()->feedback().header).contacts,
+                       protocol::scales_of(all.front()->feedback().header).effects);
         }
         if (i < judged_from * servo_options.rate) continue;
         low = low.cwiseMin(device.state().position);
         high = high.cwiseMax(device.state().position);
     }
     out.force = to_eigen(servo.servo().last().sent_force).norm();
-    out.scales = all.front()->feedback().header.scales;
+    out.scales = protocol::scales_of(all.front()->feedback().header);
     out.cycle = 0.5 * (high - low).maxCoeff();
     return out;
 }

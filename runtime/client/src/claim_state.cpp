@@ -130,16 +130,17 @@ std::optional<Felt> ClaimState::felt(Handle handle) {
     refresh();
     const protocol::FeedbackEntry* found = felt_entry(handle);
     if (found == nullptr) return std::nullopt;
-    Felt felt{.force = found->force,
-              .torque = found->torque,
-              .contact_point = found->contact_point,
-              .stiffness = found->stiffness,
-              .tangential_stiffness = found->tangential_stiffness,
-              .flags = found->flags,
-              .cycle = feedback_.cycle,
-              .share = feedback_.gain * (kinds()[entry(handle).kind].surface ? feedback_.scales.contacts
-                                                                             : feedback_.scales.effects),
-              .damping_share = feedback_.gain * feedback_.scales.damping};
+    const HandScales scales = protocol::scales_of(feedback_);
+    Felt felt{
+        .force = found->force,
+        .torque = found->torque,
+        .contact_point = found->contact_point,
+        .stiffness = found->stiffness,
+        .tangential_stiffness = found->tangential_stiffness,
+        .flags = found->flags,
+        .cycle = feedback_.cycle,
+        .share = feedback_.gain * (kinds()[entry(handle).kind].surface ? scales.contacts : scales.effects),
+        .damping_share = feedback_.gain * scales.damping};
     for (const Handle side : others) {
         const protocol::FeedbackEntry* other = felt_entry(side);
         if (other == nullptr || (other->flags & Feedback::touching) == 0) continue;

@@ -222,7 +222,7 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     header.refused_slot = refused.slot;
     header.gain = gain;
     header.silence = silent_for;
-    header.scales = scales;
+    header.scales = protocol::packed(scales);
     header.entries = static_cast<std::uint32_t>(felt.size());
 
     // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would), nor does one

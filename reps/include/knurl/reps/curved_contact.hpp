@@ -36,7 +36,7 @@ struct NearSurface {
 };
 
 /// Of more within reach of one probe the tangent planes at its own feet have to do.
-inline constexpr std::uint32_t max_near_surfaces = 128;
+inline constexpr std::uint32_t max_near_surfaces = 64;
 
 struct CurvedStep {
     bool found = false;                              // false: the planes at x_k contradict each other

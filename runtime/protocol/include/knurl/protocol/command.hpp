@@ -3,6 +3,7 @@
 // belong together are pushed at once and all but the last carry `more`: the servo does all of them in one
 // cycle, and if one of them is refused, none is done.
 
+#include <algorithm>
 #include <cstdint>
 
 #include <knurl/protocol/bounds.hpp>
@@ -127,12 +128,29 @@ struct FeedbackHeader {
     double refused_against = 0;  // refused_code contradiction: the figure that the value contradicts
     std::uint32_t refused_kind = 0;
     std::uint32_t refused_slot = 0;
-    double gain = 0;         // this claim's, 0-1
-    double silence = 0;      // s since the last commit counted as silence, as of `cycle`; 0: not silent
-    HandScales scales = {};  // < 1: all that the hand feels, of all claims, is more than the device stands
+    double gain = 0;     // this claim's, 0-1
+    double silence = 0;  // s since the last commit counted as silence, as of `cycle`; 0: not silent
+    std::uint64_t scales = ~std::uint64_t{0};  // scales_of: what the hand's budget leaves; all of them 1
     std::uint32_t entries = 0;
     std::uint32_t refused_reason = 0;  // refused_code contradiction: which of the kind's
 };
+
+/// Three scales in one word, to half a millionth: a header is in every datagram of feedback.
+inline std::uint64_t packed(const HandScales& scales) noexcept {
+    constexpr double most = (1 << 21) - 1;
+    const auto part = [](double scale) {
+        return static_cast<std::uint64_t>(std::clamp(scale, 0.0, 1.0) * most + 0.5);
+    };
+    return part(scales.contacts) | part(scales.effects) << 21 | part(scales.damping) << 42 |
+           std::uint64_t{1} << 63;
+}
+inline HandScales scales_of(const FeedbackHeader& header) noexcept {
+    constexpr std::uint64_t most = (1 << 21) - 1;
+    const auto part = [&](int from) {
+        return static_cast<double>(header.scales >> from & most) / static_cast<double>(most);
+    };
+    return {part(0), part(21), part(42)};
+}
 
 /// What the servo's check said of the last batch that it refused.
 inline Verdict verdict_of(const FeedbackHeader& header) noexcept {
