@@ -9,7 +9,7 @@
 //
 // Contacts and effects have scales of their own, since the hand must come to rest. Were a spring scaled because a
 // surface is touched, it would pull the hand off the surface, be whole again, and pull it back, for ever. So the scale
-// of effects does not know what is touched. A contact that is scaled is deeper, and stays one.
+// of effects does not know what is touched. A contact that is scaled gives way by more, which as a rule keeps it one.
 
 #include <cstdint>
 

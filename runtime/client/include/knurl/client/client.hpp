@@ -103,10 +103,11 @@ struct Felt {
     // In which it was so: equal for representations felt in the same cycle. While the claim has
     // nothing within the hand's reach it stays that of the last change.
     std::uint64_t cycle = 0;
-    // Of the force, that reached the hand: the claim's gain, less where all that the hand feels together, of all
-    // claims, is stiffer than the device stands (k_max); and of that part of it which velocity makes, less where all
-    // together are more damped than it stands (b_max).
+    // The share of `force` that reached the hand: the claim's gain, and less where all parts of all claims together
+    // would be stiffer than the device stands (k_max).
     double share = 1;
+    // The same of what velocity adds to the force: less where all parts together would damp the hand more than the
+    // device stands (b_max).
     double damping_share = 1;
 };
 
