@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "clamped.hpp"
-#include "scene_core.hpp"
+#include "contact_stage.hpp"
 
 namespace knurl::detail {
 
@@ -32,27 +32,26 @@ constexpr int widenings = 64;
 
 // Surfaces that do not stand still say where they are. In both sets of a fade there may be the same one: its
 // state advances once. Returns the worst violation.
-double SceneCore::ask(ContactSet& set, const Group& group, double dt, double worst) noexcept {
-    Arena& a = arenas_[arena_];
+double ContactStage::ask(ContactSet& set, const Probe& probe, double dt, double worst) noexcept {
+    Arena& a = sets_.arena();
     std::uint32_t near = 0;
-    a.balls->for_near(set.moving_begin, set.moving_count, group.probe.position, set.slack,
-                      [&](std::uint32_t m) {
-                          ++near;
-                          set.inside += !a.moving[m].inside;
-                          a.moving[m].inside = true;
-                          worst = std::max(worst, ask_one(set, group, dt, a.moving[m].member));
-                      });
+    a.balls->for_near(set.moving_begin, set.moving_count, probe.position, set.slack, [&](std::uint32_t m) {
+        ++near;
+        set.inside += !a.moving[m].inside;
+        a.moving[m].inside = true;
+        worst = std::max(worst, ask_one(set, probe, dt, a.moving[m].member));
+    });
     set.left_out = near < set.moving_count;
     if (set.inside == near) return worst;
     // Some were inside and are out of reach now. One that holds the probe from however deep has no ball at
     // the moment.
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
         Moving& moving = a.moving[m];
-        if (!moving.inside || a.balls->near(m, group.probe.position, set.slack)) continue;
-        Record& r = record(a.owner[moving.member]);
+        if (!moving.inside || a.balls->near(m, probe.position, set.slack)) continue;
+        Record& r = state_.records[a.owner[moving.member]];
         const KindOps& ops = kind_ops()[r.kind];
         if (!ops.bound(r)) {
-            worst = std::max(worst, ask_one(set, group, dt, moving.member));
+            worst = std::max(worst, ask_one(set, probe, dt, moving.member));
             continue;
         }
         std::fill_n(a.s.begin() + moving.member, ops.contacts, -std::numeric_limits<double>::infinity());
@@ -64,35 +63,35 @@ double SceneCore::ask(ContactSet& set, const Group& group, double dt, double wor
 }
 
 // The surface whose first member is `i`. Returns its worst violation, among those that are solved together.
-double SceneCore::ask_one(const ContactSet& set, const Group& group, double dt, std::uint32_t i) noexcept {
-    Arena& a = arenas_[arena_];
-    Record& r = record(a.owner[i]);
-    if (r.asked < last_timed_) prime(r, group);
-    const bool held = r.use.on_silence == OnSilence::hold && silence_ > 0;
-    const double step = r.asked == cycle_ ? 0 : dt;
-    evaluated_ += r.asked != cycle_;
-    r.asked = cycle_;
+double ContactStage::ask_one(const ContactSet& set, const Probe& probe, double dt, std::uint32_t i) noexcept {
+    Arena& a = sets_.arena();
+    Record& r = state_.records[a.owner[i]];
+    if (r.asked < state_.clock.last_timed) catch_up(r, state_);
+    const bool held = state_.silence.holds(r);
+    const double step = r.asked == state_.clock.cycle ? 0 : dt;
+    state_.work.evaluated += r.asked != state_.clock.cycle;
+    r.asked = state_.clock.cycle;
     const KindOps& ops = kind_ops()[r.kind];
     // What holds in a silence stays where it is, as in the cycle that placed it. All else goes on: what it
     // remembers of the probe's path, and a recovery.
     Motion* const stays = held && step > 0 ? ops.motion(r) : nullptr;
     const std::uint64_t placed = stays ? std::exchange(stays->placed, 1) : 0;
-    const std::uint32_t count = ops.contact(r, group.probe, step, found_);
+    const std::uint32_t count = ops.contact(r, probe, step, found_);
     if (stays) stays->placed = placed;
     const auto& found = found_;
     if (ops.turns) {
         r.velocity = found[0].velocity;
-        if (step > 0 && !held) r.moved = now_.of(r.use.on_silence == OnSilence::hold);
+        if (step > 0 && !held) r.moved = state_.clock.now.of(r.use.on_silence == OnSilence::hold);
     }
-    if (r.rough) rough(a.owner[i]).share = found[0].friction;
+    if (r.rough) state_.records.rough(a.owner[i]).share = found[0].friction;
     if (r.textured) {
-        Rough& feel = rough(a.owner[i]);
+        Rough& feel = state_.records.rough(a.owner[i]);
         if (!held) feel.shift += step * r.velocity;
-        const double gain = texture_gain_of(r, feel.texture, group);
+        const double gain = texture_gain_of(r, feel.texture, probe, state_);
         for (std::uint32_t c = 0; c < count; ++c) {
             feel.height[c] = found[c].height;
             if (!std::isfinite(found[c].height)) continue;  // nowhere near: it has no foot
-            const Vector3d foot = foot_of(group, found[c].height, found[c].normal);
+            const Vector3d foot = foot_of(probe, found[c].height, found[c].normal);
             found_[c].height -= gain * relief(feel.texture, foot, found[c].normal, feel.shift).height;
         }
     }
@@ -113,29 +112,17 @@ double SceneCore::ask_one(const ContactSet& set, const Group& group, double dt, 
     return worst;
 }
 
-// A fine relief is gone at a speed that takes a few cycles to leave: what is felt of it, not the speed, moves
-// on evenly.
-double SceneCore::texture_gain_of(const Record& r, const Texture& texture,
-                                  const Group& group) const noexcept {
-    const auto at = [&](const Vector3d& velocity) {
-        return texture_gain(texture, (group.probe.smooth_velocity - velocity).norm(), limits_);
-    };
-    const double pace = pace_of(r);
-    if (pace == 1) return at(r.velocity);
-    const double stands = at(Vector3d::Zero());
-    return stands + pace * (at(r.velocity) - stands);
-}
-
 // Planes whose forces add up, as the paper's do.
-void SceneCore::add_summed(ContactSet& set, const Group& group) noexcept {
-    const Arena& a = arenas_[arena_];
+void ContactStage::add_summed(ContactSet& set, const Probe& probe) noexcept {
+    const Arena& a = sets_.arena();
     for (std::uint32_t i = set.begin + set.count; i < set.begin + set.count + set.summed; ++i) {
         if (!(a.s[i] > 0)) continue;
-        const Record& r = record(a.owner[i]);
+        const Record& r = state_.records[a.owner[i]];
         const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
         const double k = r.stiffness * (set.scale == 1 ? r.weight : 1);
-        const double b = scales_.damping / scales_.contacts * a.b[i];
-        set.force += std::max(0.0, k * a.s[i] - b * n.dot(group.probe.velocity - velocity_of(r))) * n;
+        const double b = state_.scales.damping / state_.scales.contacts * a.b[i];
+        set.force +=
+            std::max(0.0, k * a.s[i] - b * n.dot(probe.velocity - state_.silence.velocity_of(r))) * n;
         set.touching = true;
     }
 }
@@ -143,16 +130,17 @@ void SceneCore::add_summed(ContactSet& set, const Group& group) noexcept {
 // F = sum_j (k_j - k_{j-1}) (x_j - p), x_j the nearest point to p that satisfies all planes of stiffness k_j
 // or more: a sum of gradients, so conservative, and with weights that add up to the largest k, so no stiffer
 // than that.
-const Layer* SceneCore::solve(ContactSet& set, const Group& group, double worst) noexcept {
-    const Arena& a = arenas_[arena_];
+const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double worst) noexcept {
+    const Arena& a = sets_.arena();
     const std::uint32_t begin = set.begin;
-    const Vector3d& p = group.probe.position;
+    const Vector3d& p = probe.position;
     set.force.setZero();
     bool infeasible = false;
     double below = 0;
     const Layer* top = nullptr;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
+        ++state_.work.layers;
         if (j > 0 && layer.count < set.layer[j - 1].count) {
             worst = a.s[begin];
             for (std::uint32_t i = begin + 1; i < begin + layer.count; ++i) worst = std::max(worst, a.s[i]);
@@ -162,7 +150,7 @@ const Layer* SceneCore::solve(ContactSet& set, const Group& group, double worst)
         // round where the probe is then: again where they are half as large. Moving ones are asked afresh.
         if (set.moving_count > 0 || worst < layer.given_at / 2) layer.give = 0;
         if (set.curved) {
-            infeasible = !solve_curved(set, group, layer, worst) || infeasible;
+            infeasible = !curved_.solve(set, probe, layer, worst) || infeasible;
         } else {
             infeasible = !solve_planes(layer, planes, worst, p) || infeasible;
         }
@@ -176,10 +164,10 @@ const Layer* SceneCore::solve(ContactSet& set, const Group& group, double worst)
 
 // Damping of each plane that holds, against its own surface's motion: along the force alone, and never
 // pulling. Returns the size of what is left (N).
-double SceneCore::damped_force(ContactSet& set, const Group& group, const Layer& top) noexcept {
-    const Arena& a = arenas_[arena_];
+double ContactStage::damped_force(ContactSet& set, const Probe& probe, const Layer& top) noexcept {
+    const Arena& a = sets_.arena();
     double weighted = 0, closing = 0, sum = 0;
-    const double share = scales_.damping / scales_.contacts;
+    const double share = state_.scales.damping / state_.scales.contacts;
     const double elastic = set.force.norm();
     const Vector3d m = set.force / elastic;
     for (std::uint32_t i = 0; i < top.solution.active.count; ++i) {
@@ -189,21 +177,21 @@ double SceneCore::damped_force(ContactSet& set, const Group& group, const Layer&
         if (!(b > 0)) continue;
         weighted += b;
         const Owner owner = a.owner[at];
-        if (owner != bridge_owner) closing += b * velocity_of(record(owner)).dot(m);
+        if (owner != bridge_owner) closing += b * state_.silence.velocity_of(state_.records[owner]).dot(m);
     }
-    const double felt = std::max(0.0, elastic - (weighted * group.probe.velocity.dot(m) - closing) / sum);
+    const double felt = std::max(0.0, elastic - (weighted * probe.velocity.dot(m) - closing) / sum);
     set.force = felt * m;
     return felt;
 }
 
-void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noexcept {
+void ContactStage::evaluate_set(ContactSet& set, const Probe& probe, double dt) noexcept {
     set.force.setZero();
     set.elastic = set.per_elastic = 0;
     set.touching = false;
     if (set.count + set.summed == 0) return;
-    Arena& a = arenas_[arena_];
+    Arena& a = sets_.arena();
     const std::uint32_t begin = set.begin;
-    const Vector3d& p = group.probe.position;
+    const Vector3d& p = probe.position;
     double worst = -std::numeric_limits<double>::infinity();
     if (set.standing > 0)  // else all of them are asked where they are
         worst =
@@ -213,7 +201,7 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
         shift_to_probe(&a.nx[from], &a.ny[from], &a.nz[from], &a.c[from], set.summed, p, &a.s[from]);
     }
     const double standing = worst;
-    if (set.moving_count > 0) worst = ask(set, group, dt, standing);
+    if (set.moving_count > 0) worst = ask(set, probe, dt, standing);
     if (!(worst > 0)) {
         set.slack = 0;
         for (std::uint32_t j = 0; j < set.layers; ++j) {
@@ -223,20 +211,20 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
         }
         set.infeasible = false;
         if (set.summed > 0) {
-            add_summed(set, group);
-            set.force = clamped(set.scale * set.force, limits_.max_force);
+            add_summed(set, probe);
+            set.force = clamped(set.scale * set.force, state_.limits.max_force);
         }
         return;
     }
-    evaluated_ += set.standing;
+    state_.work.evaluated += set.standing;
 
-    const Layer* top = solve(set, group, worst);
+    const Layer* top = solve(set, probe, worst);
     // What is out of reach of the probe might hold the proxy, which is as far from it as the contact is deep.
     double far = proxy_distance(set);
     for (int round = 0; set.left_out && far > set.slack && round < widenings; ++round) {
         set.slack = 2 * far;
-        worst = ask(set, group, dt, standing);
-        top = solve(set, group, worst);
+        worst = ask(set, probe, dt, standing);
+        top = solve(set, probe, worst);
         far = proxy_distance(set);
     }
     set.slack = 1.25 * far;
@@ -249,11 +237,11 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
         bool damped = false;
         for (std::uint32_t i = 0; i < by.active.count; ++i)
             damped = damped || by.multiplier[i] * a.b[begin + by.active.plane[i]] > 0;
-        if (damped) felt = damped_force(set, group, *top);
+        if (damped) felt = damped_force(set, probe, *top);
     }
-    if (set.summed > 0) add_summed(set, group);
+    if (set.summed > 0) add_summed(set, probe);
     const Vector3d whole = set.scale * set.force;
-    set.force = clamped(whole, limits_.max_force);
+    set.force = clamped(whole, state_.limits.max_force);
     if (elastic > 0) {
         set.per_elastic = felt == elastic ? set.scale : set.scale * felt / elastic;
         if (set.force != whole) set.per_elastic *= set.force.norm() / whole.norm();
@@ -262,64 +250,65 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
 
 // Candidates cover the proxy's way too: a contact that suddenly is deeper than their margin asks for more of
 // them.
-bool SceneCore::near_falls_short() noexcept {
+bool ContactStage::candidates_fall_short() noexcept {
     bool more = false;
-    for (std::uint32_t rest = contacts_used_ & bounded_used_; rest != 0; rest &= rest - 1) {
-        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
-        Group& group = groups_[p];
-        const double deep = std::max(group.now.slack, group.fading ? group.old.slack : 0) / 1.25;
-        const double left = group.near.margin * near_rounding - deep;
-        if (left > 0 && (group.probe.position - group.near.at).squaredNorm() < left * left) continue;
-        collect_near(group, p);
-        more = more || sets_edited_;
-    }
-    if (more) rebuild_sets();
+    for_each_bit(sets_.probes() & candidates_.probes(), [&](std::uint32_t p) {
+        const ContactState& contact = sets_[p];
+        const double deep = std::max(contact.now.slack, contact.fade.under_way ? contact.old.slack : 0);
+        if (candidates_.covers(p, state_, deep / 1.25)) return;
+        const bool others = candidates_.collect(p, state_, contact.deepest());
+        more = more || others || contact.old_may_be_near();
+    });
+    if (more) sets_.rebuild();
     return more;
 }
 
-void SceneCore::evaluate_contacts(double dt, Wrench& sum) noexcept {
+// The force of the new set, or of both while one fades into the other.
+Vector3d ContactStage::cross_fade(std::uint32_t p, double dt) noexcept {
+    ContactState& contact = sets_[p];
+    CrossFade& fade = contact.fade;
+    if (fade.fresh) {
+        // A surface that rises under the hand does it no faster than rise_speed.
+        const auto depth = [](const ContactSet& set) {
+            return set.layers > 0 && set.touching ? set.layer[0].solution.dx.norm() : 0.0;
+        };
+        const double rise = depth(contact.now) - depth(contact.old);
+        if (rise > 0)
+            fade.time = std::max(fade.time, rise / world_length(state_.policy.rise_speed, state_.limits));
+        fade.fresh = false;
+    }
+    fade.elapsed += dt;
+    const Vector3d now = contact.now.force, old = contact.old.force;
+    if (fade.elapsed < fade.time * (1 - 1e-9)) return old + fade.share_of_new() * (now - old);
+    sets_.end_fade(p);
+    return now;
+}
+
+void ContactStage::evaluate(double dt, Wrench& sum) noexcept {
     for (int round = 0; round < widenings; ++round) {
-        for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
-            Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-            evaluate_set(group.now, group, dt);
-            if (group.fading) evaluate_set(group.old, group, dt);
-        }
-        if (bounded_used_ == 0 || !near_falls_short()) break;
+        for_each_bit(sets_.probes(), [&](std::uint32_t p) {
+            const Probe& probe = state_.probes[p].probe;
+            ContactState& contact = sets_[p];
+            evaluate_set(contact.now, probe, dt);
+            if (contact.fade.under_way) evaluate_set(contact.old, probe, dt);
+        });
+        if (candidates_.probes() == 0 || !candidates_fall_short()) break;
     }
-    for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
-        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
-        Group& group = groups_[p];
-        if (group.now.curved && group.now.touching && dt > 0) lean(group.now, group);
-        Vector3d force = group.now.force;
-        if (group.fading) {
-            if (group.fresh) {
-                // A surface that rises under the hand does it no faster than rise_speed.
-                const auto depth = [](const ContactSet& set) {
-                    return set.layers > 0 && set.touching ? set.layer[0].solution.dx.norm() : 0.0;
-                };
-                const double rise = depth(group.now) - depth(group.old);
-                if (rise > 0)
-                    group.time = std::max(group.time, rise / world_length(policy_.rise_speed, limits_));
-                group.fresh = false;
-            }
-            group.elapsed += dt;
-            if (group.elapsed >= group.time * (1 - 1e-9)) {
-                end_fade(group);
-                if (group.now.count + group.now.summed == 0) {
-                    contacts_used_ &= ~(1u << p);
-                    release(group);
-                }
-            } else {
-                force = group.old.force + (group.elapsed / group.time) * (force - group.old.force);
-            }
+    for_each_bit(sets_.probes(), [&](std::uint32_t p) {
+        const ProbeState& at = state_.probes[p];
+        ContactState& contact = sets_[p];
+        if (contact.now.curved && contact.now.touching && dt > 0) curved_.lean(contact.now, at.probe);
+        Vector3d force = contact.fade.under_way ? cross_fade(p, dt) : contact.now.force;
+        contact.force = force;
+        contact.position = at.probe.position;
+        if (contact.tangential.rough || contact.tangential.friction.residual_time > 0) {
+            ++state_.work.tangential;
+            force = with_tangential(p, sets_, state_, force, dt);
         }
-        group.force = force;
-        group.position = group.probe.position;
-        if (group.rough || group.friction.residual_time > 0) force = along(group, force, dt);
-        force *= scales_.contacts;
+        force *= state_.scales.contacts;
         sum.force += force;
-        if (group.placement.offset != Vec3{}) sum.torque += group.arm.cross(force);
-    }
+        if (at.placement.offset != Vec3{}) sum.torque += at.arm.cross(force);
+    });
 }
 
 }  // namespace knurl::detail

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "clamped.hpp"
-#include "scene_core.hpp"
+#include "contact_stage.hpp"
 
 namespace knurl::detail {
 
@@ -24,23 +24,23 @@ constexpr double least_bend = 10;
 constexpr double most_per_motion = 4;
 constexpr double least_jump = 1e-6;  // m: of a millinewton, which nobody feels
 
-}  // namespace
-
 // Where it came to in the last cycle that took time; null: it is not known. One that is solved again, of more
 // surfaces or without time passing, starts from the same: so its answer is the same to the bit.
-const CurvedStart* SceneCore::start_of(const Layer& layer) const noexcept {
+const CurvedStart* start_of(const Layer& layer, const Clock& clock) noexcept {
     const CurvedStart& newest = layer.reached[layer.newest];
-    const bool again = newest.cycle == (step_ > 0 ? cycle_ : last_timed_);
+    const bool again = newest.cycle == (clock.step > 0 ? clock.cycle : clock.last_timed);
     if (again) return layer.started ? &layer.reached[layer.newest ^ 1u] : nullptr;
-    return newest.cycle == last_timed_ && last_timed_ > 0 ? &newest : nullptr;
+    return newest.cycle == clock.last_timed && clock.last_timed > 0 ? &newest : nullptr;
 }
 
-CurvedStarts SceneCore::starts_of(const ContactSet& set, const Group& group) const noexcept {
-    const Arena& a = arenas_[arena_];
+}  // namespace
+
+CurvedStarts starts_of(const ContactSet& set, const ContactState& contact, const Arena& a,
+                       const Clock& clock) noexcept {
     CurvedStarts starts;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         const Layer& layer = set.layer[j];
-        const CurvedStart* const start = start_of(layer);
+        const CurvedStart* const start = start_of(layer, clock);
         if (set.curved ? !start || start->active.count == 0 : layer.solution.active.count == 0) continue;
         // A set that was flat may not be any more: it was held where its planes meet.
         CurvedStart from;
@@ -48,7 +48,7 @@ CurvedStarts SceneCore::starts_of(const ContactSet& set, const Group& group) con
             from = *start;
         } else {
             from.dx = layer.solution.dx;
-            from.p = group.position;
+            from.p = contact.position;
             from.active = layer.solution.active;
             from.multiplier = layer.solution.multiplier;
         }
@@ -67,7 +67,8 @@ CurvedStarts SceneCore::starts_of(const ContactSet& set, const Group& group) con
     return starts;
 }
 
-void SceneCore::take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts) noexcept {
+void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts,
+                 const Clock& clock) noexcept {
     for (std::uint32_t j = 0; set.curved && starts.count > 0 && j < set.layers; ++j) {
         Layer& layer = set.layer[j];
         std::uint32_t nearest = 0;
@@ -79,7 +80,7 @@ void SceneCore::take_starts(ContactSet& set, const Arena& arena, const CurvedSta
         start = CurvedStart{};
         start.dx = to_eigen(starts.dx[nearest]);
         start.p = to_eigen(starts.p[nearest]);
-        start.cycle = last_timed_;
+        start.cycle = clock.last_timed;
         ActiveSet& active = start.active;
         for (std::uint32_t k = 0; k < starts.pushes[nearest]; ++k) {
             const CurvedStarts::Push& by = starts.by[nearest][k];
@@ -93,14 +94,15 @@ void SceneCore::take_starts(ContactSet& set, const Arena& arena, const CurvedSta
 }
 
 // A texture's relief is that of the probe's foot.
-double SceneCore::relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept {
-    if (!record(owner).textured) return 0;
-    return -arenas_[arena_].s[member] - rough(owner).height[part];
+double CurvedStage::relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept {
+    if (!state_.records[owner].textured) return 0;
+    return -sets_.arena().s[member] - state_.records.rough(owner).height[part];
 }
 
 // Is it where the surfaces themselves meet, what their planes at the probe's feet have told?
-bool SceneCore::meet_elsewhere(const ContactSet& set, const Group& group, const Layer& layer) const noexcept {
-    const Arena& a = arenas_[arena_];
+bool CurvedStage::meet_elsewhere(const ContactSet& set, const Probe& probe,
+                                 const Layer& layer) const noexcept {
+    const Arena& a = sets_.arena();
     const ActiveSet& active = layer.solution.active;
     const auto holds = [&](std::uint32_t member) {
         return (active.count > 0 && set.begin + active.plane[0] == member) ||
@@ -109,9 +111,9 @@ bool SceneCore::meet_elsewhere(const ContactSet& set, const Group& group, const 
     };
     const auto lies_elsewhere = [&](std::uint32_t first, const KindOps& ops, Owner owner) {
         std::array<CurvedContact, max_contacts> found;
-        Probe there = group.probe;
+        Probe there = probe;
         there.position += layer.solution.dx;
-        const std::uint32_t count = ops.curved_at(record(owner), group.probe, there, found);
+        const std::uint32_t count = ops.curved_at(state_.records[owner], probe, there, found);
         for (std::uint32_t part = 0; part < count; ++part) {
             const std::uint32_t i = first + part;
             if (holds(i) ? active.count > 1 : found[part].height + relief_at(owner, i, part) < 0) return true;
@@ -122,7 +124,7 @@ bool SceneCore::meet_elsewhere(const ContactSet& set, const Group& group, const 
         const std::uint32_t first = a.moving[m].member;
         if (first >= set.begin + layer.count) continue;
         const Owner owner = a.owner[first];
-        const KindOps& ops = kind_ops()[record(owner).kind];
+        const KindOps& ops = kind_ops()[state_.records[owner].kind];
         if (!ops.curved) continue;
         bool near = false;  // one that holds alone does so at its foot
         for (std::uint32_t i = first; i < first + ops.contacts; ++i)
@@ -134,22 +136,22 @@ bool SceneCore::meet_elsewhere(const ContactSet& set, const Group& group, const 
 
 // Those that may matter no farther than `within` from the probe, as they are at p + dx. More than there is room
 // for: none.
-std::uint32_t SceneCore::list_near_surfaces(const ContactSet& set, const Group& group, const Layer& layer,
-                                            const Vector3d& dx, double within) noexcept {
-    const Arena& a = arenas_[arena_];
+std::uint32_t CurvedStage::list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
+                                              const Vector3d& dx, double within) noexcept {
+    const Arena& a = sets_.arena();
     std::array<CurvedContact, max_contacts> found;
-    Probe there = group.probe;
+    Probe there = probe;
     there.position += dx;
     std::uint32_t size = 0;
     for (std::uint32_t i = set.begin; i < set.begin + layer.count;) {
         const Owner owner = a.owner[i];
-        const bool stands = owner == bridge_owner || record(owner).stands;
-        const KindOps* const ops = stands ? nullptr : &kind_ops()[record(owner).kind];
+        const bool stands = owner == bridge_owner || state_.records[owner].stands;
+        const KindOps* const ops = stands ? nullptr : &kind_ops()[state_.records[owner].kind];
         const std::uint32_t parts = stands ? 1 : ops->contacts;
         bool near = false;
         for (std::uint32_t part = 0; part < parts; ++part) near = near || a.s[i + part] >= -within;
         const std::uint32_t count =
-            near && ops && ops->curved ? ops->curved_at(record(owner), group.probe, there, found) : 0;
+            near && ops && ops->curved ? ops->curved_at(state_.records[owner], probe, there, found) : 0;
         for (std::uint32_t part = 0; near && part < parts; ++part) {
             const std::uint32_t at = i + part;
             if (!(a.s[at] >= -within)) continue;
@@ -171,10 +173,30 @@ std::uint32_t SceneCore::list_near_surfaces(const ContactSet& set, const Group& 
     return size;
 }
 
+// m: a way of the proxy that no surface has let go for.
+double CurvedStage::explained(const ContactSet& set, const ContactSolution& to,
+                              double motion) const noexcept {
+    double speed = 0;
+    for (std::uint32_t k = 0; k < to.active.count; ++k) {
+        const Owner owner = sets_.arena().owner[set.begin + to.active.plane[k]];
+        if (owner != bridge_owner) speed = std::max(speed, state_.records[owner].velocity.norm());
+    }
+    return most_per_motion * (motion + speed * state_.limits.period);
+}
+
+bool CurvedStage::any_curved(const ContactSet& set, const ActiveSet& active) const noexcept {
+    for (std::uint32_t k = 0; k < active.count; ++k) {
+        const Owner owner = sets_.arena().owner[set.begin + active.plane[k]];
+        if (owner == bridge_owner || state_.records[owner].stands) continue;
+        if (kind_ops()[state_.records[owner].kind].curved) return true;
+    }
+    return false;
+}
+
 // False: the surfaces contradict each other, as far as their planes show it.
-bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& layer, double worst) noexcept {
-    const Arena& a = arenas_[arena_];
-    const Vector3d& p = group.probe.position;
+bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept {
+    const Arena& a = sets_.arena();
+    const Vector3d& p = probe.position;
     const bool softest = &layer == set.layer.data();
     const ContactPlanes planes{&a.nx[set.begin], &a.ny[set.begin], &a.nz[set.begin], &a.s[set.begin],
                                layer.count};
@@ -182,35 +204,18 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
     layer.far = layer.solution.dx.norm();
     layer.joined = false;
     // The hand has come from nearer than it was held: else it begins where the planes meet.
-    const CurvedStart* const start = start_of(layer);
+    const CurvedStart* const start = start_of(layer, state_.clock);
     const double motion = start ? (p - start->p).norm() : 0;
     bool warm = start && start->active.count > 0 && start->dx.norm() >= motion;
-    const auto explained = [&](const ContactSolution& to) {  // m: a way of x that no surface has let go for
-        double speed = 0;
-        for (std::uint32_t k = 0; k < to.active.count; ++k) {
-            const Owner owner = a.owner[set.begin + to.active.plane[k]];
-            if (owner != bridge_owner) speed = std::max(speed, record(owner).velocity.norm());
-        }
-        return most_per_motion * (motion + speed * limits_.period);
-    };
     // Where the planes' solution lies farther off, it is another place, though nearer: the one that holds goes on.
     // Not so one that holds alone, as it did, nor what is flat: they answer as if there were no other.
-    const auto is_curved = [&](std::uint32_t plane) {
-        const Owner owner = a.owner[set.begin + plane];
-        return owner != bridge_owner && !record(owner).stands && kind_ops()[record(owner).kind].curved;
-    };
-    const auto any_curved = [&](const ActiveSet& active) {
-        for (std::uint32_t k = 0; k < active.count; ++k)
-            if (is_curved(active.plane[k])) return true;
-        return false;
-    };
     const bool alone = warm && layer.solution.active.count == 1 && start->active.count == 1 &&
                        layer.solution.active.plane[0] == start->active.plane[0];
-    const bool flat = warm && !any_curved(layer.solution.active) && !any_curved(start->active);
+    const bool flat = warm && !any_curved(set, layer.solution.active) && !any_curved(set, start->active);
     const bool jumps = warm && !alone && !flat &&
                        (layer.solution.dx - start->dx + (p - start->p)).norm() >
-                           explained(layer.solution) + world_length(least_jump, limits_);
-    if (feasible && !jumps && !meet_elsewhere(set, group, layer)) return true;
+                           explained(set, layer.solution, motion) + world_length(least_jump, state_.limits);
+    if (feasible && !jumps && !meet_elsewhere(set, probe, layer)) return true;
 
     ContactSolution at = layer.solution;
     if (warm) {
@@ -219,13 +224,13 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         at.multiplier = start->multiplier;
     }
     const double most = 2 * std::max(layer.far, at.dx.norm());  // m: no farther, whatever happens
-    const double exact = world_length(exact_of_hand, limits_);
+    const double exact = world_length(exact_of_hand, state_.limits);
     double within = most;
     bool done = false;
     std::array<Vec3, 3> normals{};
     for (std::uint32_t round = 0; round < max_curved_rounds && !done; ++round) {
-        ++curved_rounds_;
-        const std::uint32_t size = list_near_surfaces(set, group, layer, at.dx, within);
+        ++state_.work.curved_rounds;
+        const std::uint32_t size = list_near_surfaces(set, probe, layer, at.dx, within);
         const std::span<NearSurface> near(near_surfaces_.data(), size);
         for (NearSurface& surface : near) {
             surface.pushes = 0;
@@ -256,7 +261,7 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         bool missed = false;  // one that the step did not touch may bend into it
         for (const NearSurface& surface : near) {
             if (!surface.curved) continue;
-            const double by = std::max(least_bend / limits_.metre, surface.at.bend.norm());
+            const double by = std::max(least_bend / state_.limits.metre, surface.at.bend.norm());
             if (surface.holds || surface.pushes != 0) {
                 bend = std::max(bend, by);
                 change += std::abs(surface.pushes);
@@ -280,7 +285,8 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
         const Vector3d from = start->dx + (start->p - p), way = at.dx - from;
         const double length = way.norm();
         const double room =
-            std::max(explained(at), world_length(policy_.rise_speed, limits_) * limits_.period);
+            std::max(explained(set, at, motion),
+                     world_length(state_.policy.rise_speed, state_.limits) * state_.limits.period);
         if (length > room) at.dx = from + (room / length) * way;
     }
     at.status = ContactSolution::Status::solved;
@@ -292,37 +298,37 @@ bool SceneCore::solve_curved_layer(ContactSet& set, const Group& group, Layer& l
     return true;
 }
 
-bool SceneCore::solve_curved(ContactSet& set, const Group& group, Layer& layer, double worst) noexcept {
-    if (step_ > 0 && layer.reached[layer.newest].cycle != cycle_) {
-        layer.started = start_of(layer) != nullptr;
+bool CurvedStage::solve(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept {
+    if (state_.clock.step > 0 && layer.reached[layer.newest].cycle != state_.clock.cycle) {
+        layer.started = start_of(layer, state_.clock) != nullptr;
         layer.newest ^= 1u;
-        layer.reached[layer.newest].cycle = cycle_;
+        layer.reached[layer.newest].cycle = state_.clock.cycle;
     }
-    const bool feasible = solve_curved_layer(set, group, layer, worst);
-    if (step_ > 0) {
+    const bool feasible = solve_layer(set, probe, layer, worst);
+    if (state_.clock.step > 0) {
         CurvedStart& reached = layer.reached[layer.newest];
         reached.dx = layer.solution.dx;
-        reached.p = group.probe.position;
+        reached.p = probe.position;
         reached.active = layer.solution.active;
         reached.multiplier = layer.solution.multiplier;
-        reached.cycle = cycle_;
+        reached.cycle = state_.clock.cycle;
     }
     return feasible;
 }
 
 // At the end of a cycle: within it a surface that is asked again answers the same.
-void SceneCore::lean(const ContactSet& set, const Group& group) noexcept {
-    const Arena& a = arenas_[arena_];
+void CurvedStage::lean(const ContactSet& set, const Probe& probe) noexcept {
+    const Arena& a = sets_.arena();
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         const Layer& layer = set.layer[j];
         if (layer.solution.active.count < 2) continue;
-        Probe there = group.probe;
+        Probe there = probe;
         there.position = layer.proxy;
         for (std::uint32_t k = 0; k < layer.solution.active.count; ++k) {
             const Owner owner = a.owner[set.begin + layer.solution.active.plane[k]];
             if (owner == bridge_owner) continue;
-            const KindOps& ops = kind_ops()[record(owner).kind];
-            if (ops.curved) ops.lean(record(owner), there);
+            const KindOps& ops = kind_ops()[state_.records[owner].kind];
+            if (ops.curved) ops.lean(state_.records[owner], there);
         }
     }
 }

@@ -1,107 +1,238 @@
-// Effects add up; each fades by itself.
-
+#include <algorithm>
 #include <new>
 
 #include "clamped.hpp"
-#include "scene_core.hpp"
+#include "effect_stage.hpp"
 
 namespace knurl::detail {
 
-void SceneCore::start_effect_fade(std::uint32_t i, Slot::From from, double time) noexcept {
-    Slot& slot = slots_[i];
-    const bool listed = slot.from != Slot::From::none;
+EffectStage::EffectStage(SceneState& state)
+    : state_(state),
+      candidates_(state.slots.size(), state.probes.size()),
+      effects_state_(state.slots.size()),
+      effects_(empty_list(state.slots.size())),
+      fading_(empty_list(state.slots.size())),
+      springs_(state.probes.size()),
+      by_kind_(empty_list(state.slots.size())) {
+    active_kinds_.reserve(Representations::size);
+}
+
+void EffectStage::reset() noexcept {
+    std::fill(effects_state_.begin(), effects_state_.end(), EffectState{});
+    for (CollapsedSprings& springs : springs_) springs.clear();
+    candidates_.reset();
+    effects_.clear();
+    fading_.clear();
+    by_kind_.clear();
+    active_kinds_.clear();
+    kind_begin_ = {};
+    collapsed_ = 0;
+    bound_ = {};
+    bound_stale_ = false;
+    edited_ = true;
+}
+
+bool EffectStage::change(std::uint32_t i, Record* previous, bool is, bool same) noexcept {
+    const bool keeps_old = fade_in(i, previous, is, same);
+    if (is && effects_state_[i].evaluated != is_needed(i)) edited_ = true;
+    return keeps_old;
+}
+
+bool EffectStage::fade_in(std::uint32_t i, Record* previous, bool is, bool same) noexcept {
+    EffectState& effect = effects_state_[i];
+    const Record& now = state_.records.felt(i);
+    const KindOps& ops = kind_ops()[now.kind];
+    bound_stale_ = true;
+    if (is) candidates_.place(i, now);
+    if (is && !previous) join(effects_, i, effect.place);
+    if (previous && !is)
+        leave(effects_, i,
+              [this](std::uint32_t slot) -> std::uint32_t& { return effects_state_[slot].place; });
+    if (is != (previous != nullptr) || previous->kind != now.kind || now.kind == kind_of<Spring>)
+        edited_ = true;
+
+    if (same && ops.carry(*previous, now)) {
+        // All that changed moves by itself. A fade in progress goes on, its old end moving along.
+        if (effect.from == FadeFrom::record && effect.carries) ops.carry(state_.records.faded(i), now);
+        return false;
+    }
+    const double time = state_.settles ? 0 : fade_time(is ? now : *previous, state_.policy);
+    if (effect.from != FadeFrom::none) {  // overtaken: on from the wrench of this moment
+        effect.frozen = effect.last;
+        start_fade(i, FadeFrom::frozen, time);
+    } else if (previous) {
+        copy(*previous, state_.records.faded(i));
+        effect.carries = same;
+        start_fade(i, FadeFrom::record, time);
+        return true;
+    } else {
+        start_fade(i, FadeFrom::nothing, time);
+    }
+    return false;
+}
+
+void EffectStage::release_old(std::uint32_t i) noexcept {
+    EffectState& effect = effects_state_[i];
+    if (effect.from != FadeFrom::record) return;
+    effect.frozen = effect.remnant;
+    effect.from = FadeFrom::frozen;
+    effect.time -= effect.elapsed;
+    effect.elapsed = 0;
+}
+
+void EffectStage::replace_probes(std::uint32_t probes) noexcept {
+    for_each_bit(probes, [this](std::uint32_t p) { candidates_.expire(p); });
+    bound_stale_ = bound_stale_ || !effects_.empty();
+    for (const std::uint32_t i : effects_) {
+        Record& r = state_.records.felt(i);
+        if ((probes >> r.probe & 1) == 0) continue;
+        EffectState& effect = effects_state_[i];
+        const ProbeState& probe = state_.probes[r.probe];
+        if (!effect.evaluated) edited_ = true;
+        if (effect.collapsed) {
+            effect.last = at_hand(kind_ops()[r.kind].evaluate(r, probe.probe, 0), probe);
+            edited_ = true;
+        }
+        effect.frozen = effect.last;
+        start_fade(i, FadeFrom::frozen, state_.policy.automatic);
+    }
+}
+
+void EffectStage::update() noexcept {
+    for_each_bit(candidates_.probes(), [this](std::uint32_t p) {
+        if (!candidates_.expired(p)) return;
+        candidates_.collect(p, effects_, state_);
+        edited_ = true;
+    });
+    if (edited_) list();
+    if (bound_stale_) bound_all();
+}
+
+void EffectStage::start_fade(std::uint32_t i, FadeFrom from, double time) noexcept {
+    EffectState& effect = effects_state_[i];
+    const bool listed = effect.from != FadeFrom::none;
     if (!(time > 0) && !listed) {
-        slot.gain = 1;
+        effect.gain = 1;
         return;
     }
-    slot.from = from;  // a listed one that is to end at once does so when the fades are advanced
-    slot.elapsed = 0;
-    slot.time = time;
-    if (!listed) fading_[fading_size_++] = i;
+    effect.from = from;  // a listed one that is to end at once does so when the fades are advanced
+    effect.elapsed = 0;
+    effect.time = time;
+    if (!listed) fading_.push_back(i);
+}
+
+// One that fades is evaluated, as its old end is. What a silence has taken away stays so until it is asked to move.
+bool EffectStage::is_needed(std::uint32_t i) const noexcept {
+    if (effects_state_[i].from != FadeFrom::none) return true;
+    if (!candidates_.may_be_near(i)) return false;
+    const Record& r = state_.records.felt(i);
+    const KindOps& ops = kind_ops()[r.kind];
+    const bool gives_nothing = (r.weight == 0 && !state_.silence.moves) || ops.powerless(r);
+    return !(gives_nothing && ops.arrived(r));
 }
 
 // A spring that nobody asks about, that has no state of its own at the moment and that no fade scales, nor a
 // silence.
-bool SceneCore::may_collapse(std::uint32_t i) const noexcept {
-    const Record& r = felt(i);
-    if (r.kind != kind_of<Spring> || r.use.feedback != 0 || slots_[i].from != Slot::From::none ||
-        r.weight != 1 || (weights_move_ && r.use.on_silence != OnSilence::hold))
+bool EffectStage::may_collapse(std::uint32_t i) const noexcept {
+    const Record& r = state_.records.felt(i);
+    if (r.kind != kind_of<Spring> || r.use.feedback != 0 || effects_state_[i].from != FadeFrom::none ||
+        r.weight != 1 || (state_.silence.moves && r.use.on_silence != OnSilence::hold))
         return false;
     return CollapsedSprings::takes(*std::launder(reinterpret_cast<const Spring*>(r.params)),
                                    *std::launder(reinterpret_cast<const Spring::State*>(r.state)));
 }
 
 // The felt effects grouped by kind, and the kinds that there are; springs that can be one, made one.
-void SceneCore::list_effects() noexcept {
-    for (std::uint32_t rest = collapsed_used_; rest != 0; rest &= rest - 1)
-        groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))].springs.clear();
-    collapsed_used_ = 0;
+void EffectStage::list() noexcept {
+    for_each_bit(collapsed_, [this](std::uint32_t p) { springs_[p].clear(); });
+    collapsed_ = 0;
     std::array<std::uint32_t, Representations::size + 1> next{};
-    for (std::uint32_t e = 0; e < effects_size_; ++e) {
-        const std::uint32_t i = effects_[e];
-        const Record& r = felt(i);
-        Slot& slot = slots_[i];
-        slot.asked = to_be_asked(i);
-        slot.collapsed = slot.asked && may_collapse(i);
-        if (!slot.asked) {
-            slot.last = Wrench{};
-        } else if (slot.collapsed) {
-            groups_[r.probe].springs.add(
-                *std::launder(reinterpret_cast<const Spring*>(r.params)),
-                std::launder(reinterpret_cast<const Spring::State*>(r.state))->anchor);
-            collapsed_used_ |= 1u << r.probe;
+    for (const std::uint32_t i : effects_) {
+        const Record& r = state_.records.felt(i);
+        EffectState& effect = effects_state_[i];
+        effect.evaluated = is_needed(i);
+        effect.collapsed = effect.evaluated && may_collapse(i);
+        if (!effect.evaluated) {
+            effect.last = Wrench{};
+        } else if (effect.collapsed) {
+            springs_[r.probe].add(*std::launder(reinterpret_cast<const Spring*>(r.params)),
+                                  std::launder(reinterpret_cast<const Spring::State*>(r.state))->anchor);
+            collapsed_ |= 1u << r.probe;
         } else {
             ++next[r.kind + 1];
         }
     }
     for (std::size_t k = 0; k < Representations::size; ++k) next[k + 1] += next[k];
     kind_begin_ = next;
-    for (std::uint32_t e = 0; e < effects_size_; ++e) {
-        if (slots_[effects_[e]].asked && !slots_[effects_[e]].collapsed)
-            by_kind_[next[felt(effects_[e]).kind]++] = effects_[e];
+    by_kind_.resize(next.back());
+    for (const std::uint32_t i : effects_) {
+        if (effects_state_[i].evaluated && !effects_state_[i].collapsed)
+            by_kind_[next[state_.records.felt(i).kind]++] = i;
     }
-    active_kinds_size_ = 0;
+    active_kinds_.clear();
     for (Kind k = 0; k < Representations::size; ++k) {
-        if (kind_begin_[k + 1] > kind_begin_[k]) active_kinds_[active_kinds_size_++] = k;
+        if (kind_begin_[k + 1] > kind_begin_[k]) active_kinds_.push_back(k);
     }
-    effects_edited_ = false;
-    told_.relisted = true;
+    edited_ = false;
+    bound_stale_ = true;
+    state_.feedback_relisted = true;
 }
 
-Wrench SceneCore::at_hand(const Wrench& at_probe, const Group& group) const noexcept {
-    Wrench w{clamped(at_probe.force, limits_.max_force), clamped(at_probe.torque, limits_.max_torque)};
-    if (group.placement.offset != Vec3{}) w.torque += group.arm.cross(w.force);
+Demand EffectStage::bound_of(const Record& r) const noexcept {
+    const KindOps& ops = kind_ops()[r.kind];
+    if (ops.load_bound == nullptr) return {};
+    const double turned = 1 + state_.shares.turning * state_.probes[r.probe].arm.squaredNorm();
+    const Demand bound = ops.load_bound(r, state_.limits);
+    return {turned * bound.stiffness, turned * bound.damping};
+}
+
+void EffectStage::bound_all() noexcept {
+    bound_ = {};
+    for (const std::uint32_t i : effects_) {
+        if (!effects_state_[i].evaluated) continue;
+        const Demand bound = bound_of(state_.records.felt(i));
+        bound_.stiffness += bound.stiffness;
+        bound_.damping += bound.damping;
+    }
+    bound_stale_ = false;
+}
+
+Wrench EffectStage::at_hand(const Wrench& at_probe, const ProbeState& probe) const noexcept {
+    const Limits& limits = state_.limits;
+    Wrench w{clamped(at_probe.force, limits.max_force), clamped(at_probe.torque, limits.max_torque)};
+    if (probe.placement.offset != Vec3{}) w.torque += probe.arm.cross(w.force);
     return w;
 }
 
-void SceneCore::advance_effect_fades(double dt, Wrench& sum) noexcept {
-    for (std::uint32_t f = 0; f < fading_size_;) {
+void EffectStage::advance_fades(double dt, Wrench& sum) noexcept {
+    for (std::size_t f = 0; f < fading_.size();) {
         const std::uint32_t i = fading_[f];
-        Slot& slot = slots_[i];
-        slot.elapsed += dt;
-        if (slot.elapsed >= slot.time * (1 - 1e-9)) {
-            slot.from = Slot::From::none;
-            slot.gain = 1;
-            slot.remnant = slot.last = Wrench{};
-            effects_edited_ = effects_edited_ || felt(i).kind == kind_of<Spring> || !to_be_asked(i);
-            fading_[f] = fading_[--fading_size_];
+        EffectState& effect = effects_state_[i];
+        effect.elapsed += dt;
+        if (effect.elapsed >= effect.time * (1 - 1e-9)) {
+            effect.from = FadeFrom::none;
+            effect.gain = 1;
+            effect.remnant = effect.last = Wrench{};
+            edited_ = edited_ || state_.records.felt(i).kind == kind_of<Spring> || !is_needed(i);
+            fading_[f] = fading_.back();
+            fading_.pop_back();
             continue;
         }
-        slot.gain = slot.elapsed / slot.time;
-        slot.remnant = Wrench{};
-        if (slot.from == Slot::From::record) {
-            Record& old = faded(i);
-            const Group& group = groups_[old.probe];
+        effect.gain = effect.elapsed / effect.time;
+        effect.remnant = Wrench{};
+        if (effect.from == FadeFrom::record) {
+            Record& old = state_.records.faded(i);
+            const ProbeState& probe = state_.probes[old.probe];
             const KindOps& ops = kind_ops()[old.kind];
             const double step = own_step(old, ops.arrived(old), dt);
-            slot.remnant =
-                ((1 - slot.gain) * old.weight) * at_hand(ops.evaluate(old, group.probe, step), group);
-            ++evaluated_;
-        } else if (slot.from == Slot::From::frozen) {
-            slot.remnant = (1 - slot.gain) * slot.frozen;
+            effect.remnant =
+                ((1 - effect.gain) * old.weight) * at_hand(ops.evaluate(old, probe.probe, step), probe);
+            ++state_.work.evaluated;
+        } else if (effect.from == FadeFrom::frozen) {
+            effect.remnant = (1 - effect.gain) * effect.frozen;
         }
-        slot.last = slot.remnant;  // those that still have an effect add theirs
-        sum += slot.remnant;
+        effect.last = effect.remnant;  // those that still have an effect add theirs
+        sum += effect.remnant;
         ++f;
     }
 }
@@ -117,37 +248,31 @@ void scale_velocity(Probe& probe, double scale) noexcept {
 
 }  // namespace
 
-void SceneCore::evaluate_effects(double dt, Wrench& sum) noexcept {
-    if (scales_ == HandScales{}) return evaluate_effects_at(dt, sum);
+void EffectStage::evaluate(double dt, Wrench& sum) noexcept {
+    const HandScales& scales = state_.scales;
+    if (scales == HandScales{}) return evaluate_at_probes(dt, sum);
     std::array<Probe, Scene::max_probes> probes;
-    for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
-        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
-        probes[p] = groups_[p].probe;
-        scale_velocity(groups_[p].probe, scales_.damping / scales_.effects);
-    }
+    for_each_bit(state_.probes_used, [&](std::uint32_t p) {
+        probes[p] = state_.probes[p].probe;
+        scale_velocity(state_.probes[p].probe, scales.damping / scales.effects);
+    });
     Wrench effects;
-    evaluate_effects_at(dt, effects);
-    sum += scales_.effects * effects;
-    for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
-        const auto p = static_cast<std::uint32_t>(__builtin_ctz(rest));
-        groups_[p].probe = probes[p];
-    }
+    evaluate_at_probes(dt, effects);
+    sum += scales.effects * effects;
+    for_each_bit(state_.probes_used, [&](std::uint32_t p) { state_.probes[p].probe = probes[p]; });
 }
 
-void SceneCore::evaluate_effects_at(double dt, Wrench& sum) noexcept {
-    if (fading_size_ > 0) advance_effect_fades(dt, sum);
-    for (std::uint32_t k = 0; k < active_kinds_size_; ++k) {
-        const Kind kind = active_kinds_[k];
+void EffectStage::evaluate_at_probes(double dt, Wrench& sum) noexcept {
+    if (!fading_.empty()) advance_fades(dt, sum);
+    for (const Kind kind : active_kinds_) {
         const std::uint32_t begin = kind_begin_[kind], end = kind_begin_[kind + 1];
-        kind_ops()[kind].evaluate_all(*this, std::span<const std::uint32_t>(&by_kind_[begin], end - begin),
-                                      dt, sum);
-        evaluated_ += end - begin;
+        kind_ops()[kind].evaluate_all(*this, {&by_kind_[begin], end - begin}, dt, sum);
+        state_.work.evaluated += end - begin;
     }
-    for (std::uint32_t rest = collapsed_used_; rest != 0; rest &= rest - 1) {
-        const Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        sum += at_hand(group.springs.evaluate(group.probe), group);
-        evaluated_ += group.springs.count();
-    }
+    for_each_bit(collapsed_, [&](std::uint32_t p) {
+        sum += at_hand(springs_[p].evaluate(state_.probes[p].probe), state_.probes[p]);
+        state_.work.evaluated += springs_[p].count();
+    });
 }
 
 }  // namespace knurl::detail

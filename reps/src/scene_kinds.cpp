@@ -4,8 +4,9 @@
 #include <new>
 
 #include "clamped.hpp"
+#include "effect_stage.hpp"
+#include "kind_ops.hpp"
 #include "ranges.hpp"
-#include "scene_core.hpp"
 
 namespace knurl::detail {
 namespace {
@@ -287,24 +288,15 @@ struct Ops {
             return {};
         }
     }
-    // One call per kind in the scene: a kind that nobody uses is not even asked.
-    static void evaluate_all(SceneCore& scene, std::span<const std::uint32_t> slots, double dt,
+    static void evaluate_all(EffectStage& stage, std::span<const std::uint32_t> slots, double dt,
                              Wrench& sum) noexcept {
         if constexpr (Effect<R>) {
-            for (const std::uint32_t i : slots) {
-                Record& r = scene.felt(i);
-                Slot& slot = scene.slots_[i];
-                const Group& group = scene.groups_[r.probe];
-                const bool under_way = !arrived_by_now(r);
-                const double step = scene.own_step(r, !under_way, dt);
-                const Wrench w =
-                    scene.at_hand(evaluate(params_of<R>(r), state_of<R>(r), group.probe, step), group);
-                slot.last = (slot.gain * r.weight) * w;
-                sum += slot.last;
-                if (slot.from != Slot::From::none) slot.last += slot.remnant;
-                // It may be one with others, or cost nothing, from now on.
-                if (under_way && arrived_by_now(r)) scene.effects_edited_ = true;
-            }
+            stage.evaluate_each(
+                slots, dt, sum,
+                [](Record& r, const Probe& probe, double step) {
+                    return evaluate(params_of<R>(r), state_of<R>(r), probe, step);
+                },
+                arrived_by_now);
         }
     }
 };

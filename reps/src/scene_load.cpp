@@ -1,10 +1,7 @@
-// How stiff and how damped the hand feels the scene: of the contacts as they were solved, of the effects where the
-// probes are.
-
 #include <algorithm>
 #include <cmath>
 
-#include "scene_core.hpp"
+#include "load_stage.hpp"
 
 namespace knurl::detail {
 
@@ -35,10 +32,10 @@ Matrix3d held_directions(const ContactSet& set, const ActiveSet& active, const A
 
 }  // namespace
 
-Demand SceneCore::bound_of(const ContactSet& set) const noexcept {
+Demand LoadStage::bound_of(const ContactSet& set) const noexcept {
     Demand bound;
     if (!set.touching) return bound;
-    const Arena& a = arenas_[arena_];
+    const Arena& a = sets_.arena();
     if (const Layer* top = hardest_that_holds(set)) {
         bound.stiffness = top->stiffness;
         const ActiveSet& active = top->solution.active;
@@ -47,34 +44,38 @@ Demand SceneCore::bound_of(const ContactSet& set) const noexcept {
     }
     for (std::uint32_t i = set.begin + set.count; i < set.begin + set.count + set.summed; ++i) {
         if (!(a.s[i] > 0)) continue;
-        bound.stiffness += record(a.owner[i]).stiffness;
+        bound.stiffness += state_.records[a.owner[i]].stiffness;
         bound.damping += a.b[i];
     }
     return bound;
 }
 
-Demand SceneCore::bound_of(const Group& group) const noexcept {
-    Demand bound = bound_of(group.now);
-    if (group.fading) {
-        const Demand old = bound_of(group.old);
+Demand LoadStage::bound_of(std::uint32_t p) const noexcept {
+    const ContactState& contact = sets_[p];
+    Demand bound = bound_of(contact.now);
+    if (contact.fade.under_way) {
+        const Demand old = bound_of(contact.old);
         bound = {std::max(bound.stiffness, old.stiffness), std::max(bound.damping, old.damping)};
     }
-    if (group.rough && group.friction.held) {
+    const TangentialState& tangential = contact.tangential;
+    if (tangential.rough && tangential.friction.held) {
         // Friction acts across the force. That is across all planes that hold where they are solved as one.
-        const bool across = !group.fading && group.now.summed == 0 && group.now.layers == 1;
-        const auto with = [&](double normal, double tangential) {
-            return across ? std::max(normal, tangential) : normal + tangential;
+        const bool across = !contact.fade.under_way && contact.now.summed == 0 && contact.now.layers == 1;
+        const auto with = [&](double normal, double along) {
+            return across ? std::max(normal, along) : normal + along;
         };
-        bound = {with(bound.stiffness, group.friction.stiffness), with(bound.damping, group.law.viscous)};
+        bound = {with(bound.stiffness, tangential.friction.stiffness),
+                 with(bound.damping, tangential.law.viscous)};
     }
-    const double turned = 1 + shares_.turning * group.arm.squaredNorm();
-    return {shares_.stiffness * turned * bound.stiffness, shares_.damping * turned * bound.damping};
+    const Shares& shares = state_.shares;
+    const double turned = 1 + shares.turning * state_.probes[p].arm.squaredNorm();
+    return {shares.stiffness * turned * bound.stiffness, shares.damping * turned * bound.damping};
 }
 
 // F = sum_j (k_j - k_{j-1}) (x_j - p), and x_j follows p along all that its planes do not hold.
-void SceneCore::add_load(const ContactSet& set, double share, HandLoad& load) const noexcept {
+void LoadStage::add(const ContactSet& set, double share, HandLoad& load) const noexcept {
     if (!set.touching) return;
-    const Arena& a = arenas_[arena_];
+    const Arena& a = sets_.arena();
     const double scale = share * set.scale;
     auto stiffness = load.stiffness.topLeftCorner<3, 3>();
     auto damping = load.damping.topLeftCorner<3, 3>();
@@ -95,129 +96,107 @@ void SceneCore::add_load(const ContactSet& set, double share, HandLoad& load) co
     }
     for (std::uint32_t i = set.begin + set.count; i < set.begin + set.count + set.summed; ++i) {
         if (!(a.s[i] > 0)) continue;
-        const Record& r = record(a.owner[i]);
+        const Record& r = state_.records[a.owner[i]];
         const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
         stiffness += scale * r.stiffness * (set.scale == 1 ? r.weight : 1) * n * n.transpose();
         damping += scale * a.b[i] * n * n.transpose();
     }
 }
 
-// At the probe.
-HandLoad SceneCore::load_of(const Group& group) const noexcept {
+HandLoad LoadStage::at_probe(const ContactState& contact) const noexcept {
     HandLoad load;
-    const double s = group.fading ? group.elapsed / group.time : 1;
-    add_load(group.now, s, load);
-    if (group.fading) add_load(group.old, 1 - s, load);
-    if (group.rough && group.friction.held) {
-        const Tangent& tangent = group.tangent;
-        Matrix3d along = Matrix3d::Zero();
-        if (tangent.dimensions == 2)
-            along = Matrix3d::Identity() - tangent.normal * tangent.normal.transpose();
-        if (tangent.dimensions == 1) along = tangent.line * tangent.line.transpose();
-        load.stiffness.topLeftCorner<3, 3>() += group.friction.stiffness * along;
-        load.damping.topLeftCorner<3, 3>() += group.law.viscous * along;
-    }
+    const double s = contact.fade.share_of_new();
+    add(contact.now, s, load);
+    if (contact.fade.under_way) add(contact.old, 1 - s, load);
+    const TangentialState& tangential = contact.tangential;
+    if (!tangential.rough || !tangential.friction.held) return load;
+    const Tangent& tangent = tangential.tangent;
+    Matrix3d along = Matrix3d::Zero();
+    if (tangent.dimensions == 2) along = Matrix3d::Identity() - tangent.normal * tangent.normal.transpose();
+    if (tangent.dimensions == 1) along = tangent.line * tangent.line.transpose();
+    load.stiffness.topLeftCorner<3, 3>() += tangential.friction.stiffness * along;
+    load.damping.topLeftCorner<3, 3>() += tangential.law.viscous * along;
     return load;
 }
 
-Demand SceneCore::bound_of(const Record& effect) const noexcept {
-    const KindOps& ops = kind_ops()[effect.kind];
-    if (ops.load_bound == nullptr) return {};
-    const double turned = 1 + shares_.turning * groups_[effect.probe].arm.squaredNorm();
-    const Demand bound = ops.load_bound(effect, limits_);
-    return {turned * bound.stiffness, turned * bound.damping};
-}
-
-void SceneCore::bound_effects() noexcept {
-    effects_bound_ = {};
-    for (std::uint32_t e = 0; e < effects_size_; ++e) {
-        if (!slots_[effects_[e]].asked) continue;
-        const Demand bound = bound_of(felt(effects_[e]));
-        effects_bound_.stiffness += bound.stiffness;
-        effects_bound_.damping += bound.damping;
-    }
-    effects_bound_stale_ = false;
-}
-
-}  // namespace knurl::detail
-
-namespace knurl {
-
-using namespace detail;
-
-LoadBound Scene::load_bound() const noexcept {
-    const SceneCore& core = *impl_;
-    LoadBound bound{.surfaces = core.surfaces_size_ > 0};
-    for (std::uint32_t rest = core.contacts_used_; rest != 0; rest &= rest - 1) {
-        const Demand group = core.bound_of(core.groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))]);
-        bound.contacts += group.stiffness;
-        bound.damping += group.damping;
-    }
+LoadBound LoadStage::bound() const noexcept {
+    LoadBound bound{.surfaces = !sets_.surfaces().empty()};
+    for_each_bit(sets_.probes(), [&](std::uint32_t p) {
+        const Demand of_probe = bound_of(p);
+        bound.contacts += of_probe.stiffness;
+        bound.damping += of_probe.damping;
+    });
     const auto add_effects = [&](const Demand& demand) {
         bound.effects += demand.stiffness;
         bound.damping += demand.damping;
     };
-    if (core.effects_size_ > 0) add_effects(core.effects_bound_);
-    for (std::uint32_t f = 0; f < core.fading_size_; ++f) {
-        if (core.slots_[core.fading_[f]].from == Slot::From::record)
-            add_effects(core.bound_of(core.faded(core.fading_[f])));
+    if (!effects_.effects().empty()) add_effects(effects_.bound());
+    for (const std::uint32_t i : effects_.fading()) {
+        if (effects_[i].from == FadeFrom::record) add_effects(effects_.bound_of(state_.records.faded(i)));
     }
     return bound;
 }
 
-SceneLoad Scene::load() const noexcept {
-    const SceneCore& core = *impl_;
-    HandLoad contacts, effects;
-    const auto has_arm = [&core](const Group& group) {  // that matters: of rotation nothing may be known
-        return core.shares_.turning > 0 && group.placement.offset != Vec3{};
-    };
-    const auto add = [&](HandLoad& sum, const HandLoad& at_probe, const Group& group) {
-        sum += has_arm(group) ? moved_by(at_probe, group.arm) : at_probe;
-    };
-    // What the arm of a force adds, which turns with the hand.
-    const auto turn = [&](HandLoad& sum, const Eigen::Vector3d& force, const Group& group) {
-        if (has_arm(group)) sum.stiffness.bottomRightCorner<3, 3>() += turned_force(group.arm, force);
-    };
-    for (std::uint32_t rest = core.contacts_used_; rest != 0; rest &= rest - 1) {
-        const Group& group = core.groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        add(contacts, core.load_of(group), group);
-        turn(contacts, group.force + group.along, group);
-    }
+/// One that matters: of rotation nothing may be known.
+bool LoadStage::has_arm(std::uint32_t p) const noexcept {
+    return state_.shares.turning > 0 && state_.probes[p].placement.offset != Vec3{};
+}
+
+void LoadStage::move_to_hand(HandLoad& sum, const HandLoad& at_probe, std::uint32_t p) const noexcept {
+    sum += has_arm(p) ? moved_by(at_probe, state_.probes[p].arm) : at_probe;
+}
+
+/// What the arm of a force adds, which turns with the hand.
+void LoadStage::turn(HandLoad& sum, const Vector3d& force, std::uint32_t p) const noexcept {
+    if (has_arm(p)) sum.stiffness.bottomRightCorner<3, 3>() += turned_force(state_.probes[p].arm, force);
+}
+
+HandLoad LoadStage::of_contacts() const noexcept {
+    HandLoad sum;
+    for_each_bit(sets_.probes(), [&](std::uint32_t p) {
+        const ContactState& contact = sets_[p];
+        move_to_hand(sum, at_probe(contact), p);
+        turn(sum, contact.force + contact.tangential.along, p);
+    });
+    return sum;
+}
+
+HandLoad LoadStage::of_effects() const noexcept {
+    HandLoad sum;
+    const Records& records = state_.records;
     const auto add_effect = [&](const Record& r, double share) {
         const KindOps& ops = kind_ops()[r.kind];
-        const Group& group = core.groups_[r.probe];
-        if (ops.load != nullptr && share > 0) add(effects, share * ops.load(r, group.probe), group);
+        if (ops.load != nullptr && share > 0)
+            move_to_hand(sum, share * ops.load(r, state_.probes[r.probe].probe), r.probe);
     };
     const auto add_old = [&](std::uint32_t i) {
-        const Slot& slot = core.slots_[i];
-        if (slot.from == Slot::From::record)
-            add_effect(core.faded(i), (1 - slot.gain) * core.faded(i).weight);
+        if (effects_[i].from == FadeFrom::record)
+            add_effect(records.faded(i), (1 - effects_[i].gain) * records.faded(i).weight);
     };
-    for (std::uint32_t e = 0; e < core.effects_size_; ++e) {
-        const std::uint32_t i = core.effects_[e];
-        const Slot& slot = core.slots_[i];
-        if (!slot.asked) continue;
-        add_effect(core.felt(i), slot.gain * core.felt(i).weight);
-        if (!slot.collapsed) turn(effects, slot.last.force, core.groups_[core.felt(i).probe]);
+    for (const std::uint32_t i : effects_.effects()) {
+        const EffectState& effect = effects_[i];
+        if (!effect.evaluated) continue;
+        const Record& r = records.felt(i);
+        add_effect(r, effect.gain * r.weight);
+        if (!effect.collapsed) turn(sum, effect.last.force, r.probe);
         add_old(i);
     }
     // Those that are removed are faded out though they are no longer felt.
-    for (std::uint32_t f = 0; f < core.fading_size_; ++f)
-        if (!core.slots_[core.fading_[f]].felt) add_old(core.fading_[f]);
-    for (std::uint32_t rest = core.collapsed_used_; rest != 0; rest &= rest - 1) {
-        const Group& group = core.groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        turn(effects, group.springs.evaluate(group.probe).force, group);
+    for (const std::uint32_t i : effects_.fading()) {
+        if (!state_.slots[i].felt) add_old(i);
     }
-    const HandLoad of_contacts = as_shares(contacts, core.limits_),
-                   of_effects = as_shares(effects, core.limits_);
-    return {.contacts = of_contacts.stiffness,
-            .effects = of_effects.stiffness,
-            .damping = of_contacts.damping + of_effects.damping,
-            .surfaces = core.surfaces_size_ > 0};
+    for_each_bit(effects_.collapsed_probes(),
+                 [&](std::uint32_t p) { turn(sum, effects_.collapsed_wrench(p).force, p); });
+    return sum;
 }
 
-void Scene::set_scales(const HandScales& scales) noexcept {
-    impl_->scales_ = scales;
+SceneLoad LoadStage::load() const noexcept {
+    const HandLoad contacts = as_shares(of_contacts(), state_.limits),
+                   effects = as_shares(of_effects(), state_.limits);
+    return {.contacts = contacts.stiffness,
+            .effects = effects.stiffness,
+            .damping = contacts.damping + effects.damping,
+            .surfaces = !sets_.surfaces().empty()};
 }
 
-}  // namespace knurl
+}  // namespace knurl::detail

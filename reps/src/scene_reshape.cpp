@@ -5,15 +5,28 @@
 
 #include <algorithm>
 
-#include "scene_core.hpp"
+#include "contact_sets.hpp"
 
 namespace knurl::detail {
 
+void ContactSets::reshape(std::uint32_t i, double fade_time) noexcept {
+    const Record& next = state_.records.felt(i);
+    ContactState& contact = states_[next.probe];
+    // What still fades from `next` goes on as the bridge: the set is edited, and that interrupts its fade.
+    contact.change.fade_over(fade_time);
+    keep_old(i);
+    Slot& slot = slots_[i];
+    slot.new_in_fade = slot.old_in_fade = contact.fade.next_number();
+    edited_ = edited_ || next.stiffness != state_.records.faded(i).stiffness;
+    state_.feedback_edited = state_.feedback_edited || edited_;
+    reshaped_.push_back(i);
+}
+
 // As much as the new set takes, where there is less at the end of the arena: false if that is full.
-bool SceneCore::make_room_for_old(Group& group) noexcept {
-    Arena& a = arenas_[arena_];
-    const ContactSet& now = group.now;
-    ContactSet& old = group.old;
+bool ContactSets::make_room_for_old(ContactState& contact) noexcept {
+    Arena& a = arena();
+    const ContactSet& now = contact.now;
+    ContactSet& old = contact.old;
     if (old.room < now.room || old.room == 0) {
         const std::uint32_t room = std::max(now.room, 4u);
         if (a.used + room > a.owner.size()) return false;
@@ -30,10 +43,10 @@ bool SceneCore::make_room_for_old(Group& group) noexcept {
     return true;
 }
 
-void SceneCore::copy_to_old(Group& group) noexcept {
-    Arena& a = arenas_[arena_];
-    const ContactSet& now = group.now;
-    ContactSet& old = group.old;
+void ContactSets::copy_to_old(ContactState& contact) noexcept {
+    Arena& a = arena();
+    const ContactSet& now = contact.now;
+    ContactSet& old = contact.old;
     const auto copy = [&](auto& array) {
         std::copy_n(array.begin() + now.begin, now.count + now.summed, array.begin() + old.begin);
     };
@@ -57,14 +70,14 @@ void SceneCore::copy_to_old(Group& group) noexcept {
 }
 
 // By the bridge, or nothing.
-void SceneCore::replace_old(Group& group, std::uint32_t probe) noexcept {
-    Arena& a = arenas_[arena_];
-    ContactSet& old = group.old;
+void ContactSets::replace_old(std::uint32_t p) noexcept {
+    Arena& a = arena();
+    ContactSet& old = states_[p].old;
     const std::uint32_t used = a.used, moving_used = a.moving_used;
     const std::uint32_t room = old.room, moving_room = old.moving_room;
     a.used = old.begin;
     a.moving_used = old.moving_begin;
-    build(old, group, a, std::span<const Owner>(scratch_.data(), list_old(group, probe)));
+    build(old, p, a, list_old(p));
     old.room = room;
     old.moving_room = moving_room;
     a.used = used;
@@ -72,42 +85,37 @@ void SceneCore::replace_old(Group& group, std::uint32_t probe) noexcept {
 }
 
 // False: there is no room, and nothing has been done.
-bool SceneCore::reshape_sets() noexcept {
-    Arena& a = arenas_[arena_];
-    for (Group& group : groups_) {
-        if (group.edited && !make_room_for_old(group)) return false;
+bool ContactSets::reshape_sets(std::span<const std::uint32_t> renewed) noexcept {
+    for (ContactState& contact : states_) {
+        if (contact.change.edited && !make_room_for_old(contact)) return false;
     }
-    contacts_used_ = 0;
-    for (std::uint32_t p = 0; p < groups_.size(); ++p) {
-        Group& group = groups_[p];
-        if (!(probes_used_ >> p & 1)) continue;
-        if (group.edited) {
-            begin_fade(group, p);
-            if (group.fading && !group.bridged) {
-                copy_to_old(group);
+    Arena& a = arena();
+    used_ = 0;
+    for_each_bit(state_.probes_used, [&](std::uint32_t p) {
+        ContactState& contact = states_[p];
+        if (contact.change.edited) {
+            begin_fade(p, renewed);
+            if (contact.fade.under_way && !contact.fade.bridged) {
+                copy_to_old(contact);
             } else {
-                replace_old(group, p);
+                replace_old(p);
             }
         }
-        const CurvedStarts starts = starts_of(group.now, group);
-        forget_solution(group.now, group);
-        forget_solution(group.old, group);
-        if (!group.edited) take_starts(group.now, a, starts);  // what is new is felt for what it is
-        take_starts(group.old, a, starts);
-        built(group, p);
-    }
-    for (std::uint32_t k = 0; k < reshaped_size_; ++k) {
-        const std::uint32_t i = reshaped_[k], at = slots_[i].member;
-        if (at == gone) continue;  // without stiffness
-        const Owner now = owner(i, false);
-        const Record& r = record(now);
-        const Group& group = groups_[r.probe];
-        a.owner[at] = now;
-        a.nx[at] = r.plane.normal.x();
-        a.ny[at] = r.plane.normal.y();
-        a.nz[at] = r.plane.normal.z();
-        a.c[at] = r.plane.offset + group.probe.radius;
-        a.b[at] = r.plane.damping * (group.now.scale == 1 ? r.weight : 1);
+        const CurvedStarts starts = starts_of(contact.now, contact, a, state_.clock);
+        const Eigen::Vector3d& at = state_.probes[p].probe.position;
+        forget_solution(contact.now, at);
+        forget_solution(contact.old, at);
+        if (!contact.change.edited)
+            take_starts(contact.now, a, starts, state_.clock);  // what is new is felt for what it is
+        take_starts(contact.old, a, starts, state_.clock);
+        built(p);
+    });
+    for (const std::uint32_t i : reshaped_) {
+        const std::uint32_t at = slots_[i].member;
+        if (at == in_no_set) continue;  // without stiffness
+        const Owner now = state_.records.owner(i, false);
+        const std::uint32_t probe = state_.records[now].probe;
+        put_plane(states_[probe].now, probe, a, now, at);
     }
     return true;
 }

@@ -1,126 +1,221 @@
 // Builds each probe's sets: the surfaces that act now, and while a fade lasts those that acted before.
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "clamped.hpp"
-#include "scene_core.hpp"
+#include "contact_sets.hpp"
 
 namespace knurl::detail {
 
-// The plane that gives the present force here: what an interrupted fade goes on from. It rubs as its surfaces
-// did; what their texture pushed is let go.
-void SceneCore::make_bridge(Group& group) noexcept {
-    const double force = group.force.norm();
+ContactSets::ContactSets(SceneState& state, SurfaceCandidates& candidates)
+    : state_(state),
+      candidates_(candidates),
+      states_(state.probes.size()),
+      slots_(state.slots.size()),
+      surfaces_(empty_list(slots_.size())),
+      olds_(empty_list(slots_.size())),
+      reshaped_(empty_list(slots_.size())) {
+    // A slot is at most in three sets: the old record in one probe's fading set, the new one in both of
+    // another's. Each set is aligned to four.
+    const std::size_t n = slots_.size();
+    const std::size_t members = 3 * n * max_contacts + Scene::max_probes + 2 * 4 * Scene::max_probes;
+    planes_.resize(6 * members);
+    balls_.resize(3 * n);
+    for (Arena& arena : arenas_) {
+        std::span<double> rest(planes_);
+        for (std::span<double>* array : {&arena.nx, &arena.ny, &arena.nz, &arena.c, &arena.s, &arena.b}) {
+            *array = rest.first(members);
+            rest = rest.subspan(members);
+        }
+        arena.owner.resize(members);
+        arena.moving.resize(3 * n);
+        arena.balls = &balls_;
+    }
+    scratch_.resize(2 * n + 1);
+    level_.resize(2 * n + 1);
+}
+
+void ContactSets::reset() noexcept {
+    std::fill(slots_.begin(), slots_.end(), Slot{});
+    std::fill(states_.begin(), states_.end(), ContactState{});
+    surfaces_.clear();
+    olds_.clear();
+    reshaped_.clear();
+    used_ = 0;
+    edited_ = true;
+}
+
+void ContactSets::add(std::uint32_t i) noexcept {
+    join(surfaces_, i, slots_[i].place);
+}
+
+void ContactSets::remove(std::uint32_t i) noexcept {
+    leave(surfaces_, i, [this](std::uint32_t slot) -> std::uint32_t& { return slots_[slot].place; });
+}
+
+void ContactSets::keep_old(std::uint32_t i) noexcept {
+    Slot& slot = slots_[i];
+    slot.old_surface_of = state_.records.faded(i).probe;
+    slot.old_in_fade = 0;
+    if (slot.old_listed) return;
+    slot.old_listed = true;
+    olds_.push_back(i);
+}
+
+bool ContactSets::old_fades(const Slot& slot) const noexcept {
+    if (slot.old_surface_of < 0) return false;
+    const CrossFade& fade = states_[static_cast<std::uint32_t>(slot.old_surface_of)].fade;
+    return fade.under_way && !fade.bridged && fade.number == slot.old_in_fade;
+}
+
+bool ContactSets::old_is_felt(std::uint32_t i) const noexcept {
+    const Slot& slot = slots_[i];
+    return slot.old_surface_of >= 0 && (slot.old_in_fade == 0 || old_fades(slot));
+}
+
+void ContactSets::release_old(std::uint32_t i) noexcept {
+    Slot& slot = slots_[i];
+    if (old_fades(slot)) {
+        SetChange& change = states_[static_cast<std::uint32_t>(slot.old_surface_of)].change;
+        change.edited = change.interrupted = true;
+        edited_ = true;
+    }
+    slot.old_surface_of = -1;
+}
+
+void ContactSets::replace_probe(std::uint32_t p) noexcept {
+    ContactState& contact = states_[p];
+    // Nothing was felt there, and there is nothing that a larger probe might reach.
+    if (contact.now.count == 0 && !contact.fade.under_way && !candidates_.any(p)) return;
+    contact.change.fade_over(0);
+    contact.change.time = state_.policy.automatic;
+    contact.change.interrupted = contact.change.replaced = true;
+    edited_ = true;
+}
+
+void ContactSets::update(std::span<const std::uint32_t> renewed) noexcept {
+    if (!edited_ && !reshaped_.empty()) edited_ = !reshape_sets(renewed);
+    if (edited_) rebuild(renewed);
+    reshaped_.clear();
+}
+
+// The plane that gives the present force here. What texture pushed is let go.
+void ContactSets::make_bridge(std::uint32_t p) noexcept {
+    ContactState& contact = states_[p];
+    const double force = contact.force.norm();
     double k = 0;
-    for (const ContactSet* set : {&group.now, &group.old}) {
+    for (const ContactSet* set : {&contact.now, &contact.old}) {
         for (std::uint32_t j = 0; j < set->layers; ++j) {  // of those that push: the others may be far away
             if (!set->layer[j].solution.dx.isZero(0)) k = std::max(k, set->layer[j].stiffness);
         }
     }
     if (k == 0 && force > 0)
-        k = std::min(world_stiffness(unlimited_stiffness, limits_),
-                     limits_.max_stiffness);  // summed planes: no layer
-    group.bridge_stiffness = force > 0 ? k : 0;
-    if (group.bridge_stiffness <= 0) return;
-    group.bridge.normal = group.force / force;
-    const Eigen::Vector3d& p = group.replaced ? group.probe.position : group.position;
-    group.bridge.offset = group.bridge.normal.dot(p) + force / k;
-    group.bridge_law = group.law;
-    if (group.relief != Eigen::Vector3d::Zero()) {
-        group.friction.released += group.relief;
-        group.friction.released_per_newton = group.friction.released.norm() / force;
-        group.friction.residual_time = residual_decay;
-    }
+        k = std::min(world_stiffness(unlimited_stiffness, state_.limits),
+                     state_.limits.max_stiffness);  // summed planes: no layer
+    Bridge& bridge = contact.bridge;
+    bridge.stiffness = force > 0 ? k : 0;
+    if (bridge.stiffness <= 0) return;
+    bridge.plane.normal = contact.force / force;
+    const Eigen::Vector3d& at = contact.change.replaced ? state_.probes[p].probe.position : contact.position;
+    bridge.plane.offset = bridge.plane.normal.dot(at) + force / k;
+    TangentialState& tangential = contact.tangential;
+    bridge.law = tangential.law;
+    if (tangential.relief == Eigen::Vector3d::Zero()) return;
+    FrictionState& friction = tangential.friction;
+    friction.released += tangential.relief;
+    friction.released_per_newton = friction.released.norm() / force;
+    friction.residual_time = residual_decay;
 }
 
 // The changes that were taken for this probe become one cross-fade: from the set that was felt, or, where
 // that was a fade itself, from the plane that stands for it.
-void SceneCore::begin_fade(Group& group, std::uint32_t probe) noexcept {
-    if (!group.edited || !(group.fades || group.interrupted)) return;
-    const double time = settle_ ? 0 : group.fades ? group.fade_time : group.time;
-    const bool overtaken = group.fading || group.interrupted;
-    if (overtaken && time > 0) make_bridge(group);
-    group.bridged = overtaken;
-    group.fading = group.fresh = time > 0;
-    group.elapsed = 0;
-    group.time = time;
-    if (++group.fade == 0) group.fade = 1;
-    if (!group.fading) return;
-    for (std::uint32_t c = 0; c < changed_size_; ++c) {
-        Slot& slot = slots_[changed_[c]];
-        if (!slot.renewed) continue;
-        if (slot.old_in_fade == 0 && slot.old_surface_of == static_cast<std::int32_t>(probe))
-            slot.old_in_fade = group.fade;
-        const Record& now = felt(changed_[c]);
-        if (slot.felt && kind_ops()[now.kind].surface && now.probe == probe && !now.recovers)
-            slot.new_in_fade = group.fade;
+void ContactSets::begin_fade(std::uint32_t p, std::span<const std::uint32_t> renewed) noexcept {
+    ContactState& contact = states_[p];
+    const SetChange& change = contact.change;
+    if (!change.edited || !(change.fades || change.interrupted)) return;
+    CrossFade& fade = contact.fade;
+    const double time = state_.settles ? 0 : change.fades ? change.time : fade.time;
+    const bool overtaken = fade.under_way || change.interrupted;
+    if (overtaken && time > 0) make_bridge(p);
+    fade.bridged = overtaken;
+    fade.under_way = fade.fresh = time > 0;
+    fade.elapsed = 0;
+    fade.time = time;
+    fade.number = fade.next_number();
+    if (!fade.under_way) return;
+    for (const std::uint32_t i : renewed) {
+        Slot& slot = slots_[i];
+        if (slot.old_in_fade == 0 && slot.old_surface_of == static_cast<std::int32_t>(p))
+            slot.old_in_fade = fade.number;
+        const Record& now = state_.records.felt(i);
+        if (state_.slots[i].felt && kind_ops()[now.kind].surface && now.probe == p && !now.recovers)
+            slot.new_in_fade = fade.number;
     }
 }
 
-// The owners of the fading set, into scratch_: what changed as it was, and what did not change as it is.
-// Surfaces that recover by themselves are in both sets as they are now.
-std::uint32_t SceneCore::list_old(Group& group, std::uint32_t probe) noexcept {
-    group.olds_left_out = false;
-    if (!group.fading) return 0;
+// A plane that stood where one stands now: in the same order, so that no rounding differs from that of a set
+// that is copied (reshape_sets).
+bool ContactSets::stands_in_for_old(std::uint32_t i, std::uint32_t p) const noexcept {
+    const Slot& slot = slots_[i];
+    const std::uint32_t fade = states_[p].fade.number;
+    const Record& now = state_.records.felt(i);
+    return slot.new_in_fade == fade && slot.old_in_fade == fade &&
+           slot.old_surface_of == static_cast<std::int32_t>(p) && state_.slots[i].felt && now.probe == p &&
+           now.stands && state_.records.faded(i).stands;
+}
+
+// The owners of the fading set: what changed as it was, and what did not change as it is. Surfaces that recover
+// by themselves are in both sets as they are now.
+std::span<const Owner> ContactSets::list_old(std::uint32_t p) noexcept {
+    CrossFade& fade = states_[p].fade;
+    const Records& records = state_.records;
+    fade.olds_left_out = false;
     std::uint32_t n = 0;
-    if (group.bridged) {
-        if (group.bridge_stiffness > 0) scratch_[n++] = bridge_owner;
-        return n;
+    const auto listed = [&] { return std::span<const Owner>(scratch_.data(), n); };
+    if (!fade.under_way) return listed();
+    if (fade.bridged) {
+        if (states_[p].bridge.stiffness > 0) scratch_[n++] = bridge_owner;
+        return listed();
     }
-    // A plane that stood where one stands now: in the same order, so that no rounding differs from that of a
-    // set that is copied (reshape_sets).
-    const auto takes_its_place = [&](std::uint32_t i) {
-        const Slot& slot = slots_[i];
-        return slot.new_in_fade == group.fade && slot.old_in_fade == group.fade &&
-               slot.old_surface_of == static_cast<std::int32_t>(probe) && slot.felt &&
-               felt(i).probe == probe && felt(i).stands && faded(i).stands;
-    };
-    for (std::uint32_t f = 0; f < fading_olds_size_; ++f) {
-        const std::uint32_t i = fading_olds_[f];
-        if (slots_[i].old_surface_of != static_cast<std::int32_t>(probe) || takes_its_place(i)) continue;
-        if (group.bounded > 0) {
-            const std::optional<Bound> ball = ball_now(faded(i));
-            const double within = group.near.margin + group.placement.radius;
-            const double far = within + 1e-12 * (group.near.at.lpNorm<1>() + within);
-            const double gap =
-                !ball ? 0 : (ball->center - group.near.at).norm() - (ball->radius * (1 + 1e-12) + far);
-            const double away = gap > 0 ? away_for(gap, ball->velocity.norm()) : 0;
-            if (away > 0) {
-                group.olds_left_out = true;
-                group.near.until = std::min(group.near.until, now_.all + away);
+    for (const std::uint32_t i : olds_) {
+        if (slots_[i].old_surface_of != static_cast<std::int32_t>(p) || stands_in_for_old(i, p)) continue;
+        if (candidates_.any(p)) {
+            const std::optional<Bound> ball = ball_now(records.faded(i), state_.clock);
+            if (ball && candidates_.passes_by(p, *ball, state_)) {
+                fade.olds_left_out = true;
                 continue;
             }
         }
-        scratch_[n++] = owner(i, true);
+        scratch_[n++] = records.owner(i, true);
     }
     const auto take = [&](std::uint32_t i) {
-        if (slots_[i].new_in_fade != group.fade) scratch_[n++] = owner(i, false);
+        if (slots_[i].new_in_fade != fade.number) scratch_[n++] = records.owner(i, false);
     };
-    for (std::uint32_t k = 0; k < always_size_; ++k) {
-        if (takes_its_place(always_[k])) {
-            scratch_[n++] = owner(always_[k], true);
-        } else if (felt(always_[k]).probe == probe) {
-            take(always_[k]);
+    for (const std::uint32_t i : candidates_.always()) {
+        if (stands_in_for_old(i, p)) {
+            scratch_[n++] = records.owner(i, true);
+        } else if (records.felt(i).probe == p) {
+            take(i);
         }
     }
-    for (std::uint32_t k = 0; k < group.near.size; ++k) take(group.near.slots[k]);
-    return n;
+    for (const std::uint32_t i : candidates_.near(p)) take(i);
+    return listed();
 }
 
-std::uint32_t SceneCore::list_now(const Group& group, std::uint32_t probe) noexcept {
+std::span<const Owner> ContactSets::list_now(std::uint32_t p) noexcept {
     std::uint32_t n = 0;
-    for (std::uint32_t k = 0; k < always_size_; ++k) {
-        if (felt(always_[k]).probe == probe) scratch_[n++] = owner(always_[k], false);
+    for (const std::uint32_t i : candidates_.always()) {
+        if (state_.records.felt(i).probe == p) scratch_[n++] = state_.records.owner(i, false);
     }
-    for (std::uint32_t k = 0; k < group.near.size; ++k) scratch_[n++] = owner(group.near.slots[k], false);
-    return n;
+    for (const std::uint32_t i : candidates_.near(p)) scratch_[n++] = state_.records.owner(i, false);
+    return {scratch_.data(), n};
 }
-
-namespace {
 
 // The distinct stiffnesses of a set, softest first. One too many and the nearest two become one, the softer:
 // nobody feels more than was asked for.
-struct Levels {
+struct ContactSets::Levels {
     std::array<double, max_layers + 1> k{};
     std::uint32_t count = 0;
 
@@ -143,15 +238,105 @@ struct Levels {
         while (at > 0 && k[at] > stiffness) --at;
         return static_cast<std::uint8_t>(at);
     }
+    // Besides layers: in no set, and behind them.
+    static constexpr std::uint8_t none = 0xff, summed = 0xfe;
 };
 
-}  // namespace
+double ContactSets::stiffness_of(Owner o, std::uint32_t p) const noexcept {
+    return o == bridge_owner ? states_[p].bridge.stiffness : state_.records[o].stiffness;
+}
+double ContactSets::weight_of(Owner o) const noexcept {
+    return o == bridge_owner ? 1 : state_.records[o].weight;
+}
+bool ContactSets::stands(Owner o) const noexcept {
+    return o == bridge_owner || state_.records[o].stands;
+}
+std::uint32_t ContactSets::parts_of(Owner o) const noexcept {
+    return stands(o) ? 1 : kind_ops()[state_.records[o].kind].contacts;
+}
 
-void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
-                      std::span<const Owner> owners) noexcept {
+// One weight for all scales the force; unequal weights make unequal stiffnesses, which the layers keep
+// continuous.
+void ContactSets::share_weight(ContactSet& set, std::span<const Owner> owners) const noexcept {
+    const double first = weight_of(owners.front());
+    const bool uniform =
+        std::all_of(owners.begin(), owners.end(), [&](Owner o) { return weight_of(o) == first; });
+    set.scale = uniform ? first : 1;
+}
+
+// Hardest first, so that each layer is a prefix; behind them those whose forces add up.
+void ContactSets::sort_into_layers(ContactSet& set, std::uint32_t p, std::span<const Owner> owners) noexcept {
+    const auto felt_stiffness = [&](Owner o) {
+        return stiffness_of(o, p) * (set.scale == 1 ? weight_of(o) : 1);
+    };
+    Levels levels;
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+        const Owner o = owners[i];
+        const double k = felt_stiffness(o);
+        level_[i] = 0;
+        if (!(k > 0)) {
+            level_[i] = Levels::none;
+        } else if (o != bridge_owner && state_.records[o].summed) {
+            level_[i] = Levels::summed;
+            ++set.summed;
+        } else {
+            levels.take(k);
+        }
+        set.rough = set.rough || (o == bridge_owner ? states_[p].bridge.law.rubs() : state_.records[o].rough);
+    }
+    set.layers = levels.count;
+    std::array<std::uint32_t, max_layers> members{};
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+        if (level_[i] >= Levels::summed) continue;
+        level_[i] = levels.of(felt_stiffness(owners[i]));
+        members[level_[i]] += parts_of(owners[i]);
+    }
+    for (std::uint32_t j = set.layers; j-- > 0;) {
+        next_place_[j] = set.count;
+        set.count += members[j];
+        set.layer[j].stiffness = levels.k[j];
+        set.layer[j].count = set.count;
+    }
+}
+
+void ContactSets::put_plane(const ContactSet& set, std::uint32_t p, Arena& into, Owner o,
+                            std::uint32_t at) const noexcept {
+    const HalfSpace& plane = o == bridge_owner ? states_[p].bridge.plane : state_.records[o].plane;
+    into.owner[at] = o;
+    into.nx[at] = plane.normal.x();
+    into.ny[at] = plane.normal.y();
+    into.nz[at] = plane.normal.z();
+    into.c[at] = plane.offset + (o == bridge_owner ? 0 : state_.probes[p].probe.radius);
+    into.s[at] = -std::numeric_limits<double>::infinity();
+    into.b[at] = o == bridge_owner ? 0 : plane.damping * (set.scale == 1 ? weight_of(o) : 1);
+}
+
+// A surface that moves is asked each cycle; until then it is out of reach.
+void ContactSets::put_moving(std::uint32_t p, Arena& into, Owner o, std::uint32_t at) const noexcept {
+    for (std::uint32_t part = at; part < at + parts_of(o); ++part) {
+        into.owner[part] = o;
+        into.nx[part] = into.ny[part] = into.nz[part] = into.b[part] = 0;
+        into.c[part] = into.s[part] = -std::numeric_limits<double>::infinity();
+    }
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    double reach = std::numeric_limits<double>::infinity();
+    // One that moves may come near: it is asked while it is in a set.
+    const Record& r = state_.records[o];
+    const std::optional<Bound> ball = kind_ops()[r.kind].bound(r);
+    if (ball && ball->velocity.isZero(0)) {
+        center = ball->center;
+        reach = ball->radius + state_.probes[p].probe.radius;
+        reach += 1e-12 * (reach + center.lpNorm<1>());  // what the rounding of coordinates may hide
+    }
+    into.balls->put(into.moving_used, center, reach);
+    into.moving[into.moving_used++] = {.member = at};
+}
+
+void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
+                        std::span<const Owner> owners) noexcept {
+    const bool is_now = &set == &states_[p].now;
     set.begin = into.used;
-    set.count = set.standing = set.summed = 0;
-    set.layers = 0;
+    set.count = set.standing = set.summed = set.layers = 0;
     set.moving_begin = into.moving_used;
     set.moving_count = set.room = set.moving_room = set.inside = 0;
     set.infeasible = set.rough = set.curved = false;
@@ -160,98 +345,38 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
         set.touching = false;
         return;
     }
-    const auto stiffness_of = [&](Owner o) {
-        return o == bridge_owner ? group.bridge_stiffness : record(o).stiffness;
-    };
-    const auto weight_of = [&](Owner o) { return o == bridge_owner ? 1.0 : record(o).weight; };
-
-    // One weight for all scales the force; unequal weights make unequal stiffnesses, which the layers keep
-    // continuous.
-    bool uniform = true;
-    for (const Owner o : owners) uniform = uniform && weight_of(o) == weight_of(owners.front());
-    set.scale = uniform ? weight_of(owners.front()) : 1;
-
-    Levels levels;
-    constexpr std::uint8_t none = 0xff, summed = 0xfe;
+    ++state_.work.sets;
+    share_weight(set, owners);
+    sort_into_layers(set, p, owners);
+    forget_solution(set, state_.probes[p].probe.position);
+    std::uint32_t next_sum = set.count, together = 0;
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const Owner o = owners[i];
-        const double k = stiffness_of(o) * (uniform ? 1 : weight_of(o));
-        level_[i] = !(k > 0) ? none : o != bridge_owner && record(o).summed ? summed : 0;
-        if (level_[i] == 0) levels.take(k);
-        set.rough = set.rough || (o == bridge_owner ? group.bridge_law.rubs() : record(o).rough);
-    }
-    set.layers = levels.count;
-    std::array<std::uint32_t, max_layers> members{};
-    std::uint32_t sums = 0;
-    const auto parts_of = [&](Owner o) {
-        return o == bridge_owner || record(o).stands ? 1u : kind_ops()[record(o).kind].contacts;
-    };
-    for (std::size_t i = 0; i < owners.size(); ++i) {
-        if (level_[i] == none) continue;
-        if (level_[i] == summed) {
-            ++sums;
+        if (level_[i] == Levels::none) {
+            if (o != bridge_owner && !state_.records.fades_out(o)) slots_[o >> 1].member = in_no_set;
             continue;
         }
-        level_[i] = levels.of(stiffness_of(owners[i]) * (uniform ? 1 : weight_of(owners[i])));
-        members[level_[i]] += parts_of(owners[i]);
-    }
-    std::array<std::uint32_t, max_layers> next{};
-    for (std::uint32_t j = set.layers; j-- > 0;) {  // hardest first: each layer is a prefix
-        next[j] = set.count;
-        set.count += members[j];
-        set.layer[j].stiffness = levels.k[j];
-        set.layer[j].count = set.count;
-    }
-    forget_solution(set, group);
-    set.summed = sums;
-    std::uint32_t next_sum = set.count, surfaces = 0;
-    for (std::size_t i = 0; i < owners.size(); ++i) {
-        const Owner o = owners[i];
-        if (level_[i] == none) {
-            if (o != bridge_owner && !fades_out(o)) slots_[o >> 1].member = gone;
-            continue;
+        const bool summed = level_[i] == Levels::summed;
+        std::uint32_t& place = summed ? next_sum : next_place_[level_[i]];
+        const std::uint32_t at = set.begin + place;
+        place += parts_of(o);
+        together += !summed;
+        if (stands(o)) {
+            put_plane(set, p, into, o, at);
+            set.standing += !summed;
+        } else {
+            put_moving(p, into, o, at);
+            set.curved = set.curved || (!summed && kind_ops()[state_.records[o].kind].curved);
         }
-        std::uint32_t& place = level_[i] == summed ? next_sum : next[level_[i]];
-        const std::uint32_t at = set.begin + place, parts = parts_of(o);
-        place += parts;
-        const bool stands = o == bridge_owner || record(o).stands;
-        surfaces += level_[i] != summed;
-        if (stands && level_[i] != summed) ++set.standing;
-        const HalfSpace& plane = o == bridge_owner ? group.bridge : record(o).plane;
-        for (std::uint32_t part = at; part < at + parts; ++part) {
-            into.owner[part] = o;
-            into.nx[part] = stands ? plane.normal.x() : 0;
-            into.ny[part] = stands ? plane.normal.y() : 0;
-            into.nz[part] = stands ? plane.normal.z() : 0;
-            // A surface that moves is asked each cycle; until then it is out of reach.
-            into.c[part] = !stands ? -std::numeric_limits<double>::infinity()
-                                   : plane.offset + (o == bridge_owner ? 0 : group.probe.radius);
-            into.s[part] = -std::numeric_limits<double>::infinity();
-            into.b[part] = stands && o != bridge_owner ? plane.damping * (uniform ? 1 : weight_of(o)) : 0;
-        }
-        if (!stands) {
-            set.curved = set.curved || (level_[i] != summed && kind_ops()[record(o).kind].curved);
-            Eigen::Vector3d center = Eigen::Vector3d::Zero();
-            double reach = std::numeric_limits<double>::infinity();
-            // One that moves may come near: it is asked while it is in a set.
-            const std::optional<Bound> ball = kind_ops()[record(o).kind].bound(record(o));
-            if (ball && ball->velocity.isZero(0)) {
-                center = ball->center;
-                reach = ball->radius + group.probe.radius;
-                reach += 1e-12 * (reach + center.lpNorm<1>());  // what the rounding of coordinates may hide
-            }
-            into.balls->put(into.moving_used, center, reach);
-            into.moving[into.moving_used++] = {.member = at};
-        }
-        if (o != bridge_owner && &set == &group.now) slots_[o >> 1].member = at;
+        if (o != bridge_owner && is_now) slots_[o >> 1].member = at;
     }
-    set.curved = set.curved && surfaces > 1 && surfaces_size_ <= max_curved_surfaces;
+    set.curved = set.curved && together > 1 && surfaces_.size() <= max_curved_surfaces;
     set.moving_count = set.moving_room = into.moving_used - set.moving_begin;
     set.room = (set.count + set.summed + 3) / 4 * 4;
     into.used += set.room;
 }
 
-void forget_solution(ContactSet& set, const Group& group) noexcept {
+void forget_solution(ContactSet& set, const Eigen::Vector3d& probe) noexcept {
     set.infeasible = false;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
@@ -261,87 +386,73 @@ void forget_solution(ContactSet& set, const Group& group) noexcept {
         layer.started = false;
         layer.far = 0;
         layer.joined = false;
-        layer.proxy = group.probe.position;
+        layer.proxy = probe;
     }
 }
 
-namespace {
-
-// Where nothing rubs the tip is not followed: what rubs next begins where the tip is then.
-void leave_anchor(Group& group) noexcept {
-    if (!group.rough && !(group.friction.residual_time > 0)) group.friction.held = false;
+void ContactSets::end_fade(std::uint32_t p) noexcept {
+    ContactState& contact = states_[p];
+    ContactSet& old = contact.old;
+    old.slack = 0;
+    old.count = old.summed = old.layers = old.moving_count = 0;
+    CrossFade& fade = contact.fade;
+    fade.under_way = fade.fresh = fade.bridged = false;
+    contact.tangential.rough = contact.now.rough;
+    contact.tangential.leave_anchor();
+    if (!contact.empty()) return;
+    used_ &= ~(1u << p);
+    contact.release();
 }
 
-}  // namespace
-
-void SceneCore::end_fade(Group& group) noexcept {
-    group.old.slack = 0;
-    group.old.count = group.old.summed = group.old.layers = group.old.moving_count = 0;
-    group.fading = group.fresh = group.bridged = false;
-    group.rough = group.now.rough;
-    leave_anchor(group);
+void ContactSets::forget_ended_olds() noexcept {
+    std::erase_if(olds_, [this](std::uint32_t i) {
+        Slot& slot = slots_[i];
+        if (old_fades(slot)) return false;
+        slot.old_surface_of = -1;
+        slot.old_listed = false;
+        return true;
+    });
 }
 
-void SceneCore::rebuild_sets() noexcept {
+void ContactSets::rebuild(std::span<const std::uint32_t> renewed) noexcept {
     Arena& into = arenas_[arena_ ^ 1];
     into.used = into.moving_used = 0;
-    contacts_used_ = 0;
-    for (std::uint32_t p = 0; p < groups_.size(); ++p) {
-        if (probes_used_ >> p & 1) begin_fade(groups_[p], p);
-    }
-    std::uint32_t kept = 0;
-    for (std::uint32_t f = 0; f < fading_olds_size_; ++f) {
-        Slot& slot = slots_[fading_olds_[f]];
-        const bool used = slot.old_surface_of >= 0 && [&] {
-            const Group& group = groups_[static_cast<std::uint32_t>(slot.old_surface_of)];
-            return group.fading && !group.bridged && group.fade == slot.old_in_fade;
-        }();
-        if (used) {
-            fading_olds_[kept++] = fading_olds_[f];
-        } else {
-            slot.old_surface_of = -1;
-            slot.old_listed = false;
-        }
-    }
-    fading_olds_size_ = kept;
-    for (std::uint32_t p = 0; p < groups_.size(); ++p) {
-        Group& group = groups_[p];
-        if (!(probes_used_ >> p & 1)) continue;
-        const std::uint32_t olds = list_old(group, p);
-        const CurvedStarts now = starts_of(group.now, group);
-        const CurvedStarts old = starts_of(group.old.layers > 0 ? group.old : group.now, group);
-        build(group.old, group, into, std::span<const Owner>(scratch_.data(), olds));
-        build(group.now, group, into, std::span<const Owner>(scratch_.data(), list_now(group, p)));
-        if (!group.edited) take_starts(group.now, into, now);  // what is new is felt for what it is
-        take_starts(group.old, into, old);
-        built(group, p);
-    }
+    used_ = 0;
+    for_each_bit(state_.probes_used, [&](std::uint32_t p) { begin_fade(p, renewed); });
+    forget_ended_olds();
+    for_each_bit(state_.probes_used, [&](std::uint32_t p) {
+        ContactState& contact = states_[p];
+        const Arena& from = arenas_[arena_];
+        const CurvedStarts now = starts_of(contact.now, contact, from, state_.clock);
+        const CurvedStarts old =
+            starts_of(contact.old.layers > 0 ? contact.old : contact.now, contact, from, state_.clock);
+        build(contact.old, p, into, list_old(p));
+        build(contact.now, p, into, list_now(p));
+        if (!contact.change.edited)
+            take_starts(contact.now, into, now, state_.clock);  // what is new is felt for what it is
+        take_starts(contact.old, into, old, state_.clock);
+        built(p);
+    });
     arena_ ^= 1;
-    sets_edited_ = false;
-    told_.edited = true;
+    edited_ = false;
+    state_.feedback_edited = true;
 }
 
-void SceneCore::built(Group& group, std::uint32_t probe) noexcept {
-    group.rough = group.now.rough || group.old.rough;
-    leave_anchor(group);
-    if (group.now.count + group.now.summed > 0 || group.fading) {
-        contacts_used_ |= 1u << probe;
+void ContactSets::built(std::uint32_t p) noexcept {
+    ContactState& contact = states_[p];
+    contact.tangential.rough = contact.now.rough || contact.old.rough;
+    contact.tangential.leave_anchor();
+    if (!contact.empty() || contact.fade.under_way) {
+        used_ |= 1u << p;
     } else {
-        release(group);
+        contact.release();
     }
-    group.edited = group.fades = group.interrupted = group.replaced = false;
-    group.fade_time = 0;
+    contact.change = SetChange{};
 }
 
-// Nothing is touched any more.
-void SceneCore::release(Group& group) noexcept {
-    group.force.setZero();
-    group.along.setZero();
-    group.relief.setZero();
-    group.law = FrictionLaw{};
-    group.friction = FrictionState{.generator = group.friction.generator, .seed = group.friction.seed};
-    group.pulse_left = 0;
-    group.apart = 1;
+void ContactState::release() noexcept {
+    force.setZero();
+    tangential.release();
 }
 
 }  // namespace knurl::detail

@@ -9,86 +9,60 @@
 
 namespace knurl::detail {
 
-namespace {
+bool SceneCore::changed() const noexcept {
+    const Silence& silence = state_.silence;
+    const bool velocity_moves = silence.velocity != (silence.seconds > 0 ? 0 : 1);
+    return model_.changed() || sets_.edited() || effects_.edited() || silence.moves || velocity_moves ||
+           state_.settles || state_.feedback_edited || state_.feedback_relisted;
+}
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Planes that are asked where they stand, and nothing of a fade or of friction.
-double still_contact(const Group& group, const Arena& a) noexcept {
-    const ContactSet& set = group.now;
-    if (group.fading || set.moving_count > 0 || set.touching || set.infeasible || !rests_along(group))
+// Planes that are asked where they stand, and nothing of a fade or of friction.
+double SceneCore::still_contact(std::uint32_t p) const noexcept {
+    const ContactState& contact = sets_[p];
+    const ContactSet& set = contact.now;
+    if (contact.fade.under_way || set.moving_count > 0 || set.touching || set.infeasible ||
+        !contact.tangential.rests())
         return 0;
-    double worst = -infinity;
+    double worst = -std::numeric_limits<double>::infinity();
     for (std::uint32_t i = set.begin; i < set.begin + set.count + set.summed; ++i)
-        worst = std::max(worst, a.s[i]);
+        worst = std::max(worst, sets_.arena().s[i]);
     return -worst;
 }
 
-/// What has bounds is not asked where its candidates are while they hold: near_left and near_falls_short.
-double still_bounds(const Group& group) noexcept {
-    const Candidates& near = group.near;
-    const double deep = std::max(group.now.slack, group.old.slack);  // of a last contact, it may be
-    const bool too_many = near.margin > near.wanted && 2 * deep <= near.wanted;
-    if (too_many || near.until != infinity) return 0;
-    return near.margin * near_rounding - deep - (group.probe.position - near.at).norm();
-}
-
-}  // namespace
-
-bool SceneCore::changed() const noexcept {
-    const bool pace_moves = pace_ != (silence_ > 0 ? 0 : 1);
-    return changed_size_ > 0 || moved_ || sets_edited_ || effects_edited_ || weights_move_ || pace_moves ||
-           settle_ || told_.edited || told_.relisted;
-}
-
 double SceneCore::still_within() const noexcept {
+    const Clock& clock = state_.clock;
     // In the last evaluation time passed, and nobody was asked.
-    if (evaluated_ > 0 || last_timed_ != cycle_ || active_kinds_size_ + collapsed_used_ + fading_size_ > 0 ||
-        told_.touched_size > 0 || changed())
+    if (state_.work.evaluated > 0 || clock.last_timed != clock.cycle || !effects_.idle() ||
+        feedback_.touches() || changed())
         return 0;
-    double within = still_effects(), farthest = 0;
-    for (std::uint32_t rest = probes_used_; rest != 0; rest &= rest - 1) {
-        const Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        if (group.placement.offset != Vec3{}) return 0;  // the hand's turning moves it, too
-        farthest = std::max(farthest, group.probe.position.lpNorm<1>());
-    }
-    for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1)
-        within = std::min(
-            within, still_contact(groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))], arenas_[arena_]));
-    for (std::uint32_t rest = bounded_used_; rest != 0; rest &= rest - 1)
-        within = std::min(within, still_bounds(groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))]));
+    double within = effects_.still_within(), farthest = 0;
+    bool turns = false;
+    for_each_bit(state_.probes_used, [&](std::uint32_t p) {
+        turns = turns || state_.probes[p].placement.offset != Vec3{};
+        farthest = std::max(farthest, state_.probes[p].probe.position.lpNorm<1>());
+    });
+    if (turns) return 0;  // the hand's turning moves it, too
+    for_each_bit(sets_.probes(), [&](std::uint32_t p) { within = std::min(within, still_contact(p)); });
+    // What has bounds is not asked where its candidates are while they hold.
+    for_each_bit(candidates_.probes(), [&](std::uint32_t p) {
+        within = std::min(within, candidates_.still_within(p, state_, sets_[p].deepest()));
+    });
     // Less what the rounding of coordinates and of normals may hide.
     return std::max(0.0, within * (1 - 1e-6) - 1e-9 * farthest);
 }
 
 // All that the evaluations would have left behind.
 void SceneCore::pass(std::uint64_t cycles, const SceneTime& time, const Probe& hand) noexcept {
-    cycle_ += cycles;
-    last_timed_ = cycle_;
-    now_ = time;
+    if (cycles == 0) return;
+    state_.clock.cycle += cycles;
+    state_.clock.last_timed = state_.clock.cycle;
+    state_.clock.now = time;
     place_probes(hand);
-    for (std::uint32_t rest = contacts_used_; rest != 0; rest &= rest - 1) {
-        Group& group = groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
-        group.position = group.probe.position;
-        for (std::uint32_t j = 0; j < group.now.layers; ++j) group.now.layer[j].proxy = group.probe.position;
-    }
+    for_each_bit(sets_.probes(), [&](std::uint32_t p) {
+        ContactState& contact = sets_[p];
+        contact.position = state_.probes[p].probe.position;
+        for (std::uint32_t j = 0; j < contact.now.layers; ++j) contact.now.layer[j].proxy = contact.position;
+    });
 }
 
 }  // namespace knurl::detail
-
-namespace knurl {
-
-double Scene::still_within() const noexcept {
-    return impl_->still_within();
-}
-bool Scene::changed() const noexcept {
-    return impl_->changed();
-}
-SceneTime Scene::time() const noexcept {
-    return impl_->now_;
-}
-void Scene::pass(std::uint64_t cycles, const SceneTime& time, const Probe& hand) noexcept {
-    if (cycles > 0) impl_->pass(cycles, time, hand);
-}
-
-}  // namespace knurl

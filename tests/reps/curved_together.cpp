@@ -89,7 +89,7 @@ TEST(CurvedTogether, HoldTheHandAtTheNearestPointThatSatisfiesThem) {
             ASSERT_LE((x.cast<Real>() - want->x).norm(), 1e-9L)
                 << "m; seed " << seed << " round " << round << " cycle " << i;
             several += want->active > 1;
-            few += meeting.scene.curved_rounds() <= 3;
+            few += meeting.scene.work().curved_rounds <= 3;
             ++cycles;
         }
     }
@@ -190,7 +190,7 @@ TEST(CurvedTogether, WhatHoldsAloneTakesNoSteps) {
         const SmallLoop loop(rng, Vector(0, 0, -0.001));
         for (int i = 0; i < 50; ++i) {
             scene.evaluate(at(loop.at(0.1 * i)), dt);
-            ASSERT_EQ(scene.curved_rounds(), 0u);
+            ASSERT_EQ(scene.work().curved_rounds, 0u);
         }
     }
 }

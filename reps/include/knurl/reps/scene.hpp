@@ -65,6 +65,18 @@ struct Rewritten {
     std::span<std::uint64_t> flags;   // nothing but `flags` was written, of what is not touched
 };
 
+/// What each stage did in the last cycle, so that skipping can be counted. What a scene does not need is 0.
+struct SceneWork {
+    std::uint32_t changes = 0;      // slots that were taken
+    std::uint32_t collections = 0;  // broad phase: for a probe, of the surfaces or effects that are near
+    std::uint32_t sets = 0;         // contact sets that were built
+    std::uint32_t evaluated = 0;    // representations, surfaces and effects alike
+    std::uint32_t layers = 0;       // joint contact: solutions, one for each stiffness of a set
+    std::uint32_t curved_rounds =
+        0;  // ... steps to where curved surfaces meet; at most max_curved_rounds a layer
+    std::uint32_t tangential = 0;  // probes with friction, texture or a braking pulse
+};
+
 class Scene {
   public:
     struct Capacity {
@@ -149,9 +161,8 @@ class Scene {
     Eigen::Vector3d contact_point() const noexcept;  // of probe 0, in the new set; else probe 0 itself
     std::uint32_t size() const noexcept;             // representations present
     std::uint32_t count(Kind kind) const noexcept;
-    std::uint32_t evaluated() const noexcept;  // representations evaluated in the last cycle
-    // Steps that were taken in it to where curved surfaces meet; at most max_curved_rounds a layer of a set.
-    std::uint32_t curved_rounds() const noexcept;
+    const SceneWork& work() const noexcept;
+    std::uint32_t evaluated() const noexcept { return work().evaluated; }
     /// What the hand feels of all this in the last cycle at full strength, for a HandBudget; and at least its
     /// eigenvalues, for next to nothing. Of textures and of what pushes away nothing counts.
     SceneLoad load() const noexcept;

@@ -1,0 +1,91 @@
+#pragma once
+// Narrow phase, joint contact and cross-fade: where the surfaces of a set are, the nearest point to the probe that
+// satisfies them all, layered by stiffness, and one force of the set and the one that fades out.
+
+#include <array>
+#include <span>
+
+#include <knurl/reps/curved_contact.hpp>
+#include <knurl/reps/wrench.hpp>
+
+#include "contact_sets.hpp"
+
+namespace knurl::detail {
+
+/// Of a layer's planes as they are; p is the probe. False: they contradict each other.
+[[gnu::always_inline]] inline bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst,
+                                                const Eigen::Vector3d& p) noexcept {
+    const double given = layer.give;
+    solve_contact_relaxed(planes, worst, layer.give, layer.solution);
+    if (layer.give != given) layer.given_at = worst;
+    if (layer.solution.status == ContactSolution::Status::solved) {
+        layer.proxy = p + layer.solution.dx;
+        return !(layer.give > 0);
+    }
+    // Bounded whatever happens: the proxy stays where it was.
+    layer.solution.dx = layer.proxy - p;
+    layer.solution.active.count = 0;
+    return false;
+}
+
+/// The joint contact where surfaces are curved. Their tangent planes at the probe's own feet are solved first, as
+/// everywhere. What is found is exact where one surface holds alone (its foot is the nearest point) and no other is
+/// violated there, or where all that hold are flat; else it is sought where they meet.
+class CurvedStage {
+  public:
+    CurvedStage(SceneState& state, const ContactSets& sets) : state_(state), sets_(sets) {}
+
+    /// False: the surfaces contradict each other, as far as their planes show it.
+    bool solve(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept;
+    /// At the end of a cycle: the surfaces learn where they hold. Within it, one that is asked again answers the same.
+    void lean(const ContactSet& set, const Probe& probe) noexcept;
+
+  private:
+    bool solve_layer(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept;
+    bool meet_elsewhere(const ContactSet& set, const Probe& probe, const Layer& layer) const noexcept;
+    std::uint32_t list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
+                                     const Eigen::Vector3d& dx, double within) noexcept;
+    double relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept;
+    double explained(const ContactSet& set, const ContactSolution& to, double motion) const noexcept;
+    bool any_curved(const ContactSet& set, const ActiveSet& active) const noexcept;
+
+    SceneState& state_;
+    const ContactSets& sets_;
+    std::array<NearSurface, max_near_surfaces> near_surfaces_;  // scratch
+};
+
+/// What is felt along the surface, once per probe, on the blended contact: friction, texture, the braking pulse at
+/// entry. `force` is the contact's; the answer is that and all that lies along the surface.
+Eigen::Vector3d with_tangential(std::uint32_t probe, ContactSets& sets, const SceneState& state,
+                                const Eigen::Vector3d& force, double dt) noexcept;
+/// A fine relief is gone at a speed that takes a few cycles to leave: what is felt of it, not the speed, moves on
+/// evenly.
+double texture_gain_of(const Record& record, const Texture& texture, const Probe& probe,
+                       const SceneState& state) noexcept;
+
+class ContactStage {
+  public:
+    ContactStage(SceneState& state, ContactSets& sets, SurfaceCandidates& candidates)
+        : state_(state), sets_(sets), candidates_(candidates), curved_(state, sets) {}
+
+    /// Adds the wrench of all surfaces, about the hand's position.
+    void evaluate(double dt, Wrench& sum) noexcept;
+
+  private:
+    void evaluate_set(ContactSet& set, const Probe& probe, double dt) noexcept;
+    double ask(ContactSet& set, const Probe& probe, double dt, double worst) noexcept;
+    double ask_one(const ContactSet& set, const Probe& probe, double dt, std::uint32_t member) noexcept;
+    const Layer* solve(ContactSet& set, const Probe& probe, double worst) noexcept;
+    double damped_force(ContactSet& set, const Probe& probe, const Layer& top) noexcept;
+    void add_summed(ContactSet& set, const Probe& probe) noexcept;
+    bool candidates_fall_short() noexcept;
+    Eigen::Vector3d cross_fade(std::uint32_t probe, double dt) noexcept;
+
+    SceneState& state_;
+    ContactSets& sets_;
+    SurfaceCandidates& candidates_;
+    CurvedStage curved_;
+    std::array<Contact, max_contacts> found_;  // scratch of ask
+};
+
+}  // namespace knurl::detail

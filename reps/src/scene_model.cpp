@@ -1,0 +1,122 @@
+#include "scene_model.hpp"
+
+#include <cstring>
+
+#include <knurl/reps/check.hpp>
+
+namespace knurl::detail {
+
+using Code = Verdict::Code;
+
+SceneModel::SceneModel(Scene::Capacity capacity)
+    : slots_(capacity.representations),
+      raw_(capacity.representations * max_parameter_bytes),
+      changed_(empty_list(capacity.representations)),
+      placements_(capacity.probes) {}
+
+Verdict SceneModel::check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
+                              const Use& use) const noexcept {
+    const Verdict verdict = check_vacant(handle, slots_);
+    const auto probes = static_cast<std::uint32_t>(placements_.size());
+    return verdict ? check_added(kind, params, bytes, use, probes) : verdict;
+}
+
+Verdict SceneModel::add(Handle handle, Kind kind, const void* params, std::size_t bytes,
+                        const Use& use) noexcept {
+    if (const Verdict verdict = check_add(handle, kind, params, bytes, use); !verdict) return verdict;
+    Slot& slot = slots_[handle.slot];
+    slot.present = true;
+    slot.generation = handle.generation;
+    slot.kind = kind;
+    slot.use = use;
+    slot.shape_alone = false;
+    std::memcpy(&raw_[handle.slot * max_parameter_bytes], params, bytes);
+    mark(handle.slot);
+    probes_used_ |= 1u << use.probe;
+    ++size_;
+    ++counts_[kind];
+    return {};
+}
+
+Verdict SceneModel::check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept {
+    if (kind >= Representations::size)
+        return {Code::unknown_kind, Verdict::no_field, static_cast<double>(kind)};
+    if (!names_one(handle, slots_) || slots_[handle.slot].kind != kind)
+        return {Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
+    const KindOps& ops = kind_ops()[kind];
+    const std::size_t shape = ops.shape_bytes;
+    const bool shape_alone = bytes == shape && shape != 0;
+    if (bytes != ops.params_size && !shape_alone)
+        return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
+    // What stands in the slot is legal: where only the shape differs from it, only that is looked at.
+    const std::byte* raw = &raw_[handle.slot * max_parameter_bytes];
+    const auto* sent = static_cast<const std::byte*>(params);
+    const bool rest_stays = shape_alone || std::memcmp(raw + shape, sent + shape, bytes - shape) == 0;
+    slots_[handle.slot].differ = rest_stays ? ops.compare_shape(raw, sent) : Differ::anywhere;
+    return slots_[handle.slot].differ != Differ::anywhere ? Verdict{} : validate(kind, raw, sent, bytes);
+}
+
+// So many bytes of them, over those that are there.
+Verdict SceneModel::validate(Kind kind, const std::byte* raw, const std::byte* sent,
+                             std::size_t bytes) noexcept {
+    if (bytes == kind_ops()[kind].params_size) return kinds()[kind].validate(sent);
+    std::memcpy(merged_.data(), raw, kind_ops()[kind].params_size);
+    std::memcpy(merged_.data(), sent, bytes);
+    return kinds()[kind].validate(merged_.data());
+}
+
+// By what the last check has found. A batch may name a slot twice: then that was of the last of them, which
+// is what remains, whatever is copied of the others.
+void SceneModel::update_checked(std::uint32_t i, const void* params, std::size_t bytes) noexcept {
+    Slot& slot = slots_[i];
+    if (slot.differ == Differ::nowhere) return;  // as it was asked for last
+    const bool shape = slot.differ == Differ::in_shape;
+    slot.shape_alone = slot.shape_alone && shape;
+    std::memcpy(&raw_[i * max_parameter_bytes], params, shape ? kind_ops()[slot.kind].shape_bytes : bytes);
+    mark(i);
+}
+
+Verdict SceneModel::remove(Handle handle) noexcept {
+    if (const Verdict verdict = check_named(handle, slots_); !verdict) return verdict;
+    Slot& slot = slots_[handle.slot];
+    slot.present = false;
+    mark(handle.slot);
+    --size_;
+    --counts_[slot.kind];
+    return {};
+}
+
+Verdict SceneModel::place_probe(std::uint32_t probe, const ProbePlacement& placement) noexcept {
+    const auto probes = static_cast<std::uint32_t>(placements_.size());
+    if (const Verdict verdict = check_placement(probe, placement, probes); !verdict) return verdict;
+    Placement& present = placements_[probe];
+    if (present.placement.offset == placement.offset && present.placement.radius == placement.radius)
+        return {};
+    present = {.placement = placement, .changed = true};
+    placements_changed_ = true;
+    return {};
+}
+
+void SceneModel::mark(std::uint32_t slot) noexcept {
+    if (slots_[slot].changed) return;
+    slots_[slot].changed = true;
+    changed_.push_back(slot);
+}
+
+void SceneModel::touch_all() noexcept {
+    for (std::uint32_t i = 0; i < slots_.size(); ++i) {
+        if (!slots_[i].present) continue;
+        slots_[i].shape_alone = false;
+        mark(i);
+    }
+}
+
+void SceneModel::clear() noexcept {
+    std::fill(slots_.begin(), slots_.end(), Slot{});
+    changed_.clear();
+    probes_used_ = 1;
+    size_ = 0;
+    counts_ = {};
+}
+
+}  // namespace knurl::detail

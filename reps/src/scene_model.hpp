@@ -1,0 +1,93 @@
+#pragma once
+// What the application said: which representations there are, with which parameters, and where the probes sit. A
+// change is checked first, then written whole or not at all. Nothing here is felt: the next evaluation takes the
+// slots and placements that changed.
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <knurl/reps/scene.hpp>
+
+#include "kind_ops.hpp"
+
+namespace knurl::detail {
+
+class SceneModel {
+  public:
+    struct Slot {
+        bool present = false;
+        bool changed = false;
+        Differ differ = Differ::anywhere;  // what was checked last
+        bool shape_alone = false;          // since it was taken nothing but its shape has changed
+        std::uint32_t generation = 0;
+        Kind kind = 0;
+        Use use;
+    };
+
+    explicit SceneModel(Scene::Capacity capacity);
+
+    Verdict check_add(Handle, Kind, const void* params, std::size_t bytes, const Use&) const noexcept;
+    Verdict add(Handle, Kind, const void* params, std::size_t bytes, const Use&) noexcept;
+    Verdict check_update(Handle, Kind, const void* params, std::size_t bytes) noexcept;
+    void update_checked(std::uint32_t slot, const void* params, std::size_t bytes) noexcept;
+    Verdict remove(Handle) noexcept;
+    Verdict place_probe(std::uint32_t probe, const ProbePlacement& placement) noexcept;
+    void clear() noexcept;  // the probes stay where they are
+    /// All are to be taken anew: what they mean has changed.
+    void touch_all() noexcept;
+
+    std::uint32_t probes_used() const noexcept {
+        return probes_used_;
+    }  // bit mask: the first, and all that were
+    std::uint32_t size() const noexcept { return size_; }
+    std::uint32_t count(Kind kind) const noexcept { return counts_[kind]; }
+    const Slot& operator[](std::uint32_t slot) const noexcept { return slots_[slot]; }
+    const std::byte* params(std::uint32_t slot) const noexcept { return &raw_[slot * max_parameter_bytes]; }
+
+    bool changed() const noexcept { return !changed_.empty() || placements_changed_; }
+    bool slots_changed() const noexcept { return !changed_.empty(); }
+    bool placements_changed() const noexcept { return placements_changed_; }
+    /// Calls take(slot) for each that changed, in the order of their first changes, and forgets that they have.
+    template <class Take>
+    void take_changed(Take take) noexcept {
+        for (const std::uint32_t i : changed_) {
+            take(i);
+            slots_[i].changed = false;
+            slots_[i].shape_alone = true;
+        }
+        changed_.clear();
+    }
+    /// Calls take(probe, placement) for each that was placed elsewhere.
+    template <class Take>
+    void take_placements(Take take) noexcept {
+        for (std::uint32_t p = 0; p < placements_.size(); ++p) {
+            if (!placements_[p].changed) continue;
+            placements_[p].changed = false;
+            take(p, placements_[p].placement);
+        }
+        placements_changed_ = false;
+    }
+
+  private:
+    Verdict validate(Kind, const std::byte* raw, const std::byte* sent, std::size_t bytes) noexcept;
+    void mark(std::uint32_t slot) noexcept;
+
+    struct Placement {
+        ProbePlacement placement;
+        bool changed = false;
+    };
+    std::vector<Slot> slots_;
+    std::vector<std::byte> raw_;  // max_parameter_bytes each
+    alignas(
+        16) std::array<std::byte, max_params> merged_{};  // what is there with what was sent, to be checked
+    Slots changed_;
+    std::vector<Placement> placements_;  // by probe
+    bool placements_changed_ = false;
+    std::uint32_t probes_used_ = 1;
+    std::uint32_t size_ = 0;
+    std::array<std::uint32_t, Representations::size> counts_{};
+};
+
+}  // namespace knurl::detail
