@@ -11,6 +11,7 @@
 #include <knurl/reps/wrench.hpp>
 
 #include "broad_phase.hpp"
+#include "clamped.hpp"
 #include "scene_state.hpp"
 
 namespace knurl::detail {
@@ -100,7 +101,12 @@ class EffectStage {
     void list() noexcept;
     void bound_all() noexcept;
     void evaluate_at_probes(double dt, Wrench& sum) noexcept;  // as fast as they say that they are
-    Wrench at_hand(const Wrench& at_probe, const ProbeState& probe) const noexcept;
+    Wrench at_hand(const Wrench& at_probe, const ProbeState& probe) const noexcept {
+        const Limits& limits = state_.limits;
+        Wrench w{clamped(at_probe.force, limits.max_force), clamped(at_probe.torque, limits.max_torque)};
+        if (probe.placement.offset != Vec3{}) w.torque += probe.arm.cross(w.force);
+        return w;
+    }
     double own_step(const Record& r, bool arrived, double dt) const noexcept {
         return (state_.silence.holds(r) || r.weight == 0) && arrived ? 0 : dt;
     }

@@ -134,13 +134,13 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
     const Arena& a = sets_.arena();
     const std::uint32_t begin = set.begin;
     const Vector3d& p = probe.position;
+    state_.work.layers += set.layers;
     set.force.setZero();
     bool infeasible = false;
     double below = 0;
     const Layer* top = nullptr;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
-        ++state_.work.layers;
         if (j > 0 && layer.count < set.layer[j - 1].count) {
             worst = a.s[begin];
             for (std::uint32_t i = begin + 1; i < begin + layer.count; ++i) worst = std::max(worst, a.s[i]);

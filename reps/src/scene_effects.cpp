@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <new>
 
-#include "clamped.hpp"
 #include "effect_stage.hpp"
 
 namespace knurl::detail {
@@ -195,13 +194,6 @@ void EffectStage::bound_all() noexcept {
         bound_.damping += bound.damping;
     }
     bound_stale_ = false;
-}
-
-Wrench EffectStage::at_hand(const Wrench& at_probe, const ProbeState& probe) const noexcept {
-    const Limits& limits = state_.limits;
-    Wrench w{clamped(at_probe.force, limits.max_force), clamped(at_probe.torque, limits.max_torque)};
-    if (probe.placement.offset != Vec3{}) w.torque += probe.arm.cross(w.force);
-    return w;
 }
 
 void EffectStage::advance_fades(double dt, Wrench& sum) noexcept {
