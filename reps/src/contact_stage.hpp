@@ -41,8 +41,24 @@ class CurvedStage {
     void lean(const ContactSet& set, const Probe& probe) noexcept;
 
   private:
+    /// On the way to where the surfaces meet.
+    struct Descent {
+        ContactSolution at;
+        double within = 0;  // m, from the probe: what lies farther is not looked at
+        bool warm = false;  // it began where the last cycle's ended
+        bool done = false;
+        std::array<Vec3, 3> normals{};  // of those that hold
+    };
     bool solve_layer(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept;
+    bool jumps(const ContactSet& set, const CurvedStart& start, const Layer& layer,
+               const Eigen::Vector3d& p) const noexcept;
     bool meet_elsewhere(const ContactSet& set, const Probe& probe, const Layer& layer) const noexcept;
+    std::span<NearSurface> near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
+                                         const Descent& descent) noexcept;
+    void take_step(std::span<NearSurface> near, const CurvedStep& step, const Eigen::Vector3d& p,
+                   Descent& descent) const noexcept;
+    void slide(const ContactSet& set, const CurvedStart& start, const Eigen::Vector3d& p,
+               ContactSolution& at) const noexcept;
     std::uint32_t list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
                                      const Eigen::Vector3d& dx, double within) noexcept;
     double relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept;

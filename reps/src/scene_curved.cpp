@@ -193,11 +193,82 @@ bool CurvedStage::any_curved(const ContactSet& set, const ActiveSet& active) con
     return false;
 }
 
-// False: the surfaces contradict each other, as far as their planes show it.
+// Where the planes' solution lies farther off than the hand's motion explains, it is another place, though nearer: the
+// one that holds goes on. Not so one that holds alone, as it did, nor what is flat: they answer as if there were no
+// other.
+bool CurvedStage::jumps(const ContactSet& set, const CurvedStart& start, const Layer& layer,
+                        const Vector3d& p) const noexcept {
+    const ActiveSet &now = layer.solution.active, &then = start.active;
+    if (now.count == 1 && then.count == 1 && now.plane[0] == then.plane[0]) return false;
+    if (!any_curved(set, now) && !any_curved(set, then)) return false;
+    return (layer.solution.dx - start.dx + (p - start.p)).norm() >
+           explained(set, layer.solution, (p - start.p).norm()) + world_length(least_jump, state_.limits);
+}
+
+// The surfaces near the probe, as they are at `at`, and how much each pushed there.
+std::span<NearSurface> CurvedStage::near_surfaces(const ContactSet& set, const Probe& probe,
+                                                  const Layer& layer, const Descent& descent) noexcept {
+    const ContactSolution& at = descent.at;
+    const std::uint32_t size = list_near_surfaces(set, probe, layer, at.dx, descent.within);
+    const std::span<NearSurface> near(near_surfaces_.data(), size);
+    for (NearSurface& surface : near) {
+        surface.pushes = 0;
+        for (std::uint32_t k = 0; k < at.active.count; ++k) {
+            if (at.active.plane[k] == surface.member) surface.pushes = at.multiplier[k];
+        }
+    }
+    return near;
+}
+
+// Takes one step. The next one makes up for what the bend of the surfaces has changed on the way, and what the change of
+// their multipliers has changed of this one.
+void CurvedStage::take_step(std::span<NearSurface> near, const CurvedStep& step, const Vector3d& p,
+                            Descent& descent) const noexcept {
+    ContactSolution& at = descent.at;
+    at.active = step.active;
+    at.multiplier = step.multiplier;
+    for (std::uint32_t k = 0; k < step.active.count; ++k) {
+        NearSurface& surface = near[step.active.plane[k]];
+        at.active.plane[k] = surface.member;
+        descent.normals[k] = to_plain(surface.at.normal);
+        surface.pushes -= step.multiplier[k];
+        surface.holds = true;
+    }
+    const double exact = world_length(exact_of_hand, state_.limits), length = step.step.norm();
+    double bend = 0, change = 0;
+    bool missed = false;  // one that the step did not touch may bend into it
+    for (const NearSurface& surface : near) {
+        if (!surface.curved) continue;
+        const double by = std::max(least_bend / state_.limits.metre, surface.at.bend.norm());
+        if (surface.holds || surface.pushes != 0) {
+            bend = std::max(bend, by);
+            change += std::abs(surface.pushes);
+        } else {
+            const double left = surface.at.height + surface.at.normal.dot(step.step);
+            missed = missed || (left < by * length * length && by * length * length > exact);
+        }
+    }
+    // What is no more than rounding is no step: a hand at rest feels the same to the bit.
+    const double scale = p.lpNorm<1>() + at.dx.lpNorm<1>();
+    if (length > std::max(exact / 8, 4 * std::numeric_limits<double>::epsilon() * scale)) at.dx += step.step;
+    descent.done = !missed && bend * length * (length + change) <= exact;
+    descent.within = std::max(descent.within, 2 * at.dx.norm());
+}
+
+// Where it has to go farther than the hand explains, since the place that held it is none any more, it slides.
+void CurvedStage::slide(const ContactSet& set, const CurvedStart& start, const Vector3d& p,
+                        ContactSolution& at) const noexcept {
+    const Vector3d from = start.dx + (start.p - p), way = at.dx - from;
+    const double room =
+        std::max(explained(set, at, (p - start.p).norm()),
+                 world_length(state_.policy.rise_speed, state_.limits) * state_.limits.period);
+    const double length = way.norm();
+    if (length > room) at.dx = from + (room / length) * way;
+}
+
 bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept {
     const Arena& a = sets_.arena();
     const Vector3d& p = probe.position;
-    const bool softest = &layer == set.layer.data();
     const ContactPlanes planes{&a.nx[set.begin], &a.ny[set.begin], &a.nz[set.begin], &a.s[set.begin],
                                layer.count};
     const bool feasible = solve_planes(layer, planes, worst, p);
@@ -205,95 +276,40 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
     layer.joined = false;
     // The hand has come from nearer than it was held: else it begins where the planes meet.
     const CurvedStart* const start = start_of(layer, state_.clock);
-    const double motion = start ? (p - start->p).norm() : 0;
-    bool warm = start && start->active.count > 0 && start->dx.norm() >= motion;
-    // Where the planes' solution lies farther off, it is another place, though nearer: the one that holds goes on.
-    // Not so one that holds alone, as it did, nor what is flat: they answer as if there were no other.
-    const bool alone = warm && layer.solution.active.count == 1 && start->active.count == 1 &&
-                       layer.solution.active.plane[0] == start->active.plane[0];
-    const bool flat = warm && !any_curved(set, layer.solution.active) && !any_curved(set, start->active);
-    const bool jumps = warm && !alone && !flat &&
-                       (layer.solution.dx - start->dx + (p - start->p)).norm() >
-                           explained(set, layer.solution, motion) + world_length(least_jump, state_.limits);
-    if (feasible && !jumps && !meet_elsewhere(set, probe, layer)) return true;
+    Descent descent{.at = layer.solution};
+    descent.warm = start && start->active.count > 0 && start->dx.norm() >= (p - start->p).norm();
+    const bool elsewhere = descent.warm && jumps(set, *start, layer, p);
+    if (feasible && !elsewhere && !meet_elsewhere(set, probe, layer)) return true;
 
-    ContactSolution at = layer.solution;
-    if (warm) {
+    ContactSolution& at = descent.at;
+    if (descent.warm) {
         at.dx = start->dx + (start->p - p);
         at.active = start->active;
         at.multiplier = start->multiplier;
     }
     const double most = 2 * std::max(layer.far, at.dx.norm());  // m: no farther, whatever happens
-    const double exact = world_length(exact_of_hand, state_.limits);
-    double within = most;
-    bool done = false;
-    std::array<Vec3, 3> normals{};
-    for (std::uint32_t round = 0; round < max_curved_rounds && !done; ++round) {
+    descent.within = most;
+    for (std::uint32_t round = 0; round < max_curved_rounds && !descent.done; ++round) {
         ++state_.work.curved_rounds;
-        const std::uint32_t size = list_near_surfaces(set, probe, layer, at.dx, within);
-        const std::span<NearSurface> near(near_surfaces_.data(), size);
-        for (NearSurface& surface : near) {
-            surface.pushes = 0;
-            for (std::uint32_t k = 0; k < at.active.count; ++k) {
-                if (at.active.plane[k] == surface.member) surface.pushes = at.multiplier[k];
-            }
-        }
+        const std::span<NearSurface> near = near_surfaces(set, probe, layer, descent);
         const CurvedStep step = solve_curved_step(near, at.dx);
-        if (size == 0 || !step.found) {
-            if (!warm) return feasible;
-            warm = false;
+        if (near.empty() || !step.found) {
+            if (!descent.warm) return feasible;
+            descent.warm = false;
             at = layer.solution;
             continue;
         }
-        at.active = step.active;
-        at.multiplier = step.multiplier;
-        for (std::uint32_t k = 0; k < step.active.count; ++k) {
-            NearSurface& surface = near[step.active.plane[k]];
-            at.active.plane[k] = surface.member;
-            normals[k] = to_plain(surface.at.normal);
-            surface.pushes -= step.multiplier[k];
-            surface.holds = true;
-        }
-        // The next step makes up for what the bend of the surfaces has changed on the way, and what the change
-        // of their multipliers has changed of this one.
-        const double length = step.step.norm();
-        double bend = 0, change = 0;
-        bool missed = false;  // one that the step did not touch may bend into it
-        for (const NearSurface& surface : near) {
-            if (!surface.curved) continue;
-            const double by = std::max(least_bend / state_.limits.metre, surface.at.bend.norm());
-            if (surface.holds || surface.pushes != 0) {
-                bend = std::max(bend, by);
-                change += std::abs(surface.pushes);
-            } else {
-                const double left = surface.at.height + surface.at.normal.dot(step.step);
-                missed = missed || (left < by * length * length && by * length * length > exact);
-            }
-        }
-        // What is no more than rounding is no step: a hand at rest feels the same to the bit.
-        const double scale = p.lpNorm<1>() + at.dx.lpNorm<1>();
-        if (length > std::max(exact / 8, 4 * std::numeric_limits<double>::epsilon() * scale))
-            at.dx += step.step;
-        done = !missed && bend * length * (length + change) <= exact;
+        take_step(near, step, p, descent);
         layer.far = std::max(layer.far, at.dx.norm());
-        within = std::max(within, 2 * at.dx.norm());
     }
-    layer.far = std::max(layer.far, within);  // all that was listed has been asked, then
-    if (!at.dx.allFinite() || (!done && at.dx.norm() > most)) return feasible;
-    // Where it has to go farther than the hand explains, since the place that held it is none any more, it slides.
-    if (warm) {
-        const Vector3d from = start->dx + (start->p - p), way = at.dx - from;
-        const double length = way.norm();
-        const double room =
-            std::max(explained(set, at, motion),
-                     world_length(state_.policy.rise_speed, state_.limits) * state_.limits.period);
-        if (length > room) at.dx = from + (room / length) * way;
-    }
+    layer.far = std::max(layer.far, descent.within);  // all that was listed has been asked, then
+    if (!at.dx.allFinite() || (!descent.done && at.dx.norm() > most)) return feasible;
+    if (descent.warm) slide(set, *start, p, at);
     at.status = ContactSolution::Status::solved;
     layer.solution = at;
     layer.proxy = p + at.dx;
     layer.give = 0;
-    if (softest) set.corner = normals;
+    if (&layer == set.layer.data()) set.corner = descent.normals;
     layer.joined = true;
     return true;
 }
