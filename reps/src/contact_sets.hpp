@@ -118,13 +118,14 @@ struct TangentialState {
     double pulse = 0, pulse_left = 0;                  // N, s: braking
     double apart = 1;                                  // s, since the last touch
 
+    bool needed() const noexcept { return rough || friction.residual_time > 0; }
     /// Nothing is felt, nor remembered, and time makes no difference any more.
     bool rests() const noexcept;
     /// Nothing is touched any more.
     void release() noexcept;
     /// Where nothing rubs the tip is not followed: what rubs next begins where the tip is then.
     void leave_anchor() noexcept {
-        if (!rough && !(friction.residual_time > 0)) friction.held = false;
+        if (!needed()) friction.held = false;
     }
 };
 

@@ -301,7 +301,7 @@ void ContactStage::evaluate(double dt, Wrench& sum) noexcept {
         Vector3d force = contact.fade.under_way ? cross_fade(p, dt) : contact.now.force;
         contact.force = force;
         contact.position = at.probe.position;
-        if (contact.tangential.rough || contact.tangential.friction.residual_time > 0) {
+        if (contact.tangential.needed() && !(force.isZero(0) && contact.tangential.rests())) {
             ++state_.work.tangential;
             force = with_tangential(p, sets_, state_, force, dt);
         }

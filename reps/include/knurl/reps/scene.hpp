@@ -72,9 +72,10 @@ struct SceneWork {
     std::uint32_t sets = 0;         // contact sets that were built
     std::uint32_t evaluated = 0;    // representations, surfaces and effects alike
     std::uint32_t layers = 0;       // joint contact: solutions, one for each stiffness of a set
-    std::uint32_t curved_rounds =
-        0;  // ... steps to where curved surfaces meet; at most max_curved_rounds a layer
+    // Steps to where curved surfaces meet; at most max_curved_rounds a layer.
+    std::uint32_t curved_rounds = 0;
     std::uint32_t tangential = 0;  // probes with friction, texture or a braking pulse
+    friend bool operator==(const SceneWork&, const SceneWork&) = default;
 };
 
 class Scene {
