@@ -23,11 +23,6 @@ namespace knurl::detail {
 /// Stiffnesses that one probe's set keeps apart, each with its own solution; more are rounded down to these.
 inline constexpr std::uint32_t max_layers = 8;
 
-/// In scenes of more surfaces than this, curved ones that hold together do so where their tangent planes at the probe's
-/// feet meet. Where hundreds lie in each other, what is found depends on where the search began, and then on which
-/// surfaces were out of reach; and it has a bound of time.
-inline constexpr std::uint32_t max_curved_surfaces = 64;
-
 /// What a layer with curved surfaces came to in a cycle: from there the next one goes on.
 struct CurvedStart {
     // m: x - p, and that p (apart: a hand at rest starts from the same to the bit)
@@ -39,16 +34,24 @@ struct CurvedStart {
 
 /// Those of all layers of a set: where it held the probe goes on being where it is solved from, whatever changes.
 struct CurvedStarts {
-    std::array<double, max_layers> stiffness{};  // N/m
-    std::array<Vec3, max_layers> dx{}, p{};      // m
     // What held it there: a surface, which of its contacts, and how much it pushed.
     struct Push {
         Owner owner;
         std::uint32_t part;
         double multiplier;  // m
     };
-    std::array<std::array<Push, 3>, max_layers> by{};
-    std::array<std::uint32_t, max_layers> pushes{};
+    struct Place {
+        Vec3 dx, p;  // m
+        std::uint64_t cycle = 0;
+        std::array<Push, 3> by{};
+        std::uint32_t pushes = 0;
+    };
+    struct OfLayer {
+        double stiffness = 0;  // N/m
+        Place newest, before;
+        bool started = false;  // the newest one, from the one before
+    };
+    std::array<OfLayer, max_layers> layer{};  // softest first
     std::uint32_t count = 0;
 };
 
@@ -260,6 +263,11 @@ class ContactSets {
     void put_plane(const ContactSet& set, std::uint32_t probe, Arena& into, Owner owner,
                    std::uint32_t at) const noexcept;
     void put_moving(std::uint32_t probe, Arena& into, Owner owner, std::uint32_t at) const noexcept;
+    struct Starts {
+        CurvedStarts now, old;
+    };
+    Starts starts_of_probe(std::uint32_t probe) const noexcept;
+    void take_starts_of_probe(std::uint32_t probe, Arena& arena, const Starts& starts) noexcept;
     void built(std::uint32_t probe) noexcept;
 
     double stiffness_of(Owner owner, std::uint32_t probe) const noexcept;
@@ -295,7 +303,6 @@ void forget_solution(ContactSet& set, const Eigen::Vector3d& probe) noexcept;
 /// Where a set's curved surfaces held the probe, for the set that follows it.
 CurvedStarts starts_of(const ContactSet& set, const ContactState& contact, const Arena& arena,
                        const Clock& clock) noexcept;
-void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts,
-                 const Clock& clock) noexcept;
+void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts) noexcept;
 
 }  // namespace knurl::detail

@@ -33,6 +33,49 @@ const CurvedStart* start_of(const Layer& layer, const Clock& clock) noexcept {
     return newest.cycle == clock.last_timed && clock.last_timed > 0 ? &newest : nullptr;
 }
 
+CurvedStarts::Place named(const CurvedStart& start, const ContactSet& set, const Arena& a) noexcept {
+    CurvedStarts::Place place{.dx = to_plain(start.dx),
+                              .p = to_plain(start.p),
+                              .cycle = start.cycle,
+                              .by = {},
+                              .pushes = start.active.count};
+    for (std::uint32_t k = 0; k < start.active.count; ++k) {
+        const std::uint32_t at = set.begin + start.active.plane[k];
+        std::uint32_t part = 0;
+        while (at - part > set.begin && a.owner[at - part - 1] == a.owner[at]) ++part;
+        place.by[k] = {a.owner[at], part, start.multiplier[k]};
+    }
+    return place;
+}
+
+CurvedStart found_again(const CurvedStarts::Place& place, const ContactSet& set, const Layer& layer,
+                        const Arena& a) noexcept {
+    CurvedStart start;
+    start.dx = to_eigen(place.dx);
+    start.p = to_eigen(place.p);
+    start.cycle = place.cycle;
+    for (std::uint32_t k = 0; k < place.pushes; ++k) {
+        const CurvedStarts::Push& by = place.by[k];
+        std::uint32_t i = set.begin;
+        while (i < set.begin + layer.count && a.owner[i] != by.owner) ++i;
+        if (i + by.part >= set.begin + layer.count) continue;
+        start.multiplier[start.active.count] = by.multiplier;
+        start.active.plane[start.active.count++] = i + by.part - set.begin;
+    }
+    return start;
+}
+
+// A layer's surfaces are those of its stiffness and all that are harder. So one that was not there, since nothing near
+// was as soft, was held as the next harder one was; one that is harder than all that were was not held. A stiffness
+// that changes by and by (a weight) stays the same layer.
+const CurvedStarts::OfLayer* start_for(const CurvedStarts& starts, double stiffness) noexcept {
+    constexpr double same = 0.9;
+    for (std::uint32_t j = 0; j < starts.count; ++j)
+        if (starts.layer[j].stiffness >= stiffness) return &starts.layer[j];
+    const bool any = starts.count > 0 && starts.layer[starts.count - 1].stiffness >= same * stiffness;
+    return any ? &starts.layer[starts.count - 1] : nullptr;
+}
+
 }  // namespace
 
 CurvedStarts starts_of(const ContactSet& set, const ContactState& contact, const Arena& a,
@@ -40,56 +83,34 @@ CurvedStarts starts_of(const ContactSet& set, const ContactState& contact, const
     CurvedStarts starts;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         const Layer& layer = set.layer[j];
-        const CurvedStart* const start = start_of(layer, clock);
-        if (set.curved ? !start || start->active.count == 0 : layer.solution.active.count == 0) continue;
+        CurvedStarts::OfLayer& of = starts.layer[starts.count++];
+        of.stiffness = layer.stiffness;
+        if (set.curved) {
+            of.newest = named(layer.reached[layer.newest], set, a);
+            of.before = named(layer.reached[layer.newest ^ 1u], set, a);
+            of.started = layer.started;
+            continue;
+        }
         // A set that was flat may not be any more: it was held where its planes meet.
         CurvedStart from;
-        if (set.curved) {
-            from = *start;
-        } else {
-            from.dx = layer.solution.dx;
-            from.p = contact.position;
-            from.active = layer.solution.active;
-            from.multiplier = layer.solution.multiplier;
-        }
-        starts.stiffness[starts.count] = layer.stiffness;
-        starts.dx[starts.count] = to_plain(from.dx);
-        starts.p[starts.count] = to_plain(from.p);
-        starts.pushes[starts.count] = from.active.count;
-        for (std::uint32_t k = 0; k < from.active.count; ++k) {
-            const std::uint32_t at = set.begin + from.active.plane[k];
-            std::uint32_t part = 0;
-            while (at - part > set.begin && a.owner[at - part - 1] == a.owner[at]) ++part;
-            starts.by[starts.count][k] = {a.owner[at], part, from.multiplier[k]};
-        }
-        ++starts.count;
+        from.dx = layer.solution.dx;
+        from.p = contact.position;
+        from.active = layer.solution.active;
+        from.multiplier = layer.solution.multiplier;
+        from.cycle = clock.last_timed;
+        of.newest = named(from, set, a);
     }
     return starts;
 }
 
-void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts,
-                 const Clock& clock) noexcept {
-    for (std::uint32_t j = 0; set.curved && starts.count > 0 && j < set.layers; ++j) {
+void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts) noexcept {
+    for (std::uint32_t j = 0; set.curved && j < set.layers; ++j) {
         Layer& layer = set.layer[j];
-        std::uint32_t nearest = 0;
-        const auto apart = [&](std::uint32_t i) { return std::abs(starts.stiffness[i] - layer.stiffness); };
-        for (std::uint32_t i = 1; i < starts.count; ++i) {
-            if (apart(i) < apart(nearest)) nearest = i;
-        }
-        CurvedStart& start = layer.reached[layer.newest];
-        start = CurvedStart{};
-        start.dx = to_eigen(starts.dx[nearest]);
-        start.p = to_eigen(starts.p[nearest]);
-        start.cycle = clock.last_timed;
-        ActiveSet& active = start.active;
-        for (std::uint32_t k = 0; k < starts.pushes[nearest]; ++k) {
-            const CurvedStarts::Push& by = starts.by[nearest][k];
-            std::uint32_t i = set.begin;
-            while (i < set.begin + layer.count && arena.owner[i] != by.owner) ++i;
-            if (i + by.part >= set.begin + layer.count) continue;
-            start.multiplier[active.count] = by.multiplier;
-            active.plane[active.count++] = i + by.part - set.begin;
-        }
+        const CurvedStarts::OfLayer* const of = start_for(starts, layer.stiffness);
+        if (!of) continue;
+        layer.reached[layer.newest] = found_again(of->newest, set, layer, arena);
+        layer.reached[layer.newest ^ 1u] = found_again(of->before, set, layer, arena);
+        layer.started = of->started;
     }
 }
 

@@ -93,6 +93,7 @@ bool ContactSets::reshape_sets(std::span<const std::uint32_t> renewed) noexcept 
     used_ = 0;
     for_each_bit(state_.probes_used, [&](std::uint32_t p) {
         ContactState& contact = states_[p];
+        const Starts starts = starts_of_probe(p);
         if (contact.change.edited) {
             begin_fade(p, renewed);
             if (contact.fade.under_way && !contact.fade.bridged) {
@@ -101,13 +102,10 @@ bool ContactSets::reshape_sets(std::span<const std::uint32_t> renewed) noexcept 
                 replace_old(p);
             }
         }
-        const CurvedStarts starts = starts_of(contact.now, contact, a, state_.clock);
         const Eigen::Vector3d& at = state_.probes[p].probe.position;
         forget_solution(contact.now, at);
         forget_solution(contact.old, at);
-        if (!contact.change.edited)
-            take_starts(contact.now, a, starts, state_.clock);  // what is new is felt for what it is
-        take_starts(contact.old, a, starts, state_.clock);
+        take_starts_of_probe(p, a, starts);
         built(p);
     });
     for (const std::uint32_t i : reshaped_) {

@@ -349,7 +349,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
     share_weight(set, owners);
     sort_into_layers(set, p, owners);
     forget_solution(set, state_.probes[p].probe.position);
-    std::uint32_t next_sum = set.count, together = 0;
+    std::uint32_t next_sum = set.count;
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const Owner o = owners[i];
         if (level_[i] == Levels::none) {
@@ -360,7 +360,6 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
         std::uint32_t& place = summed ? next_sum : next_place_[level_[i]];
         const std::uint32_t at = set.begin + place;
         place += parts_of(o);
-        together += !summed;
         if (stands(o)) {
             put_plane(set, p, into, o, at);
             set.standing += !summed;
@@ -370,7 +369,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
         }
         if (o != bridge_owner && is_now) slots_[o >> 1].member = at;
     }
-    set.curved = set.curved && together > 1 && surfaces_.size() <= max_curved_surfaces;
+    set.curved = set.curved && surfaces_.size() > 1;
     set.moving_count = set.moving_room = into.moving_used - set.moving_begin;
     set.room = (set.count + set.summed + 3) / 4 * 4;
     into.used += set.room;
@@ -422,20 +421,29 @@ void ContactSets::rebuild(std::span<const std::uint32_t> renewed) noexcept {
     forget_ended_olds();
     for_each_bit(state_.probes_used, [&](std::uint32_t p) {
         ContactState& contact = states_[p];
-        const Arena& from = arenas_[arena_];
-        const CurvedStarts now = starts_of(contact.now, contact, from, state_.clock);
-        const CurvedStarts old =
-            starts_of(contact.old.layers > 0 ? contact.old : contact.now, contact, from, state_.clock);
+        const Starts starts = starts_of_probe(p);
         build(contact.old, p, into, list_old(p));
         build(contact.now, p, into, list_now(p));
-        if (!contact.change.edited)
-            take_starts(contact.now, into, now, state_.clock);  // what is new is felt for what it is
-        take_starts(contact.old, into, old, state_.clock);
+        take_starts_of_probe(p, into, starts);
         built(p);
     });
     arena_ ^= 1;
     edited_ = false;
     state_.feedback_edited = true;
+}
+
+ContactSets::Starts ContactSets::starts_of_probe(std::uint32_t p) const noexcept {
+    const ContactState& contact = states_[p];
+    return {.now = starts_of(contact.now, contact, arena(), state_.clock),
+            .old = starts_of(contact.old, contact, arena(), state_.clock)};
+}
+
+// What is new is felt for what it is. What begins to fade out goes on from where it held the probe until now.
+void ContactSets::take_starts_of_probe(std::uint32_t p, Arena& a, const Starts& starts) noexcept {
+    ContactState& contact = states_[p];
+    const bool begins = contact.change.edited && contact.fade.fresh;
+    if (!contact.change.edited) take_starts(contact.now, a, starts.now);
+    take_starts(contact.old, a, begins ? starts.now : starts.old);
 }
 
 void ContactSets::built(std::uint32_t p) noexcept {

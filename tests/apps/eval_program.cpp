@@ -76,6 +76,25 @@ TEST(EvalDevice, ItsLimitsApplyAndAreTold) {
     EXPECT_LT(stiffest, 10'000);
 }
 
+TEST(EvalDevice, WhatTheHandFeelsInAllIsBoundedAndTold) {
+    // Five fingers of 1000 N/m on a device that stands 3105: none is scaled alone, together all are.
+    std::string scene;
+    for (int finger = 0; finger < 5; ++finger) scene += "[[probe]]\noffset = [0, 0, 0]\n";
+    for (int finger = 0; finger < 5; ++finger)
+        scene += "[[plane]]\nid = 'desk " + std::to_string(finger) + "'\nprobe = " + std::to_string(finger) +
+                 "\nstiffness = 1000\n";
+    const auto result =
+        eval(scene, "0,0,0,0.01\n0.5,0,0,-0.02\n2,0,0,-0.02\n", {"--device", "sim:premium15"});
+    EXPECT_NE(result.remarks.find("scaled down at times: the forces of surfaces to 0.6"), std::string::npos)
+        << result.remarks;
+    for (int finger = 0; finger < 5; ++finger)
+        EXPECT_NE(result.remarks.find("plane 'desk " + std::to_string(finger) + "'"), std::string::npos);
+    const Row& last = result.rows.back();
+    const double stiffness = last.f[2] / -last.x[2];
+    EXPECT_LT(stiffness, 3200);
+    EXPECT_GT(stiffness, 3000) << "no more is taken away than must be";
+}
+
 struct Refusal {
     const char* name;
     const char* scene;
