@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene_core.hpp"
+#include "scene_energy.hpp"
 
 namespace knurl::detail {
 
@@ -117,6 +117,7 @@ HandLoad SceneCore::load_of(const Group& group) const noexcept {
         load.stiffness.topLeftCorner<3, 3>() += group.friction.stiffness * along;
         load.damping.topLeftCorner<3, 3>() += group.law.viscous * along;
     }
+    load.energy = energy_of(*this, group);
     return load;
 }
 
@@ -183,27 +184,32 @@ SceneLoad Scene::load() const noexcept {
         add(contacts, core.load_of(group), group);
         turn(contacts, group.force + group.along, group);
     }
-    const auto add_effect = [&](const Record& r, double share) {
+    // J that it holds at its full gain.
+    const auto add_effect = [&](const Record& r, double gain) {
         const KindOps& ops = kind_ops()[r.kind];
         const Group& group = core.groups_[r.probe];
-        if (ops.load != nullptr && share > 0) add(effects, share * ops.load(r, group.probe), group);
+        if (ops.load == nullptr || !(gain * r.weight > 0)) return 0.0;
+        const HandLoad load = r.weight * ops.load(r, group.probe);
+        add(effects, gain * load, group);
+        return load.energy.held;
     };
-    const auto add_old = [&](std::uint32_t i) {
+    const auto add_old = [&](std::uint32_t i, double now) {
         const Slot& slot = core.slots_[i];
-        if (slot.from == Slot::From::record)
-            add_effect(core.faded(i), (1 - slot.gain) * core.faded(i).weight);
+        if (slot.from != Slot::From::record) return;
+        const double old = add_effect(core.faded(i), 1 - slot.gain);
+        effects.energy.freed += freed_by_fade(old, now, slot.time, core.step_);
     };
     for (std::uint32_t e = 0; e < core.effects_size_; ++e) {
         const std::uint32_t i = core.effects_[e];
         const Slot& slot = core.slots_[i];
         if (!slot.asked) continue;
-        add_effect(core.felt(i), slot.gain * core.felt(i).weight);
+        const double held = add_effect(core.felt(i), slot.gain);
         if (!slot.collapsed) turn(effects, slot.last.force, core.groups_[core.felt(i).probe]);
-        add_old(i);
+        add_old(i, held);
     }
     // Those that are removed are faded out though they are no longer felt.
     for (std::uint32_t f = 0; f < core.fading_size_; ++f)
-        if (!core.slots_[core.fading_[f]].felt) add_old(core.fading_[f]);
+        if (!core.slots_[core.fading_[f]].felt) add_old(core.fading_[f], 0);
     for (std::uint32_t rest = core.collapsed_used_; rest != 0; rest &= rest - 1) {
         const Group& group = core.groups_[static_cast<std::uint32_t>(__builtin_ctz(rest))];
         turn(effects, group.springs.evaluate(group.probe).force, group);
@@ -213,6 +219,8 @@ SceneLoad Scene::load() const noexcept {
     return {.contacts = of_contacts.stiffness,
             .effects = of_effects.stiffness,
             .damping = of_contacts.damping + of_effects.damping,
+            .in_contacts = of_contacts.energy,
+            .in_effects = of_effects.energy,
             .surfaces = core.surfaces_size_ > 0};
 }
 
