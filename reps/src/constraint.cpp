@@ -31,7 +31,7 @@ Wrench evaluate(const Constraint& params, Constraint::State&, const Probe& probe
     return {};
 }
 
-HandLoad load(const Constraint& params, const Constraint::State&, const Probe&) noexcept {
+HandLoad load(const Constraint& params, const Constraint::State&, const Probe& probe) noexcept {
     const Eigen::Vector3d u = to_eigen(params.direction);
     Eigen::Matrix3d held = Eigen::Matrix3d::Identity();
     if (params.shape == ConstraintShape::line) held -= u * u.transpose();
@@ -39,6 +39,8 @@ HandLoad load(const Constraint& params, const Constraint::State&, const Probe&) 
     HandLoad load;
     load.stiffness.topLeftCorner<3, 3>() = params.stiffness * held;
     load.damping.topLeftCorner<3, 3>() = params.damping * held;
+    const Eigen::Vector3d d = to_eigen(params.origin) - probe.position;
+    load.energy.held = 0.5 * params.stiffness * d.dot(held * d);
     return load;
 }
 

@@ -26,6 +26,8 @@ class LoadStage {
     HandLoad at_probe(const ContactState& contact) const noexcept;
     HandLoad of_contacts() const noexcept;
     HandLoad of_effects() const noexcept;
+    double bound_of_turning(const Eigen::Vector3d& force, std::uint32_t probe) const noexcept;
+    double bound_of_turning_effects() const noexcept;
     bool has_arm(std::uint32_t probe) const noexcept;
     void move_to_hand(HandLoad& sum, const HandLoad& at_probe, std::uint32_t probe) const noexcept;
     void turn(HandLoad& sum, const Eigen::Vector3d& force, std::uint32_t probe) const noexcept;

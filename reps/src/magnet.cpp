@@ -61,7 +61,16 @@ Wrench evaluate(const Magnet& params, Magnet::State&, const Probe& probe, double
     return {.force = scale * q - (share * params.damping) * probe.velocity};
 }
 
-HandLoad load(const Magnet& params, const Magnet::State&, const Probe& probe) noexcept {
+namespace {
+
+// The work of the pull from `x` away to where there is none, rounding left out.
+double energy_of(const Magnet& magnet, double x, double strongest) noexcept {
+    const double near = std::min(x, strongest), far = std::max(0.0, x - strongest);
+    return 0.5 * magnet.stiffness * near * near +
+           magnet.max_force * far * (1 - 0.5 * far / (magnet.max_distance - strongest));
+}
+
+HandLoad stiffness_of(const Magnet& params, const Probe& probe) noexcept {
     if (!(params.stiffness > 0)) return {};
     const Eigen::Vector3d q = probe.position - to_eigen(params.position);
     const double r = q.norm();
@@ -81,6 +90,16 @@ HandLoad load(const Magnet& params, const Magnet::State&, const Probe& probe) no
         params.stiffness * (r / length + x * params.rounding * params.rounding / (length * length * length));
     HandLoad load = isotropic_load(turning, share * params.damping);
     load.stiffness.topLeftCorner<3, 3>() += (radial - turning) * q * q.transpose() / (r * r);
+    return load;
+}
+
+}  // namespace
+
+HandLoad load(const Magnet& params, const Magnet::State&, const Probe& probe) noexcept {
+    HandLoad load = stiffness_of(params, probe);
+    const double x = std::abs((probe.position - to_eigen(params.position)).norm() - params.radius);
+    if (params.stiffness > 0 && x < params.max_distance)
+        load.energy.held = energy_of(params, x, params.max_force / params.stiffness);
     return load;
 }
 

@@ -69,7 +69,9 @@ Demand LoadStage::bound_of(std::uint32_t p) const noexcept {
     }
     const Shares& shares = state_.shares;
     const double turned = 1 + shares.turning * state_.probes[p].arm.squaredNorm();
-    return {shares.stiffness * turned * bound.stiffness, shares.damping * turned * bound.damping};
+    return {shares.stiffness * turned * bound.stiffness +
+                bound_of_turning(contact.force + contact.tangential.along, p),
+            shares.damping * turned * bound.damping};
 }
 
 // F = sum_j (k_j - k_{j-1}) (x_j - p), and x_j follows p along all that its planes do not hold.
@@ -105,6 +107,7 @@ void LoadStage::add(const ContactSet& set, double share, HandLoad& load) const n
 
 HandLoad LoadStage::at_probe(const ContactState& contact) const noexcept {
     HandLoad load;
+    load.energy = energy_of(contact, sets_.arena(), state_);
     const double s = contact.fade.share_of_new();
     add(contact.now, s, load);
     if (contact.fade.under_way) add(contact.old, 1 - s, load);
@@ -131,9 +134,26 @@ LoadBound LoadStage::bound() const noexcept {
         bound.damping += demand.damping;
     };
     if (!effects_.effects().empty()) add_effects(effects_.bound());
+    if (state_.shares.turning > 0) bound.effects += bound_of_turning_effects();
     for (const std::uint32_t i : effects_.fading()) {
         if (effects_[i].from == FadeFrom::record) add_effects(effects_.bound_of(state_.records.faded(i)));
     }
+    return bound;
+}
+
+// turned_force has no eigenvalue above |arm| |force|.
+double LoadStage::bound_of_turning(const Vector3d& force, std::uint32_t p) const noexcept {
+    if (!has_arm(p)) return 0;
+    return state_.shares.stiffness * state_.shares.turning * state_.probes[p].arm.norm() * force.norm();
+}
+
+double LoadStage::bound_of_turning_effects() const noexcept {
+    double bound = 0;
+    for (const std::uint32_t i : effects_.evaluated())
+        bound += bound_of_turning(effects_[i].last.force, state_.records.felt(i).probe);
+    for_each_bit(effects_.collapsed_probes(), [&](std::uint32_t p) {
+        if (has_arm(p)) bound += bound_of_turning(effects_.collapsed_wrench(p).force, p);
+    });
     return bound;
 }
 
@@ -164,26 +184,31 @@ HandLoad LoadStage::of_contacts() const noexcept {
 HandLoad LoadStage::of_effects() const noexcept {
     HandLoad sum;
     const Records& records = state_.records;
-    const auto add_effect = [&](const Record& r, double share) {
+    // J that it holds at its full gain.
+    const auto add_effect = [&](const Record& r, double gain) {
         const KindOps& ops = kind_ops()[r.kind];
-        if (ops.load != nullptr && share > 0)
-            move_to_hand(sum, share * ops.load(r, state_.probes[r.probe].probe), r.probe);
+        if (ops.load == nullptr || !(gain * r.weight > 0)) return 0.0;
+        const HandLoad load = r.weight * ops.load(r, state_.probes[r.probe].probe);
+        move_to_hand(sum, gain * load, r.probe);
+        return load.energy.held;
     };
-    const auto add_old = [&](std::uint32_t i) {
-        if (effects_[i].from == FadeFrom::record)
-            add_effect(records.faded(i), (1 - effects_[i].gain) * records.faded(i).weight);
+    const auto add_old = [&](std::uint32_t i, double now) {
+        const EffectState& effect = effects_[i];
+        if (effect.from != FadeFrom::record) return;
+        const double old = add_effect(records.faded(i), 1 - effect.gain);
+        sum.energy.freed += freed_by_fade(old, now, effect.time, state_.clock.step);
     };
     for (const std::uint32_t i : effects_.effects()) {
         const EffectState& effect = effects_[i];
         if (!effect.evaluated) continue;
         const Record& r = records.felt(i);
-        add_effect(r, effect.gain * r.weight);
+        const double held = add_effect(r, effect.gain);
         if (!effect.collapsed) turn(sum, effect.last.force, r.probe);
-        add_old(i);
+        add_old(i, held);
     }
     // Those that are removed are faded out though they are no longer felt.
     for (const std::uint32_t i : effects_.fading()) {
-        if (!state_.slots[i].felt) add_old(i);
+        if (!state_.slots[i].felt) add_old(i, 0);
     }
     for_each_bit(effects_.collapsed_probes(),
                  [&](std::uint32_t p) { turn(sum, effects_.collapsed_wrench(p).force, p); });
@@ -196,6 +221,8 @@ SceneLoad LoadStage::load() const noexcept {
     return {.contacts = contacts.stiffness,
             .effects = effects.stiffness,
             .damping = contacts.damping + effects.damping,
+            .in_contacts = contacts.energy,
+            .in_effects = effects.energy,
             .surfaces = !sets_.surfaces().empty()};
 }
 

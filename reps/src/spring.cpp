@@ -98,6 +98,7 @@ HandLoad load(const Spring& params, const Spring::State& state, const Probe& pro
     HandLoad load = isotropic_load(std::max(0.0, pull), 0);
     load.stiffness.topLeftCorner<3, 3>() += (params.stiffness - std::max(0.0, pull)) * along;
     load.damping.topLeftCorner<3, 3>() += params.damping * along;
+    load.energy.held = 0.5 * params.stiffness * (length - rest) * (length - rest);
     if (params.attach == Vec3{}) return load;
     load = moved_by(load, arm);
     load.stiffness.bottomRightCorner<3, 3>() += turned_force(arm, pull * d);

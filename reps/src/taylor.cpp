@@ -1,3 +1,5 @@
+#include <Eigen/Eigenvalues>
+
 #include <knurl/reps/taylor.hpp>
 
 #include "clamped.hpp"
@@ -103,12 +105,35 @@ std::optional<Bound> bound(const Taylor& params) noexcept {
     return Bound{.center = to_eigen(params.origin), .radius = params.radius};
 }
 
+namespace {
+
+// W = F0 d + d J d / 2 - level, whose gradient is the series. It is nowhere larger than `most_work`.
+double work_at(const Taylor& params, const Vector3d& d) noexcept {
+    return to_eigen(params.force).dot(d) + 0.5 * d.dot(to_eigen(params.jacobian) * d) - params.level;
+}
+double most_work(const Taylor& params) noexcept {
+    const auto j = to_eigen(params.jacobian);
+    const Vector3d force = to_eigen(params.force);
+    const Eigen::Matrix3d even = 0.5 * (j + j.transpose());
+    const double most =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(even, Eigen::EigenvaluesOnly).eigenvalues().z();
+    const double pushes = std::max(0.0, most);
+    return std::max(
+        0.0, force.norm() * params.radius + 0.5 * pushes * params.radius * params.radius - params.level);
+}
+
+}  // namespace
+
 // No direction restores with more, inside or at the edge. The load goes before the field does, and in every direction
 // alike: were it to jump, so would the scale of all effects, and their forces with it.
 HandLoad load(const Taylor& params, const Taylor::State&, const Probe& probe) noexcept {
-    if (params.edge == TaylorEdge::hold) return isotropic_load(params.stiffness, 0);
-    const double r = (probe.position - to_eigen(params.origin)).norm();
-    return isotropic_load(params.stiffness * load_left(r, params.radius), 0);
+    const Vector3d d = probe.position - to_eigen(params.origin);
+    const double r = d.norm();
+    const bool holds = params.edge == TaylorEdge::hold;
+    HandLoad load = isotropic_load(params.stiffness * (holds ? 1 : load_left(r, params.radius)), 0);
+    const double share = holds ? 1 : smooth_edge(r, params.core, params.radius).value;
+    if (share > 0) load.energy.held = std::max(0.0, most_work(params) - share * work_at(params, d));
+    return load;
 }
 
 }  // namespace knurl

@@ -1,3 +1,5 @@
+#include <Eigen/Eigenvalues>
+
 #include <knurl/reps/taylor6.hpp>
 
 #include "clamped.hpp"
@@ -201,16 +203,47 @@ std::optional<Bound> bound(const Taylor6& params) noexcept {
     return Bound{.center = to_eigen(params.origin), .radius = params.radius};
 }
 
+namespace {
+
+// At most, of the work that the field does from its origin, less `level`: with lengths by the radius and angles by the
+// angle no step is longer than sqrt 2.
+double most_work(const Taylor6& params) noexcept {
+    Eigen::Matrix<double, 6, 1> reach;
+    reach << Vector3d::Constant(params.radius), Vector3d::Constant(params.angle);
+    const Square<6> j = reach.asDiagonal() * to_eigen(params.jacobian) * reach.asDiagonal();
+    const Square<6> even = 0.5 * (j + j.transpose());
+    const double pushes =
+        Eigen::SelfAdjointEigenSolver<Square<6>>(even, Eigen::EigenvaluesOnly).eigenvalues()(5);
+    return std::max(0.0, to_eigen(params.force).norm() * params.radius +
+                             to_eigen(params.torque).norm() * params.angle + std::max(0.0, pushes) -
+                             params.level);
+}
+
+double energy_of(const Taylor6& params, const Vector3d& d, const Vector3d& turn) noexcept {
+    const double share = params.edge == TaylorEdge::hold
+                             ? 1
+                             : smooth_edge(d.norm(), params.core, params.radius).value *
+                                   smooth_edge(turn.norm(), params.core, params.angle).value;
+    if (!(share > 0)) return 0;
+    Eigen::Matrix<double, 6, 1> step;
+    step << d, turn;
+    const double work = to_eigen(params.force).dot(d) + to_eigen(params.torque).dot(turn) +
+                        0.5 * step.dot(to_eigen(params.jacobian) * step) - params.level;
+    return std::max(0.0, most_work(params) - share * work);
+}
+
+}  // namespace
+
 // As taylor's.
 HandLoad load(const Taylor6& params, const Taylor6::State&, const Probe& probe) noexcept {
+    const Vector3d d = probe.position - to_eigen(params.origin);
+    const Vector3d turn = rotation_vector(probe.orientation * to_eigen(params.orientation).conjugate());
     double left = params.stiffness;
-    if (params.edge == TaylorEdge::fade) {
-        const Vector3d turn = rotation_vector(probe.orientation * to_eigen(params.orientation).conjugate());
-        left *= load_left((probe.position - to_eigen(params.origin)).norm(), params.radius) *
-                load_left(turn.norm(), params.angle);
-    }
+    if (params.edge == TaylorEdge::fade)
+        left *= load_left(d.norm(), params.radius) * load_left(turn.norm(), params.angle);
     HandLoad load = isotropic_load(left, 0);
     load.stiffness.bottomRightCorner<3, 3>().diagonal().setConstant(left * params.metres * params.metres);
+    load.energy.held = energy_of(params, d, turn);
     return load;
 }
 

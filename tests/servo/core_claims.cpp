@@ -353,6 +353,64 @@ TEST(Sharing, FiveFingersOfOneClaimTogetherAreNoStifferThanTheDeviceStands) {
     EXPECT_EQ(protocol::scales_of(hand.feedback().header).effects, 1);
 }
 
+// The finger that stays down is as soft as before while the hand rests: to be stiffer it would have to push. As the hand
+// moves, what damping takes pays for that.
+TEST(Sharing, AFingerThatStaysIsStiffAgainAsTheHandMoves) {
+    PuppetDevice device;
+    const double k_max = max_stiffness(device.link(), 1000), deep = -2e-3, middle = -0.6e-3;
+    device.tip = {0, 0, deep};
+    ServoOptions options = live_options();
+    options.silence = false;
+    Offline servo(device, options);
+    OfflineClaim& hand = servo.claim();
+    for (std::uint32_t finger = 0; finger < 5; ++finger) {
+        hand.place_probe(finger, {.offset = {0.01 * finger, 0, 0}});
+        hand.add(Plane{.offset = finger == 0 ? 0 : -1e-3, .stiffness = 1000}, {.probe = finger});
+    }
+    const auto scale = [&] { return protocol::scales_of(hand.feedback().header).contacts; };
+    hand.arm();
+    run(servo, 600);
+    ASSERT_NEAR(scale(), k_max / 5000, 1e-6);
+    for (int i = 0; i < 100; ++i) {  // four lift
+        device.tip.z() += (middle - deep) / 100;
+        servo.step();
+    }
+    run(servo, 50);
+    const double left = scale();
+    EXPECT_LT(left, 0.9) << "the way was too short to pay for all";
+    run(servo, 1000);
+    EXPECT_LT(scale() - left, 1e-3) << "a hand at rest is not pushed";
+    double last = scale();
+    for (int i = 0; i < 2000; ++i) {  // 0.4 mm up and down, 3 Hz
+        device.tip.z() = middle + 0.4e-3 * std::sin(2 * M_PI * 3e-3 * i);
+        servo.step();
+        EXPECT_GE(scale(), last) << "cycle " << i;
+        last = scale();
+    }
+    EXPECT_EQ(last, 1);
+}
+
+// What its application takes away was not paid by the hand: a hand at rest feels what is left with all that there is.
+TEST(Sharing, WhatIsRemovedLeavesItsShareToTheOthersAtOnce) {
+    PuppetDevice device;
+    device.tip = {0, 0, -1e-4};
+    ServoOptions options = live_options();
+    options.silence = false;
+    Offline servo(device, options);
+    OfflineClaim& hand = servo.claim();
+    std::vector<Handle> fingers;
+    for (std::uint32_t finger = 0; finger < 5; ++finger) {
+        hand.place_probe(finger, {.offset = {0.01 * finger, 0, 0}});
+        fingers.push_back(hand.add(Plane{.stiffness = 1000}, {.probe = finger}));
+    }
+    hand.arm();
+    run(servo, 600);
+    for (std::uint32_t finger = 1; finger < 5; ++finger) hand.remove(fingers[finger]);
+    run(servo, 200);
+    EXPECT_EQ(protocol::scales_of(hand.feedback().header).contacts, 1);
+    EXPECT_NEAR(sent_z(servo), 0.1, 1e-9);
+}
+
 // ... nor on whether whoever has the surface is at rest, out of the hand's reach.
 TEST(Sharing, SurfacesOfAClaimAtRestKeepTheirShare) {
     PuppetDevice device;

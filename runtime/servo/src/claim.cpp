@@ -82,11 +82,13 @@ bool Claim::Impl::nothing_to_do() const noexcept {
 
 void Claim::Impl::advance_gain(double step) noexcept {
     constexpr double rounding = 1e-9;  // n steps are n steps
+    const double before = gain;
     if (wants_force()) {
         gain = gain + step > 1 - rounding ? 1 : gain + step;
     } else {
         gain = gain - step < rounding ? 0 : gain - step;
     }
+    gain_lost = std::max(0.0, before - gain);
 }
 
 Wrench Claim::Impl::device_wrench() const noexcept {

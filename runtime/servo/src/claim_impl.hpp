@@ -112,6 +112,7 @@ struct Claim::Impl {
     bool announced = false;       // the device knows that it is active
     bool from_the_start = false;  // offline: what the first cycle finds is in full force at once
     double gain = 0;
+    double gain_lost = 0;   // in this cycle
     double empty_for = 0;   // s, without a representation or a force
     HandScales scales;      // of the hand's budget
     Wrench wrench;          // world, of this cycle

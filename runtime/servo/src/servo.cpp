@@ -27,7 +27,9 @@ Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segm
       supervisor(the_device.link(), stated.supervisor, stated.rate),
       reports(with_empty_ring(segment) + protocol::device_layout().reports, protocol::report_slots,
               sizeof(Report)),
-      counters(segment + protocol::device_layout().counters, protocol::count_names) {
+      counters(segment + protocol::device_layout().counters, protocol::count_names),
+      own_damping(max_stiffness(the_device.link(), stated.rate) *
+                  (0.5 / stated.rate + the_device.link().lag)) {
     if (options.start_active) supervisor.start_active();
 }
 
@@ -233,7 +235,9 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
 
 // What is out of the hand's reach is not felt: scenes that rest have no load.
 void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
-    const auto felt = [](const Claim::Impl& c) { return c.channels && c.gain > 0 && !c.quiet(); };
+    const auto felt = [](const Claim::Impl& c) {
+        return c.channels && (c.gain > 0 || c.gain_lost > 0) && !c.quiet();
+    };
     LoadBound bound{.surfaces = claims.resting().surfaces};
     for (const std::size_t place : claims.awake()) {
         const Claim::Impl& c = claims[place];
@@ -241,16 +245,17 @@ void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     }
     if (budget.rests() && !bound.exceeds()) return;
     const HandScales before = budget.scales();
-    if (bound.exceeds()) {
-        SceneLoad load{.surfaces = claims.resting().surfaces};
-        for (const std::size_t place : claims.awake()) {
-            const Claim::Impl& c = claims[place];
-            if (felt(c)) load += c.gain * c.scene.load();
-        }
-        budget.advance(load, settles ? std::numeric_limits<double>::infinity() : dt);
-    } else {
-        budget.advance_within(dt);
+    SceneLoad load{.surfaces = claims.resting().surfaces};
+    for (const std::size_t place : claims.awake()) {
+        const Claim::Impl& c = claims[place];
+        if (!felt(c)) continue;
+        const SceneLoad whole = c.scene.load();
+        load += c.gain * whole;
+        load.in_contacts.freed += c.gain_lost * whole.in_contacts.held;
+        load.in_effects.freed += c.gain_lost * whole.in_effects.held;
     }
+    const double spent = own_damping * dt * hand.smooth_velocity.squaredNorm();
+    budget.advance(load, spent, settles ? std::numeric_limits<double>::infinity() : dt);
     if (!settles || budget.scales() == before) return;
     for (const std::size_t place : claims.awake()) {
         Claim::Impl& c = claims[place];

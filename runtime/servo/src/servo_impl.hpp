@@ -95,6 +95,7 @@ struct Servo::Impl {
     bool first = true;
     Nanoseconds last_now = 0, read_ns = 0, write_ns = 0;
     HandBudget budget;          // of all claims together
+    double own_damping = 0;     // N s/m: that by which max_stiffness was found
     bool settles = false;       // in this cycle: what was there from the start
     bool enabled = false;       // as the device was last told
     bool guardian = false;      // it zeroed the device before this cycle

@@ -10,8 +10,13 @@
 // Contacts and effects have scales of their own, since the hand must come to rest. Were a spring scaled because a
 // surface is touched, it would pull the hand off the surface, be whole again, and pull it back, for ever. So the scale
 // of effects does not know what is touched. A contact that is scaled gives way by more, which as a rule keeps it one.
-
-#include <cstdint>
+//
+// The loop stays passive while scales change. With V the potential of the parts at full strength the hand has the energy
+// E = m v^2 / 2 + s V, of which a scale that falls takes s' V away, and one that rises gives s' V: a hand that slips off
+// one surface, and is pushed back by another that has become stiffer, would go to and fro for ever. So a scale rises by no
+// more than is paid: freely where nothing is held (V = 0); else by what fades take away where the hand is (an application
+// that removes a surface), and by half of what damping takes from the moving hand and the loop's delay does not give
+// back. What scales took when they fell pays for nothing: until they have fallen the loop is too stiff, and makes energy.
 
 #include <knurl/reps/hand_load.hpp>
 
@@ -22,7 +27,8 @@ struct SceneLoad {
     Matrix6 contacts = Matrix6::Zero();  // stiffness of surfaces and their friction, as they are touched
     Matrix6 effects = Matrix6::Zero();   // stiffness
     Matrix6 damping = Matrix6::Zero();   // of both
-    bool surfaces = false;               // there are some, touched or not
+    PartEnergy in_contacts = {}, in_effects = {};  // of the device
+    bool surfaces = false;                         // there are some, touched or not
 
     SceneLoad& operator+=(const SceneLoad& other) noexcept;
 };
@@ -54,28 +60,28 @@ class HandBudget {
     /// A scale falls by no more than a share dt / fall_time of itself in a cycle, and rises by no more than
     /// dt / rise_time: a finger that lands or lifts changes the force of the others no faster.
     static constexpr double fall_time = 10e-3, rise_time = 100e-3;  // s
+    /// Of what damping takes and the loop's delay does not give back, so much pays for scales that rise.
+    static constexpr double spent_share = 0.5;
 
     const HandScales& scales() const noexcept { return scales_; }
     /// All are 1: a load need not be known unless its bound exceeds.
     bool rests() const noexcept { return scales_ == HandScales{}; }
-    /// One cycle, with the load of all parts at full strength. An infinite dt: at once.
-    void advance(const SceneLoad& load, double dt) noexcept;
-    /// One cycle in which the bound did not exceed.
-    void advance_within(double dt) noexcept;
-    /// Cycles in which eigenvalues were computed.
-    std::uint64_t computed() const noexcept { return computed_; }
+    /// One cycle, with the load of all parts at full strength. `spent`: what the damping that k_max stands on takes
+    /// from the hand in it (J). An infinite dt: at once.
+    void advance(const SceneLoad& load, double spent, double dt) noexcept;
 
     /// All that the next cycle depends on, for a recording.
     template <class Visit>
     void state(Visit& visit) noexcept {
-        visit(scales_.contacts, scales_.effects, scales_.damping);
+        visit(scales_.contacts, scales_.effects, scales_.damping, tank_);
     }
 
   private:
-    void move(const HandScales& targets, double dt) noexcept;
+    HandScales slewed(const HandScales& targets, double dt) const noexcept;
+    void pay(HandScales& next, const SceneLoad& load, double spent) noexcept;
 
     HandScales scales_;
-    std::uint64_t computed_ = 0;
+    double tank_ = 0;  // J, for scales that wait to rise
 };
 
 /// Of a symmetric matrix; but 1 where that is not above 1, which costs less to find out.

@@ -10,21 +10,38 @@ namespace knurl {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/// J, of parts at full strength.
+struct PartEnergy {
+    double held = 0;   // what the hand can get out of them from here, at most
+    double freed = 0;  // what of that a fade has taken away in this cycle, where the hand is
+
+    PartEnergy& operator+=(const PartEnergy& other) noexcept {
+        held += other.held;
+        freed += other.freed;
+        return *this;
+    }
+};
+inline PartEnergy operator*(double scale, const PartEnergy& energy) noexcept {
+    return {scale * energy.held, scale * energy.freed};
+}
+
 /// Symmetric, translation (m) before rotation (rad), world axes: how a wrench (N, N m) falls off with displacement
 /// and with velocity. Where a representation pushes away, its stiffness is negative.
 struct HandLoad {
     Matrix6 stiffness = Matrix6::Zero();  // N/m, N/rad, N m/rad
     Matrix6 damping = Matrix6::Zero();    // N s/m, N s/rad, N m s/rad
+    PartEnergy energy = {};
 
     HandLoad& operator+=(const HandLoad& other) noexcept {
         stiffness += other.stiffness;
         damping += other.damping;
+        energy += other.energy;
         return *this;
     }
 };
 
 inline HandLoad operator*(double scale, const HandLoad& load) noexcept {
-    return {scale * load.stiffness, scale * load.damping};
+    return {scale * load.stiffness, scale * load.damping, scale * load.energy};
 }
 
 /// The same in every direction, without rotation.
@@ -39,7 +56,7 @@ Eigen::Matrix3d turned_force(const Eigen::Vector3d& arm, const Eigen::Vector3d& 
 
 /// As shares of what the device stands: 1 is k_max (N/m) or kappa_max (N m/rad), and b_max = m / (4 (T + tau +
 /// tau_f)) or b_max kappa_max / k_max. Dimensionless, so loads of differently scaled worlds add up. Where kappa_max
-/// is not known nothing is said of rotation; where k_max is not known, nothing at all.
+/// is not known nothing is said of rotation; where k_max is not known, nothing at all. Energy is the device's (J).
 HandLoad as_shares(const HandLoad& load, const Limits& limits) noexcept;
 
 }  // namespace knurl
