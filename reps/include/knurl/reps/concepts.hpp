@@ -129,7 +129,9 @@ concept Effect = Representation<R> &&
 //       its own state brings a change in: left out of the cross-fade
 //   HandLoad load(const R&, const R::State&, const Probe&)
 //       how stiff and how damped an effect is, at the probe (hand_load.hpp); without it, as its members `stiffness`
-//       (N/m) and `damping` (N s/m) say, alike in every direction; with none of these, not at all
+//       (N/m) and `damping` (N s/m) say, alike in every direction; with none of these, not at all. Its `energy.held` (J)
+//       is what the hand can get out of the effect from there, at most: without it the budget may give back more than
+//       it took where the effect's stiffness depends on the place
 //   R carried(const R& old, const R& next)
 //       an effect's `old` with all that moves by itself from `next`; its state, too, unless there is a
 //       State::moves_alike, which says that both move by themselves and alike
