@@ -1,5 +1,7 @@
 #include <knurl/geometry/parts.hpp>
 
+#include <Eigen/Geometry>
+
 #include "mesh_data.hpp"
 
 namespace knurl {
