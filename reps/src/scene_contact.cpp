@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "clamped.hpp"
+#include "far_planes.hpp"
 #include "scene_core.hpp"
 
 namespace knurl::detail {
@@ -206,8 +207,7 @@ void SceneCore::evaluate_set(ContactSet& set, const Group& group, double dt) noe
     const Vector3d& p = group.probe.position;
     double worst = -std::numeric_limits<double>::infinity();
     if (set.standing > 0)  // else all of them are asked where they are
-        worst =
-            shift_to_probe(&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.c[begin], set.count, p, &a.s[begin]);
+        worst = ask_standing(set, a, p);
     if (set.summed > 0) {
         const std::uint32_t from = begin + set.count;
         shift_to_probe(&a.nx[from], &a.ny[from], &a.nz[from], &a.c[from], set.summed, p, &a.s[from]);

@@ -253,6 +253,7 @@ void SceneCore::build(ContactSet& set, const Group& group, Arena& into,
 
 void forget_solution(ContactSet& set, const Group& group) noexcept {
     set.infeasible = false;
+    set.clear.distance = 0;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
         layer.give = layer.given_at = 0;

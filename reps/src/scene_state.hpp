@@ -156,6 +156,12 @@ struct Layer {
     double far = 0;                      // m, what lies farther from the probe has had no say
 };
 
+/// Where many planes that stand were last asked, and how far the nearest was away (m); at most 0: ask.
+struct ClearOfPlanes {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    double distance = 0;
+};
+
 struct ContactSet {
     std::uint32_t begin = 0, count = 0;                // members in the arena, solved together
     std::uint32_t room = 0, moving_room = 0;           // as many members may lie there, of either kind
@@ -170,6 +176,7 @@ struct ContactSet {
     bool left_out = false;                // of the last round of asking: some were out of reach
     double slack = 0;                     // m, by which their reach is extended: the proxy may get that far
     double scale = 1;                     // the weight, where all members share one
+    ClearOfPlanes clear;
     std::array<Layer, max_layers> layer;  // softest (all members) first
     // Last cycle's result.
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, damped, weighted, clamped

@@ -21,7 +21,9 @@ double still_contact(const Group& group, const Arena& a) noexcept {
     double worst = -infinity;
     for (std::uint32_t i = set.begin; i < set.begin + set.count + set.summed; ++i)
         worst = std::max(worst, a.s[i]);
-    return -worst;
+    // Many planes were asked where the probe was then.
+    const double moved = set.clear.distance > 0 ? (group.probe.position - set.clear.at).norm() : 0;
+    return -worst - moved;
 }
 
 /// What has bounds is not asked where its candidates are while they hold: near_left and near_falls_short.
