@@ -176,7 +176,6 @@ struct ContactSet {
     bool left_out = false;                // of the last round of asking: some were out of reach
     double slack = 0;                     // m, by which their reach is extended: the proxy may get that far
     double scale = 1;                     // the weight, where all members share one
-    ClearOfPlanes clear;
     std::array<Layer, max_layers> layer;  // softest (all members) first
     // Last cycle's result.
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, damped, weighted, clamped
@@ -184,6 +183,7 @@ struct ContactSet {
     double per_elastic = 0;                           // 1, what became of it by damping, weight, clamp
     bool touching = false;
     bool infeasible = false;
+    ClearOfPlanes clear;
 };
 
 /// A surface that is asked each cycle, unless the probe is out of its ball.

@@ -1,6 +1,6 @@
-#include <knurl/geometry/parts.hpp>
-
 #include <Eigen/Geometry>
+
+#include <knurl/geometry/parts.hpp>
 
 #include "mesh_data.hpp"
 
