@@ -156,6 +156,9 @@ std::vector<std::string> notes_of(const knurl::MeshNotes& n) {
     note(n.edges_non_manifold, "edges have more than two triangles");
     note(n.faces_cut, "triangles cross or touch others and are cut there");
     note(n.faces_crossed, "triangles cross others");
+    if (n.not_united > 0)
+        lines.push_back(
+            "parts that meet could not be cut soundly: a hand may find a way in where they touch");
     return lines;
 }
 

@@ -43,7 +43,7 @@ void move_on_since(Record& r, const Clock& clock) noexcept {
 
 }  // namespace
 
-void catch_up(Record& r, const SceneState& state) noexcept {
+void catch_up(Record& r, const SceneState& state, const Eigen::Vector3d& held) noexcept {
     const ProbeState& probe = state.probes[r.probe];
     const KindOps& ops = kind_ops()[r.kind];
     if (ops.turns) move_on_since(r, state.clock);
@@ -51,6 +51,8 @@ void catch_up(Record& r, const SceneState& state) noexcept {
     ops.out_of_reach(r);
     Probe then = probe.probe;
     then.position = probe.before;
+    if (ops.follows) then.position += held;
+    then.path = nullptr;
     std::array<Contact, max_contacts> unused;
     ops.contact(r, then, ops.turns ? 0 : state.limits.period, unused);
     r.asked = state.clock.last_timed;

@@ -37,7 +37,8 @@ struct Coverage {
 std::optional<Bound> ball_now(const Record& record, const Clock& clock) noexcept;
 /// A surface that was not evaluated in the last cycle that took time was out of reach then. Its state is made what it
 /// would be had it been evaluated: no path before that cycle, and the probe where it was in it.
-void catch_up(Record& record, const SceneState& state) noexcept;
+/// `held`: m, by which its set held the probe then.
+void catch_up(Record& record, const SceneState& state, const Eigen::Vector3d& held) noexcept;
 
 /// Of the surfaces. Those without an end that do not stand still are always candidates.
 class SurfaceCandidates {

@@ -71,6 +71,12 @@ struct Layer {
     double far = 0;                      // m, what lies farther from the probe has had no say
 };
 
+/// Where many planes that stand were last asked, and how far the nearest was away (m); at most 0: ask.
+struct ClearOfPlanes {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    double distance = 0;
+};
+
 struct ContactSet {
     std::uint32_t begin = 0, count = 0;                // members in the arena, solved together
     std::uint32_t room = 0, moving_room = 0;           // as many members may lie there, of either kind
@@ -81,17 +87,24 @@ struct ContactSet {
     std::uint32_t layers = 0;
     bool rough = false;                   // one of them is
     bool curved = false;                  // one of several may be
+    bool follows = false;                 // one is entered and left: see ProxyPath
     std::array<Vec3, 3> corner{};         // of the softest layer, if joined: the active normals
     bool left_out = false;                // of the last round of asking: some were out of reach
     double slack = 0;                     // m, by which their reach is extended: the proxy may get that far
     double scale = 1;                     // the weight, where all members share one
     std::array<Layer, max_layers> layer;  // softest (all members) first
+    // Of the last cycle that took time: the proxy from the probe (m), and the only slot that held it there.
+    Eigen::Vector3d held = Eigen::Vector3d::Zero();
+    std::uint32_t held_by = 0xffffffff;
+    bool led = false;  // in the last cycle that took time the proxy was led: see ProxyPath
+    Eigen::Vector3d reached = Eigen::Vector3d::Zero();  // m: of this cycle, where the proxy was led
     // Last cycle's result.
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, damped, weighted, clamped
     double elastic = 0;                               // N, of the joint solution alone, before that
     double per_elastic = 0;                           // 1, what became of it by damping, weight, clamp
     bool touching = false;
     bool infeasible = false;
+    ClearOfPlanes clear;
 };
 
 /// A surface that is asked each cycle, unless the probe is out of its ball.

@@ -6,6 +6,7 @@
 #include <span>
 
 #include <knurl/reps/curved_contact.hpp>
+#include <knurl/reps/proxy_path.hpp>
 #include <knurl/reps/wrench.hpp>
 
 #include "contact_sets.hpp"
@@ -79,29 +80,76 @@ Eigen::Vector3d with_tangential(std::uint32_t probe, ContactSets& sets, const Sc
 double texture_gain_of(const Record& record, const Texture& texture, const Probe& probe,
                        const SceneState& state) noexcept;
 
+/// How the proxy of a set is led in this cycle: scene_seams.cpp.
+struct Lead {
+    const ContactState* contact = nullptr;  // of its probe
+    bool led = false;                       // something else may hold the probe than what is asked
+    bool lone = false;                      // there is one surface
+    bool fades = false;                     // the set that fades out
+    bool solved = false;                    // the proxy is known
+    bool again = false;  // its set has been asked in this cycle before, when it had other candidates
+    ProxyPath::Stage stage = ProxyPath::Stage::answer;  // of what is asked again
+    Eigen::Vector3d before =
+        Eigen::Vector3d::Zero();                      // m, world: where the probe was in the last timed cycle
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, from the probe: what is near it counts
+    std::uint32_t deepest = 0;                        // the member that overlaps the probe most
+};
+
 class ContactStage {
   public:
     ContactStage(SceneState& state, ContactSets& sets, SurfaceCandidates& candidates)
         : state_(state), sets_(sets), candidates_(candidates), curved_(state, sets) {}
 
+    /// The path of the proxy, which each probe shows to what it enters and leaves.
+    ProxyPath& path() noexcept { return path_; }
     /// Adds the wrench of all surfaces, about the hand's position.
     void evaluate(double dt, Wrench& sum) noexcept;
 
   private:
-    void evaluate_set(ContactSet& set, const Probe& probe, double dt) noexcept;
+    void evaluate_set(const ContactState& contact, ContactSet& set, const ProbeState& at, double dt) noexcept;
+    double scan_standing(ContactSet& set, const Eigen::Vector3d& p) noexcept;
+    void rest(ContactSet& set, const Probe& probe) noexcept;
     double ask(ContactSet& set, const Probe& probe, double dt, double worst) noexcept;
     double ask_one(const ContactSet& set, const Probe& probe, double dt, std::uint32_t member) noexcept;
+    std::uint32_t contacts_of(Record& r, const KindOps& ops, const Probe& probe, double step) noexcept;
+    void subtract_relief(const Record& r, Rough& feel, const Probe& probe, double step,
+                         std::uint32_t count) noexcept;
+    double put_contacts(const ContactSet& set, const Record& r, std::uint32_t room, std::uint32_t count,
+                        std::uint32_t member) noexcept;
     const Layer* solve(ContactSet& set, const Probe& probe, double worst) noexcept;
     double damped_force(ContactSet& set, const Probe& probe, const Layer& top) noexcept;
     void add_summed(ContactSet& set, const Probe& probe) noexcept;
+    const Layer* widen(ContactSet& set, const Probe& probe, double dt, double standing,
+                       double& worst) noexcept;
+    const Layer* solve_widening(ContactSet& set, const Probe& probe, double dt, double standing,
+                                double& worst) noexcept;
     bool candidates_fall_short() noexcept;
     Eigen::Vector3d cross_fade(std::uint32_t probe, double dt) noexcept;
+
+    // scene_seams.cpp
+    void begin_path(const ContactState& contact, const ContactSet& set,
+                    const Eigen::Vector3d& before) noexcept;
+    void set_stage(const ContactSet& set, std::uint32_t member, bool first) noexcept;
+    const Layer* lead_on(ContactSet& set, const Probe& probe, double dt, double standing,
+                         double& worst) noexcept;
+    const Layer* lead_proxy(ContactSet& set, const Probe& probe, double dt, double standing,
+                            double& worst) noexcept;
+    const Layer* solve_or_rest(ContactSet& set, const Probe& probe, double dt, double standing,
+                               double& worst) noexcept;
+    void tell_path(const ContactSet& set, std::uint32_t member) noexcept;
+    void pass_along(ContactSet& set, const Probe& probe, ProxyPath::Stage stage) noexcept;
+    std::uint32_t count_close(ContactSet& set, const Probe& probe, const Eigen::Vector3d& place) noexcept;
+    const Layer* brush(ContactSet& set, const Probe& probe, double dt, double standing, double& worst,
+                       const Layer* top) noexcept;
+    void remember_proxy(ContactSet& set) noexcept;
 
     SceneState& state_;
     ContactSets& sets_;
     SurfaceCandidates& candidates_;
     CurvedStage curved_;
     std::array<Contact, max_contacts> found_;  // scratch of ask
+    ProxyPath path_;                           // of the surface that is asked
+    Lead lead_;                                // of the set that is evaluated
 };
 
 }  // namespace knurl::detail

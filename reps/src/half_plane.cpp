@@ -25,8 +25,9 @@ class HalfPlaneOutline {
 
     const Vector3d& normal() const noexcept { return normal_; }
     double height(const Vector3d& q) const noexcept { return normal_.dot(q) - offset_; }
-    bool holds(const Vector3d& q, double reach) const noexcept {
-        return beyond(q) <= piece::rounding * (reach + std::abs(edge_offset_));
+    double seam(const ProxyPath& path) const noexcept { return path.hand; }
+    bool holds(const Vector3d& q, double reach, double by) const noexcept {
+        return beyond(q) <= by + piece::rounding * (reach + std::abs(edge_offset_));
     }
     bool reaches(const Vector3d&, double) const noexcept { return true; }
     Vector3d away(const Vector3d& q) const noexcept { return height(q) * normal_ + beyond(q) * edge_; }
@@ -80,11 +81,11 @@ Contact contact(const HalfPlane& params, PieceState& state, const Probe& probe, 
 
 // Clear of the piece there is nothing to remember but the side, which prime() finds again.
 double clearance(const HalfPlane& params, const PieceState& state, const Probe& probe) noexcept {
-    if (state.touched != 0) return 0;
+    if (state.touched != 0 && state.out == 0) return 0;
     const HalfPlaneOutline outline(params);
     const Vector3d& q = probe.position;
     const double distance =
-        outline.holds(q, q.lpNorm<1>()) ? std::abs(outline.height(q)) : outline.away(q).norm();
+        outline.holds(q, q.lpNorm<1>(), 0) ? std::abs(outline.height(q)) : outline.away(q).norm();
     return distance - probe.radius;
 }
 

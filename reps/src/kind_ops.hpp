@@ -30,6 +30,7 @@ struct KindOps {
     bool surface = false;
     bool turns = false;          // a surface's velocity is that of its contact
     bool curved = false;         // a surface that may not be flat
+    bool follows = false;        // a surface that the proxy enters and leaves: see ProxyPath
     std::uint32_t contacts = 1;  // tangent planes of a surface, at most
     std::size_t params_size = 0, state_size = 0;
     // Parameters as they would be felt.

@@ -57,13 +57,15 @@ class PolygonOutline {
         return (q - ball.center).norm() <= ball.radius + radius;
     }
 
-    bool holds(const Vector3d& q, double reach) const noexcept {
+    double seam(const ProxyPath&) const noexcept { return seam_of_size * 2 * ball_around(vertices_).radius; }
+
+    bool holds(const Vector3d& q, double reach, double by) const noexcept {
         for (std::uint32_t i = 0; i < vertices_.count; ++i) {
             const Vector3d start = to_eigen(vertices_.at[i]);
             const Vector3d edge = to_eigen(vertices_.at[next(vertices_, i)]) - start;
             const double beyond = edge.cross(normal_).dot(q - start);  // times the edge's length
             if (!(beyond > 0)) continue;
-            const double slack = piece::rounding * (reach + start.lpNorm<1>());
+            const double slack = by + piece::rounding * (reach + start.lpNorm<1>());
             if (beyond * beyond > slack * slack * edge.squaredNorm()) return false;
         }
         return true;
@@ -164,7 +166,7 @@ Contact contact(const Polygon& params, PieceState& state, const Probe& probe, do
 }
 
 std::optional<Bound> bound(const Polygon& params, const PieceState& state) noexcept {
-    if (state.touched != 0) return std::nullopt;
+    if (state.touched != 0 && state.out == 0) return std::nullopt;
     Bound ball = ball_around(params.vertices);
     ball.center += state.motion.time * to_eigen(params.velocity);
     return ball;

@@ -154,7 +154,8 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     if (was) {
         Record& felt = records.felt(i);
         // It may be sent to the other side of the probe: then it must know where that was.
-        if (same && !felt.stands && felt.asked < state_.clock.last_timed) catch_up(felt, state_);
+        if (same && !felt.stands && felt.asked < state_.clock.last_timed)
+            catch_up(felt, state_, sets_[felt.probe].now.held);
         sets_.release_old(i);
         effects_.release_old(i);
         if (!listed) candidates_.forget(i, felt);
@@ -164,6 +165,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     const Record& now = records.felt(i);
     if (is) {
         renew(i, same ? &records.faded(i) : nullptr);
+        state_.any_follows = state_.any_follows || kind_ops()[now.kind].follows;
         sets_.change_of(now.probe).edited = true;
         if (!now.recovers) cross_fade(now);
         if (listed) {

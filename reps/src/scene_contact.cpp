@@ -5,6 +5,7 @@
 
 #include "clamped.hpp"
 #include "contact_stage.hpp"
+#include "far_planes.hpp"
 
 namespace knurl::detail {
 
@@ -64,40 +65,59 @@ double ContactStage::ask(ContactSet& set, const Probe& probe, double dt, double 
 
 // The surface whose first member is `i`. Returns its worst violation, among those that are solved together.
 double ContactStage::ask_one(const ContactSet& set, const Probe& probe, double dt, std::uint32_t i) noexcept {
-    Arena& a = sets_.arena();
-    Record& r = state_.records[a.owner[i]];
-    if (r.asked < state_.clock.last_timed) catch_up(r, state_);
-    const bool held = state_.silence.holds(r);
-    const double step = r.asked == state_.clock.cycle ? 0 : dt;
-    state_.work.evaluated += r.asked != state_.clock.cycle;
+    const Owner owner = sets_.arena().owner[i];
+    Record& r = state_.records[owner];
+    if (r.asked < state_.clock.last_timed) catch_up(r, state_, set.held);
+    const bool first = r.asked != state_.clock.cycle;
+    const double step = first ? dt : 0;
+    state_.work.evaluated += first;
     r.asked = state_.clock.cycle;
     const KindOps& ops = kind_ops()[r.kind];
-    // What holds in a silence stays where it is, as in the cycle that placed it. All else goes on: what it
-    // remembers of the probe's path, and a recovery.
+    if (set.follows && ops.follows) set_stage(set, i, first);
+    const std::uint32_t count = contacts_of(r, ops, probe, step);
+    if (r.rough) state_.records.rough(owner).share = found_[0].friction;
+    if (r.textured) subtract_relief(r, state_.records.rough(owner), probe, step, count);
+    return put_contacts(set, r, ops.contacts, count, i);
+}
+
+// Into found_. What holds in a silence stays where it is, as in the cycle that placed it. All else goes on: what it
+// remembers of the probe's path, and a recovery.
+std::uint32_t ContactStage::contacts_of(Record& r, const KindOps& ops, const Probe& probe,
+                                        double step) noexcept {
+    const bool held = state_.silence.holds(r);
     Motion* const stays = held && step > 0 ? ops.motion(r) : nullptr;
     const std::uint64_t placed = stays ? std::exchange(stays->placed, 1) : 0;
     const std::uint32_t count = ops.contact(r, probe, step, found_);
     if (stays) stays->placed = placed;
-    const auto& found = found_;
     if (ops.turns) {
-        r.velocity = found[0].velocity;
+        r.velocity = found_[0].velocity;
         if (step > 0 && !held) r.moved = state_.clock.now.of(r.use.on_silence == OnSilence::hold);
     }
-    if (r.rough) state_.records.rough(a.owner[i]).share = found[0].friction;
-    if (r.textured) {
-        Rough& feel = state_.records.rough(a.owner[i]);
-        if (!held) feel.shift += step * r.velocity;
-        const double gain = texture_gain_of(r, feel.texture, probe, state_);
-        for (std::uint32_t c = 0; c < count; ++c) {
-            feel.height[c] = found[c].height;
-            if (!std::isfinite(found[c].height)) continue;  // nowhere near: it has no foot
-            const Vector3d foot = foot_of(probe, found[c].height, found[c].normal);
-            found_[c].height -= gain * relief(feel.texture, foot, found[c].normal, feel.shift).height;
-        }
+    return count;
+}
+
+void ContactStage::subtract_relief(const Record& r, Rough& feel, const Probe& probe, double step,
+                                   std::uint32_t count) noexcept {
+    if (!state_.silence.holds(r)) feel.shift += step * r.velocity;
+    const double gain = texture_gain_of(r, feel.texture, probe, state_);
+    for (std::uint32_t c = 0; c < count; ++c) {
+        Contact& found = found_[c];
+        feel.height[c] = found.height;
+        if (!std::isfinite(found.height)) continue;  // nowhere near: it has no foot
+        const Vector3d foot = foot_of(probe, found.height, found.normal);
+        found.height -= gain * relief(feel.texture, foot, found.normal, feel.shift).height;
     }
+}
+
+// The first `count` of `room` contacts, as members `i` on. Returns the worst violation, among those that are solved
+// together.
+double ContactStage::put_contacts(const ContactSet& set, const Record& r, std::uint32_t room,
+                                  std::uint32_t count, std::uint32_t i) noexcept {
+    Arena& a = sets_.arena();
+    const auto& found = found_;
     const std::uint32_t end = set.begin + set.count;
     double worst = -std::numeric_limits<double>::infinity();
-    for (std::uint32_t c = 0; c < ops.contacts; ++c, ++i) {
+    for (std::uint32_t c = 0; c < room; ++c, ++i) {
         if (c >= count) {
             a.s[i] = -std::numeric_limits<double>::infinity();
             continue;
@@ -184,42 +204,10 @@ double ContactStage::damped_force(ContactSet& set, const Probe& probe, const Lay
     return felt;
 }
 
-void ContactStage::evaluate_set(ContactSet& set, const Probe& probe, double dt) noexcept {
-    set.force.setZero();
-    set.elastic = set.per_elastic = 0;
-    set.touching = false;
-    if (set.count + set.summed == 0) return;
-    Arena& a = sets_.arena();
-    const std::uint32_t begin = set.begin;
-    const Vector3d& p = probe.position;
-    double worst = -std::numeric_limits<double>::infinity();
-    if (set.standing > 0)  // else all of them are asked where they are
-        worst =
-            shift_to_probe(&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.c[begin], set.count, p, &a.s[begin]);
-    if (set.summed > 0) {
-        const std::uint32_t from = begin + set.count;
-        shift_to_probe(&a.nx[from], &a.ny[from], &a.nz[from], &a.c[from], set.summed, p, &a.s[from]);
-    }
-    const double standing = worst;
-    if (set.moving_count > 0) worst = ask(set, probe, dt, standing);
-    if (!(worst > 0)) {
-        set.slack = 0;
-        for (std::uint32_t j = 0; j < set.layers; ++j) {
-            set.layer[j].solution.dx.setZero();
-            set.layer[j].solution.active.count = 0;
-            set.layer[j].proxy = p;
-        }
-        set.infeasible = false;
-        if (set.summed > 0) {
-            add_summed(set, probe);
-            set.force = clamped(set.scale * set.force, state_.limits.max_force);
-        }
-        return;
-    }
-    state_.work.evaluated += set.standing;
-
+// What is out of reach of the probe might hold the proxy, which is as far from it as the contact is deep.
+[[gnu::always_inline]] inline const Layer* ContactStage::widen(ContactSet& set, const Probe& probe, double dt,
+                                                               double standing, double& worst) noexcept {
     const Layer* top = solve(set, probe, worst);
-    // What is out of reach of the probe might hold the proxy, which is as far from it as the contact is deep.
     double far = proxy_distance(set);
     for (int round = 0; set.left_out && far > set.slack && round < widenings; ++round) {
         set.slack = 2 * far;
@@ -227,7 +215,57 @@ void ContactStage::evaluate_set(ContactSet& set, const Probe& probe, double dt) 
         top = solve(set, probe, worst);
         far = proxy_distance(set);
     }
-    set.slack = 1.25 * far;
+    return top;
+}
+
+const Layer* ContactStage::solve_widening(ContactSet& set, const Probe& probe, double dt, double standing,
+                                          double& worst) noexcept {
+    return widen(set, probe, dt, standing, worst);
+}
+
+// Planes that stand say where they are. Returns the worst violation, of those that are solved together.
+[[gnu::always_inline]] inline double ContactStage::scan_standing(ContactSet& set,
+                                                                 const Vector3d& p) noexcept {
+    Arena& a = sets_.arena();
+    if (set.summed > 0) {
+        const std::uint32_t from = set.begin + set.count;
+        shift_to_probe(&a.nx[from], &a.ny[from], &a.nz[from], &a.c[from], set.summed, p, &a.s[from]);
+    }
+    // Else all of them are asked where they are.
+    return set.standing > 0 ? ask_standing(set, a, p) : -std::numeric_limits<double>::infinity();
+}
+
+[[gnu::always_inline]] inline void ContactStage::rest(ContactSet& set, const Probe& probe) noexcept {
+    set.slack = 0;
+    for (std::uint32_t j = 0; j < set.layers; ++j) {
+        set.layer[j].solution.dx.setZero();
+        set.layer[j].solution.active.count = 0;
+        set.layer[j].proxy = probe.position;
+    }
+    set.infeasible = false;
+    if (set.summed == 0) return;
+    add_summed(set, probe);
+    set.force = clamped(set.scale * set.force, state_.limits.max_force);
+}
+
+void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, const ProbeState& at,
+                                double dt) noexcept {
+    const Probe& probe = at.probe;
+    set.force.setZero();
+    set.elastic = set.per_elastic = 0;
+    set.touching = false;
+    if (set.count + set.summed == 0) return;
+    const double standing = scan_standing(set, probe.position);
+    double worst = standing;
+    if (set.follows) begin_path(contact, set, at.before);
+    if (set.moving_count > 0) worst = ask(set, probe, dt, standing);
+    const Layer* const top = set.follows ? lead_proxy(set, probe, dt, standing, worst)
+                             : worst > 0 ? widen(set, probe, dt, standing, worst)
+                                         : nullptr;
+    if (!(worst > 0)) return rest(set, probe);
+    state_.work.evaluated += set.standing;
+    set.slack = 1.25 * proxy_distance(set);
+
     const double elastic = set.force.norm();
     double felt = elastic;
     set.elastic = elastic;
@@ -236,7 +274,7 @@ void ContactStage::evaluate_set(ContactSet& set, const Probe& probe, double dt) 
         const ContactSolution& by = top->solution;
         bool damped = false;
         for (std::uint32_t i = 0; i < by.active.count; ++i)
-            damped = damped || by.multiplier[i] * a.b[begin + by.active.plane[i]] > 0;
+            damped = damped || by.multiplier[i] * sets_.arena().b[set.begin + by.active.plane[i]] > 0;
         if (damped) felt = damped_force(set, probe, *top);
     }
     if (set.summed > 0) add_summed(set, probe);
@@ -287,10 +325,10 @@ Vector3d ContactStage::cross_fade(std::uint32_t p, double dt) noexcept {
 void ContactStage::evaluate(double dt, Wrench& sum) noexcept {
     for (int round = 0; round < widenings; ++round) {
         for_each_bit(sets_.probes(), [&](std::uint32_t p) {
-            const Probe& probe = state_.probes[p].probe;
+            const ProbeState& at = state_.probes[p];
             ContactState& contact = sets_[p];
-            evaluate_set(contact.now, probe, dt);
-            if (contact.fade.under_way) evaluate_set(contact.old, probe, dt);
+            evaluate_set(contact, contact.now, at, dt);
+            if (contact.fade.under_way) evaluate_set(contact, contact.old, at, dt);
         });
         if (candidates_.probes() == 0 || !candidates_fall_short()) break;
     }
@@ -300,6 +338,10 @@ void ContactStage::evaluate(double dt, Wrench& sum) noexcept {
         if (contact.now.curved && contact.now.touching && dt > 0) curved_.lean(contact.now, at.probe);
         Vector3d force = contact.fade.under_way ? cross_fade(p, dt) : contact.now.force;
         contact.force = force;
+        if (state_.any_follows && dt > 0) {
+            remember_proxy(contact.now);
+            if (contact.fade.under_way) remember_proxy(contact.old);
+        }
         contact.position = at.probe.position;
         if (contact.tangential.needed() && !(force.isZero(0) && contact.tangential.rests())) {
             ++state_.work.tangential;

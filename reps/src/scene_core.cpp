@@ -51,6 +51,7 @@ void SceneCore::clear() noexcept {
     state_.clock.now = state_.clock.before = {};
     state_.silence.velocity = 1;
     state_.scales = {};
+    state_.any_follows = false;
 }
 
 void SceneCore::index() {
@@ -139,6 +140,7 @@ void SceneCore::place_probes(const Probe& hand) noexcept {
         if (clock.last_timed + 1 == clock.cycle) at.before = at.probe.position;
         at.probe = hand;
         at.probe.radius = at.placement.radius;
+        at.probe.path = &contacts_.path();
         if (at.placement.offset == Vec3{}) {
             at.arm.setZero();
             return;

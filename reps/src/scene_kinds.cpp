@@ -31,6 +31,12 @@ constexpr bool turns_of() {
 }
 
 template <class R>
+constexpr bool follows_of() {
+    if constexpr (requires { R::follows; }) return R::follows;
+    return false;
+}
+
+template <class R>
 inline constexpr bool is_curved = requires(const R& params, const typename R::State& state,
                                            const Probe& probe, std::span<CurvedContact> out) {
     curved(params, state, probe, probe, out);
@@ -317,6 +323,7 @@ constexpr auto table(TypeList<R...>) {
         KindOps{.surface = Surface<R>,
                 .turns = turns_of<R>(),
                 .curved = is_curved<R>,
+                .follows = follows_of<R>(),
                 .contacts = contacts_of<R>(),
                 .params_size = sizeof(R),
                 .state_size = sizeof(typename R::State),

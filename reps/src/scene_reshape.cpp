@@ -65,6 +65,7 @@ void ContactSets::copy_to_old(ContactState& contact) noexcept {
     old.layers = now.layers;
     old.rough = now.rough;
     old.curved = now.curved;
+    old.follows = now.follows;
     old.scale = now.scale;
     for (std::uint32_t j = 0; j < now.layers; ++j) old.layer[j] = now.layer[j];
 }

@@ -145,6 +145,9 @@ void ContactSets::begin_fade(std::uint32_t p, std::span<const std::uint32_t> ren
     fade.time = time;
     fade.number = fade.next_number();
     if (!fade.under_way) return;
+    contact.old.held = contact.now.held;
+    contact.old.held_by = contact.now.held_by;
+    contact.old.led = contact.now.led;
     for (const std::uint32_t i : renewed) {
         Slot& slot = slots_[i];
         if (slot.old_in_fade == 0 && slot.old_surface_of == static_cast<std::int32_t>(p))
@@ -339,9 +342,10 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
     set.count = set.standing = set.summed = set.layers = 0;
     set.moving_begin = into.moving_used;
     set.moving_count = set.room = set.moving_room = set.inside = 0;
-    set.infeasible = set.rough = set.curved = false;
+    set.infeasible = set.rough = set.curved = set.follows = false;
     if (owners.empty()) {
         set.force.setZero();
+        set.held.setZero();
         set.touching = false;
         return;
     }
@@ -365,6 +369,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
             set.standing += !summed;
         } else {
             put_moving(p, into, o, at);
+            set.follows = set.follows || kind_ops()[state_.records[o].kind].follows;
             set.curved = set.curved || (!summed && kind_ops()[state_.records[o].kind].curved);
         }
         if (o != bridge_owner && is_now) slots_[o >> 1].member = at;
@@ -377,6 +382,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
 
 void forget_solution(ContactSet& set, const Eigen::Vector3d& probe) noexcept {
     set.infeasible = false;
+    set.clear.distance = 0;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
         layer.give = layer.given_at = 0;

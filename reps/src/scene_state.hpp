@@ -80,6 +80,7 @@ struct SceneState {
     std::vector<SlotState> slots;
     std::vector<ProbeState> probes;
     std::uint32_t probes_used = 1;  // bit mask
+    bool any_follows = false;       // a surface that the proxy enters and leaves has been felt: see ProxyPath
     SceneWork work;                 // of this cycle
 
     // What feedback has to tell anew.

@@ -17,8 +17,8 @@ bool SceneCore::changed() const noexcept {
 }
 
 // Planes that are asked where they stand, and nothing of a fade or of friction.
-double SceneCore::still_contact(std::uint32_t p) const noexcept {
-    const ContactState& contact = sets_[p];
+double SceneCore::still_contact(std::uint32_t probe) const noexcept {
+    const ContactState& contact = sets_[probe];
     const ContactSet& set = contact.now;
     if (contact.fade.under_way || set.moving_count > 0 || set.touching || set.infeasible ||
         !contact.tangential.rests())
@@ -26,7 +26,10 @@ double SceneCore::still_contact(std::uint32_t p) const noexcept {
     double worst = -std::numeric_limits<double>::infinity();
     for (std::uint32_t i = set.begin; i < set.begin + set.count + set.summed; ++i)
         worst = std::max(worst, sets_.arena().s[i]);
-    return -worst;
+    // Many planes were asked where the probe was then.
+    const bool skipped = set.clear.distance > 0;
+    const Eigen::Vector3d& p = state_.probes[probe].probe.position;
+    return -worst - (skipped ? (p - set.clear.at).norm() : 0);
 }
 
 double SceneCore::still_within() const noexcept {

@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <mesh_data.hpp>
 
 #include "verdict.hpp"
 #include "walk_tools.hpp"
@@ -193,6 +194,49 @@ TEST(United, BoxesThatOverlapALittle) {
 TEST(United, BoxesThatOverlap) {
     Rng rng(seed() + 3000);
     expect_held(boxes(Seam::deep, approaches(3000), rng), "boxes that overlap");
+}
+
+double volume_of(const Mesh& mesh) {
+    double six = 0;
+    const auto add = [&](const auto& faces) {
+        for (const auto& face : faces) {
+            Vector3d p[3];
+            for (int i = 0; i < 3; ++i) p[i] = {face.corner[i][0], face.corner[i][1], face.corner[i][2]};
+            six += p[0].dot(p[1].cross(p[2]));
+        }
+    };
+    add(mesh.data().faces);
+    add(mesh.data().exact_faces);
+    return six / 6;
+}
+
+// Steps as high as what makes one point of two: edges, and lines across the walls, lie a little beside each other
+// everywhere, and cuts come out open: then it takes a coarser eye.
+TEST(United, BoxesThatAreFlushButForAPointsSizeStayWhole) {
+    Rng rng(seed() + 6000);
+    const int count = static_cast<int>(approaches(3000) / 30);
+    for (int i = 0; i < count; ++i) {
+        Block a{{-0.07, -0.045, -0.04}, {0, 0.04, 0.02}}, b{a.low, a.high};
+        b.high.x() = 0.06;
+        const double size = (b.high - a.low).norm();
+        b.high.z() += between(rng, 1.3e-6, 2.1e-6) * size;
+        b.low.x() = (below(rng, 2) == 0 ? 1 : -1) * std::pow(10, between(rng, -6.5, -5)) * size;
+        MadeMesh shape;
+        append(shape, a, 4), append(shape, b, 4);
+        const Matrix3d turn = AngleAxisd(between(rng, 0, 3), any_direction(rng)).matrix();
+        for (auto& v : shape.vertices) {
+            const Vector3d p = turn * Vector3d(v[0], v[1], v[2]);
+            v = {p.x(), p.y(), p.z()};
+        }
+        std::unique_ptr<Mesh> mesh;
+        ASSERT_NO_THROW(mesh = build(shape, below(rng, 2) == 0)) << i << ", KNURL_SEED=" << seed();
+        const double whole = (b.high.x() - a.low.x()) * (a.high.y() - a.low.y()) * (a.high.z() - a.low.z());
+        EXPECT_EQ(mesh->notes().edges_open, 0U) << i << ", KNURL_SEED=" << seed();
+        EXPECT_GT(mesh->notes().vertices_moved + mesh->notes().faces_inside, 0U)
+            << i << ", KNURL_SEED=" << seed();
+        EXPECT_EQ(mesh->notes().not_united, 0U) << i << ", KNURL_SEED=" << seed();
+        EXPECT_NEAR(volume_of(*mesh), whole, 1e-3 * whole) << i << ", KNURL_SEED=" << seed();
+    }
 }
 
 /// A floor z = 0 and a wall that leans over it by `angle`, through it or on it. The fronts: up, and towards

@@ -76,6 +76,12 @@ std::vector<MeshNode> sort_into_tree(Faces& faces, Slices& slices);
 using SolidLinks = std::vector<std::pair<Link, Link>>;
 /// Finds each edge's neighbour. May turn faces over and drop duplicates: true if it did, and the tree is old.
 bool pair_edges(Faces& faces, Links& links, SolidLinks& solid, MeshNotes& notes, Slices& slices);
+/// Which faces hang together, and which of these parts are closed.
+struct Parts {
+    std::vector<std::uint32_t> of;  // of each face
+    std::vector<bool> closed;       // of each part
+};
+Parts find_parts(const Links& links, Slices& slices);
 /// Bounds the fans and returns each face's flags.
 std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes& notes, Slices& slices);
 /// Flags the faces that others cross; what is nearer than `touch` (m) touches.

@@ -1,10 +1,12 @@
 // What lies inside of a body that it touches or crosses: no hand comes there.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <tuple>
+#include <unordered_map>
 
 #include <Eigen/Geometry>
 
@@ -34,7 +36,8 @@ class Patches {
     std::vector<std::uint32_t> parent_;
 };
 
-Patches find_patches(const Faces& faces, Slices& slices) {
+/// By their edges.
+std::vector<Side> sorted_sides(const Faces& faces, Slices& slices) {
     std::vector<Side> sides;
     sides.reserve(3 * faces.corners.size());
     for (std::uint32_t f = 0; f < faces.corners.size(); ++f, slices(2)) {
@@ -48,15 +51,27 @@ Patches find_patches(const Faces& faces, Slices& slices) {
         slices();
         return std::tuple(a.near, a.far, a.face) < std::tuple(b.near, b.far, b.face);
     });
-    Patches patches(faces.corners.size());
-    for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+    return sides;
+}
+
+/// Calls `with(sides)` for each edge; false when it does.
+template <class With>
+bool for_each_edge(std::span<const Side> sides, Slices& slices, With with) {
+    for (std::size_t i = 0, end = 0; i < sides.size(); i = end, slices()) {
         for (end = i;
              end < sides.size() && sides[end].near == sides[i].near && sides[end].far == sides[i].far;)
             ++end;
-        if (end == i + 2 && sides[i].forward != sides[i + 1].forward)
-            patches.join(sides[i].face, sides[i + 1].face);
-        slices();
+        if (!with(sides.subspan(i, end - i))) return false;
     }
+    return true;
+}
+
+Patches find_patches(std::span<const Side> sides, std::size_t faces, Slices& slices) {
+    Patches patches(faces);
+    for_each_edge(sides, slices, [&](std::span<const Side> edge) {
+        if (edge.size() == 2 && edge[0].forward != edge[1].forward) patches.join(edge[0].face, edge[1].face);
+        return true;
+    });
     return patches;
 }
 
@@ -77,52 +92,110 @@ double winding(const Faces& faces, const std::vector<std::uint32_t>& part, const
 
 }  // namespace
 
-std::uint64_t drop_inside(Faces& faces, const std::vector<std::uint32_t>& part,
-                          const std::vector<bool>& changed, const std::vector<bool>& closed, const Near& near,
-                          Slices& slices) {
+namespace {
+
+/// Bodies stay closed without what goes: as many of their faces run along each edge forwards as backwards.
+template <class Goes>
+bool stays_closed(std::span<const Side> sides, const std::vector<std::uint32_t>& part,
+                  const std::vector<bool>& closed, Slices& slices, Goes goes) {
+    return for_each_edge(sides, slices, [&](std::span<const Side> edge) {
+        int sum = 0;
+        for (const Side& side : edge) {
+            if (closed[part[side.face]] && !goes(side.face)) sum += side.forward ? 1 : -1;
+        }
+        return sum == 0;
+    });
+}
+
+/// The widest changed faces of each patch, one of each of six directions: they tell where the patch is. All of
+/// them say the same, unless the patch hangs together where a cut is missing.
+struct Witness {
+    double width = 0;  // m
+    std::uint32_t face = 0;
+};
+using Witnesses = std::array<Witness, 6>;
+
+struct Geometry {
+    Vector3d middle, normal;
+    double width;  // m
+};
+Geometry geometry_of(const Faces& faces, std::uint32_t f) {
+    const Triangle& t = faces.corners[f];
+    const Vector3d a(faces.at[t[0]].data()), b(faces.at[t[1]].data()), c(faces.at[t[2]].data());
+    const Vector3d normal = (b - a).cross(c - a);
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    return {(a + b + c) / 3, normal.normalized(), normal.norm() / longest};
+}
+
+std::size_t direction_of(const Vector3d& normal) {
+    Eigen::Index axis = 0;
+    normal.cwiseAbs().maxCoeff(&axis);
+    return static_cast<std::size_t>(2 * axis + (normal[axis] < 0));
+}
+
+std::unordered_map<std::uint32_t, Witnesses> find_witnesses(const Faces& faces, Patches& patches,
+                                                            const std::vector<bool>& changed,
+                                                            Slices& slices) {
+    std::unordered_map<std::uint32_t, Witnesses> found;
+    for (std::uint32_t f = 0; f < faces.corners.size(); ++f, slices(2)) {
+        if (!changed[f]) continue;
+        const Geometry g = geometry_of(faces, f);
+        if (!(g.width > 0)) continue;
+        Witness& most = found[patches.of(f)][direction_of(g.normal)];
+        if (g.width > most.width) most = {g.width, f};
+    }
+    return found;
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> drop_inside(Faces& faces, const std::vector<std::uint32_t>& part,
+                                         const std::vector<bool>& changed, const std::vector<bool>& closed,
+                                         const Near& near, Slices& slices) {
     slices.ask();
     const std::size_t n = faces.corners.size();
-    std::uint64_t count = 0;
-    Patches patches = find_patches(faces, slices);
-    // The widest changed face of each patch tells where the patch is.
-    std::vector<std::pair<double, std::uint32_t>> widest(n, {0, 0});
-    for (std::uint32_t f = 0; f < n; ++f, slices(2)) {
-        if (!changed[f]) continue;
-        const Triangle& t = faces.corners[f];
-        const Vector3d a(faces.at[t[0]].data()), b(faces.at[t[1]].data()), c(faces.at[t[2]].data());
-        const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-        auto& most = widest[patches.of(f)];
-        most = std::max(most, {(b - a).cross(c - a).norm() / longest, f});
-    }
+    const std::vector<Side> sides = sorted_sides(faces, slices);
+    Patches patches = find_patches(sides, n, slices);
     constexpr std::uint64_t long_enough = 4'000'000'000;  // faces that are asked, in all
     std::uint64_t asked = 0;
-    std::vector<bool> inside(n);
-    for (std::uint32_t p = 0; p < n; ++p, slices()) {
-        const auto [width, f] = widest[p];
-        if (!(width > 0) || (asked += n) > long_enough) continue;
-        const Triangle& t = faces.corners[f];
-        const Vector3d a(faces.at[t[0]].data()), b(faces.at[t[1]].data()), c(faces.at[t[2]].data());
-        const Vector3d normal = (b - a).cross(c - a).normalized();
+    const auto lies_inside = [&](std::uint32_t f) {
+        asked += n;
+        const Geometry g = geometry_of(faces, f);
         // Farther than what makes one wall of two.
-        const Vector3d middle = (a + b + c) / 3, off = normal * (2 * near.touch);
+        const Vector3d off = g.normal * (2 * near.touch);
         constexpr std::uint32_t all = 0xffffffff;
-        inside[p] = winding(faces, part, closed, all, middle + off, slices) > 0.5 ||
-                    // Two bodies' faces in one plane: the one with the lower number keeps its own.
-                    (closed[part[f]] && winding(faces, part, closed, part[f], middle - off, slices) > 0.5 &&
-                     winding(faces, part, closed, part[f], middle + off, slices) < 0.5);
+        return winding(faces, part, closed, all, g.middle + off, slices) > 0.5 ||
+               // Two bodies' faces in one plane: the one with the lower number keeps its own.
+               (closed[part[f]] && winding(faces, part, closed, part[f], g.middle - off, slices) > 0.5 &&
+                winding(faces, part, closed, part[f], g.middle + off, slices) < 0.5);
+    };
+    std::vector<bool> inside(n);
+    for (const auto& [patch, witnesses] : find_witnesses(faces, patches, changed, slices)) {
+        const double most = std::max_element(witnesses.begin(), witnesses.end(), [](auto& a, auto& b) {
+                                return a.width < b.width;
+                            })->width;
+        // What is no wider than that may be turned anyhow: it is heard where there is nothing else.
+        const double least = std::min(most, 16 * near.touch);
+        int within = 0, without = 0;
+        for (const auto& [width, f] : witnesses) {
+            if (!(width > 0) || width < least || asked > long_enough) continue;
+            (lies_inside(f) ? within : without) += 1;
+        }
+        if (within > 0 && without > 0) return std::nullopt;
+        inside[patch] = within > 0;
     }
+    const auto goes = [&](std::uint32_t f) { return inside[patches.of(f)]; };
+    if (!stays_closed(sides, part, closed, slices, goes)) return std::nullopt;
     std::size_t kept = 0;
     for (std::uint32_t f = 0; f < n; ++f, slices()) {
-        if (inside[patches.of(f)]) {
-            ++count;
-            continue;
-        }
+        if (goes(f)) continue;
         faces.corners[kept] = faces.corners[f];
         faces.given[kept++] = faces.given[f];
     }
     faces.corners.resize(kept);
     faces.given.resize(kept);
-    return count;
+    if (kept == 0) return std::nullopt;
+    return n - kept;
 }
 
 }  // namespace knurl::build

@@ -98,6 +98,84 @@ std::size_t most_pieces(const Triangles& given, const MeshBuild& how) {
     return std::min((how.budget - mesh_budget(given.vertices.size(), n, how.exact)) / bytes, 16 * n + 1024);
 }
 
+/// A surface on its way from the triangles as they were given to the mesh.
+class Surface {
+  public:
+    Surface(const Triangles& given, const MeshBuild& how, const Frame& frame, MeshData& data,
+            std::vector<MeshNode>& nodes, Slices& slices)
+        : given_(given), how_(how), frame_(frame), data_(data), nodes_(nodes), slices_(slices) {}
+
+    /// Cuts what meets, where it can be cut soundly: it may take a coarser eye for what is one point. A surface
+    /// with a hole is worse than one that crosses itself, which the walk is told.
+    void make() {
+        const MeshNotes before = data_.notes;
+        const double touch = std::max({tolerance(frame_, how_), 4 * frame_.noise, 1e-9 * frame_.size});
+        const double gap = how_.gap * frame_.size, coarsest = std::max(4 * touch, std::min(64 * touch, gap));
+        Near near{.touch = touch, .gap = gap, .as_float = !how_.exact};
+        bool cuts = how_.find_crossings && how_.unite;
+        while (!make(near, cuts)) {
+            data_.notes = before;
+            near.touch *= 4;
+            if (near.touch <= coarsest) continue;
+            cuts = false;
+            data_.notes.not_united = 1;
+        }
+    }
+
+    Faces faces;
+    Links links;
+    std::vector<std::uint8_t> flags;
+
+  private:
+    /// From the beginning. False: the cuts are not sound.
+    bool make(Near near, bool cuts) {
+        faces = weld(given_, frame_, how_, data_.notes, slices_);
+        constexpr int rounds = 3;  // what is bent by a cut may meet something else
+        MeshNotes& notes = data_.notes;
+        std::uint64_t duplicates = 0;
+        bool closed = false;
+        for (int round = 0;; ++round) {
+            SolidLinks solid;
+            link(faces, links, solid, nodes_, notes, slices_);
+            if (round == 0) closed = notes.edges_open == 0, duplicates = notes.faces_duplicate;
+            if (closed && notes.edges_open > 0) return false;
+            notes.faces_inside += notes.faces_duplicate - duplicates;  // pieces that lie on each other
+            notes.faces_duplicate = duplicates;
+            data_.nodes = nodes_;
+            const bool may_unite = cuts && round < rounds;
+            Parts parts;
+            if (may_unite && (notes.parts > 1 || !solid.empty())) parts = find_parts(links, solid, slices_);
+            mark();
+            const bool crossed = notes.faces_crossed > 0;
+            if (!may_unite || (parts.closed.size() < 2 && !crossed)) return true;
+            if (parts.of.empty())
+                parts = {std::vector<std::uint32_t>(faces.corners.size()), {notes.edges_open == 0}};
+            const United united =
+                unite(faces, nodes_, parts, crossed, near, most_pieces(given_, how_), notes, slices_);
+            if (united == United::unsound || (united == United::too_much && closed)) return false;
+            if (united != United::changed) {
+                if (united == United::too_much) notes.not_united = 1;
+                return true;
+            }
+            near.gap = 0;
+            notes.edges_open = notes.edges_non_manifold = notes.vertices_split = notes.faces_crossed = 0;
+        }
+    }
+
+    void mark() {
+        flags = split_fans(faces, links, data_.notes, slices_);
+        const double touch = std::max(tolerance(frame_, how_), 2 * frame_.noise);
+        if (how_.find_crossings) find_crossings(data_, faces, touch, flags, data_.notes, slices_);
+    }
+
+    const Triangles& given_;
+    const MeshBuild& how_;
+    const Frame& frame_;
+    MeshData& data_;
+    std::vector<MeshNode>& nodes_;
+    Slices& slices_;
+};
+
 }  // namespace
 }  // namespace build
 
@@ -118,59 +196,20 @@ Mesh::Mesh(const Triangles& given, const MeshBuild& how)
     build::Slices slices(how.go_on);
 
     const build::Frame frame = build::find_frame(given, how.exact, notes, slices);
-    const MeshNotes before = notes;
-    build::Faces faces = build::weld(given, frame, how, notes, slices);
     data.origin = frame.origin;
     data.size = frame.size;
     data.exact = how.exact;
-    build::Links links;
-    build::SolidLinks solid;
-    std::vector<std::uint8_t> flags;
-    const double touch = std::max(build::tolerance(frame, how), 2 * frame.noise);
-    const double gap = how.gap * frame.size;
-    build::Near near{
-        .touch = std::max({touch, 4 * frame.noise, 1e-9 * frame.size}), .gap = gap, .as_float = !how.exact};
-    std::uint64_t duplicates = 0;
-    bool unites = how.find_crossings && how.unite, closed = false, again = false;
-    constexpr int rounds = 3;  // what is bent by a cut may meet something else
-    for (int round = 0;; ++round) {
-        build::link(faces, links, solid, memory->nodes, notes, slices);
-        if (round == 0) closed = notes.edges_open == 0;
-        if (closed && notes.edges_open > 0) {  // once more, less finely; an open cut is worse than none
-            faces = build::weld(given, frame, how, notes = before, slices);
-            unites = !again;
-            again = true;
-            near.touch *= 4;
-            near.gap = gap;
-            round = -1;
-            continue;
-        }
-        if (round == 0) duplicates = notes.faces_duplicate;
-        notes.faces_inside += notes.faces_duplicate - duplicates;  // pieces that lie on each other
-        notes.faces_duplicate = duplicates;
-        data.nodes = memory->nodes;
-        const bool may_unite = unites && round < rounds;
-        build::Parts parts;
-        if (may_unite && (notes.parts > 1 || !solid.empty())) parts = build::find_parts(links, solid, slices);
-        flags = build::split_fans(faces, links, notes, slices);
-        if (how.find_crossings) build::find_crossings(data, faces, touch, flags, notes, slices);
-        const bool crossed = notes.faces_crossed > 0;
-        if (!may_unite || (parts.closed.size() < 2 && !crossed)) break;
-        if (parts.of.empty())
-            parts = {std::vector<std::uint32_t>(faces.corners.size()), {notes.edges_open == 0}};
-        const std::size_t most = build::most_pieces(given, how);
-        if (!build::unite(faces, memory->nodes, parts, crossed, near, most, notes, slices)) break;
-        near.gap = 0;
-        notes.edges_open = notes.edges_non_manifold = notes.vertices_split = notes.faces_crossed = 0;
-    }
-    for (const auto& over : links) {
+    build::Surface surface(given, how, frame, data, memory->nodes, slices);
+    surface.make();
+    for (const auto& over : surface.links) {
         slices();
         data.open = data.open || over[0] == no_link || over[1] == no_link || over[2] == no_link;
     }
     if (how.exact) {
-        build::write(faces, links, flags, given.materials, memory->exact_faces, slices);
+        build::write(surface.faces, surface.links, surface.flags, given.materials, memory->exact_faces,
+                     slices);
     } else {
-        build::write(faces, links, flags, given.materials, memory->faces, slices);
+        build::write(surface.faces, surface.links, surface.flags, given.materials, memory->faces, slices);
     }
     data.faces = memory->faces;
     data.exact_faces = memory->exact_faces;

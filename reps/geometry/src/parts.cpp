@@ -1,3 +1,5 @@
+#include <Eigen/Geometry>
+
 #include <knurl/geometry/parts.hpp>
 
 #include "mesh_data.hpp"

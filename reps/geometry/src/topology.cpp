@@ -108,30 +108,35 @@ void link_up(Links& links, Link a, Link b) {
     links[face_of(b)][edge_of(b)] = a;
 }
 
-std::uint64_t count_parts(const Links& links, Slices& slices) {
-    std::uint64_t parts = 0;
-    std::vector<bool> seen(links.size());
+}  // namespace
+
+Parts find_parts(const Links& links, Slices& slices) {
+    Parts parts;
+    constexpr std::uint32_t none = 0xffffffff;
+    parts.of.assign(links.size(), none);
     std::vector<std::uint32_t> open;
     for (std::uint32_t seed = 0; seed < links.size(); ++seed, slices()) {
-        if (seen[seed]) continue;
-        seen[seed] = true;
-        ++parts;
+        if (parts.of[seed] != none) continue;
+        const auto part = static_cast<std::uint32_t>(parts.closed.size());
+        parts.closed.push_back(true);
+        parts.of[seed] = part;
         open.push_back(seed);
         while (!open.empty()) {
             const std::uint32_t f = open.back();
             open.pop_back();
             slices(2);
             for (const Link over : links[f]) {
-                if (over == no_link || seen[face_of(over)]) continue;
-                seen[face_of(over)] = true;
-                open.push_back(face_of(over));
+                if (over == no_link) {
+                    parts.closed[part] = false;
+                } else if (parts.of[face_of(over)] == none) {
+                    parts.of[face_of(over)] = part;
+                    open.push_back(face_of(over));
+                }
             }
         }
     }
     return parts;
 }
-
-}  // namespace
 
 bool pair_edges(Faces& faces, Links& links, SolidLinks& solid, MeshNotes& notes, Slices& slices) {
     Edges edges = collect(faces, slices);
@@ -170,7 +175,7 @@ bool pair_edges(Faces& faces, Links& links, SolidLinks& solid, MeshNotes& notes,
         }
         for (const Link h : halves) notes.edges_open += links[face_of(h)][edge_of(h)] == no_link;
     });
-    notes.parts = count_parts(links, slices);
+    notes.parts = find_parts(links, slices).closed.size();
     return false;
 }
 

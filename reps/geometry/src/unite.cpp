@@ -128,31 +128,7 @@ Parts find_parts(Links links, const SolidLinks& solid, Slices& slices) {
         links[face_of(a)][edge_of(a)] = b;
         if (b != no_link) links[face_of(b)][edge_of(b)] = a;
     }
-    Parts parts;
-    constexpr std::uint32_t none = 0xffffffff;
-    parts.of.assign(links.size(), none);
-    std::vector<std::uint32_t> open;
-    for (std::uint32_t seed = 0; seed < links.size(); ++seed, slices()) {
-        if (parts.of[seed] != none) continue;
-        const auto part = static_cast<std::uint32_t>(parts.closed.size());
-        parts.closed.push_back(true);
-        parts.of[seed] = part;
-        open.push_back(seed);
-        while (!open.empty()) {
-            const std::uint32_t f = open.back();
-            open.pop_back();
-            slices(2);
-            for (const Link over : links[f]) {
-                if (over == no_link) {
-                    parts.closed[part] = false;
-                } else if (parts.of[face_of(over)] == none) {
-                    parts.of[face_of(over)] = part;
-                    open.push_back(face_of(over));
-                }
-            }
-        }
-    }
-    return parts;
+    return find_parts(links, slices);
 }
 
 namespace {
@@ -244,51 +220,72 @@ std::uint64_t shut_gaps(Faces& faces, const Pairs& pairs, const Parts& parts, co
 
 }  // namespace
 
-bool unite(Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed, const Near& near,
-           std::size_t most, MeshNotes& notes, Slices& slices) {
-    slices.ask();
-    Pairs pairs;
-    if (!find_pairs(faces, nodes, parts, crossed, near, most, pairs, slices) || pairs.empty()) return false;
-    std::sort(pairs.begin(), pairs.end());
-    const std::uint64_t shut = near.gap > 0 ? shut_gaps(faces, pairs, parts, near, slices) : 0;
-    notes.vertices_moved += shut;
-    const bool moved = shut > 0;
-    std::erase_if(pairs, [&](const auto& pair) {
-        slices();
-        const auto& [f, g] = pair;
-        return parts.of[f] != parts.of[g] && !meet(faces, f, g, false, near.touch);
-    });
-    if (pairs.empty()) return moved;
-    std::vector<bool> touched(faces.corners.size());
-    const std::vector<Piece> pieces = cut(faces, pairs, near, most, touched, notes, slices);
-    if (pieces.empty()) return moved;
-    Faces out;
-    out.at = std::move(faces.at);
-    std::vector<std::uint32_t> part;
-    std::vector<bool> changed;
+namespace {
+
+/// What is there after a cut: the faces that were not touched, and the pieces of the others.
+struct Cut {
+    Faces faces;
+    std::vector<std::uint32_t> part;  // of each face
+    std::vector<bool> changed;        // a piece of one that meets others
+};
+
+Cut gather(Faces& faces, const Parts& parts, std::span<const Piece> pieces, const std::vector<bool>& touched,
+           MeshNotes& notes, Slices& slices) {
+    Cut out;
+    out.faces.at = std::move(faces.at);
     const auto add = [&](const Triangle& corners, std::uint32_t face, bool is_new) {
-        out.corners.push_back(corners);
-        out.given.push_back(faces.given[face]);
-        part.push_back(parts.of[face]);
-        changed.push_back(is_new);
+        out.faces.corners.push_back(corners);
+        out.faces.given.push_back(faces.given[face]);
+        out.part.push_back(parts.of[face]);
+        out.changed.push_back(is_new);
         slices();
     };
     for (std::uint32_t f = 0; f < faces.corners.size(); ++f) {
         if (!touched[f]) add(faces.corners[f], f, false);
     }
     std::vector<std::uint32_t> count(faces.corners.size());
-    for (const Piece& piece : pieces) count[piece.face] += piece.there;
     for (const Piece& piece : pieces) {
-        if (piece.there) add(piece.corners, piece.face, piece.meets);
+        if (!piece.there) continue;
+        add(piece.corners, piece.face, piece.meets);
+        ++count[piece.face];
     }
     for (std::uint32_t f = 0; f < count.size(); ++f) {
         notes.faces_cut += count[f] > 1;
         if (count[f] > 1) notes.faces_added += count[f] - 1;
         if (touched[f] && count[f] == 0) ++notes.faces_inside;
     }
-    notes.faces_inside += drop_inside(out, part, changed, parts.closed, near, slices);
-    faces = std::move(out);
-    return true;
+    return out;
+}
+
+}  // namespace
+
+United unite(Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed,
+             const Near& near, std::size_t most, MeshNotes& notes, Slices& slices) {
+    slices.ask();
+    Pairs pairs;
+    if (!find_pairs(faces, nodes, parts, crossed, near, most, pairs, slices)) {
+        notes.not_united = 1;  // a coarser eye would see more of them still
+        return United::nothing;
+    }
+    if (pairs.empty()) return United::nothing;
+    std::sort(pairs.begin(), pairs.end());
+    const std::uint64_t shut = near.gap > 0 ? shut_gaps(faces, pairs, parts, near, slices) : 0;
+    notes.vertices_moved += shut;
+    std::erase_if(pairs, [&](const auto& pair) {
+        slices();
+        const auto& [f, g] = pair;
+        return parts.of[f] != parts.of[g] && !meet(faces, f, g, false, near.touch);
+    });
+    std::vector<bool> touched(faces.corners.size());
+    const auto pieces = cut(faces, pairs, near, most, touched, notes, slices);
+    if (!pieces) return shut > 0 ? United::changed : United::too_much;
+    if (pieces->empty()) return shut > 0 ? United::changed : United::nothing;
+    Cut out = gather(faces, parts, *pieces, touched, notes, slices);
+    const auto dropped = drop_inside(out.faces, out.part, out.changed, parts.closed, near, slices);
+    if (!dropped) return United::unsound;
+    notes.faces_inside += *dropped;
+    faces = std::move(out.faces);
+    return United::changed;
 }
 
 }  // namespace knurl::build

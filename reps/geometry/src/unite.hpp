@@ -5,6 +5,7 @@
 //   pairs that are near ──> gaps shut ──> cut where they meet ──> what lies inside of a body goes
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -13,12 +14,7 @@
 
 namespace knurl::build {
 
-/// Which faces bound one body, or one open sheet, and which of these parts are closed. Two bodies with an edge
-/// in common are two.
-struct Parts {
-    std::vector<std::uint32_t> of;  // of each face
-    std::vector<bool> closed;       // of each part
-};
+/// Two bodies with an edge in common are two.
 Parts find_parts(Links links, const SolidLinks& solid, Slices& slices);
 
 struct Near {      // of the size, as lengths (m)
@@ -43,19 +39,22 @@ struct Piece {
 };
 
 /// Splits the faces of pairs that meet, and those around them, until they meet in common corners and edges
-/// alone. Returns the pieces of all faces that `touched` then says; none, and nothing changed, if that takes
-/// more than `most`.
-std::vector<Piece> cut(Faces& faces, const Pairs& pairs, const Near& near, std::size_t most,
-                       std::vector<bool>& touched, MeshNotes& notes, Slices& slices);
+/// alone. Gives the pieces of all faces that `touched` then says, or none if there is nothing to split. Nothing,
+/// and nothing changed, if it takes more than `most`.
+std::optional<std::vector<Piece>> cut(Faces& faces, const Pairs& pairs, const Near& near, std::size_t most,
+                                      std::vector<bool>& touched, MeshNotes& notes, Slices& slices);
 
 /// Drops walls between closed parts that lie on each other, and patches with changed faces whose front lies
-/// inside of closed parts. Returns how many faces.
-std::uint64_t drop_inside(Faces& faces, const std::vector<std::uint32_t>& part,
-                          const std::vector<bool>& changed, const std::vector<bool>& closed, const Near& near,
-                          Slices& slices);
+/// inside of closed parts. Returns how many faces. Nothing: the cuts are not sound, since a body would be open
+/// without them, or one patch lies inside and outside.
+std::optional<std::uint64_t> drop_inside(Faces& faces, const std::vector<std::uint32_t>& part,
+                                         const std::vector<bool>& changed, const std::vector<bool>& closed,
+                                         const Near& near, Slices& slices);
 
-/// All of that. `crossed`: faces of one part may meet as well. False: nothing changed.
-bool unite(Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed, const Near& near,
-           std::size_t most, MeshNotes& notes, Slices& slices);
+/// All of that. `crossed`: faces of one part may meet as well. nothing: nothing to do, nothing changed. too_much:
+/// more than `most`, and uncut. unsound: `faces` are of no use any more.
+enum class United { nothing, changed, too_much, unsound };
+United unite(Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed,
+             const Near& near, std::size_t most, MeshNotes& notes, Slices& slices);
 
 }  // namespace knurl::build

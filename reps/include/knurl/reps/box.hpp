@@ -25,6 +25,8 @@
 // over edges and corners without a jump. One that presses more slips, and feels nothing until it is clear of
 // the box or enters it again.
 //
+// Beside others all of this goes by the proxy instead of the probe (proxy_path.hpp), so what touches holds like one.
+//
 // Hollow. The nearest wall of each axis, all three at once where the probe is in a corner, solved together:
 // exact. A probe too thick for the box is pulled to its middle.
 
@@ -54,13 +56,23 @@ struct Box {
     Texture texture = {};
 
     static constexpr std::uint32_t max_contacts = 3;
+    static constexpr bool follows = true;
 
     struct State {
-        Vec3 last = {};  // m, in the box's frame: the probe in the last cycle
+        Vec3 last = {};  // m, in the box's frame: the probe in the last cycle, or the proxy beside others
         Motion motion;
         std::uint32_t met = 0;   // 1: there was a last cycle
         std::uint16_t face = 0;  // that holds the probe: 1 + 2 axis, and 1 more for the negative one; 0: none
         std::uint16_t slipped = 0;  // 1: sideways out of its hold, not clear of the box yet
+        // When the cycle began: m, as `last`, where the path begins; from where it goes on in it.
+        Vec3 start = {}, from = {};
+        std::uint16_t was_met = 0, was_face = 0, was_slipped = 0, from_met = 0;
+        // 1: its face holds the proxy though that is beside it, by less than touching is
+        std::uint16_t handed = 0;
+        std::uint16_t brushed = 0;  // 1: it holds a probe with a radius at `brush` (m, from the probe)
+        Vec3 brush = {};
+        std::uint16_t out = 0;   // 1: the proxy has come off its face, and the probe is back above
+        std::uint16_t left = 0;  // 1: in this cycle, which is why it is not entered in it
     };
 };
 

@@ -125,6 +125,8 @@ concept Effect = Representation<R> &&
 //       a surface whose material moves differently from place to place: Contact::velocity counts, not R's. Its bound
 //       holds while it moves on: where it is out of reach it is not asked, and is put where it has come to before it is
 //       asked again
+//   R::follows
+//       a surface that the proxy enters and leaves: contact() reads Probe::path (proxy_path.hpp)
 //   bool recovers_itself(const R&)
 //       its own state brings a change in: left out of the cross-fade
 //   HandLoad load(const R&, const R::State&, const Probe&)

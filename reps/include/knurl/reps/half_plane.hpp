@@ -28,6 +28,7 @@ struct HalfPlane {
     Texture texture = {};
 
     using State = PieceState;
+    static constexpr bool follows = true;
 };
 
 template <>

@@ -17,9 +17,8 @@
 // comes from behind, feels nothing until all of it is clear of the piece: so nothing pushes that was not
 // pushed before, and the force falls to zero at most. Edges are round from all directions.
 //
-// Pieces know nothing of each other: a hand that is pressed into one and slides onto its neighbour sinks
-// through the seam. Let pieces that stand on each other overlap by more than the hand sinks in, or give the
-// whole thing (box).
+// Beside others a piece goes by the path of the proxy, the point that satisfies all that holds the hand, instead
+// of the hand's (proxy_path.hpp): pressed into one the hand slides on to its neighbour as if both were one.
 
 #include <cstdint>
 #include <string_view>
@@ -44,12 +43,24 @@ enum class LetGo : std::uint32_t {
 
 /// The servo's memory of a piece.
 struct PieceState {
-    Vec3 last = {};  // m, world axes: the probe in the last cycle, less what the piece has moved on by
+    // m, world axes: the probe in the last cycle, or the proxy beside others, less what the piece has moved on by
+    Vec3 last = {};
     Motion motion;
     std::uint32_t met = 0;     // 1: there was a last cycle
     std::int32_t side = 0;     // of it: 1 in front, -1 behind
     std::int32_t touched = 0;  // from which side it was entered: 1 front, -1 back, 0 not at all
     LetGo let_go = LetGo::no;
+    // When the cycle began: m, as `last`, where the path begins; 0: it had not met the probe.
+    Vec3 start = {};
+    std::int32_t was_side = 0, was_touched = 0;
+    LetGo was_let_go = LetGo::no;
+    std::int32_t from_side = 0;
+    Vec3 brush = {};
+    Vec3 from = {};             // from where the path goes on in it
+    std::uint32_t handed = 0;   // 1: it holds the proxy though that is beside it, by less than touching is
+    std::uint32_t brushed = 0;  // 1: it holds a probe with a radius at `brush` (m, from the probe)
+    std::uint32_t out = 0;      // 1: the proxy has come off it, and the probe is back in front
+    std::uint32_t left = 0;     // 1: in this cycle, which is why it is not entered in it
 };
 
 namespace detail {

@@ -35,6 +35,7 @@ struct Polygon {
     Texture texture = {};
 
     using State = PieceState;
+    static constexpr bool follows = true;
 };
 
 /// How far vertices may lie off their common plane or beyond an edge, and how near to each other: this share

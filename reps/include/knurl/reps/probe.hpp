@@ -4,6 +4,8 @@
 
 namespace knurl {
 
+struct ProxyPath;
+
 /// A virtual fingertip, in world coordinates, as one cycle of the servo sees it.
 struct Probe {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
@@ -12,6 +14,7 @@ struct Probe {
     Eigen::Vector3d smooth_velocity = Eigen::Vector3d::Zero();   // m/s, FOAW 16: for friction states
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
     double radius = 0;                                           // m
+    ProxyPath* path = nullptr;  // beside other surfaces (proxy_path.hpp); null: the probe is its own
 };
 
 /// Where a probe sits on the hand, in the frame of the device's tool (its tip, turned with its orientation).

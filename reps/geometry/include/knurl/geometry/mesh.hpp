@@ -67,6 +67,9 @@ struct MeshNotes {
     std::uint64_t faces_added = 0;     // into so many more
     std::uint64_t faces_inside = 0;  // that were inside of a body then, and pieces, or lay on others: dropped
     std::uint64_t parts = 0;         // that hang together
+    /// 1: something meets and could not be cut soundly. It is built as it was given, and a hand may find a way
+    /// in between bodies that touch.
+    std::uint64_t not_united = 0;
 };
 
 /// About what the building of so many would take in all (bytes), so that a budget can be asked for. Without
