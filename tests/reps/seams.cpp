@@ -161,7 +161,7 @@ void across(Kind kind_a, Kind kind_b, std::uint64_t count, Rng& rng, Counts& cou
         Scene scene = room();
         add(scene, 0, kind_a, a, log_uniform(rng, 5e-4, 0.05), true);
         add(scene, 1, kind_b, b, log_uniform(rng, 5e-4, 0.05), false);
-        const double near = std::abs(gap) + 2.1 * touch * std::max({a.size(), b.size(), size}) + 1e-9;
+        const double near = std::abs(gap) + 2.1 * std::max({touch * a.size(), touch * b.size(), hand});
         for (int i = 0; i < hands; ++i) {
             const double deep = uniform(rng, 1e-3, 5e-3), speed = log_uniform(rng, 1e-3, 0.3);
             const double angle = uniform(rng, -1.3, 1.3), y = uniform(rng, -5e-3, 5e-3);
@@ -180,10 +180,11 @@ void across(Kind kind_a, Kind kind_b, std::uint64_t count, Rng& rng, Counts& cou
                 return std::max({sideways, least - force.z(), force.z() - most});
             };
             Vector p = Vector(0, y, 1e-3) - ahead / std::cos(angle) * way;
-            if (std::abs(p.y()) > 0.019) continue;
+            const double far = std::max(20 * speed * dt, near);
+            const Vector end = p + (ahead + far) / std::cos(angle) * way;
+            if (std::abs(p.y()) > 0.019 || std::abs(end.y()) > 0.019) continue;
             scene.evaluate(at(pose(p)), dt);
             bool held = slide(scene, pose, p, {p.x(), p.y(), -deep}, 0.3, judge, counts);
-            const double far = std::max(20 * speed * dt, near);
             held = slide(scene, pose, p, p + (ahead + far) / std::cos(angle) * way, speed, judge, counts) &&
                    held;
             const double rest = (p.x() < 0 ? -5e-3 : 5e-3) - p.x();
