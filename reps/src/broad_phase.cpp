@@ -232,10 +232,7 @@ bool SurfaceCandidates::collect(std::uint32_t p, SceneState& state, double deep)
 }
 
 EffectCandidates::EffectCandidates(std::size_t slots, std::size_t probes)
-    : slots_(slots),
-      probes_(probes),
-      reach_(static_cast<std::uint32_t>(slots), Reach::Moves::never),
-      found_(slots) {}
+    : slots_(slots), probes_(probes), reach_(static_cast<std::uint32_t>(slots), Reach::Moves::never) {}
 
 void EffectCandidates::reset() noexcept {
     std::fill(slots_.begin(), slots_.end(), Slot{});
@@ -277,7 +274,7 @@ bool EffectCandidates::left(const SceneState& state) noexcept {
 }
 
 void EffectCandidates::collect(std::uint32_t p, std::span<const std::uint32_t> effects,
-                               SceneState& state) noexcept {
+                               std::span<std::uint32_t> scratch, SceneState& state) noexcept {
     ++state.work.collections;
     Coverage& near = probes_[p].coverage;
     const double least = world_length(least_margin, state.limits);
@@ -285,18 +282,18 @@ void EffectCandidates::collect(std::uint32_t p, std::span<const std::uint32_t> e
     if (!(near.wanted > 0)) near.wanted = typical;
     near.at = state.probes[p].probe.position;
     near.margin = near.wanted;
-    std::uint32_t found = reach_.collect(near.at, near.margin, found_);
+    std::uint32_t found = reach_.collect(near.at, near.margin, scratch);
     // One that is large makes the others no nearer: rather look again sooner than ask many that give nothing.
     for (int i = 0; i < narrowings && found > few_effects && near.margin > least; ++i) {
         near.margin = std::max(least, near.margin / 4);
-        found = reach_.collect(near.at, near.margin, found_);
+        found = reach_.collect(near.at, near.margin, scratch);
     }
     near.wanted = found < few_effects ? std::min(typical, near.margin * 2) : near.margin;
     for (const std::uint32_t i : effects) {
         if (slots_[i].bounded && state.records.felt(i).probe == p) slots_[i].near = false;
     }
     for (std::uint32_t k = 0; k < found; ++k) {
-        if (state.records.felt(found_[k]).probe == p) slots_[found_[k]].near = true;
+        if (state.records.felt(scratch[k]).probe == p) slots_[scratch[k]].near = true;
     }
 }
 

@@ -128,8 +128,9 @@ class EffectCandidates {
     bool left(const SceneState& state) noexcept;
     void expire(std::uint32_t probe) noexcept { probes_[probe].coverage.expire(); }
     bool expired(std::uint32_t probe) const noexcept { return probes_[probe].coverage.expired(); }
-    /// `effects`: all that are felt.
-    void collect(std::uint32_t probe, std::span<const std::uint32_t> effects, SceneState& state) noexcept;
+    /// `effects`: all that are felt; `scratch`: room for as many.
+    void collect(std::uint32_t probe, std::span<const std::uint32_t> effects,
+                 std::span<std::uint32_t> scratch, SceneState& state) noexcept;
 
     std::uint32_t probes() const noexcept { return used_; }  // bit mask: with some that have an end
     bool may_be_near(std::uint32_t slot) const noexcept { return !slots_[slot].bounded || slots_[slot].near; }
@@ -147,7 +148,6 @@ class EffectCandidates {
     std::vector<Candidates> probes_;
     std::uint32_t used_ = 0;
     Reach reach_;
-    std::vector<std::uint32_t> found_;  // scratch
 };
 
 }  // namespace knurl::detail

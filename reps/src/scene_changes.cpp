@@ -22,16 +22,17 @@ void SceneCore::take_changes() noexcept {
         } else {
             take_slot(i);
         }
+        return state_.slots[i].renewed;
     });
     for_each_bit(candidates_.probes(), [this](std::uint32_t p) {
         if (!candidates_.expired(p)) return;
         const bool others = candidates_.collect(p, state_, sets_[p].deepest());
         if (others || sets_[p].old_may_be_near()) sets_.edit();
     });
-    sets_.update(renewed_);
+    sets_.update(model_.taken());
     effects_.update();
-    for (const std::uint32_t i : renewed_) state_.slots[i].renewed = false;
-    renewed_.clear();
+    for (const std::uint32_t i : model_.taken()) state_.slots[i].renewed = false;
+    model_.forget_taken();
 }
 
 // A probe that sits elsewhere on the hand from now on: what it felt becomes an interrupted fade.
@@ -190,7 +191,6 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     if (is && !was) sets_.add(i);
     if (was && !is) sets_.remove(i);
     state_.slots[i].renewed = true;
-    renewed_.push_back(i);
     sets_.edit();
 }
 

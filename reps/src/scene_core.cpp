@@ -36,8 +36,7 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
       contacts_(state_, sets_, candidates_),
       effects_(state_),
       feedback_(state_, candidates_, sets_, effects_),
-      load_(state_, sets_, effects_),
-      renewed_(empty_list(capacity.representations)) {}
+      load_(state_, sets_, effects_) {}
 
 // The probes stay where they are, and the silence; so does the count of cycles.
 void SceneCore::clear() noexcept {

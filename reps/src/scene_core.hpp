@@ -80,7 +80,6 @@ class SceneCore {
     EffectStage effects_;
     FeedbackStage feedback_;
     LoadStage load_;
-    Slots renewed_;                                             // surfaces, while changes are taken
     alignas(16) std::array<std::byte, max_params> prepared_{};  // of the slot that is being taken
 };
 

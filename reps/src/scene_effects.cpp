@@ -100,7 +100,8 @@ void EffectStage::replace_probes(std::uint32_t probes) noexcept {
 void EffectStage::update() noexcept {
     for_each_bit(candidates_.probes(), [this](std::uint32_t p) {
         if (!candidates_.expired(p)) return;
-        candidates_.collect(p, effects_, state_);
+        by_kind_.resize(effects_state_.size());  // scratch: it is listed anew
+        candidates_.collect(p, effects_, by_kind_, state_);
         edited_ = true;
     });
     if (edited_) list();

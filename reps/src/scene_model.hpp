@@ -49,16 +49,20 @@ class SceneModel {
     bool changed() const noexcept { return !changed_.empty() || placements_changed_; }
     bool slots_changed() const noexcept { return !changed_.empty(); }
     bool placements_changed() const noexcept { return placements_changed_; }
-    /// Calls take(slot) for each that changed, in the order of their first changes, and forgets that they have.
+    /// Calls take(slot) for each that changed, in the order of their first changes. Those of which it says true are
+    /// `taken` until they are forgotten.
     template <class Take>
     void take_changed(Take take) noexcept {
+        std::size_t kept = 0;
         for (const std::uint32_t i : changed_) {
-            take(i);
+            if (take(i)) changed_[kept++] = i;
             slots_[i].changed = false;
             slots_[i].shape_alone = true;
         }
-        changed_.clear();
+        changed_.resize(kept);
     }
+    std::span<const std::uint32_t> taken() const noexcept { return changed_; }
+    void forget_taken() noexcept { changed_.clear(); }
     /// Calls take(probe, placement) for each that was placed elsewhere.
     template <class Take>
     void take_placements(Take take) noexcept {

@@ -14,7 +14,7 @@ CYCLES = 100
 # Felt wherever the hand is: by how they are meant, or since nothing bounds where they act (taylor's edge `fade` does).
 FELT = {"constant_force far", "spring far", "constraint far"}
 # All planes of a probe are one set, which takes its part of the cycle however far they are; each of them nothing.
-SETS = {"plane far": (350, 0.05)}
+SETS = {"plane far": (400, 0.05)}
 
 
 def counts(program, n):
