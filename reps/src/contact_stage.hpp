@@ -3,6 +3,8 @@
 // satisfies them all, layered by stiffness, and one force of the set and the one that fades out.
 
 #include <array>
+#include <cstddef>
+#include <new>
 #include <span>
 
 #include <knurl/reps/curved_contact.hpp>
@@ -42,6 +44,13 @@ class CurvedStage {
     void lean(const ContactSet& set, const Probe& probe) noexcept;
 
   private:
+    /// Of the surfaces near the probe, on the stack: each claim would keep its own. Made where they are listed.
+    struct Room {
+        alignas(NearSurface) std::byte bytes[max_near_surfaces * sizeof(NearSurface)];
+        NearSurface* at(std::uint32_t i) noexcept {
+            return std::launder(reinterpret_cast<NearSurface*>(bytes + i * sizeof(NearSurface)));
+        }
+    };
     /// On the way to where the surfaces meet.
     struct Descent {
         ContactSolution at;
@@ -55,20 +64,19 @@ class CurvedStage {
                const Eigen::Vector3d& p) const noexcept;
     bool meet_elsewhere(const ContactSet& set, const Probe& probe, const Layer& layer) const noexcept;
     std::span<NearSurface> near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
-                                         const Descent& descent) noexcept;
+                                         const Descent& descent, Room& room) noexcept;
     void take_step(std::span<NearSurface> near, const CurvedStep& step, const Eigen::Vector3d& p,
                    Descent& descent) const noexcept;
     void slide(const ContactSet& set, const CurvedStart& start, const Eigen::Vector3d& p,
                ContactSolution& at) const noexcept;
     std::uint32_t list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
-                                     const Eigen::Vector3d& dx, double within) noexcept;
+                                     const Eigen::Vector3d& dx, double within, Room& room) noexcept;
     double relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept;
     double explained(const ContactSet& set, const ContactSolution& to, double motion) const noexcept;
     bool any_curved(const ContactSet& set, const ActiveSet& active) const noexcept;
 
     SceneState& state_;
     const ContactSets& sets_;
-    std::array<NearSurface, max_near_surfaces> near_surfaces_;  // scratch
 };
 
 /// What is felt along the surface, once per probe, on the blended contact: friction, texture, the braking pulse at

@@ -158,7 +158,7 @@ bool CurvedStage::meet_elsewhere(const ContactSet& set, const Probe& probe,
 // Those that may matter no farther than `within` from the probe, as they are at p + dx. More than there is room
 // for: none.
 std::uint32_t CurvedStage::list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
-                                              const Vector3d& dx, double within) noexcept {
+                                              const Vector3d& dx, double within, Room& room) noexcept {
     const Arena& a = sets_.arena();
     std::array<CurvedContact, max_contacts> found;
     Probe there = probe;
@@ -177,7 +177,7 @@ std::uint32_t CurvedStage::list_near_surfaces(const ContactSet& set, const Probe
             const std::uint32_t at = i + part;
             if (!(a.s[at] >= -within)) continue;
             if (size == max_near_surfaces) return 0;
-            NearSurface& surface = near_surfaces_[size++];
+            NearSurface& surface = *new (room.at(size++)) NearSurface;
             surface.member = at - set.begin;
             surface.holds = false;
             surface.curved = part < count;
@@ -228,10 +228,11 @@ bool CurvedStage::jumps(const ContactSet& set, const CurvedStart& start, const L
 
 // The surfaces near the probe, as they are at `at`, and how much each pushed there.
 std::span<NearSurface> CurvedStage::near_surfaces(const ContactSet& set, const Probe& probe,
-                                                  const Layer& layer, const Descent& descent) noexcept {
+                                                  const Layer& layer, const Descent& descent,
+                                                  Room& room) noexcept {
     const ContactSolution& at = descent.at;
-    const std::uint32_t size = list_near_surfaces(set, probe, layer, at.dx, descent.within);
-    const std::span<NearSurface> near(near_surfaces_.data(), size);
+    const std::uint32_t size = list_near_surfaces(set, probe, layer, at.dx, descent.within, room);
+    const std::span<NearSurface> near(room.at(0), size);
     for (NearSurface& surface : near) {
         surface.pushes = 0;
         for (std::uint32_t k = 0; k < at.active.count; ++k) {
@@ -310,9 +311,10 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
     }
     const double most = 2 * std::max(layer.far, at.dx.norm());  // m: no farther, whatever happens
     descent.within = most;
+    Room room;
     for (std::uint32_t round = 0; round < max_curved_rounds && !descent.done; ++round) {
         ++state_.work.curved_rounds;
-        const std::span<NearSurface> near = near_surfaces(set, probe, layer, descent);
+        const std::span<NearSurface> near = near_surfaces(set, probe, layer, descent, room);
         const CurvedStep step = solve_curved_step(near, at.dx);
         if (near.empty() || !step.found) {
             if (!descent.warm) return feasible;
