@@ -187,7 +187,8 @@ Seen see(const Box& box, Box::State& state, const Probe& probe, double dt) noexc
     return {axes, axes.transpose() * from_surface(box.center, box.velocity, state.motion, probe)};
 }
 
-Contact solid(const Box& box, const Seen& seen, double radius, Hold& hold) noexcept {
+[[gnu::always_inline]] inline Contact solid(const Box& box, const Seen& seen, double radius,
+                                            Hold& hold) noexcept {
     const Vector3d half = to_eigen(box.half_size), &y = seen.y;
     if (hold.face != 0) {
         const Face face(hold.face);
@@ -218,8 +219,8 @@ int nearest_wall(const Box& box, const Seen& seen, const Probe& probe) noexcept 
 }
 
 void begin_cycle(Box::State& state) noexcept {
-    state.start = state.from = state.last;
-    state.was_met = state.from_met = state.met != 0;
+    state.start = state.last;
+    state.was_met = state.met != 0;
     state.was_face = state.face;
     state.was_slipped = state.slipped;
     state.left = state.brushed = 0;
@@ -294,17 +295,22 @@ class Beside {
         if (state_.slipped != 0) state_.slipped = distance(to_eigen(state_.last)) < radius_;
         if (state_.out != 0) state_.face = state_.slipped = state_.out = 0;
         begin_cycle(state_);
+        go_from_start();
         state_.met = 1;
         if (path_.passes) state_.last = to_plain(there(path_.to));
     }
     // The probe is back above its face; so it holds nothing alone, but may hold the proxy beside others.
     bool is_back() const noexcept { return !(Face(state_.face).depth(seen_.y, half_) >= 0); }
 
+    void go_from_start() noexcept {
+        state_.from = state_.start;
+        state_.from_met = state_.was_met;
+    }
+
     void rewind() noexcept {
         state_.face = state_.was_face;
         state_.slipped = state_.was_slipped;
-        state_.from = state_.start;
-        state_.from_met = state_.was_met;
+        go_from_start();
         state_.left = state_.out = state_.brushed = 0;
     }
 
@@ -413,7 +419,6 @@ class Beside {
 
 void tell(const Box::State& state, const Hold& hold, const Vector3d& y, const Vector3d& half,
           ProxyPath& path) noexcept {
-    path.holds = hold.face != 0;
     path.entered = path.entered || (state.face == 0 && hold.face != 0);
     path.left = path.left || (hold.slipped && state.slipped == 0);
     if (state.met && state.face == 0 && hold.face == 0)
@@ -448,6 +453,7 @@ Contact contact(const Box& params, Box::State& state, const Probe& probe, double
         return Beside(params, state, seen, probe.radius, *probe.path).contact(dt);
     Hold hold{};
     if (params.side == Side::outside) hold = follow(state, seen.y, to_eigen(params.half_size), probe.radius);
+    if (probe.path) probe.path->holds = hold.face != 0;
     if (probe.path && dt > 0 && params.side == Side::outside)
         tell(state, hold, seen.y, to_eigen(params.half_size), *probe.path);
     const Contact out = params.side == Side::outside

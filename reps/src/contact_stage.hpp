@@ -91,6 +91,7 @@ double texture_gain_of(const Record& record, const Texture& texture, const Probe
 /// How the proxy of a set is led in this cycle: scene_seams.cpp.
 struct Lead {
     const ContactState* contact = nullptr;  // of its probe
+    bool on = false;                        // it is led at all
     bool led = false;                       // something else may hold the probe than what is asked
     bool lone = false;                      // there is one surface
     bool fades = false;                     // the set that fades out
@@ -135,6 +136,22 @@ class ContactStage {
     Eigen::Vector3d cross_fade(std::uint32_t probe, double dt) noexcept;
 
     // scene_seams.cpp
+    // Alone with the surface that holds it a probe is its own path; and where nothing holds it.
+    [[gnu::always_inline]] bool is_alone(const ContactSet& set) noexcept {
+        path_.stage = ProxyPath::Stage::free;
+        path_.holds = false;
+        return set.moving_count == 1 && set.standing == 0 &&
+               (set.held.isZero(0) || sets_.arena().owner[set.begin] >> 1 == set.held_by);
+    }
+    // As far as it was led is where its one surface holds it, and not where that pushes a probe with a radius.
+    void come_alone(ContactSet& set, bool violated) const noexcept {
+        set.led = false;
+        if (violated && path_.holds) {
+            set.reached = set.layer[0].solution.dx;
+        } else {
+            set.reached.setZero();
+        }
+    }
     void begin_path(const ContactState& contact, const ContactSet& set,
                     const Eigen::Vector3d& before) noexcept;
     void set_stage(const ContactSet& set, std::uint32_t member, bool first) noexcept;

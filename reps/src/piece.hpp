@@ -115,8 +115,8 @@ Rim rim(const Outline& outline, Sides sides, const Vector3d& at, double over, bo
 }
 
 inline void begin_cycle(PieceState& state) noexcept {
-    state.start = state.from = state.last;
-    state.was_side = state.from_side = state.met ? state.side : 0;
+    state.start = state.last;
+    state.was_side = state.met ? state.side : 0;
     state.was_touched = state.touched;
     state.was_let_go = state.let_go;
     state.left = state.brushed = 0;
@@ -196,18 +196,23 @@ class Beside {
             state_.out = 0;
         }
         begin_cycle(state_);
+        go_from_start();
         state_.met = 1;
         if (path_.passes) state_.last = to_plain(q_ + path_.to);
     }
     // The probe is back in front; so it holds nothing alone, but may hold the proxy beside others.
     bool is_back() const noexcept { return side_of(outline_.height(q_), -state_.touched) == state_.touched; }
 
+    void go_from_start() noexcept {
+        state_.from = state_.start;
+        state_.from_side = state_.was_side;
+    }
+
     void rewind() noexcept {
         state_.touched = state_.was_touched;
         state_.side = state_.was_side;
         state_.let_go = state_.was_let_go;
-        state_.from = state_.start;
-        state_.from_side = state_.was_side;
+        go_from_start();
         state_.left = state_.out = state_.brushed = 0;
     }
 
@@ -330,7 +335,6 @@ class Beside {
 
 template <class Outline>
 void tell(const PieceState& state, const Step& now, const Outline& outline, ProxyPath& path) noexcept {
-    path.holds = now.touched != 0;
     path.entered = path.entered || (state.touched == 0 && now.touched != 0);
     path.left = path.left || (now.touched == 0 && now.let_go == LetGo::slipped && state.let_go != now.let_go);
     if (!state.met || state.touched != 0 || now.touched != 0 || now.side == state.side) return;
@@ -348,6 +352,7 @@ Contact contact(const Piece& params, const Outline& outline, PieceState& state, 
     if (probe.path && probe.path->stage != ProxyPath::Stage::free)
         return Beside(params, outline, state, q, probe.radius, *probe.path).contact(dt);
     Step now = follow(outline, params.sides, state, q, probe.radius);
+    if (probe.path) probe.path->holds = now.touched != 0;
     if (probe.path && dt > 0) tell(state, now, outline, *probe.path);
     Vector3d normal = (now.touched != 0 ? now.touched : now.side) * outline.normal();
     double height = now.touched * now.height - probe.radius;

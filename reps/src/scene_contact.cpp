@@ -73,7 +73,7 @@ double ContactStage::ask_one(const ContactSet& set, const Probe& probe, double d
     state_.work.evaluated += first;
     r.asked = state_.clock.cycle;
     const KindOps& ops = kind_ops()[r.kind];
-    if (set.follows && ops.follows) set_stage(set, i, first);
+    if (lead_.on && ops.follows) set_stage(set, i, first);
     const std::uint32_t count = contacts_of(r, ops, probe, step);
     if (r.rough) state_.records.rough(owner).share = found_[0].friction;
     if (r.textured) subtract_relief(r, state_.records.rough(owner), probe, step, count);
@@ -215,6 +215,7 @@ double ContactStage::damped_force(ContactSet& set, const Probe& probe, const Lay
         top = solve(set, probe, worst);
         far = proxy_distance(set);
     }
+    set.slack = 1.25 * far;
     return top;
 }
 
@@ -257,14 +258,15 @@ void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, co
     if (set.count + set.summed == 0) return;
     const double standing = scan_standing(set, probe.position);
     double worst = standing;
-    if (set.follows) begin_path(contact, set, at.before);
+    lead_.on = set.follows && !is_alone(set);
+    if (lead_.on) begin_path(contact, set, at.before);
     if (set.moving_count > 0) worst = ask(set, probe, dt, standing);
-    const Layer* const top = set.follows ? lead_proxy(set, probe, dt, standing, worst)
+    const Layer* const top = lead_.on    ? lead_proxy(set, probe, dt, standing, worst)
                              : worst > 0 ? widen(set, probe, dt, standing, worst)
                                          : nullptr;
+    if (set.follows && !lead_.on) come_alone(set, worst > 0);
     if (!(worst > 0)) return rest(set, probe);
     state_.work.evaluated += set.standing;
-    set.slack = 1.25 * proxy_distance(set);
 
     const double elastic = set.force.norm();
     double felt = elastic;

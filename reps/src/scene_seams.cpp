@@ -30,13 +30,12 @@ double worst_of(const Arena& a, const ContactSet& set) noexcept {
 
 }  // namespace
 
-// Alone with the surface that holds it a probe is its own path; and where nothing holds it.
 void ContactStage::begin_path(const ContactState& contact, const ContactSet& set,
                               const Vector3d& before) noexcept {
-    lead_ = {.contact = &contact, .fades = &set == &contact.old, .before = before};
+    lead_ = {.contact = &contact, .on = true, .fades = &set == &contact.old, .before = before};
     lead_.lone = set.moving_count == 1 && set.standing == 0;
-    lead_.led = !set.held.isZero(0) && !(lead_.lone && sets_.arena().owner[set.begin] >> 1 == set.held_by);
-    path_.entered = path_.left = path_.holds = path_.grazed = false;
+    lead_.led = !set.held.isZero(0);
+    path_.entered = path_.left = path_.grazed = false;
     path_.hand = world_length(seam_of_hand, state_.limits);
 }
 
@@ -140,10 +139,13 @@ const Layer* ContactStage::lead_proxy(ContactSet& set, const Probe& probe, doubl
     } else {
         top = solve_or_rest(set, probe, dt, standing, worst);
     }
-    const bool felt = leads || path_.holds;
-    set.reached = felt ? dx : Vector3d::Zero();  // not what pushes a probe with a radius
     if (dt > 0) set.led = leads;
-    if (!leads || !(probe.radius > 0)) return top;
+    if (!leads) {
+        come_alone(set, worst > 0);
+        return top;
+    }
+    set.reached = dx;
+    if (!(probe.radius > 0)) return top;
     return brush(set, probe, dt, standing, worst, top);
 }
 

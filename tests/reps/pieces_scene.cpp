@@ -54,7 +54,9 @@ TEST(PiecesInAScene, APlateOnAFloorHoldsTheHandInTheCornerBetweenThem) {
 
 TEST(PiecesInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
     Rng rng(seed);
-    for (int round = 0; round < (long_form() ? 400 : 6); ++round) {
+    const int rounds = long_form() ? 400 : 6;
+    long felt_at_all = 0;
+    for (int round = 0; round < rounds; ++round) {
         // the twin's pieces move, by nothing: they are always asked
         Scene scene = make_scene(), twin = make_scene();
         for (std::uint32_t i = 0; i < 40; ++i) {
@@ -90,8 +92,10 @@ TEST(PiecesInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
             if (a.norm() > 1) goal = away;
         }
         EXPECT_GT(felt, 20);
-        EXPECT_LT(felt, 9'000);
+        felt_at_all += felt;
     }
+    // One that begins in a box, or whose proxy has come round a plate, goes back to where it is held.
+    EXPECT_LT(felt_at_all, 5'000L * rounds);
 }
 
 TEST(PiecesInAScene, ATouchedPieceIsNotLostHoweverDeepTheHandSinksIn) {
