@@ -248,7 +248,8 @@ class Beside {
           path_(path),
           seam_(seam_of(half_)) {}
 
-    Contact contact(double dt) noexcept {
+    // Compiled for size: how it is met, not how often.
+    [[gnu::cold, gnu::noinline]] Contact contact(double dt) noexcept {
         using Stage = ProxyPath::Stage;
         switch (path_.stage) {
             case Stage::look:

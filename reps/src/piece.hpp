@@ -136,7 +136,8 @@ class Beside {
           path_(path),
           seam_(outline.seam(path)) {}
 
-    Contact contact(double dt) noexcept {
+    // Compiled for size: how it is met, not how often.
+    [[gnu::cold, gnu::noinline]] Contact contact(double dt) noexcept {
         using Stage = ProxyPath::Stage;
         switch (path_.stage) {
             case Stage::look:
