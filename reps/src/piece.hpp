@@ -136,7 +136,7 @@ class Beside {
           path_(path),
           seam_(outline.seam(path)) {}
 
-    // Compiled for size: how it is met, not how often.
+    // `cold` asks for small code: it is locked into memory, and there are four copies of it.
     [[gnu::cold, gnu::noinline]] Contact contact(double dt) noexcept {
         using Stage = ProxyPath::Stage;
         switch (path_.stage) {
