@@ -5,6 +5,7 @@
 #include <knurl/reps/box.hpp>
 #include <knurl/reps/proxy_path.hpp>
 
+#include "beside.hpp"
 #include "distance.hpp"
 #include "solid.hpp"
 
@@ -236,7 +237,7 @@ void remember(const Seen& seen, const Hold& hold, Box::State& state, double dt) 
     state.slipped = hold.slipped;
 }
 
-// Beside others: see ProxyPath.
+// A box beside others: see ProxyPath and contact_beside.
 class Beside {
   public:
     Beside(const Box& box, Box::State& state, const Seen& seen, double radius, ProxyPath& path) noexcept
@@ -248,46 +249,10 @@ class Beside {
           path_(path),
           seam_(seam_of(half_)) {}
 
-    // `cold` asks for small code: it is locked into memory, and there are four copies of it.
-    [[gnu::cold, gnu::noinline]] Contact contact(double dt) noexcept {
-        using Stage = ProxyPath::Stage;
-        switch (path_.stage) {
-            case Stage::look:
-                return look(), Contact{};
-            case Stage::near:
-                return near(), Contact{};
-            case Stage::overlap:
-                return overlap(), Contact{};
-            case Stage::brush:
-                state_.brushed = 1;
-                state_.brush = to_plain(path_.to);
-                break;
-            case Stage::rewind:
-                rewind();
-                break;
-            case Stage::enter:
-                enter();
-                break;
-            case Stage::leave:
-                leave();
-                break;
-            default:
-                come_back(dt);
-        }
-        return answer();
+    void brush() noexcept {
+        state_.brushed = 1;
+        state_.brush = to_plain(path_.to);
     }
-
-  private:
-    Vector3d there(const Vector3d& offset) const noexcept {
-        return seen_.y + seen_.axes.transpose() * offset;
-    }
-    bool holds(const Vector3d& at, double by) const noexcept {
-        return Face(state_.face).has_foot(at, half_, by);
-    }
-    double distance(const Vector3d& at) const noexcept {
-        return (at - at.cwiseMin(half_).cwiseMax(-half_)).norm();
-    }
-    double slack() const noexcept { return state_.handed != 0 || path_.joined ? seam_ : 0; }
 
     void come_back(double dt) noexcept {
         if (path_.first) state_.brushed = 0;
@@ -300,43 +265,12 @@ class Beside {
         state_.met = 1;
         if (path_.passes) state_.last = to_plain(there(path_.to));
     }
-    // The probe is back above its face; so it holds nothing alone, but may hold the proxy beside others.
-    bool is_back() const noexcept { return !(Face(state_.face).depth(seen_.y, half_) >= 0); }
-
-    void go_from_start() noexcept {
-        state_.from = state_.start;
-        state_.from_met = state_.was_met;
-    }
 
     void rewind() noexcept {
         state_.face = state_.was_face;
         state_.slipped = state_.was_slipped;
         go_from_start();
         state_.left = state_.out = state_.brushed = 0;
-    }
-
-    Crossing crossing() const noexcept {
-        const Vector3d to = there(path_.to);
-        if (state_.left != 0 || !(to.norm() <= half_.norm() + radius_)) return {};
-        const Way way{to_eigen(state_.from), to, seen_.axes.transpose() * path_.hold,
-                      seen_.axes.transpose() * path_.to};
-        Crossing found;
-        if (state_.from_met != 0) {
-            found = first_face(way, half_);
-            if (found.face == 0 && way.hold.isZero(0)) graze(way);
-        }
-        if (found.face == 0) {
-            found.face = face_about(to, half_, way.around);
-            if (found.face != 0) found.when = 0;
-        }
-        return found;
-    }
-
-    void graze(const Way& way) const noexcept {
-        const double when = grazed(way.from, way.to, half_);
-        if (!(when <= 1)) return;
-        path_.grazed = true;
-        path_.graze = seen_.axes * (way.from + when * (way.to - way.from) - seen_.y);
     }
 
     void look() noexcept {
@@ -365,11 +299,6 @@ class Beside {
         const Contact felt = rim_of(path_.to, hold);
         if (path_.commits) state_.slipped = hold.slipped;
         path_.deepest = std::max(path_.deepest, -felt.height);
-    }
-    Contact rim_of(const Vector3d& offset, Hold& hold) const noexcept {
-        const Seen at{seen_.axes, there(offset)};
-        if (distance(at.y) == 0) hold.face = nearest_face(at.y, half_);
-        return solid(box_, at, radius_, hold);
     }
 
     void enter() noexcept {
@@ -408,6 +337,56 @@ class Beside {
         felt.height -= felt.normal.dot(offset);
         return felt;
     }
+
+  private:
+    // The probe is back above its face; so it holds nothing alone, but may hold the proxy beside others.
+    bool is_back() const noexcept { return !(Face(state_.face).depth(seen_.y, half_) >= 0); }
+
+    void go_from_start() noexcept {
+        state_.from = state_.start;
+        state_.from_met = state_.was_met;
+    }
+
+    Crossing crossing() const noexcept {
+        const Vector3d to = there(path_.to);
+        if (state_.left != 0 || !(to.norm() <= half_.norm() + radius_)) return {};
+        const Way way{to_eigen(state_.from), to, seen_.axes.transpose() * path_.hold,
+                      seen_.axes.transpose() * path_.to};
+        Crossing found;
+        if (state_.from_met != 0) {
+            found = first_face(way, half_);
+            if (found.face == 0 && way.hold.isZero(0)) graze(way);
+        }
+        if (found.face == 0) {
+            found.face = face_about(to, half_, way.around);
+            if (found.face != 0) found.when = 0;
+        }
+        return found;
+    }
+
+    void graze(const Way& way) const noexcept {
+        const double when = grazed(way.from, way.to, half_);
+        if (!(when <= 1)) return;
+        path_.grazed = true;
+        path_.graze = seen_.axes * (way.from + when * (way.to - way.from) - seen_.y);
+    }
+
+    Contact rim_of(const Vector3d& offset, Hold& hold) const noexcept {
+        const Seen at{seen_.axes, there(offset)};
+        if (distance(at.y) == 0) hold.face = nearest_face(at.y, half_);
+        return solid(box_, at, radius_, hold);
+    }
+
+    Vector3d there(const Vector3d& offset) const noexcept {
+        return seen_.y + seen_.axes.transpose() * offset;
+    }
+    bool holds(const Vector3d& at, double by) const noexcept {
+        return Face(state_.face).has_foot(at, half_, by);
+    }
+    double distance(const Vector3d& at) const noexcept {
+        return (at - at.cwiseMin(half_).cwiseMax(-half_)).norm();
+    }
+    double slack() const noexcept { return state_.handed != 0 || path_.joined ? seam_ : 0; }
 
     const Box& box_;
     Box::State& state_;
@@ -451,7 +430,7 @@ void adopt(const Box& params, const Box* previous, Box::State& state, const Prob
 Contact contact(const Box& params, Box::State& state, const Probe& probe, double dt) noexcept {
     const Seen seen = see(params, state, probe, dt);
     if (params.side == Side::outside && probe.path && probe.path->stage != ProxyPath::Stage::free)
-        return Beside(params, state, seen, probe.radius, *probe.path).contact(dt);
+        return contact_beside(Beside(params, state, seen, probe.radius, *probe.path), probe.path->stage, dt);
     Hold hold{};
     if (params.side == Side::outside) hold = follow(state, seen.y, to_eigen(params.half_size), probe.radius);
     if (probe.path) probe.path->holds = hold.face != 0;

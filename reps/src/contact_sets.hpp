@@ -7,8 +7,10 @@
 // Sets lie as structure of arrays in one of two arenas; a change builds the other one. Planes that stand and are put
 // elsewhere, a thousand at a time, keep their set: scene_reshape.cpp.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -306,6 +308,17 @@ class ContactSets {
     std::array<std::uint32_t, max_layers> next_place_{};  // likewise, of each layer
 };
 
+/// What its weight makes of a member's stiffness and damping. Where all members share one weight, that is the set's scale
+/// instead.
+inline double own_weight(const ContactSet& set, double weight) noexcept {
+    return set.scale == 1 ? weight : 1;
+}
+/// m, the worst violation of some members.
+inline double worst_of(const Arena& arena, std::uint32_t begin, std::uint32_t count) noexcept {
+    double worst = -std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = begin; i < begin + count; ++i) worst = std::max(worst, arena.s[i]);
+    return worst;
+}
 /// Where the probe would touch a surface that is that far from it (m).
 inline Eigen::Vector3d foot_of(const Probe& probe, double height, const Eigen::Vector3d& normal) noexcept {
     return probe.position - (height + probe.radius) * normal;

@@ -140,8 +140,10 @@ class ContactStage {
     [[gnu::always_inline]] bool is_alone(const ContactSet& set) noexcept {
         path_.stage = ProxyPath::Stage::free;
         path_.holds = false;
-        return set.moving_count == 1 && set.standing == 0 &&
-               (set.held.isZero(0) || sets_.arena().owner[set.begin] >> 1 == set.held_by);
+        return set.moving_count == 1 && set.standing == 0 && (set.held.isZero(0) || is_held_by_first(set));
+    }
+    bool is_held_by_first(const ContactSet& set) const noexcept {
+        return sets_.arena().owner[set.begin] >> 1 == set.held_by;
     }
     // As far as it was led is where its one surface holds it, and not where that pushes a probe with a radius.
     void come_alone(ContactSet& set, bool violated) const noexcept {

@@ -18,8 +18,8 @@
 #include <limits>
 
 #include <knurl/reps/piece.hpp>
-#include <knurl/reps/proxy_path.hpp>
 
+#include "beside.hpp"
 #include "distance.hpp"
 #include "surface.hpp"
 
@@ -122,7 +122,7 @@ inline void begin_cycle(PieceState& state) noexcept {
     state.left = state.brushed = 0;
 }
 
-/// Beside others: see ProxyPath.
+/// A piece beside others: see ProxyPath and contact_beside.
 template <class Piece, class Outline>
 class Beside {
   public:
@@ -136,51 +136,9 @@ class Beside {
           path_(path),
           seam_(outline.seam(path)) {}
 
-    // `cold` asks for small code: it is locked into memory, and there are four copies of it.
-    [[gnu::cold, gnu::noinline]] Contact contact(double dt) noexcept {
-        using Stage = ProxyPath::Stage;
-        switch (path_.stage) {
-            case Stage::look:
-                return look(), Contact{};
-            case Stage::near:
-                return near(), Contact{};
-            case Stage::overlap:
-                return overlap(), Contact{};
-            case Stage::brush:
-                state_.brushed = 1;
-                state_.brush = to_plain(path_.to);
-                break;
-            case Stage::rewind:
-                rewind();
-                break;
-            case Stage::enter:
-                enter();
-                break;
-            case Stage::leave:
-                leave();
-                break;
-            default:
-                come_back(dt);
-        }
-        return answer();
-    }
-
-  private:
-    bool holds(const Vector3d& at, double by) const noexcept {
-        return outline_.holds(at, at.lpNorm<1>(), by);
-    }
-    double slack() const noexcept { return state_.handed != 0 || path_.joined ? seam_ : 0; }
-
-    Rim rim_at(const Vector3d& at, std::int32_t side) const noexcept {
-        return rim(outline_, params_.sides, at, outline_.height(at), holds(at, 0), side, state_.let_go,
-                   radius_);
-    }
-
-    // What lies in the plane, but for what touching is, is on the side to which the probe is held.
-    std::int32_t side(double height, const Vector3d& held, std::int32_t otherwise) const noexcept {
-        const double facing = outline_.normal().dot(held);
-        if (std::abs(height) <= seam_ && std::abs(facing) > 1e-6 * held.norm()) return facing > 0 ? 1 : -1;
-        return side_of(height, otherwise);
+    void brush() noexcept {
+        state_.brushed = 1;
+        state_.brush = to_plain(path_.to);
     }
 
     void come_back(double dt) noexcept {
@@ -201,13 +159,6 @@ class Beside {
         state_.met = 1;
         if (path_.passes) state_.last = to_plain(q_ + path_.to);
     }
-    // The probe is back in front; so it holds nothing alone, but may hold the proxy beside others.
-    bool is_back() const noexcept { return side_of(outline_.height(q_), -state_.touched) == state_.touched; }
-
-    void go_from_start() noexcept {
-        state_.from = state_.start;
-        state_.from_side = state_.was_side;
-    }
 
     void rewind() noexcept {
         state_.touched = state_.was_touched;
@@ -215,33 +166,6 @@ class Beside {
         state_.let_go = state_.was_let_go;
         go_from_start();
         state_.left = state_.out = state_.brushed = 0;
-    }
-
-    // How the path crosses the piece's plane. What begins truly in front crosses it by however little; what lies in
-    // the plane, but for what touching is, where nothing holds it in front any more.
-    struct Way {
-        std::int32_t from, to;  // sides
-        double crossed = 2;     // share of the way, if it is the piece that it crosses
-    };
-    Way way() const noexcept {
-        const Vector3d from = to_eigen(state_.from), to = q_ + path_.to;
-        const double above = outline_.height(from), below = outline_.height(to);
-        Way way{state_.from_side, side(below, path_.to, state_.from_side)};
-        if (way.from == 0) way.from = way.to;  // it has not met the probe before
-        const bool through = way.from * above > 0 && way.from * below < 0;
-        if ((way.from == way.to && !through) || state_.let_go == LetGo::from_behind || state_.left != 0 ||
-            !outline_.reaches(to, radius_))
-            return way;
-        const double crossed = crossed_at(above, below, way.from);
-        const Vector3d at = from + crossed * (to - from);
-        const double reach = to.lpNorm<1>() + from.lpNorm<1>();
-        if (outline_.holds(at, reach, path_.hold.isZero(0) ? 0 : seam_)) {
-            way.crossed = crossed;
-        } else if (can_enter(way.from, params_.sides) && outline_.holds(at, reach, seam_)) {
-            path_.grazed = true;
-            path_.graze = at - q_;
-        }
-        return way;
     }
 
     void look() noexcept {
@@ -273,17 +197,11 @@ class Beside {
         path_.close += away <= near_in_seams * seam_ + radius_;
     }
 
-    bool holds_centre() const noexcept { return state_.touched != 0 && state_.out == 0; }
-
     void overlap() noexcept {
         if (holds_centre() || state_.brushed != 0) return;
         const Rim felt = rim_of(path_.to);
         if (path_.commits) state_.let_go = felt.let_go;
         path_.deepest = std::max(path_.deepest, -felt.height);
-    }
-    Rim rim_of(const Vector3d& offset) const noexcept {
-        const Vector3d at = q_ + offset;
-        return rim_at(at, side(outline_.height(at), offset, state_.side));
     }
 
     void enter() noexcept {
@@ -325,6 +243,66 @@ class Beside {
         return contact_of(params_, felt.normal, felt.height - felt.normal.dot(offset));
     }
 
+  private:
+    // The probe is back in front; so it holds nothing alone, but may hold the proxy beside others.
+    bool is_back() const noexcept { return side_of(outline_.height(q_), -state_.touched) == state_.touched; }
+
+    void go_from_start() noexcept {
+        state_.from = state_.start;
+        state_.from_side = state_.was_side;
+    }
+
+    bool holds_centre() const noexcept { return state_.touched != 0 && state_.out == 0; }
+
+    Rim rim_of(const Vector3d& offset) const noexcept {
+        const Vector3d at = q_ + offset;
+        return rim_at(at, side(outline_.height(at), offset, state_.side));
+    }
+
+    // How the path crosses the piece's plane. What begins truly in front crosses it by however little; what lies in
+    // the plane, but for what touching is, where nothing holds it in front any more.
+    struct Way {
+        std::int32_t from, to;  // sides
+        double crossed = 2;     // share of the way, if it is the piece that it crosses
+    };
+    Way way() const noexcept {
+        const Vector3d from = to_eigen(state_.from), to = q_ + path_.to;
+        const double above = outline_.height(from), below = outline_.height(to);
+        Way way{state_.from_side, side(below, path_.to, state_.from_side)};
+        if (way.from == 0) way.from = way.to;  // it has not met the probe before
+        const bool through = way.from * above > 0 && way.from * below < 0;
+        if ((way.from == way.to && !through) || state_.let_go == LetGo::from_behind || state_.left != 0 ||
+            !outline_.reaches(to, radius_))
+            return way;
+        const double crossed = crossed_at(above, below, way.from);
+        const Vector3d at = from + crossed * (to - from);
+        const double reach = to.lpNorm<1>() + from.lpNorm<1>();
+        if (outline_.holds(at, reach, path_.hold.isZero(0) ? 0 : seam_)) {
+            way.crossed = crossed;
+        } else if (can_enter(way.from, params_.sides) && outline_.holds(at, reach, seam_)) {
+            path_.grazed = true;
+            path_.graze = at - q_;
+        }
+        return way;
+    }
+
+    bool holds(const Vector3d& at, double by) const noexcept {
+        return outline_.holds(at, at.lpNorm<1>(), by);
+    }
+    double slack() const noexcept { return state_.handed != 0 || path_.joined ? seam_ : 0; }
+
+    Rim rim_at(const Vector3d& at, std::int32_t side) const noexcept {
+        return rim(outline_, params_.sides, at, outline_.height(at), holds(at, 0), side, state_.let_go,
+                   radius_);
+    }
+
+    // What lies in the plane, but for what touching is, is on the side to which the probe is held.
+    std::int32_t side(double height, const Vector3d& held, std::int32_t otherwise) const noexcept {
+        const double facing = outline_.normal().dot(held);
+        if (std::abs(height) <= seam_ && std::abs(facing) > 1e-6 * held.norm()) return facing > 0 ? 1 : -1;
+        return side_of(height, otherwise);
+    }
+
     const Piece& params_;
     const Outline& outline_;
     PieceState& state_;
@@ -351,7 +329,8 @@ Contact contact(const Piece& params, const Outline& outline, PieceState& state, 
     move_on(state.motion, dt);
     const Vector3d q = probe.position - state.motion.time * to_eigen(params.velocity);
     if (probe.path && probe.path->stage != ProxyPath::Stage::free)
-        return Beside(params, outline, state, q, probe.radius, *probe.path).contact(dt);
+        return contact_beside(Beside(params, outline, state, q, probe.radius, *probe.path), probe.path->stage,
+                              dt);
     Step now = follow(outline, params.sides, state, q, probe.radius);
     if (probe.path) probe.path->holds = now.touched != 0;
     if (probe.path && dt > 0) tell(state, now, outline, *probe.path);

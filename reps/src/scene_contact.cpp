@@ -126,7 +126,7 @@ double ContactStage::put_contacts(const ContactSet& set, const Record& r, std::u
         a.ny[i] = found[c].normal.y();
         a.nz[i] = found[c].normal.z();
         a.s[i] = -found[c].height;
-        a.b[i] = found[c].damping * (set.scale == 1 ? r.weight : 1);
+        a.b[i] = found[c].damping * own_weight(set, r.weight);
         if (i < end) worst = std::max(worst, a.s[i]);
     }
     return worst;
@@ -139,7 +139,7 @@ void ContactStage::add_summed(ContactSet& set, const Probe& probe) noexcept {
         if (!(a.s[i] > 0)) continue;
         const Record& r = state_.records[a.owner[i]];
         const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
-        const double k = r.stiffness * (set.scale == 1 ? r.weight : 1);
+        const double k = r.stiffness * own_weight(set, r.weight);
         const double b = state_.scales.damping / state_.scales.contacts * a.b[i];
         set.force +=
             std::max(0.0, k * a.s[i] - b * n.dot(probe.velocity - state_.silence.velocity_of(r))) * n;
@@ -162,8 +162,7 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
         if (j > 0 && layer.count < set.layer[j - 1].count) {
-            worst = a.s[begin];
-            for (std::uint32_t i = begin + 1; i < begin + layer.count; ++i) worst = std::max(worst, a.s[i]);
+            worst = worst_of(a, begin, layer.count);
         }
         const ContactPlanes planes{&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.s[begin], layer.count};
         // How far contradictory planes that stand still give way is found once, but as exactly as distances
@@ -258,7 +257,8 @@ void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, co
     if (set.count + set.summed == 0) return;
     const double standing = scan_standing(set, probe.position);
     double worst = standing;
-    lead_.on = set.follows && !is_alone(set);
+    // What is in both sets of a fade answers the fading one as it has answered the other: by the proxy's path.
+    lead_.on = set.follows && (!is_alone(set) || &set == &contact.old);
     if (lead_.on) begin_path(contact, set, at.before);
     if (set.moving_count > 0) worst = ask(set, probe, dt, standing);
     const Layer* const top = lead_.on    ? lead_proxy(set, probe, dt, standing, worst)

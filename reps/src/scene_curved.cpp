@@ -232,6 +232,7 @@ std::span<NearSurface> CurvedStage::near_surfaces(const ContactSet& set, const P
                                                   Room& room) noexcept {
     const ContactSolution& at = descent.at;
     const std::uint32_t size = list_near_surfaces(set, probe, layer, at.dx, descent.within, room);
+    if (size == 0) return {};
     const std::span<NearSurface> near(room.at(0), size);
     for (NearSurface& surface : near) {
         surface.pushes = 0;

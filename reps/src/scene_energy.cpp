@@ -17,7 +17,7 @@ double held_by(const ContactSet& set, const Arena& a, const Records& records) no
     }
     for (std::uint32_t i = set.begin + set.count; i < set.begin + set.count + set.summed; ++i) {
         const Record& r = records[a.owner[i]];
-        if (a.s[i] > 0) twice += r.stiffness * (set.scale == 1 ? r.weight : 1) * a.s[i] * a.s[i];
+        if (a.s[i] > 0) twice += r.stiffness * own_weight(set, r.weight) * a.s[i] * a.s[i];
     }
     return 0.5 * set.scale * twice;
 }

@@ -100,7 +100,7 @@ void LoadStage::add(const ContactSet& set, double share, HandLoad& load) const n
         if (!(a.s[i] > 0)) continue;
         const Record& r = state_.records[a.owner[i]];
         const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
-        stiffness += scale * r.stiffness * (set.scale == 1 ? r.weight : 1) * n * n.transpose();
+        stiffness += scale * r.stiffness * own_weight(set, r.weight) * n * n.transpose();
         damping += scale * a.b[i] * n * n.transpose();
     }
 }

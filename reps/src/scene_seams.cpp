@@ -2,7 +2,6 @@
 // so by the proxy's path. proxy_path.hpp says how a surface is asked.
 
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "clamped.hpp"
@@ -19,22 +18,13 @@ namespace {
 // goes on from where this one came to.
 constexpr int most_rounds = 16;
 
-constexpr double none = -std::numeric_limits<double>::infinity();
-
-// Of those that are solved together.
-double worst_of(const Arena& a, const ContactSet& set) noexcept {
-    double worst = none;
-    for (std::uint32_t i = set.begin; i < set.begin + set.count; ++i) worst = std::max(worst, a.s[i]);
-    return worst;
-}
-
 }  // namespace
 
 void ContactStage::begin_path(const ContactState& contact, const ContactSet& set,
                               const Vector3d& before) noexcept {
     lead_ = {.contact = &contact, .on = true, .fades = &set == &contact.old, .before = before};
     lead_.lone = set.moving_count == 1 && set.standing == 0;
-    lead_.led = !set.held.isZero(0);
+    lead_.led = !set.held.isZero(0) && !(lead_.lone && is_held_by_first(set));
     path_.entered = path_.left = path_.grazed = false;
     path_.hand = world_length(seam_of_hand, state_.limits);
 }
@@ -161,7 +151,7 @@ const Layer* ContactStage::brush(ContactSet& set, const Probe& probe, double dt,
         lead_.stage = Stage::brush;
         ask_one(set, probe, 0, lead_.deepest);
         lead_.stage = Stage::answer;
-        worst = worst_of(sets_.arena(), set);
+        worst = worst_of(sets_.arena(), set.begin, set.count);
         top = solve_or_rest(set, probe, dt, standing, worst);
     }
     return top;
@@ -172,7 +162,7 @@ const Layer* ContactStage::lead_on(ContactSet& set, const Probe& probe, double d
                                    double& worst) noexcept {
     const Vector3d& dx = set.layer[0].solution.dx;
     const auto solve_anew = [&] {
-        worst = worst_of(sets_.arena(), set);
+        worst = worst_of(sets_.arena(), set.begin, set.count);
         return solve_or_rest(set, probe, dt, standing, worst);
     };
     if (!lead_.led || lead_.again) pass_along(set, probe, Stage::rewind);

@@ -269,9 +269,7 @@ void ContactSets::share_weight(ContactSet& set, std::span<const Owner> owners) c
 
 // Hardest first, so that each layer is a prefix; behind them those whose forces add up.
 void ContactSets::sort_into_layers(ContactSet& set, std::uint32_t p, std::span<const Owner> owners) noexcept {
-    const auto felt_stiffness = [&](Owner o) {
-        return stiffness_of(o, p) * (set.scale == 1 ? weight_of(o) : 1);
-    };
+    const auto felt_stiffness = [&](Owner o) { return stiffness_of(o, p) * own_weight(set, weight_of(o)); };
     Levels levels;
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const Owner o = owners[i];
@@ -311,7 +309,7 @@ void ContactSets::put_plane(const ContactSet& set, std::uint32_t p, Arena& into,
     into.nz[at] = plane.normal.z();
     into.c[at] = plane.offset + (o == bridge_owner ? 0 : state_.probes[p].probe.radius);
     into.s[at] = -std::numeric_limits<double>::infinity();
-    into.b[at] = o == bridge_owner ? 0 : plane.damping * (set.scale == 1 ? weight_of(o) : 1);
+    into.b[at] = o == bridge_owner ? 0 : plane.damping * own_weight(set, weight_of(o));
 }
 
 // A surface that moves is asked each cycle; until then it is out of reach.

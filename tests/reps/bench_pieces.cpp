@@ -1,5 +1,6 @@
 // What a cycle asks of one polygon, half-plane or box, beside a plane in the same run. The probe wanders over
-// the same 64 points: free (over the middle of the face), over an edge, or held below the face.
+// the same 64 points: free (over the middle of the face), over an edge, or held below the face. At the end what a scene
+// makes of boxes that touch.
 
 #include <benchmark/benchmark.h>
 
@@ -7,6 +8,7 @@
 #include <knurl/reps/half_plane.hpp>
 #include <knurl/reps/plane.hpp>
 #include <knurl/reps/polygon.hpp>
+#include <knurl/reps/scene.hpp>
 
 using namespace knurl;
 
@@ -69,6 +71,25 @@ BENCHMARK_CAPTURE(wander, box_free, box(Side::outside), free_over);
 BENCHMARK_CAPTURE(wander, box_edge, box(Side::outside), edge);
 BENCHMARK_CAPTURE(wander, box_held, box(Side::outside), held);
 BENCHMARK_CAPTURE(wander, box_hollow, box(Side::inside), held);
+
+// A whole cycle of a scene: the hand is held by one box, alone or with others that stand flush beside it.
+void boxes_in_a_scene(benchmark::State& state) {
+    Scene scene({.representations = 8, .probes = 1}, {});
+    const auto count = static_cast<std::uint32_t>(state.range(0));
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Box each{.center = {0.1 * i, 0, -0.05}, .stiffness = 1000};
+        if (!scene.add({.slot = i, .generation = 1}, each)) return state.SkipWithError("refused");
+    }
+    Probe probe;
+    probe.position = {0.04, 0, 0.001};
+    scene.evaluate(probe, 1e-3);
+    std::uint32_t cycle = 0;
+    for (auto _ : state) {
+        probe.position.z() = -0.001 - 1e-5 * (cycle++ & 63);
+        benchmark::DoNotOptimize(scene.evaluate(probe, 1e-3));
+    }
+}
+BENCHMARK(boxes_in_a_scene)->Arg(1)->Arg(2);
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 #pragma once
-// What touches holds the hand like one. A surface that can be entered and left (polygon, half_plane, box, shape)
+// What touches holds the hand like one. A surface that can be entered and left (polygon, half_plane, box)
 // is entered where the path of the proxy crosses it, not that of the probe: the proxy is the point that satisfies
 // all that holds the probe (the god-object of Zilles and Salisbury, IROS 95; Ruspini, SIGGRAPH 97).
 //
