@@ -29,18 +29,20 @@ void ContactStage::begin_path(const ContactState& contact, const ContactSet& set
     path_.hand = world_length(seam_of_hand, state_.limits);
 }
 
-// A surface that is in both sets of a fade goes by what holds the probe now; the fading set feels it as it is.
+// A surface that is in both sets of a fade goes by what holds the probe now, and answers the fading set alike.
 void ContactStage::set_stage(const ContactSet& set, std::uint32_t member, bool first) noexcept {
     const Owner owner = sets_.arena().owner[member];
     const bool shared = lead_.fades && !state_.records.fades_out(owner);
     path_.first = first;
     path_.passes = shared && first;
-    if (!(state_.clock.step > 0)) {
-        path_.stage = !set.led ? Stage::free : first || shared ? Stage::answer : lead_.stage;
-    } else if (first && !lead_.solved && !shared) {
+    if (shared) {
+        path_.stage = lead_.contact->now.led ? Stage::answer : Stage::free;
+    } else if (!(state_.clock.step > 0)) {
+        path_.stage = !set.led ? Stage::free : first ? Stage::answer : lead_.stage;
+    } else if (first && !lead_.solved) {
         path_.stage = lead_.led ? Stage::answer : Stage::free;
     } else {
-        path_.stage = shared || first ? Stage::answer : lead_.stage;
+        path_.stage = first ? Stage::answer : lead_.stage;
     }
     lead_.again = lead_.again || !(first || lead_.solved);
     if (path_.passes) {

@@ -133,9 +133,7 @@ class Mixer {
         const Vector3d n(arena_.nx[member], arena_.ny[member], arena_.nz[member]);
         std::uint32_t part = 0;  // of its surface's contacts
         while (member - part > set.begin && arena_.owner[member - part - 1] == owner) ++part;
-        // Of a set that fades another answer may be the last: then the foot is that of the relief.
-        const double height = std::isfinite(feel.height[part]) ? feel.height[part] : -arena_.s[member];
-        Relief under = relief(feel.texture, foot_of(probe_, height, n), n, feel.shift);
+        Relief under = relief(feel.texture, foot_of(probe_, feel.height[part], n), n, feel.shift);
         under.slope *= texture_gain_of(r, feel.texture, probe_, state_);
         mixture.relief += texture_force(feel.texture, under, push, state_.limits);
     }

@@ -387,4 +387,25 @@ TEST(Seams, ABallSlidesOnToWhatTouches) {
     std::cout << "farthest from the judge " << worst << " N, KNURL_SEED=" << seed() << '\n';
 }
 
+// While a neighbour fades out a surface is in two sets, the one with the neighbour and the one without. Both must feel it
+// alike: else its force, and with a texture even whether that is a number, would depend on which set asked last.
+TEST(Seams, WhatStaysIsFeltAsItWasWhileItsNeighbourFadesOut) {
+    Scene scene({.representations = 4, .probes = 1}, {});
+    ASSERT_TRUE(scene.place_probe(0, {.offset = {}, .radius = 3e-3}));
+    const Box stays{.center = {0, 0, -0.05}, .stiffness = 1000, .texture = {.amplitude = 1e-5}};
+    ASSERT_TRUE(scene.add({0, 1}, stays));
+    ASSERT_TRUE(scene.add({1, 1}, Box{.center = {0.16, 0, -0.05}, .stiffness = 1000, .recovery = 0.02}));
+    scene.settle();
+    // Over the edge of the one that stays, which the probe's centre has not entered.
+    const auto evaluate = [&] { return scene.evaluate(at({0.051, 0, 0.001}), dt).force; };
+    evaluate();
+    const Vector before = evaluate();
+    ASSERT_GT(before.norm(), 1.0);
+    ASSERT_TRUE(scene.remove({1, 1}));
+    for (int i = 0; i < 30; ++i) EXPECT_LE((evaluate() - before).norm(), 1e-9) << "N, cycle " << i;
+    std::array<Feedback, 4> feedback;
+    ASSERT_EQ(scene.feedback(feedback), 1u);
+    EXPECT_TRUE(feedback[0].wrench.force.allFinite());
+}
+
 }  // namespace seams_tests
