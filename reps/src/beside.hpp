@@ -7,21 +7,20 @@
 
 namespace knurl {
 
-// `cold` asks for small code: it is locked into memory, once for each kind.
+/// False: it is asked for no answer. `cold` asks for small code: it is locked into memory, once for each kind.
 template <class Surface>
-[[gnu::cold, gnu::noinline]] Contact contact_beside(Surface surface, ProxyPath::Stage stage,
-                                                    double dt) noexcept {
+[[gnu::cold, gnu::noinline]] bool take_stage(Surface& surface, ProxyPath::Stage stage, double dt) noexcept {
     using Stage = ProxyPath::Stage;
     switch (stage) {
         case Stage::look:
             surface.look();
-            return {};
+            return false;
         case Stage::near:
             surface.near();
-            return {};
+            return false;
         case Stage::overlap:
             surface.overlap();
-            return {};
+            return false;
         case Stage::rewind:
             surface.rewind();
             break;
@@ -39,7 +38,12 @@ template <class Surface>
             surface.come_back(dt);
             break;
     }
-    return surface.answer();
+    return true;
+}
+
+template <class Surface>
+Contact contact_beside(Surface surface, ProxyPath::Stage stage, double dt) noexcept {
+    return take_stage(surface, stage, dt) ? surface.answer() : Contact{};
 }
 
 }  // namespace knurl

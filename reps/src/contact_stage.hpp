@@ -139,7 +139,7 @@ class ContactStage {
     // Alone with the surface that holds it a probe is its own path; and where nothing holds it.
     [[gnu::always_inline]] bool is_alone(const ContactSet& set) noexcept {
         path_.stage = ProxyPath::Stage::free;
-        path_.holds = false;
+        path_.holds = path_.beside = false;
         return set.moving_count == 1 && set.standing == 0 && (set.held.isZero(0) || is_held_by_first(set));
     }
     bool is_held_by_first(const ContactSet& set) const noexcept {

@@ -17,6 +17,9 @@ namespace {
 // Each enters or leaves a surface, which none does twice in a cycle. Where dozens lie in each other the next cycle
 // goes on from where this one came to.
 constexpr int most_rounds = 16;
+// How often in a cycle surfaces that are not flat are asked again because the proxy has come to another place of them.
+// Each time it is nearer to where it rests; the next cycle goes on from there.
+constexpr int most_turns = 16;
 
 }  // namespace
 
@@ -26,6 +29,7 @@ void ContactStage::begin_path(const ContactState& contact, const ContactSet& set
     lead_.lone = set.moving_count == 1 && set.standing == 0;
     lead_.led = !set.held.isZero(0) && !(lead_.lone && is_held_by_first(set));
     path_.entered = path_.left = path_.grazed = false;
+    path_.beside = true;
     path_.hand = world_length(seam_of_hand, state_.limits);
 }
 
@@ -45,6 +49,8 @@ void ContactStage::set_stage(const ContactSet& set, std::uint32_t member, bool f
         path_.stage = first ? Stage::answer : lead_.stage;
     }
     lead_.again = lead_.again || !(first || lead_.solved);
+    path_.joined = true;  // `to` is the proxy, until it is known what holds it
+    path_.push.setZero();
     if (path_.passes) {
         path_.to = lead_.contact->now.reached;
     } else if (lead_.solved) {
@@ -59,8 +65,13 @@ void ContactStage::tell_path(const ContactSet& set, std::uint32_t member) noexce
     const ContactSolution& solution = set.layer[0].solution;
     const std::uint32_t contacts = kind_ops()[state_.records[a.owner[member]].kind].contacts;
     std::uint32_t own = 0;
-    for (std::uint32_t k = 0; k < solution.active.count; ++k)
-        own += solution.active.plane[k] + set.begin - member < contacts;
+    path_.push.setZero();
+    for (std::uint32_t k = 0; k < solution.active.count; ++k) {
+        const std::uint32_t i = solution.active.plane[k] + set.begin;
+        if (!(i - member < contacts)) continue;
+        ++own;
+        path_.push += solution.multiplier[k] * Vector3d(a.nx[i], a.ny[i], a.nz[i]);
+    }
     path_.joined = solution.active.count > own;
     path_.to = solution.dx;
     if (own > 0 && !path_.joined) path_.to.setZero();  // its foot is the probe's
@@ -170,11 +181,17 @@ const Layer* ContactStage::lead_on(ContactSet& set, const Probe& probe, double d
     if (!lead_.led || lead_.again) pass_along(set, probe, Stage::rewind);
     const Layer* top = solve_anew();
     path_.hold = lead_.led ? set.held : dx;
-    for (int round = 0; round < most_rounds; ++round) {
+    int turns = 0;
+    for (int round = 0; round < most_rounds + turns; ++round) {
         path_.when = 2;
-        path_.left = false;
+        path_.left = path_.turned = false;
+        path_.turns = turns < most_turns;
         pass_along(set, probe, Stage::look);
-        if (path_.when <= 1) {
+        if (path_.turned) {
+            ++turns;
+            pass_along(set, probe, Stage::answer);
+            top = solve_anew();
+        } else if (path_.when <= 1) {
             pass_along(set, probe, Stage::enter);
             top = solve_anew();
         } else if (path_.left) {

@@ -3,6 +3,7 @@
 
 #include <knurl/reps/shape.hpp>
 
+#include "shape_beside.hpp"
 #include "surface.hpp"
 
 namespace knurl {
@@ -10,6 +11,9 @@ namespace {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using shapes::at;
+using shapes::put;
+using shapes::touches;
 
 // Where the shape is in this cycle: extrapolated from its last update.
 struct Pose {
@@ -24,17 +28,6 @@ struct Pose {
     }
     Vector3d to_asset(const Vector3d& world) const noexcept { return turn.conjugate() * (world - position); }
 };
-
-Vector3d at(const double (&from)[3]) noexcept {
-    return {from[0], from[1], from[2]};
-}
-void put(double (&to)[3], const Vector3d& from) noexcept {
-    for (int i = 0; i < 3; ++i) to[i] = from[i];
-}
-
-bool touches(const Proxy& proxy) noexcept {
-    return proxy.phase == Proxy::Phase::touching || proxy.phase == Proxy::Phase::tangled;
-}
 
 AssetMaterial material_of(const Shape::State& state) noexcept {
     const auto& materials = state.asset->materials;
@@ -60,7 +53,7 @@ void adopt(const Shape& params, const Shape* previous, Shape::State& state, cons
     if (placed) place(state.motion);
     if (state.asset == state.met) return;
     // Another form in the place of the one that is touched: the proxy goes on from where it was in the world.
-    if (previous && state.asset && state.met && touches(state.proxy)) {
+    if (previous && state.asset && state.met && touches(state.proxy.phase)) {
         const Pose then(*previous, before), now(params, state.motion);
         put(state.proxy.at, now.to_asset(then.turn * at(state.proxy.at) + then.position));
         const Vector3d hand = now.to_asset(probe.position);
@@ -71,18 +64,78 @@ void adopt(const Shape& params, const Shape* previous, Shape::State& state, cons
         state.proxy = {};
     }
     state.height = out;
+    state.handed = 0;
+    state.anew = 1;
     state.met = state.asset;
 }
+
+namespace {
+
+// Of the plane by which it holds the probe; the normal is the world's.
+Contact felt(const Shape& params, const Shape::State& state, const Pose& pose, const Probe& probe,
+             const Vector3d& normal, double height) noexcept {
+    const AssetMaterial share = material_of(state);
+    // The material's stiffness as a shorter way: what is solved together has one stiffness for each surface.
+    Contact contact = contact_of(params, normal, height < 0 ? share.stiffness * height : height);
+    contact.damping *= share.damping;
+    contact.friction = share.friction;
+    const Vector3d arm = (probe.position - height * normal) - pose.position;
+    contact.velocity += to_eigen(params.angular_velocity).cross(arm);
+    return contact;
+}
+
+// By the path of the proxy.
+[[gnu::cold, gnu::noinline]] Contact contact_of_proxy(const Shape& params, Shape::State& state,
+                                                      const Pose& pose, const Probe& probe,
+                                                      double dt) noexcept {
+    const double far = probe.position.lpNorm<1>() + pose.position.lpNorm<1>();
+    const double rounding = 16 * std::numeric_limits<double>::epsilon() * far;
+    shapes::Beside beside(state, pose.turn, pose.to_asset(probe.position), rounding, probe.radius,
+                          *probe.path);
+    if (!take_stage(beside, probe.path->stage, dt)) return {.height = out};
+    const Vector3d normal = pose.turn * to_eigen(state.normal);
+    const double height = beside.height();
+    state.height = height;
+    if (touches(state.proxy.phase)) put(state.proxy.last, pose.to_asset(probe.position));
+    if (!std::isfinite(height)) return contact_of(params, normal, out);
+    return felt(params, state, pose, probe, normal, height);
+}
+
+// Where no time passes and it alone has held the probe, it is asked what it would answer there.
+bool goes_by_proxy(const Shape& params, const ProxyPath& path, double dt) noexcept {
+    using Stage = ProxyPath::Stage;
+    if (path.stage == Stage::free || params.shading != Shading::flat) return false;
+    return dt > 0 || !path.first || path.stage != Stage::answer || !path.to.isZero(0);
+}
+
+// What the path of the probe has led to in this cycle.
+[[gnu::cold, gnu::noinline]] void tell(const Shape::State& state, const Vector3d& hand,
+                                       ProxyPath& path) noexcept {
+    const bool held = touches(state.was_phase), holds = touches(state.proxy.phase);
+    path.entered = path.entered || (!held && holds);
+    path.left = path.left || (held && !holds);
+    if (held || holds || path.grazed || state.was_phase == Proxy::Phase::fresh) return;
+    Foot foot;
+    Work work;
+    const Vector3d from = to_eigen(state.start);
+    path.grazed =
+        first_front(*state.asset, from, hand, shapes::seam_of(*state.asset), from - hand, foot, work) <= 1;
+}
+
+}  // namespace
 
 Contact contact(const Shape& params, Shape::State& state, const Probe& probe, double dt) noexcept {
     move_on(state.motion, dt);
     if (!state.asset) return {.height = out};
     const Pose pose(params, state.motion);
+    if (probe.path && goes_by_proxy(params, *probe.path, dt))
+        return contact_of_proxy(params, state, pose, probe, dt);
     const Vector3d hand = pose.to_asset(probe.position);
     Vector3d normal = to_eigen(state.normal);
-    double height = state.height;
+    double height = state.height, offset = state.offset;
     std::uint32_t material = state.material;
     const bool fresh = state.proxy.phase == Proxy::Phase::fresh;
+    if (dt > 0) shapes::begin_cycle(state);
     // Asked again within a cycle it answers what it has answered.
     if (dt > 0 || fresh || hand != at(state.proxy.last)) {
         Proxy proxy = state.proxy;
@@ -93,31 +146,30 @@ Contact contact(const Shape& params, Shape::State& state, const Probe& probe, do
             material = foot.material;
             height = -foot.depth;
             normal = foot.normal;
+            offset = normal.dot(foot.point);
             if (params.shading == Shading::smooth) normal = shaded_normal(*state.asset, foot);
-            normal = pose.turn * normal;
         }
         if (dt > 0 || fresh) {
             state.proxy = proxy;
-            state.normal = to_plain(normal);
             state.height = height;
-            state.material = material;
+            state.handed = state.anew = 0;
+            state.brushed = touches(proxy.phase) && -height < probe.radius;
+            shapes::hold_by(state, normal, offset, material);
         }
     }
+    if (probe.path) {
+        probe.path->holds = touches(state.proxy.phase) && height < -probe.radius;
+        if (probe.path->beside && dt > 0) tell(state, hand, *probe.path);
+    }
+    normal = pose.turn * normal;
     if (!(height < 0)) return contact_of(params, normal, out);
-    const AssetMaterial share = material_of(state);
-    // The material's stiffness as a shorter way: what is solved together has one stiffness for each surface.
-    Contact contact = contact_of(params, normal, share.stiffness * height);
-    contact.damping *= share.damping;
-    contact.friction = share.friction;
-    const Vector3d arm = (probe.position - height * normal) - pose.position;
-    contact.velocity += to_eigen(params.angular_velocity).cross(arm);
-    return contact;
+    return felt(params, state, pose, probe, normal, height);
 }
 
 // While it holds the hand it may hold it from however deep. About its own middle, or, where it turns, about
 // the point of the axis next to that, which goes straight on: so it holds wherever it has moved on to.
 std::optional<Bound> bound(const Shape& params, const Shape::State& state) noexcept {
-    if (touches(state.proxy)) return std::nullopt;
+    if (touches(state.proxy.phase)) return std::nullopt;
     if (!state.asset) return Bound{.center = to_eigen(params.position)};
     const Pose pose(params, state.motion);
     const Vector3d middle = (state.asset->low + state.asset->high) / 2;
@@ -137,6 +189,7 @@ std::optional<Bound> bound(const Shape& params, const Shape::State& state) noexc
 void out_of_reach(const Shape&, Shape::State& state) noexcept {
     state.proxy = {};
     state.height = out;
+    state.handed = state.anew = state.brushed = 0;
 }
 
 }  // namespace knurl

@@ -1,33 +1,16 @@
-#include <knurl/geometry/height_field.hpp>
-#include <knurl/geometry/mesh.hpp>
 #include <knurl/geometry/proxy.hpp>
 
 #include "cycle.hpp"
-#include "height_surface.hpp"
-#include "mesh_surface.hpp"
+#include "on_surface.hpp"
 
 namespace knurl {
 namespace {
 
-using detail::MeshSurface;
+using detail::on_surface;
 using detail::to_eigen;
 using detail::to_vec;
 using detail::Vec;
 using Eigen::Vector3d;
-
-/// f(surface, origin) of the kind that the asset is.
-template <class Call>
-auto on_surface(const Asset& asset, Call&& f) noexcept {
-    if (asset.kind == AssetKind::height_field) {
-        const HeightData& data = static_cast<const HeightField&>(asset).data();
-        return f(detail::HeightSurface(data), to_vec(data.origin));
-    }
-    const MeshData& data = static_cast<const Mesh&>(asset).data();
-    if (data.exact)
-        return f(MeshSurface<ExactFace>(data, data.exact_faces.data(), data.exact_faces.size()),
-                 to_vec(data.origin));
-    return f(MeshSurface<Face>(data, data.faces.data(), data.faces.size()), to_vec(data.origin));
-}
 
 void add(Work& to, const Work& work) noexcept {
     to.faces += work.faces;

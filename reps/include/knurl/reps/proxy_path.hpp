@@ -1,5 +1,5 @@
 #pragma once
-// What touches holds the hand like one. A surface that can be entered and left (polygon, half_plane, box)
+// What touches holds the hand like one. A surface that can be entered and left (polygon, half_plane, box, shape)
 // is entered where the path of the proxy crosses it, not that of the probe: the proxy is the point that satisfies
 // all that holds the probe (the god-object of Zilles and Salisbury, IROS 95; Ruspini, SIGGRAPH 97).
 //
@@ -14,6 +14,9 @@
 //                │             │ on the way: enter, the first of them; solve again
 //                │             │ not held:   leave, solve, look on from there
 //                └─────────────┘ neither: the proxy is at x, and a probe with a radius brushes what it overlaps
+//
+// A surface that is not flat (shape) has another plane where the proxy has come to: it says `turned`, and is asked and
+// solved again.
 //
 // Touching is a gap or a step of `seam_of_size` of the surface's size at most: by so much it reaches sideways where
 // others hold the probe, and a proxy that lies so little behind its face has not gone through.
@@ -48,10 +51,13 @@ struct ProxyPath {
     bool first = true;    // it has not been asked in this cycle
     bool passes = false;  // in `answer`: it is not asked again in this cycle
     bool joined = false;  // another surface holds the probe too
+    bool beside = false;  // there are other surfaces, or have been
+    bool turns = true;    // in `look`: a surface that is not flat may answer by another plane from now on
     bool commits = true;  // else `overlap` leaves no trace
     // What they say.
     bool entered = false, left = false;
-    bool holds = false;  // one that goes by the probe has been entered, and not left
+    bool turned = false;  // in `look` a surface's plane has changed: it has to be asked and solved again
+    bool holds = false;   // one that goes by the probe has been entered, and not left
     bool grazed =
         false;  // nothing held the probe, and it passed where one reaches if it touches another: at `graze`
     std::uint32_t close = 0;
@@ -60,6 +66,7 @@ struct ProxyPath {
     double hand = 0;     // m: seam_of_hand, in this world
     // m, from the probe: the proxy; and see `grazed`
     Eigen::Vector3d to = Eigen::Vector3d::Zero(), graze = Eigen::Vector3d::Zero();
+    Eigen::Vector3d push = Eigen::Vector3d::Zero();  // m: that surface's part of what holds the probe at `to`
     Eigen::Vector3d hold = Eigen::Vector3d::Zero();  // m: by which the probe was held at the path's beginning
 };
 

@@ -1,7 +1,8 @@
 #pragma once
 // A rigid thing whose form was sent once (a triangle mesh, a height field) and is named here: felt exactly
 // wherever the hand is, however seldom its pose is sent. Its faces are one-sided, and the hand is held by the
-// point of it that it came to (knurl/geometry/proxy.hpp).
+// point of it that it came to (knurl/geometry/proxy.hpp). Beside others, with flat shading, that point goes by the proxy of
+// all of them (proxy_path.hpp).
 
 #include <cstddef>
 #include <optional>
@@ -28,9 +29,16 @@ struct ShapeState {
     const Asset* met = nullptr;    // that the proxy lies on
     Proxy proxy;
     Motion motion;
-    Vec3 normal = {0, 0, 1};  // world: what was answered when the hand was at proxy.last
+    Vec3 normal = {0, 0, 1};  // in the asset's frame: what was answered when the hand was at proxy.last
     double height = 0;        // m
-    std::uint32_t material = 0, reserved = 0;
+    double offset = 0;        // m: of the plane by which it holds the hand, along that normal
+    Vec3 start = {};          // m: the proxy when the cycle began
+    std::uint32_t material = 0, was_face = 0;
+    Proxy::Phase was_phase = Proxy::Phase::fresh;  // when the cycle began
+    // Beside others (proxy_path.hpp): the proxy lies beyond a rim, by no more than touching is; has left it, so often in
+    // this cycle; is about to leave it; its plane is not known, since the form has changed; a ball touches it whose centre is in
+    // front.
+    std::uint8_t handed = 0, left = 0, leaving = 0, anew = 0, brushed = 0, reserved[2] = {};
 };
 
 struct Shape {
@@ -50,6 +58,7 @@ struct Shape {
 
     using State = ShapeState;
     static constexpr bool turns = true;
+    static constexpr bool follows = true;
 };
 
 namespace detail {

@@ -57,6 +57,17 @@ bool follow(const Asset& asset, Proxy& proxy, const Eigen::Vector3d& hand, doubl
 /// as the new surface allows.
 void adopt(const Asset& asset, Proxy& proxy, const Eigen::Vector3d& hand, Work& work) noexcept;
 
+/// Where the way from `from` to `to` (m, the asset's frame) first meets the front of a face: which share of it; 2: it
+/// meets none. Where it meets none, a face that is turned towards `side` counts beside which it leads past by `reach` (m)
+/// at most. `foot` says what it meets. Work within the limits above.
+double first_front(const Asset& asset, const Eigen::Vector3d& from, const Eigen::Vector3d& to, double reach,
+                   const Eigen::Vector3d& side, Foot& foot, Work& work) noexcept;
+
+/// Of the faces within `within` (m) of a place the one that faces `normal` most; of several, the nearest. False: there
+/// is none whose normal has a cosine of `least` with it.
+bool facing_near(const Asset& asset, const Eigen::Vector3d& place, double within,
+                 const Eigen::Vector3d& normal, double least, Foot& foot, Work& work) noexcept;
+
 /// The angle-weighted mean normal at a foot, interpolated over its face (force shading; Morgenbesser and
 /// Srinivasan 1996). Never decides contact.
 Eigen::Vector3d shaded_normal(const Asset& asset, const Foot& foot) noexcept;

@@ -1,0 +1,26 @@
+#pragma once
+// An asset as the walk sees it: which surface it is.
+
+#include <knurl/geometry/height_field.hpp>
+#include <knurl/geometry/mesh.hpp>
+
+#include "height_surface.hpp"
+#include "mesh_surface.hpp"
+
+namespace knurl::detail {
+
+/// f(surface, origin) of the kind that the asset is.
+template <class Call>
+auto on_surface(const Asset& asset, Call&& f) noexcept {
+    if (asset.kind == AssetKind::height_field) {
+        const HeightData& data = static_cast<const HeightField&>(asset).data();
+        return f(HeightSurface(data), to_vec(data.origin));
+    }
+    const MeshData& data = static_cast<const Mesh&>(asset).data();
+    if (data.exact)
+        return f(MeshSurface<ExactFace>(data, data.exact_faces.data(), data.exact_faces.size()),
+                 to_vec(data.origin));
+    return f(MeshSurface<Face>(data, data.faces.data(), data.faces.size()), to_vec(data.origin));
+}
+
+}  // namespace knurl::detail
