@@ -117,7 +117,8 @@ class ContactStage {
   private:
     void evaluate_set(const ContactState& contact, ContactSet& set, const ProbeState& at, double dt) noexcept;
     double scan_standing(ContactSet& set, const Eigen::Vector3d& p) noexcept;
-    void rest(ContactSet& set, const Probe& probe) noexcept;
+    void rest(ContactSet& set, const Probe& probe, double dt) noexcept;
+    void stay_clear(ContactState& contact, const Eigen::Vector3d& p) const noexcept;
     double ask(ContactSet& set, const Probe& probe, double dt, double worst) noexcept;
     double ask_one(const ContactSet& set, const Probe& probe, double dt, std::uint32_t member) noexcept;
     std::uint32_t contacts_of(Record& r, const KindOps& ops, const Probe& probe, double step) noexcept;

@@ -235,7 +235,8 @@ const Layer* ContactStage::solve_widening(ContactSet& set, const Probe& probe, d
     return set.standing > 0 ? ask_standing(set, a, p) : -std::numeric_limits<double>::infinity();
 }
 
-[[gnu::always_inline]] inline void ContactStage::rest(ContactSet& set, const Probe& probe) noexcept {
+[[gnu::always_inline]] inline void ContactStage::rest(ContactSet& set, const Probe& probe,
+                                                      double dt) noexcept {
     set.slack = 0;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         set.layer[j].solution.dx.setZero();
@@ -243,7 +244,10 @@ const Layer* ContactStage::solve_widening(ContactSet& set, const Probe& probe, d
         set.layer[j].proxy = probe.position;
     }
     set.infeasible = false;
-    if (set.summed == 0) return;
+    if (set.summed == 0) {
+        set.clear.alone = dt > 0 && set.moving_count == 0;
+        return;
+    }
     add_summed(set, probe);
     set.force = clamped(set.scale * set.force, state_.limits.max_force);
 }
@@ -253,7 +257,7 @@ void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, co
     const Probe& probe = at.probe;
     set.force.setZero();
     set.elastic = set.per_elastic = 0;
-    set.touching = false;
+    set.touching = set.clear.alone = false;
     if (set.count + set.summed == 0) return;
     const double standing = scan_standing(set, probe.position);
     double worst = standing;
@@ -265,7 +269,7 @@ void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, co
                              : worst > 0 ? widen(set, probe, dt, standing, worst)
                                          : nullptr;
     if (set.follows && !lead_.on) come_alone(set, worst > 0);
-    if (!(worst > 0)) return rest(set, probe);
+    if (!(worst > 0)) return rest(set, probe, dt);
     state_.work.evaluated += set.standing;
 
     const double elastic = set.force.norm();
@@ -324,17 +328,27 @@ Vector3d ContactStage::cross_fade(std::uint32_t p, double dt) noexcept {
     return now;
 }
 
+void ContactStage::stay_clear(ContactState& contact, const Vector3d& p) const noexcept {
+    contact.position = p;
+    for (std::uint32_t j = 0; j < contact.now.layers; ++j) contact.now.layer[j].proxy = p;
+}
+
 void ContactStage::evaluate(double dt, Wrench& sum) noexcept {
+    std::uint32_t near = 0;  // bits: the probes that may touch something
     for (int round = 0; round < widenings; ++round) {
+        near = 0;
         for_each_bit(sets_.probes(), [&](std::uint32_t p) {
             const ProbeState& at = state_.probes[p];
             ContactState& contact = sets_[p];
+            if (contact.is_clear() && still_clear(contact.now.clear, at.probe.position))
+                return stay_clear(contact, at.probe.position);
+            near |= 1u << p;
             evaluate_set(contact, contact.now, at, dt);
             if (contact.fade.under_way) evaluate_set(contact, contact.old, at, dt);
         });
         if (candidates_.probes() == 0 || !candidates_fall_short()) break;
     }
-    for_each_bit(sets_.probes(), [&](std::uint32_t p) {
+    for_each_bit(near, [&](std::uint32_t p) {
         const ProbeState& at = state_.probes[p];
         ContactState& contact = sets_[p];
         if (contact.now.curved && contact.now.touching && dt > 0) curved_.lean(contact.now, at.probe);

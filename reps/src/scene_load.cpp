@@ -125,6 +125,7 @@ HandLoad LoadStage::at_probe(const ContactState& contact) const noexcept {
 LoadBound LoadStage::bound() const noexcept {
     LoadBound bound{.surfaces = !sets_.surfaces().empty()};
     for_each_bit(sets_.probes(), [&](std::uint32_t p) {
+        if (sets_[p].is_clear()) return;
         const Demand of_probe = bound_of(p);
         bound.contacts += of_probe.stiffness;
         bound.damping += of_probe.damping;
