@@ -135,6 +135,7 @@ class ContactStage {
                                 double& worst) noexcept;
     bool candidates_fall_short() noexcept;
     Eigen::Vector3d cross_fade(std::uint32_t probe, double dt) noexcept;
+    Eigen::Vector3d felt_by(std::uint32_t probe, double dt) noexcept;
 
     // scene_seams.cpp
     // Alone with the surface that holds it a probe is its own path; and where nothing holds it.

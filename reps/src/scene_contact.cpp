@@ -333,6 +333,23 @@ void ContactStage::stay_clear(ContactState& contact, const Vector3d& p) const no
     for (std::uint32_t j = 0; j < contact.now.layers; ++j) contact.now.layer[j].proxy = p;
 }
 
+/// All that the surfaces of a probe do to it, once its sets are solved.
+[[gnu::always_inline]] inline Vector3d ContactStage::felt_by(std::uint32_t p, double dt) noexcept {
+    const Probe& probe = state_.probes[p].probe;
+    ContactState& contact = sets_[p];
+    if (contact.now.curved && contact.now.touching && dt > 0) curved_.lean(contact.now, probe);
+    const Vector3d force = contact.fade.under_way ? cross_fade(p, dt) : contact.now.force;
+    contact.force = force;
+    if (state_.any_follows && dt > 0) {
+        remember_proxy(contact.now);
+        if (contact.fade.under_way) remember_proxy(contact.old);
+    }
+    contact.position = probe.position;
+    if (!contact.tangential.needed() || (force.isZero(0) && contact.tangential.rests())) return force;
+    ++state_.work.tangential;
+    return with_tangential(p, sets_, state_, force, dt);
+}
+
 void ContactStage::evaluate(double dt, Wrench& sum) noexcept {
     std::uint32_t near = 0;  // bits: the probes that may touch something
     for (int round = 0; round < widenings; ++round) {
@@ -350,20 +367,7 @@ void ContactStage::evaluate(double dt, Wrench& sum) noexcept {
     }
     for_each_bit(near, [&](std::uint32_t p) {
         const ProbeState& at = state_.probes[p];
-        ContactState& contact = sets_[p];
-        if (contact.now.curved && contact.now.touching && dt > 0) curved_.lean(contact.now, at.probe);
-        Vector3d force = contact.fade.under_way ? cross_fade(p, dt) : contact.now.force;
-        contact.force = force;
-        if (state_.any_follows && dt > 0) {
-            remember_proxy(contact.now);
-            if (contact.fade.under_way) remember_proxy(contact.old);
-        }
-        contact.position = at.probe.position;
-        if (contact.tangential.needed() && !(force.isZero(0) && contact.tangential.rests())) {
-            ++state_.work.tangential;
-            force = with_tangential(p, sets_, state_, force, dt);
-        }
-        force *= state_.scales.contacts;
+        const Vector3d force = state_.scales.contacts * felt_by(p, dt);
         sum.force += force;
         if (at.placement.offset != Vec3{}) sum.torque += at.arm.cross(force);
     });
