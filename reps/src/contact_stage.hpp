@@ -67,6 +67,7 @@ class CurvedStage {
                                          const Descent& descent, Room& room) noexcept;
     void take_step(std::span<NearSurface> near, const CurvedStep& step, const Eigen::Vector3d& p,
                    Descent& descent) const noexcept;
+    static void balance(Descent& descent) noexcept;
     void slide(const ContactSet& set, const CurvedStart& start, const Eigen::Vector3d& p,
                ContactSolution& at) const noexcept;
     std::uint32_t list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,

@@ -278,6 +278,26 @@ void CurvedStage::take_step(std::span<NearSurface> near, const CurvedStep& step,
     descent.within = std::max(descent.within, 2 * at.dx.norm());
 }
 
+// Steps that have not ended leave multipliers that belong to no place, and the next cycle would begin with them: they
+// grow without bound where the hand is between surfaces that contradict each other. Instead those that come nearest to dx.
+void CurvedStage::balance(Descent& descent) noexcept {
+    ContactSolution& at = descent.at;
+    std::array<double, 3> nx{}, ny{}, nz{}, s{};
+    double worst = 0;
+    for (std::uint32_t k = 0; k < at.active.count; ++k) {
+        const Vector3d n = to_eigen(descent.normals[k]);
+        nx[k] = n.x(), ny[k] = n.y(), nz[k] = n.z();
+        s[k] = n.dot(at.dx);
+        worst = std::max(worst, s[k]);
+    }
+    ContactSolution nearest;
+    if (worst > 0)
+        solve_contact({nx.data(), ny.data(), nz.data(), s.data(), at.active.count}, worst, 0, nearest);
+    at.multiplier = {};
+    for (std::uint32_t i = 0; i < nearest.active.count; ++i)
+        at.multiplier[nearest.active.plane[i]] = nearest.multiplier[i];
+}
+
 // Where it has to go farther than the hand explains, since the place that held it is none any more, it slides.
 void CurvedStage::slide(const ContactSet& set, const CurvedStart& start, const Vector3d& p,
                         ContactSolution& at) const noexcept {
@@ -328,6 +348,7 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
     }
     layer.far = std::max(layer.far, descent.within);  // all that was listed has been asked, then
     if (!at.dx.allFinite() || (!descent.done && at.dx.norm() > most)) return feasible;
+    if (!descent.done) balance(descent);
     if (descent.warm) slide(set, *start, p, at);
     at.status = ContactSolution::Status::solved;
     layer.solution = at;

@@ -261,3 +261,41 @@ TEST(CurvedTogether, EachStepSquaresTheError) {
     for (std::size_t i = 2; i < errors.size(); ++i)
         EXPECT_LE(errors[i], 300 * errors[i - 1] * errors[i - 1] + 1e-16) << i << ": " << errors[i - 1];
 }
+
+// A hollow and a solid, or two hollows, that leave no point free: no steps lead to where they meet. Whatever is felt, each
+// is told a part of it that is finite and in proportion: they push against each other by much more where they are nearly opposed.
+TEST(CurvedTogether, OfSurfacesThatContradictEachOtherEachIsToldItsPartOfTheForce) {
+    const std::uint64_t seed = 2613;
+    Rng rng(seed);
+    int told = 0;
+    for (int round = 0; round < 200; ++round) {
+        Scene scene = make_scene();
+        const auto place = [&] { return to_plain(Vector(scale(rng, 0.01, 1) * direction(rng))); };
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const Side side = i == 0 || between(rng, 0, 1) ? Side::inside : Side::outside;
+            const double radius = scale(rng, 0.003, 0.3);
+            const Sphere sphere{.center = place(), .radius = radius, .side = side, .stiffness = 20};
+            const Capsule capsule{.center = place(),
+                                  .axis = to_plain(direction(rng)),
+                                  .half_length = scale(rng, 0.01, 1),
+                                  .radius = radius,
+                                  .side = side,
+                                  .stiffness = 20};
+            ASSERT_TRUE(i % 2 == 0 ? scene.add({i, 1}, sphere) : scene.add({i, 1}, capsule));
+        }
+        scene.settle();
+        Vector p = 0.03 * direction(rng);
+        const Vector way = 1e-4 * direction(rng);
+        std::array<Feedback, 3> entries;
+        for (int cycle = 0; cycle < 2000; ++cycle, p += way) {
+            const Vector force = scene.evaluate(at(p), dt).force;
+            ASSERT_EQ(scene.feedback(entries), 3u);
+            for (const Feedback& entry : entries) {
+                told += (entry.flags & Feedback::touching) != 0;
+                ASSERT_LE(entry.wrench.force.norm(), 1e6 * force.norm())
+                    << "seed " << seed << " round " << round << " cycle " << cycle;
+            }
+        }
+    }
+    EXPECT_GT(told, 100000);
+}
