@@ -151,7 +151,7 @@ void ContactStage::add_summed(ContactSet& set, const Probe& probe) noexcept {
 // or more: a sum of gradients, so conservative, and with weights that add up to the largest k, so no stiffer
 // than that.
 const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double worst) noexcept {
-    const Arena& a = sets_.arena();
+    Arena& a = sets_.arena();
     const std::uint32_t begin = set.begin;
     const Vector3d& p = probe.position;
     state_.work.layers += set.layers;
@@ -159,9 +159,13 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
     bool infeasible = false;
     double below = 0;
     const Layer* top = nullptr;
+    PlanesApart apart;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
         if (j > 0 && layer.count < set.layer[j - 1].count) {
+            worst = worst_of(a, begin, layer.count);
+        }
+        if (set.curved && j > 0 && curved_.put_planes_alone(a, set, probe, j, apart)) {
             worst = worst_of(a, begin, layer.count);
         }
         const ContactPlanes planes{&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.s[begin], layer.count};
@@ -177,6 +181,7 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         below = layer.stiffness;
         if (layer.solution.active.count > 0) top = &layer;
     }
+    if (apart.count > 0) CurvedStage::put_back(a, apart);
     set.infeasible = infeasible;
     return top;
 }
