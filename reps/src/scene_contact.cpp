@@ -165,14 +165,13 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         if (j > 0 && layer.count < set.layer[j - 1].count) {
             worst = worst_of(a, begin, layer.count);
         }
-        if (set.curved && j > 0 && curved_.put_planes_alone(a, set, probe, j, apart)) {
-            worst = worst_of(a, begin, layer.count);
-        }
         const ContactPlanes planes{&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.s[begin], layer.count};
         // How far contradictory planes that stand still give way is found once, but as exactly as distances
         // round where the probe is then: again where they are half as large. Moving ones are asked afresh.
         if (set.moving_count > 0 || worst < layer.given_at / 2) layer.give = 0;
         if (set.curved) {
+            if (j > 0 && curved_.put_planes_alone(a, set, probe, j, apart))
+                worst = worst_of(a, begin, layer.count);
             infeasible = !curved_.solve(set, probe, layer, worst) || infeasible;
         } else {
             infeasible = !solve_planes(layer, planes, worst, p) || infeasible;
@@ -181,7 +180,7 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         below = layer.stiffness;
         if (layer.solution.active.count > 0) top = &layer;
     }
-    if (apart.count > 0) CurvedStage::put_back(a, apart);
+    if (set.curved) CurvedStage::put_back(a, apart);
     set.infeasible = infeasible;
     return top;
 }
