@@ -31,6 +31,16 @@ namespace knurl::detail {
     return false;
 }
 
+/// The planes of solids that hold the probe by another one in harder layers, as they were.
+struct PlanesApart {
+    struct Plane {
+        std::uint32_t member;
+        double nx, ny, nz, s;
+    };
+    std::array<Plane, 8> plane;  // solids beyond these hold by one plane in all layers
+    std::uint32_t count = 0;
+};
+
 /// The joint contact where surfaces are curved. Their tangent planes at the probe's own feet are solved first, as
 /// everywhere. What is found is exact where one surface holds alone (its foot is the nearest point) and no other is
 /// violated there, or where all that hold are flat; else it is sought where they meet.
@@ -40,6 +50,11 @@ class CurvedStage {
 
     /// False: the surfaces contradict each other, as far as their planes show it.
     bool solve(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept;
+    /// Solids that hold the probe alone in the layers from this one on (j > 0), by another plane: it becomes theirs.
+    /// True: there is one.
+    bool put_planes_alone(Arena& arena, const ContactSet& set, const Probe& probe, std::uint32_t j,
+                          PlanesApart& apart) const noexcept;
+    static void put_back(Arena& arena, const PlanesApart& apart) noexcept;
     /// At the end of a cycle: the surfaces learn where they hold. Within it, one that is asked again answers the same.
     void lean(const ContactSet& set, const Probe& probe) noexcept;
 
@@ -74,6 +89,7 @@ class CurvedStage {
                                      const Eigen::Vector3d& dx, double within, Room& room) noexcept;
     double relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept;
     double explained(const ContactSet& set, const ContactSolution& to, double motion) const noexcept;
+    void lean_in_layer(const ContactSet& set, const Probe& probe, std::uint32_t j) noexcept;
     bool any_curved(const ContactSet& set, const ActiveSet& active) const noexcept;
 
     SceneState& state_;

@@ -66,7 +66,9 @@ struct KindOps {
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     std::uint32_t (*curved_at)(const Record&, const Probe&, const Probe& there,
                                std::span<CurvedContact> out) noexcept = nullptr;
-    void (*lean)(Record&, const Probe& there) noexcept = nullptr;
+    void (*lean)(Record&, const Probe& there, double below) noexcept = nullptr;
+    // Null: it holds by one plane in all layers.
+    bool (*plane_alone)(const Record&, const Probe&, double stiffness, CurvedContact& out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
     void (*evaluate_all)(EffectStage&, std::span<const std::uint32_t> slots, double dt,
                          Wrench& sum) noexcept = nullptr;

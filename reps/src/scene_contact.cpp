@@ -151,7 +151,7 @@ void ContactStage::add_summed(ContactSet& set, const Probe& probe) noexcept {
 // or more: a sum of gradients, so conservative, and with weights that add up to the largest k, so no stiffer
 // than that.
 const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double worst) noexcept {
-    const Arena& a = sets_.arena();
+    Arena& a = sets_.arena();
     const std::uint32_t begin = set.begin;
     const Vector3d& p = probe.position;
     state_.work.layers += set.layers;
@@ -159,6 +159,7 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
     bool infeasible = false;
     double below = 0;
     const Layer* top = nullptr;
+    PlanesApart apart;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
         if (j > 0 && layer.count < set.layer[j - 1].count) {
@@ -169,6 +170,8 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         // round where the probe is then: again where they are half as large. Moving ones are asked afresh.
         if (set.moving_count > 0 || worst < layer.given_at / 2) layer.give = 0;
         if (set.curved) {
+            if (j > 0 && curved_.put_planes_alone(a, set, probe, j, apart))
+                worst = worst_of(a, begin, layer.count);
             infeasible = !curved_.solve(set, probe, layer, worst) || infeasible;
         } else {
             infeasible = !solve_planes(layer, planes, worst, p) || infeasible;
@@ -177,6 +180,7 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         below = layer.stiffness;
         if (layer.solution.active.count > 0) top = &layer;
     }
+    if (set.curved) CurvedStage::put_back(a, apart);
     set.infeasible = infeasible;
     return top;
 }

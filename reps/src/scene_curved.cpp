@@ -377,21 +377,67 @@ bool CurvedStage::solve(ContactSet& set, const Probe& probe, Layer& layer, doubl
     return feasible;
 }
 
+bool CurvedStage::put_planes_alone(Arena& a, const ContactSet& set, const Probe& probe, std::uint32_t j,
+                                   PlanesApart& apart) const noexcept {
+    const Layer& layer = set.layer[j];
+    bool any = false;
+    CurvedContact found;
+    for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
+        const std::uint32_t i = a.moving[m].member;
+        if (i >= set.begin + layer.count || apart.count == apart.plane.size()) continue;
+        const Owner owner = a.owner[i];
+        const Record& r = state_.records[owner];
+        const KindOps& ops = kind_ops()[r.kind];
+        if (!ops.plane_alone || !ops.plane_alone(r, probe, layer.stiffness, found)) continue;
+        const auto same = [i](const PlanesApart::Plane& plane) { return plane.member == i; };
+        if (std::any_of(apart.plane.begin(), apart.plane.begin() + apart.count, same)) continue;
+        apart.plane[apart.count++] = {i, a.nx[i], a.ny[i], a.nz[i], a.s[i]};
+        const double height = found.height + relief_at(owner, i, 0);
+        a.nx[i] = found.normal.x();
+        a.ny[i] = found.normal.y();
+        a.nz[i] = found.normal.z();
+        a.s[i] = -height;
+        any = true;
+    }
+    return any;
+}
+
+void CurvedStage::put_back(Arena& a, const PlanesApart& apart) noexcept {
+    for (std::uint32_t k = 0; k < apart.count; ++k) {
+        const PlanesApart::Plane& plane = apart.plane[k];
+        a.nx[plane.member] = plane.nx;
+        a.ny[plane.member] = plane.ny;
+        a.nz[plane.member] = plane.nz;
+        a.s[plane.member] = plane.s;
+    }
+}
+
+// In layer j a solid leans to where x is: there it takes hold and lets go without a step, whether it holds with others
+// or does not hold, since another one does. Where it holds alone x is at its own foot.
+void CurvedStage::lean_in_layer(const ContactSet& set, const Probe& probe, std::uint32_t j) noexcept {
+    const Arena& a = sets_.arena();
+    const Layer& layer = set.layer[j];
+    const ActiveSet& active = layer.solution.active;
+    if (active.count == 0) return;
+    Probe there = probe;
+    there.position = layer.proxy;
+    for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
+        const std::uint32_t i = a.moving[m].member, plane = i - set.begin;
+        if (plane >= layer.count) continue;
+        Record& r = state_.records[a.owner[i]];
+        const KindOps& ops = kind_ops()[r.kind];
+        if (!ops.plane_alone) continue;
+        const bool holds = active.plane[0] == plane || (active.count > 1 && active.plane[1] == plane) ||
+                           (active.count > 2 && active.plane[2] == plane);
+        if (holds ? active.count == 1 : !(a.s[i] > 0)) continue;
+        const bool harder = j + 1 < set.layers && plane < set.layer[j + 1].count;
+        ops.lean(r, there, harder ? layer.stiffness : std::numeric_limits<double>::infinity());
+    }
+}
+
 // At the end of a cycle: within it a surface that is asked again answers the same.
 void CurvedStage::lean(const ContactSet& set, const Probe& probe) noexcept {
-    const Arena& a = sets_.arena();
-    for (std::uint32_t j = 0; j < set.layers; ++j) {
-        const Layer& layer = set.layer[j];
-        if (layer.solution.active.count < 2) continue;
-        Probe there = probe;
-        there.position = layer.proxy;
-        for (std::uint32_t k = 0; k < layer.solution.active.count; ++k) {
-            const Owner owner = a.owner[set.begin + layer.solution.active.plane[k]];
-            if (owner == bridge_owner) continue;
-            const KindOps& ops = kind_ops()[state_.records[owner].kind];
-            if (ops.curved) ops.lean(state_.records[owner], there);
-        }
-    }
+    for (std::uint32_t j = 0; j < set.layers; ++j) lean_in_layer(set, probe, j);
 }
 
 }  // namespace knurl::detail

@@ -283,9 +283,22 @@ struct Ops {
             return 0;
         }
     }
-    static void lean_at(Record& r, const Probe& there) noexcept {
-        if constexpr (requires { lean(params_of<R>(r), state_of<R>(r), there); })
-            lean(params_of<R>(r), state_of<R>(r), there);
+    static constexpr bool leans = requires(const R& params, typename R::State& state, const Probe& probe) {
+        lean(params, state, probe, 0.0);
+    };
+    static void lean_at(Record& r, const Probe& there, double below) noexcept {
+        if constexpr (leans) lean(params_of<R>(r), state_of<R>(r), there, below);
+    }
+    static bool plane_alone_at([[maybe_unused]] const Record& r, [[maybe_unused]] const Probe& probe,
+                               [[maybe_unused]] double stiffness,
+                               [[maybe_unused]] CurvedContact& out) noexcept {
+        if constexpr (leans) {
+            return plane_alone(params_of<R>(r),
+                               *std::launder(reinterpret_cast<const typename R::State*>(r.state)), probe,
+                               stiffness, out);
+        } else {
+            return false;
+        }
     }
     static Wrench evaluate_at(Record& r, const Probe& probe, double dt) noexcept {
         if constexpr (Effect<R>) {
@@ -350,6 +363,7 @@ constexpr auto table(TypeList<R...>) {
                 .contact = &Ops<R>::contact_at,
                 .curved_at = &Ops<R>::curved_at,
                 .lean = &Ops<R>::lean_at,
+                .plane_alone = Ops<R>::leans ? &Ops<R>::plane_alone_at : nullptr,
                 .evaluate = &Ops<R>::evaluate_at,
                 .evaluate_all = &Ops<R>::evaluate_all}...};
 }

@@ -48,7 +48,9 @@ void adopt(const Capsule& params, const Capsule* previous, Capsule::State& state
 Contact contact(const Capsule& params, Capsule::State& state, const Probe& probe, double dt) noexcept;
 std::uint32_t curved(const Capsule& params, const Capsule::State& state, const Probe& probe,
                      const Probe& there, std::span<CurvedContact> out) noexcept;
-void lean(const Capsule& params, Capsule::State& state, const Probe& there) noexcept;
+void lean(const Capsule& params, Capsule::State& state, const Probe& there, double below) noexcept;
+bool plane_alone(const Capsule& params, const Capsule::State& state, const Probe& probe, double stiffness,
+                 CurvedContact& out) noexcept;
 std::optional<Bound> bound(const Capsule& params, const Capsule::State& state) noexcept;
 void out_of_reach(const Capsule& params, Capsule::State& state) noexcept;
 

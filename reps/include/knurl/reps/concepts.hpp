@@ -119,8 +119,11 @@ concept Effect = Representation<R> &&
 //       a surface that is not flat: what `contact` has answered for the probe in this cycle, as it is at another place;
 //       as many as it has tangent planes. 0: those of this cycle hold there too (a face that holds the probe). Where
 //       the answer changes with the probe, it must agree with the tangent plane at the probe's foot
-//   void lean(const R&, R::State&, const Probe& there)
-//       beside curved(): where it meets others, so that the plane by which it holds a deep probe is the one felt there
+//   void lean(const R&, R::State&, const Probe& there, double below)
+//       beside curved(): where it meets others, so that the plane by which it holds a deep probe is the one felt there.
+//       In layers that are harder than `below` (N/m) it meets none of them; infinity: it is in no harder layer
+//   bool plane_alone(const R&, const R::State&, const Probe&, double stiffness, CurvedContact& out)
+//       beside lean(): in a layer of that stiffness (N/m) it holds the probe by another plane than its contact's, `out`
 //   R::turns
 //       a surface whose material moves differently from place to place: Contact::velocity counts, not R's. Its bound
 //       holds while it moves on: where it is out of reach it is not asked, and is put where it has come to before it is

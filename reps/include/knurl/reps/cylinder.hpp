@@ -59,7 +59,9 @@ std::uint32_t contacts(const Cylinder& params, Cylinder::State& state, const Pro
                        std::span<Contact> out) noexcept;
 std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const Probe& probe,
                      const Probe& there, std::span<CurvedContact> out) noexcept;
-void lean(const Cylinder& params, Cylinder::State& state, const Probe& there) noexcept;
+void lean(const Cylinder& params, Cylinder::State& state, const Probe& there, double below) noexcept;
+bool plane_alone(const Cylinder& params, const Cylinder::State& state, const Probe& probe, double stiffness,
+                 CurvedContact& out) noexcept;
 std::optional<Bound> bound(const Cylinder& params, const Cylinder::State& state) noexcept;
 void out_of_reach(const Cylinder& params, Cylinder::State& state) noexcept;
 

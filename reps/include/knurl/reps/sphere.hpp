@@ -44,7 +44,9 @@ void adopt(const Sphere& params, const Sphere* previous, Sphere::State& state, c
 Contact contact(const Sphere& params, Sphere::State& state, const Probe& probe, double dt) noexcept;
 std::uint32_t curved(const Sphere& params, const Sphere::State& state, const Probe& probe, const Probe& there,
                      std::span<CurvedContact> out) noexcept;
-void lean(const Sphere& params, Sphere::State& state, const Probe& there) noexcept;
+void lean(const Sphere& params, Sphere::State& state, const Probe& there, double below) noexcept;
+bool plane_alone(const Sphere& params, const Sphere::State& state, const Probe& probe, double stiffness,
+                 CurvedContact& out) noexcept;
 std::optional<Bound> bound(const Sphere& params, const Sphere::State& state) noexcept;
 void out_of_reach(const Sphere& params, Sphere::State& state) noexcept;
 
