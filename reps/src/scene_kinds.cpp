@@ -95,37 +95,32 @@ struct Ops {
             if (plane) out.plane = *plane;
         }
     }
-    static Differ compare_shape(const std::byte* raw, const std::byte* sent) noexcept {
-        constexpr std::size_t shape = shape_bytes_of<R>();
-        if constexpr (shape != 0) {
-            if (!same_words<shape>(raw, sent))
-                return fields_are_legal<R, shape>(sent) ? Differ::in_shape : Differ::anywhere;
+    static Differ compare_geometry(const std::byte* raw, const std::byte* sent) noexcept {
+        constexpr std::size_t geometry = geometry_bytes<R>();
+        if (same_words<geometry>(raw, sent)) return Differ::nowhere;
+        if (!fields_are_legal<R, geometry>(sent)) return Differ::anywhere;
+        if constexpr (requires(const R& params) { Describe<R>::check(params); }) {
+            R merged = typed(raw);
+            std::memcpy(static_cast<void*>(&merged), sent, geometry);
+            if (!Describe<R>::check(merged)) return Differ::anywhere;
         }
-        return Differ::nowhere;
+        return Differ::in_geometry;
     }
-    static bool reshape(const std::byte* raw, const Limits& limits, Record& now, Record& out,
-                        double& recovery) noexcept {
-        if constexpr (shape_bytes_of<R>() != 0) {
-            static_assert(shape_is_whole<R>(),
-                          "a field is cut, or stiffness or recovery lies behind the shape");
+    static Reshaped reshape([[maybe_unused]] const std::byte* raw, [[maybe_unused]] const Record& now,
+                            [[maybe_unused]] Record& out) noexcept {
+        if constexpr (requires(R & params) { prepare_geometry(params); }) {
             R& params = params_of<R>(out);
-            std::memcpy(out.params, raw, shape_bytes_of<R>());
-            const double asked = params.stiffness;
-            knurl::prepare(params, limits);
-            recovery = params.recovery;
-            const HalfSpace plane = half_space(params);
-            now.clamped = asked > params.stiffness;
-            if (same_words<sizeof plane>(&plane, &now.plane) && params.stiffness == now.stiffness) {
-                params_of<R>(now).recovery = recovery;
-                return false;
-            }
-            std::memcpy(static_cast<void*>(static_cast<RecordLine*>(&out)), static_cast<RecordLine*>(&now),
-                        sizeof(RecordLine));
-            out.plane = plane;
-            out.stiffness = params.stiffness;
-            return true;
+            std::memcpy(out.params, raw, geometry_bytes<R>());
+            prepare_geometry(params);
+            const std::optional<HalfSpace> plane = standing(params);
+            if (!plane) return Reshaped::moves;
+            if (same_words<sizeof *plane>(&*plane, &now.plane)) return Reshaped::nothing;
+            std::memcpy(static_cast<void*>(static_cast<RecordLine*>(&out)),
+                        static_cast<const RecordLine*>(&now), sizeof(RecordLine));
+            out.plane = *plane;
+            return Reshaped::elsewhere;
         } else {
-            return false;
+            return Reshaped::moves;
         }
     }
     // The state of one that stood is that of a new one: nobody has asked it.
@@ -329,8 +324,8 @@ constexpr auto table(TypeList<R...>) {
                 .state_size = sizeof(typename R::State),
                 .prepare = &Ops<R>::prepare,
                 .unchanged = &Ops<R>::unchanged,
-                .shape_bytes = shape_bytes_of<R>(),
-                .compare_shape = &Ops<R>::compare_shape,
+                .geometry_bytes = geometry_bytes<R>(),
+                .compare_geometry = &Ops<R>::compare_geometry,
                 .reshape = &Ops<R>::reshape,
                 .install = &Ops<R>::install,
                 .adopt = &Ops<R>::adopt_new,
