@@ -224,7 +224,10 @@ TEST(MovingShapes, APoseSentAloneIsFeltAsIfAllWereSent) {
             shape.velocity = to_plain(Vector(0.1 * direction(rng)));
             shape.angular_velocity = to_plain(direction(rng));
         }
-        ASSERT_TRUE(whole.update({0, 1}, shape));
+        Shape anew = shape;
+        anew.texture.reserved =
+            static_cast<std::uint32_t>(i + 1);  // which means nothing: it is described anew
+        ASSERT_TRUE(whole.update({0, 1}, anew));
         ASSERT_TRUE(pose.update({0, 1}, kind_of<Shape>, &shape, geometry_bytes<Shape>()));
         const Probe probe = at(0.03 * Vector(std::sin(0.01 * i), std::sin(0.013 * i), std::cos(0.007 * i)));
         const Wrench want = whole.evaluate(probe, dt);
