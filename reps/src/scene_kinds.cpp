@@ -23,6 +23,10 @@ template <class R>
 typename R::State& state_of(Record& r) noexcept {
     return *std::launder(reinterpret_cast<typename R::State*>(r.state));
 }
+template <class R>
+const typename R::State& state_of(const Record& r) noexcept {
+    return *std::launder(reinterpret_cast<const typename R::State*>(r.state));
+}
 
 template <class R>
 constexpr bool turns_of() {
@@ -138,31 +142,21 @@ struct Ops {
             settle(params_of<R>(r), state_of<R>(r));
     }
     static double fade_time(const std::byte* params) noexcept {
-        R p;
-        std::memcpy(&p, params, sizeof p);
-        if constexpr (requires { p.recovery; }) {
-            return p.recovery;
-        } else if constexpr (requires { p.duration; }) {
-            return p.duration;
-        } else {
-            return automatic;
-        }
+        [[maybe_unused]] const R& p = typed(params);
+        if constexpr (requires { p.recovery; }) return p.recovery;
+        if constexpr (requires { p.duration; }) return p.duration;
+        return automatic;
     }
-    static double asked_stiffness(const std::byte* raw) noexcept {
-        R p;
-        std::memcpy(&p, raw, sizeof p);
-        if constexpr (requires { p.stiffness; }) {
-            return p.stiffness;
-        } else {
-            return 0;
-        }
+    static double asked_stiffness([[maybe_unused]] const std::byte* raw) noexcept {
+        if constexpr (requires(const R& p) { p.stiffness; }) return typed(raw).stiffness;
+        return 0;
     }
     static constexpr bool loads =
         Effect<R> && (
                          requires(const R& p) { p.stiffness; } || requires(const R& p) { p.damping; });
     static HandLoad load_at(const Record& r, [[maybe_unused]] const Probe& probe) noexcept {
         const R& params = params_of<R>(r);
-        const auto& state = *std::launder(reinterpret_cast<const typename R::State*>(r.state));
+        const auto& state = state_of<R>(r);
         if constexpr (requires { load(params, state, probe); }) {
             return load(params, state, probe);
         } else {
@@ -205,8 +199,7 @@ struct Ops {
             return bound(params_of<R>(r));
         } else if constexpr (requires(const R& p, const typename R::State& state) { bound(p, state); }) {
             if (r.velocity != Eigen::Vector3d::Zero() && (!turns_of<R>() || r.textured)) return std::nullopt;
-            std::optional<Bound> ball =
-                bound(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)));
+            std::optional<Bound> ball = bound(params_of<R>(r), state_of<R>(r));
             if (ball && r.textured) ball->radius += params_of<R>(r).texture.amplitude;
             return ball;
         } else {
@@ -218,45 +211,32 @@ struct Ops {
         if constexpr (requires(const R& p, const typename R::State& state) { clearance(p, state, probe); }) {
             if (r.velocity != Eigen::Vector3d::Zero()) return std::nullopt;
             const double relief = r.textured ? params_of<R>(r).texture.amplitude : 0;
-            return clearance(params_of<R>(r),
-                             *std::launder(reinterpret_cast<const typename R::State*>(r.state)), probe) -
-                   relief;
+            return clearance(params_of<R>(r), state_of<R>(r), probe) - relief;
         } else {
             return std::nullopt;
         }
     }
     static bool powerless_now([[maybe_unused]] const Record& r) noexcept {
-        if constexpr (requires(const R& p) { powerless(p); }) {
-            return powerless(params_of<R>(r));
-        } else {
-            return false;
-        }
+        if constexpr (requires(const R& p) { powerless(p); }) return powerless(params_of<R>(r));
+        return false;
     }
     static bool arrived_by_now([[maybe_unused]] const Record& r) noexcept {
-        if constexpr (requires(const R& p, const typename R::State& state) { arrived(p, state); }) {
-            return arrived(params_of<R>(r),
-                           *std::launder(reinterpret_cast<const typename R::State*>(r.state)));
-        } else {
-            return true;
-        }
+        if constexpr (requires(const R& p, const typename R::State& state) { arrived(p, state); })
+            return arrived(params_of<R>(r), state_of<R>(r));
+        return true;
     }
     static void forget_path(Record& r) noexcept {
         if constexpr (requires { out_of_reach(params_of<R>(r), state_of<R>(r)); })
             out_of_reach(params_of<R>(r), state_of<R>(r));
     }
     static Motion* motion_of([[maybe_unused]] Record& r) noexcept {
-        if constexpr (Surface<R>) {
-            return &state_of<R>(r).motion;
-        } else {
-            return nullptr;
-        }
+        if constexpr (Surface<R>) return &state_of<R>(r).motion;
+        return nullptr;
     }
     static const Asset* asset_of([[maybe_unused]] const Record& r) noexcept {
-        if constexpr (requires(const typename R::State& state) { state.asset; }) {
+        if constexpr (requires(const typename R::State& state) { state.asset; })
             return std::launder(reinterpret_cast<const typename R::State*>(r.state))->asset;
-        } else {
-            return nullptr;
-        }
+        return nullptr;
     }
     static std::uint32_t contact_at(Record& r, const Probe& probe, double dt,
                                     std::span<Contact> out) noexcept {
@@ -271,23 +251,16 @@ struct Ops {
     }
     static std::uint32_t curved_at(const Record& r, const Probe& probe, const Probe& there,
                                    std::span<CurvedContact> out) noexcept {
-        if constexpr (is_curved<R>) {
-            return curved(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)),
-                          probe, there, out);
-        } else {
-            return 0;
-        }
+        if constexpr (is_curved<R>) return curved(params_of<R>(r), state_of<R>(r), probe, there, out);
+        return 0;
     }
     static void lean_at(Record& r, const Probe& there) noexcept {
         if constexpr (requires { lean(params_of<R>(r), state_of<R>(r), there); })
             lean(params_of<R>(r), state_of<R>(r), there);
     }
     static Wrench evaluate_at(Record& r, const Probe& probe, double dt) noexcept {
-        if constexpr (Effect<R>) {
-            return evaluate(params_of<R>(r), state_of<R>(r), probe, dt);
-        } else {
-            return {};
-        }
+        if constexpr (Effect<R>) return evaluate(params_of<R>(r), state_of<R>(r), probe, dt);
+        return {};
     }
     static void evaluate_all(EffectStage& stage, std::span<const std::uint32_t> slots, double dt,
                              Wrench& sum) noexcept {
