@@ -47,7 +47,6 @@ double felt(double curvature, const Probe& probe) noexcept {
 }  // namespace
 
 Verdict Describe<Cap>::check(const Cap& cap) noexcept {
-    if (const Verdict verdict = check_material(cap); !verdict) return verdict;
     if (cap.curvature2 == cap.curvature) return {};
     const double length = to_eigen(cap.axis).norm();
     if (length < least_axis) {

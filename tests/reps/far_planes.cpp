@@ -32,7 +32,7 @@ struct Both {
         }
         EXPECT_TRUE(scanned.add(
             {63, 1},
-            Plane{.normal = {0, 0, 1}, .offset = -1e6, .stiffness = 1000, .velocity = {1e-3, 0, 0}}));
+            Plane{.normal = {0, 0, 1}, .offset = -1e6, .velocity = {1e-3, 0, 0}, .stiffness = 1000}));
         left_alone.settle(), scanned.settle();
     }
     void update(std::uint32_t i, double offset) {

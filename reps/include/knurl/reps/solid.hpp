@@ -38,35 +38,15 @@ inline constexpr std::string_view sides[] = {"outside", "inside"};
 
 template <class R>
 constexpr Field center_row() {
-    return {.name = "center",
-            .type = Field::Type::vector,
-            .offset = offsetof(R, center),
-            .unit = "m",
-            .meaning = "its middle",
-            .minimum = -1e9,
-            .maximum = 1e9};
+    return vector_row("center", offsetof(R, center), "m", "its middle");
 }
 template <class R>
 constexpr Field axis_row() {
-    return {.name = "axis",
-            .type = Field::Type::vector,
-            .offset = offsetof(R, axis),
-            .unit = "1",
-            .meaning = "its direction",
-            .minimum = -1e9,
-            .maximum = 1e9,
-            .nonzero = true};
-}
-constexpr Field length_row(std::string_view name, std::size_t offset, std::string_view meaning) {
-    return {.name = name, .offset = offset, .unit = "m", .meaning = meaning, .minimum = 0, .maximum = 1e9};
+    return direction_row("axis", offsetof(R, axis), "its direction");
 }
 template <class R>
 constexpr Field side_row() {
-    return {.name = "side",
-            .type = Field::Type::choice,
-            .offset = offsetof(R, side),
-            .meaning = "where free space is",
-            .choices = detail::sides};
+    return choice_row("side", offsetof(R, side), "where free space is", detail::sides);
 }
 
 }  // namespace knurl
