@@ -10,9 +10,8 @@
 
 #include <cstddef>
 
-#include <knurl/reps/concepts.hpp>
+#include <knurl/reps/distance_surface.hpp>
 #include <knurl/reps/material.hpp>
-#include <knurl/reps/motion.hpp>
 
 namespace knurl {
 
@@ -35,9 +34,7 @@ struct Cap {
     Snag snag = {};
     Texture texture = {};
 
-    struct State {
-        Motion motion;
-    };
+    using State = MovingState;
 };
 
 template <>
@@ -65,10 +62,9 @@ struct Describe<Cap> {
 };
 
 Cap prepared(Cap params, const Limits& limits) noexcept;
-void adopt(const Cap& params, const Cap* previous, Cap::State& state, const Probe& probe) noexcept;
-/// The height is that of the probe's surface. A hollow tighter than half of 1 / the probe's radius is felt as
+/// A hollow tighter than half of 1 / the probe's radius is felt as
 /// one of that curvature: in a tighter one the probe would touch on both sides.
-Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double dt) noexcept;
+SurfaceDistance distance(const Cap& params, const Eigen::Vector3d& p, double radius) noexcept;
 double clearance(const Cap& params, const Cap::State& state, const Probe& probe) noexcept;
 std::uint32_t curved(const Cap& params, const Cap::State& state, const Probe& probe, const Probe& there,
                      std::span<CurvedContact> out) noexcept;

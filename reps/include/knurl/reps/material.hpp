@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include <knurl/reps/field.hpp>
+#include <knurl/reps/limits.hpp>
 
 namespace knurl {
 
@@ -59,6 +60,9 @@ struct Texture {
     TexturePattern pattern = TexturePattern::ridges;
     std::uint32_t reserved = 0;
 };
+
+/// Stiffness, damping and viscous friction as the device stands them.
+void clamp_material(double& stiffness, double& damping, Friction& friction, const Limits& limits) noexcept;
 
 namespace detail {
 inline constexpr std::string_view snag_laws[] = {"passive", "paper"};
