@@ -10,7 +10,7 @@ A comment above a fence says what becomes of its block:
 
     <!-- file: NAME -->      the file NAME of this page; a .cpp is a program, which CMake builds (FOLDER/PAGE/bin/NAME)
     <!-- run -->             bash commands, run in a folder that has the files and programs of the page
-    <!-- prints -->          lines that the run before has printed; numbers may differ
+    <!-- prints -->          lines that the run before has printed; numbers and folders may differ
     <!-- source: PATH -->    an excerpt of that file of the repository, verbatim
 
 Without a comment ```text is no code, and of ```sh the programs, scripts and options must be there (readme.py). Anything
@@ -31,6 +31,7 @@ import readme
 ROOT = readme.ROOT
 MARK = re.compile(r"\s*<!-- (file|source): (\S+) -->\s*$|\s*<!-- (run|prints) -->\s*$")
 NUMBER = re.compile(r"(?<![A-Za-z_.])[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
+ABSOLUTE = re.compile(r"(?<![\w.])(/[\w.+-]+){2,}")
 TIMEOUT = 100  # s, of one block of commands
 
 
@@ -94,8 +95,8 @@ def extract(folder):
 
 
 def shape_of(line):
-    """A line as it is compared: numbers are alike, and so is any white space."""
-    return " ".join(NUMBER.sub("#", line).split())
+    """A line as it is compared: numbers are alike, and so are absolute paths and any white space."""
+    return " ".join(NUMBER.sub("#", ABSOLUTE.sub("/", line)).split())
 
 
 def not_printed(text, output):
