@@ -21,6 +21,7 @@ import os
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -104,10 +105,19 @@ def not_printed(text, output):
     return [line for line in text.splitlines() if line.strip() not in ("", "...") and shape_of(line) not in printed]
 
 
+def with_a_free_port(text):
+    """Pages listen at this host's port 4096, which another test may have: then it is any that is free."""
+    if "127.0.0.1:4096" not in text:
+        return text
+    with socket.socket() as listening:
+        listening.bind(("127.0.0.1", 0))
+        return text.replace("127.0.0.1:4096", f"127.0.0.1:{listening.getsockname()[1]}")
+
+
 def run_commands(block, scratch, environment):
     """What they printed, and the exit code. All that they have left running is ended: a group of processes of its own."""
     with tempfile.TemporaryFile("w+") as output:
-        started = subprocess.Popen(["bash", "-euo", "pipefail", "-c", block.text], cwd=scratch, env=environment,
+        started = subprocess.Popen(["bash", "-euo", "pipefail", "-c", with_a_free_port(block.text)], cwd=scratch, env=environment,
                                    stdout=output, stderr=subprocess.STDOUT, start_new_session=True)
         try:
             code = started.wait(TIMEOUT)
