@@ -25,6 +25,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import readme
@@ -114,6 +115,21 @@ def with_a_free_port(text):
         return text.replace("127.0.0.1:4096", f"127.0.0.1:{listening.getsockname()[1]}")
 
 
+def end_group(started):
+    """Whoever is left of its group is asked to end, and is waited for: the next commands may start a servo of that name."""
+    deadline = time.monotonic() + 10
+    try:
+        os.killpg(started.pid, signal.SIGTERM)
+        while time.monotonic() < deadline:
+            started.poll()
+            os.killpg(started.pid, 0)
+            time.sleep(0.02)
+        os.killpg(started.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+    started.wait()
+
+
 def run_commands(block, scratch, environment):
     """What they printed, and the exit code. All that they have left running is ended: a group of processes of its own."""
     with tempfile.TemporaryFile("w+") as output:
@@ -123,11 +139,7 @@ def run_commands(block, scratch, environment):
             code = started.wait(TIMEOUT)
         except subprocess.TimeoutExpired:
             code = f"nothing within {TIMEOUT} s"
-        try:
-            os.killpg(started.pid, signal.SIGTERM)
-        except ProcessLookupError:
-            pass
-        started.wait()
+        end_group(started)
         output.seek(0)
         return output.read(), code
 

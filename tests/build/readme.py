@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TAKERS = Path(__file__).resolve().parent / "readme"
 HEAD = "runtime/client/include/knurl/client/client.hpp"
 NOT_OURS = {"cd", "mkdir", "export", "cmake", "cpack", "apt", "systemctl", "gmx", "npm", "ctest", "git", "cp", "install", "chown", "g++",
-            "ls", "setcap", "cpupower", "usermod"}
+            "head", "ls", "setcap", "cpupower", "usermod"}
 
 
 class Block:
