@@ -1,26 +1,20 @@
 #include "servo_text.hpp"
 
-#include <iterator>
-
 #include <fmt/format.h>
+
+#include <knurl/protocol/report_names.hpp>
 
 namespace knurl::cli {
 
 std::string_view state_name(DeviceState state) {
-    constexpr std::string_view names[] = {"disconnected", "idle",      "armed", "ramp up",
-                                          "active",       "ramp down", "fault"};
     const auto index = static_cast<std::size_t>(state);
-    return index < std::size(names) ? names[index] : "unknown";
+    return index < protocol::state_names.size() ? protocol::state_names[index].name : "unknown";
 }
 
 std::string fault_names(std::uint32_t mask) {
-    constexpr std::string_view names[] = {"not finite", "slew",        "speed",        "power",
-                                          "unplugged",  "bad samples", "encoder jump", "clock jump",
-                                          "kinematics", "guardian"};
     std::string text;
-    for (std::size_t bit = 0; bit < std::size(names); ++bit) {
-        if ((mask >> bit & 1) != 0) text += (text.empty() ? "" : ", ") + std::string(names[bit]);
-    }
+    for (const protocol::ReportName& fault : protocol::fault_names)
+        if ((mask & fault.value) != 0) text.append(text.empty() ? "" : ", ").append(fault.name);
     return text;
 }
 

@@ -40,14 +40,13 @@ struct Arc {
     }
 };
 
-double felt(double curvature, const Probe& probe) noexcept {
-    return 2 * curvature * probe.radius > 1 ? 0.5 / probe.radius : curvature;
+double felt(double curvature, double radius) noexcept {
+    return 2 * curvature * radius > 1 ? 0.5 / radius : curvature;
 }
 
 }  // namespace
 
 Verdict Describe<Cap>::check(const Cap& cap) noexcept {
-    if (const Verdict verdict = check_material(cap); !verdict) return verdict;
     if (cap.curvature2 == cap.curvature) return {};
     const double length = to_eigen(cap.axis).norm();
     if (length < least_axis) {
@@ -84,22 +83,15 @@ Cap prepared(Cap params, const Limits& limits) noexcept {
     return params;
 }
 
-void adopt(const Cap& params, const Cap* previous, Cap::State& state, const Probe&) noexcept {
-    if (!previous || !(params.foot == previous->foot) || !(params.normal == previous->normal) ||
-        !(params.velocity == previous->velocity)) {
-        place(state.motion);
-    }
-}
-
 namespace {
 
 // `bend` alone takes more than the contact; who does not ask for it does not pay.
 template <bool Bends>
-CurvedContact curved_at(const Cap& params, const Cap::State& state, const Probe& probe) noexcept {
-    const Vector3d q = from_surface(params.foot, params.velocity, state.motion, probe);
+CurvedContact curved_at(const Cap& params, const Vector3d& p, double radius) noexcept {
+    const Vector3d q = p - to_eigen(params.foot);
     const Vector3d normal = to_eigen(params.normal), axis = to_eigen(params.axis);
     const double z = normal.dot(q);
-    const double curvature = felt(params.curvature, probe);
+    const double curvature = felt(params.curvature, radius);
     CurvedContact out;
     if (params.curvature == params.curvature2) {
         const Vector3d along = across(q, normal);
@@ -107,7 +99,7 @@ CurvedContact curved_at(const Cap& params, const Cap::State& state, const Probe&
         const Arc arc(curvature, params.rim, r, z);
         const Vector3d direction = r > 0 ? Vector3d(along / r) : Vector3d(normal.unitOrthogonal());
         out.normal = arc.z * normal + arc.x * direction;
-        out.height = arc.height - probe.radius;
+        out.height = arc.height - radius;
         if constexpr (Bends) {
             const double around = r > 0 ? arc.x / r : arc.bend;
             out.bend = bend_along(arc.z * direction - arc.x * normal, arc.bend) +
@@ -118,11 +110,11 @@ CurvedContact curved_at(const Cap& params, const Cap::State& state, const Probe&
     // The distance from a torus is that from a circle in the plane which has turned with the ring: two arcs.
     const Vector3d side = normal.cross(axis);
     const double share = std::abs(params.curvature2 / params.curvature);  // the same reach in both directions
-    const Arc ring(felt(params.curvature2, probe), params.rim * share, side.dot(q), z);
+    const Arc ring(felt(params.curvature2, radius), params.rim * share, side.dot(q), z);
     const Arc tube(curvature, params.rim, axis.dot(q), ring.height);
     const Vector3d up = ring.x * side + ring.z * normal;
     out.normal = tube.x * axis + tube.z * up;
-    out.height = tube.height - probe.radius;
+    out.height = tube.height - radius;
     if constexpr (Bends) {
         out.bend = bend_along(tube.z * axis - tube.x * up, tube.bend) +
                    bend_along(ring.z * side - ring.x * normal, tube.z * ring.bend);
@@ -132,22 +124,22 @@ CurvedContact curved_at(const Cap& params, const Cap::State& state, const Probe&
 
 }  // namespace
 
-Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double dt) noexcept {
-    move_on(state.motion, dt);
-    const CurvedContact there = curved_at<false>(params, state, probe);
-    return contact_of(params, there.normal, there.height);
+SurfaceDistance distance(const Cap& params, const Vector3d& p, double radius) noexcept {
+    const CurvedContact there = curved_at<false>(params, p, radius);
+    return {there.height, there.normal};
 }
 
 std::uint32_t curved(const Cap& params, const Cap::State& state, const Probe&, const Probe& there,
                      std::span<CurvedContact> out) noexcept {
-    out[0] = curved_at<true>(params, state, there);
+    out[0] =
+        curved_at<true>(params, there.position - state.motion.time * to_eigen(params.velocity), there.radius);
     return 1;
 }
 
 // Its height is a signed distance.
 double clearance(const Cap& params, const Cap::State& state, const Probe& probe) noexcept {
-    Cap::State copy = state;
-    return contact(params, copy, probe, 0).height;
+    return distance(params, probe.position - state.motion.time * to_eigen(params.velocity), probe.radius)
+        .height;
 }
 
 }  // namespace knurl

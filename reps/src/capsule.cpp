@@ -42,10 +42,17 @@ std::uint32_t curved(const Capsule& params, const Capsule::State& state, const P
     return 1;
 }
 
-void lean(const Capsule& params, Capsule::State& state, const Probe& there) noexcept {
+void lean(const Capsule& params, Capsule::State& state, const Probe& there, double below) noexcept {
     const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
-    state.hold.joint =
-        to_plain(RoundSolid(to_eigen(params.axis), params.half_length, params.radius).curved(q).normal);
+    meet(state.hold, RoundSolid(to_eigen(params.axis), params.half_length, params.radius).curved(q).normal,
+         below);
+}
+
+bool plane_alone(const Capsule& params, const Capsule::State& state, const Probe& probe, double stiffness,
+                 CurvedContact& out) noexcept {
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, probe);
+    const RoundSolid solid(to_eigen(params.axis), params.half_length, params.radius + probe.radius);
+    return plane_alone(solid, q, state.hold, stiffness, out);
 }
 
 std::optional<Bound> bound(const Capsule& params, const Capsule::State& state) noexcept {

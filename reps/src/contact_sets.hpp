@@ -77,6 +77,7 @@ struct Layer {
 struct ClearOfPlanes {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     double distance = 0;
+    bool alone = false;  // they are all that the set has, and in the last cycle none was touched
 };
 
 struct ContactSet {
@@ -192,6 +193,10 @@ struct ContactState {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // where the probe was then
 
     bool empty() const noexcept { return now.count + now.summed == 0; }
+    /// There are only planes, none of which was touched in the last cycle, and that left nothing to end.
+    bool is_clear() const noexcept {
+        return now.clear.alone && !fade.under_way && (!tangential.needed() || tangential.rests());
+    }
     /// m, how far its proxies may lie from the probe.
     double deepest() const noexcept { return std::max(now.slack, old.slack); }
     /// Some that fade out were out of reach: whether they still are, a new set finds out.

@@ -31,6 +31,16 @@ namespace knurl::detail {
     return false;
 }
 
+/// The planes of solids that hold the probe by another one in harder layers, as they were.
+struct PlanesApart {
+    struct Plane {
+        std::uint32_t member;
+        double nx, ny, nz, s;
+    };
+    std::array<Plane, 8> plane;  // solids beyond these hold by one plane in all layers
+    std::uint32_t count = 0;
+};
+
 /// The joint contact where surfaces are curved. Their tangent planes at the probe's own feet are solved first, as
 /// everywhere. What is found is exact where one surface holds alone (its foot is the nearest point) and no other is
 /// violated there, or where all that hold are flat; else it is sought where they meet.
@@ -40,6 +50,11 @@ class CurvedStage {
 
     /// False: the surfaces contradict each other, as far as their planes show it.
     bool solve(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept;
+    /// Solids that hold the probe alone in the layers from this one on (j > 0), by another plane: it becomes theirs.
+    /// True: there is one.
+    bool put_planes_alone(Arena& arena, const ContactSet& set, const Probe& probe, std::uint32_t j,
+                          PlanesApart& apart) const noexcept;
+    static void put_back(Arena& arena, const PlanesApart& apart) noexcept;
     /// At the end of a cycle: the surfaces learn where they hold. Within it, one that is asked again answers the same.
     void lean(const ContactSet& set, const Probe& probe) noexcept;
 
@@ -67,12 +82,14 @@ class CurvedStage {
                                          const Descent& descent, Room& room) noexcept;
     void take_step(std::span<NearSurface> near, const CurvedStep& step, const Eigen::Vector3d& p,
                    Descent& descent) const noexcept;
+    static void balance(Descent& descent) noexcept;
     void slide(const ContactSet& set, const CurvedStart& start, const Eigen::Vector3d& p,
                ContactSolution& at) const noexcept;
     std::uint32_t list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
                                      const Eigen::Vector3d& dx, double within, Room& room) noexcept;
     double relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept;
     double explained(const ContactSet& set, const ContactSolution& to, double motion) const noexcept;
+    void lean_in_layer(const ContactSet& set, const Probe& probe, std::uint32_t j) noexcept;
     bool any_curved(const ContactSet& set, const ActiveSet& active) const noexcept;
 
     SceneState& state_;
@@ -117,7 +134,8 @@ class ContactStage {
   private:
     void evaluate_set(const ContactState& contact, ContactSet& set, const ProbeState& at, double dt) noexcept;
     double scan_standing(ContactSet& set, const Eigen::Vector3d& p) noexcept;
-    void rest(ContactSet& set, const Probe& probe) noexcept;
+    void rest(ContactSet& set, const Probe& probe, double dt) noexcept;
+    void stay_clear(ContactState& contact, const Eigen::Vector3d& p) const noexcept;
     double ask(ContactSet& set, const Probe& probe, double dt, double worst) noexcept;
     double ask_one(const ContactSet& set, const Probe& probe, double dt, std::uint32_t member) noexcept;
     std::uint32_t contacts_of(Record& r, const KindOps& ops, const Probe& probe, double step) noexcept;
@@ -134,6 +152,7 @@ class ContactStage {
                                 double& worst) noexcept;
     bool candidates_fall_short() noexcept;
     Eigen::Vector3d cross_fade(std::uint32_t probe, double dt) noexcept;
+    Eigen::Vector3d felt_by(std::uint32_t probe, double dt) noexcept;
 
     // scene_seams.cpp
     // Alone with the surface that holds it a probe is its own path; and where nothing holds it.

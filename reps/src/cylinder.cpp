@@ -200,10 +200,17 @@ std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const
 }
 
 // By its wall: an end is as flat wherever it is met.
-void lean(const Cylinder& params, Cylinder::State& state, const Probe& there) noexcept {
+void lean(const Cylinder& params, Cylinder::State& state, const Probe& there, double below) noexcept {
     if (state.hold.part != wall_part) return;
     const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
-    state.hold.joint = to_plain(Place(to_eigen(params.axis), q, state.hold.normal).out);
+    meet(state.hold, Place(to_eigen(params.axis), q, state.hold.normal).out, below);
+}
+
+bool plane_alone(const Cylinder& params, const Cylinder::State& state, const Probe& probe, double stiffness,
+                 CurvedContact& out) noexcept {
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, probe);
+    const SolidCylinder solid{to_eigen(params.axis), params.radius, params.half_length, probe.radius};
+    return plane_alone(solid, q, state.hold, stiffness, out);
 }
 
 std::optional<Bound> bound(const Cylinder& params, const Cylinder::State& state) noexcept {

@@ -108,6 +108,9 @@ std::string what(const Verdict& verdict, const KindInfo* kind) {
         case Verdict::Code::wrong_size:
             return name + ": parameters of " + number(verdict.value) + " bytes instead of " +
                    std::to_string(kind ? kind->size : 0) +
+                   (kind && kind->geometry_bytes < kind->size
+                        ? " (or of " + std::to_string(kind->geometry_bytes) + ", its geometry alone)"
+                        : "") +
                    "; build the application and the servo from the same version";
         case Verdict::Code::no_such_slot:
             return name + ": there is none in slot " + number(verdict.value) +

@@ -1,14 +1,11 @@
 #pragma once
-// Many planes that the probe cannot have come to since it was last asked how far they are. A distance to a plane
+// Planes that the probe cannot have come to since it was last asked how far they are. A distance to a plane
 // changes by no more than the probe moves: while it has moved less than the nearest plane was away, none is
 // touched, and none needs to be asked.
 
 #include "contact_sets.hpp"
 
 namespace knurl::detail {
-
-/// Fewer are asked sooner than it takes to find that they need not be.
-inline constexpr std::uint32_t many_planes = 32;
 
 /// None of them is touched at p. Rounding, that of what was scanned and of this, moves none of it across.
 [[gnu::always_inline]] inline bool still_clear(const ClearOfPlanes& clear,
@@ -22,11 +19,11 @@ inline constexpr std::uint32_t many_planes = 32;
 [[gnu::always_inline]] inline double ask_standing(ContactSet& set, const Arena& a,
                                                   const Eigen::Vector3d& p) noexcept {
     const std::uint32_t begin = set.begin;
-    const bool many = set.count >= many_planes && set.moving_count == 0;
-    if (many && still_clear(set.clear, p)) return -set.clear.distance;
+    const bool alone = set.moving_count == 0;
+    if (alone && still_clear(set.clear, p)) return -set.clear.distance;
     const double worst =
         shift_to_probe(&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.c[begin], set.count, p, &a.s[begin]);
-    if (many) set.clear = {p, -worst};
+    if (alone) set.clear = {.at = p, .distance = -worst};
     return worst;
 }
 

@@ -235,6 +235,12 @@ FrictionLaw friction_law(const Friction& friction, const Snag& snag, double surf
     return law;
 }
 
+void clamp_material(double& stiffness, double& damping, Friction& friction, const Limits& limits) noexcept {
+    stiffness = clamped_stiffness(stiffness, limits);
+    damping = clamped_damping(damping, limits);
+    friction.viscous = clamped_damping(friction.viscous, limits);
+}
+
 void add_share(FrictionLaw& sum, double& leading, const FrictionLaw& one, double share) noexcept {
     sum.stiffness += share * one.stiffness;
     sum.stiffness_per_newton += share * one.stiffness_per_newton;

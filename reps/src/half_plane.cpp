@@ -41,7 +41,6 @@ class HalfPlaneOutline {
 }  // namespace
 
 Verdict Describe<HalfPlane>::check(const HalfPlane& half) noexcept {
-    if (const Verdict verdict = check_material(half); !verdict) return verdict;
     const double share =
         in_plane(to_eigen(half.edge).normalized(), to_eigen(half.normal).normalized()).norm();
     if (share >= least_share) return {};

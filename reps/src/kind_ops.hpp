@@ -24,7 +24,10 @@ struct Demand {
 };
 
 /// Of parameters that were checked, against those that stand in the slot.
-enum class Differ : std::uint8_t { nowhere, in_shape, anywhere };
+enum class Differ : std::uint8_t { nowhere, in_geometry, anywhere };
+
+/// What an update of its geometry has made of a surface that stood.
+enum class Reshaped : std::uint8_t { nothing, elsewhere, moves };
 
 struct KindOps {
     bool surface = false;
@@ -38,13 +41,11 @@ struct KindOps {
     // They are the bytes that are felt; another recovery alone is noted for the change that it will belong
     // to.
     bool (*unchanged)(std::byte* prepared, Record& now) noexcept = nullptr;
-    // Of a surface that may stand: the leading bytes of its parameters that its plane follows from.
-    std::size_t shape_bytes = 0;
-    // How a shape that was sent differs from the one that is there: anywhere, that is not legal.
-    Differ (*compare_shape)(const std::byte* raw, const std::byte* sent) noexcept = nullptr;
-    // Puts a surface that stands elsewhere: `out` has all but the shape. False: it is there already.
-    bool (*reshape)(const std::byte* raw, const Limits&, Record& now, Record& out,
-                    double& recovery) noexcept = nullptr;
+    std::size_t geometry_bytes = 0;
+    // How a geometry that was sent differs from the one that is there: anywhere, that is not legal.
+    Differ (*compare_geometry)(const std::byte* raw, const std::byte* sent) noexcept = nullptr;
+    // Puts a surface that stands elsewhere: `out` has all but the geometry. If it moves from now on, `out` is to be made anew.
+    Reshaped (*reshape)(const std::byte* raw, const Record& now, Record& out) noexcept = nullptr;
     // Parameters and what follows from them; not state and use. `rough` only where the record says so.
     void (*install)(const std::byte* prepared, const Limits&, Record& out, Rough& rough) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&, const Assets&) noexcept = nullptr;
@@ -66,7 +67,9 @@ struct KindOps {
     std::uint32_t (*contact)(Record&, const Probe&, double dt, std::span<Contact> out) noexcept = nullptr;
     std::uint32_t (*curved_at)(const Record&, const Probe&, const Probe& there,
                                std::span<CurvedContact> out) noexcept = nullptr;
-    void (*lean)(Record&, const Probe& there) noexcept = nullptr;
+    void (*lean)(Record&, const Probe& there, double below) noexcept = nullptr;
+    // Null: it holds by one plane in all layers.
+    bool (*plane_alone)(const Record&, const Probe&, double stiffness, CurvedContact& out) noexcept = nullptr;
     Wrench (*evaluate)(Record&, const Probe&, double dt) noexcept = nullptr;
     void (*evaluate_all)(EffectStage&, std::span<const std::uint32_t> slots, double dt,
                          Wrench& sum) noexcept = nullptr;

@@ -27,12 +27,14 @@ Verdict check_rows(const void* params, std::index_sequence<Row...>) noexcept {
 
 template <Representation R>
 Verdict check_whole(const void* params) noexcept {
-    if constexpr (requires(const R& r) { Describe<R>::check(r); }) {
-        R copy;  // the bytes may lie anywhere
-        std::memcpy(&copy, params, sizeof copy);
-        return Describe<R>::check(copy);
+    Verdict verdict;
+    R copy;  // the bytes may lie anywhere
+    std::memcpy(&copy, params, sizeof copy);
+    if constexpr (Surface<R>) verdict = check_material(copy);
+    if constexpr (requires { Describe<R>::check(copy); }) {
+        if (verdict) verdict = Describe<R>::check(copy);
     }
-    return {};
+    return verdict;
 }
 
 template <Representation R>
@@ -47,17 +49,23 @@ Verdict validate(const void* params) noexcept {
 
 template <class R>
 constexpr std::span<const std::string_view> contradictions_of() {
-    if constexpr (requires { Describe<R>::contradictions; }) return Describe<R>::contradictions;
-    return {};
+    if constexpr (requires { Describe<R>::contradictions; }) {
+        return Describe<R>::contradictions;
+    } else if constexpr (Surface<R>) {
+        return {&static_below_dynamic, 1};
+    } else {
+        return {};
+    }
 }
 
 template <class... R>
 constexpr auto table(TypeList<R...>) {
     static_assert((... && (Surface<R> != Effect<R>)), "a representation is a surface or an effect");
+    static_assert((... && geometry_comes_first<R>()), "geometry and velocity first, then the material");
     return std::array<KindInfo, sizeof...(R)>{KindInfo{.name = Describe<R>::name,
                                                        .fields = Describe<R>::fields,
                                                        .size = sizeof(R),
-                                                       .shape_bytes = shape_bytes_of<R>(),
+                                                       .geometry_bytes = geometry_bytes<R>(),
                                                        .surface = Surface<R>,
                                                        .validate = &validate<R>,
                                                        .contradictions = contradictions_of<R>()}...};
@@ -89,7 +97,7 @@ std::uint64_t layout_hash() noexcept {
     for (const KindInfo& kind : all_kinds) {
         hash.add(kind.name);
         hash.add(kind.size);
-        hash.add(kind.shape_bytes);
+        hash.add(kind.geometry_bytes);
         for (const Field& field : kind.fields) {
             hash.add(field.name);
             hash.add(static_cast<std::uint64_t>(field.type));

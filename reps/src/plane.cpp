@@ -16,20 +16,18 @@ double raw_height(const Plane& plane, const Plane::State& state, const Probe& pr
 
 }  // namespace
 
-void prepare(Plane& params, const Limits& limits) noexcept {
+void prepare_geometry(Plane& params) noexcept {
     const double square = to_eigen(params.normal).squaredNorm();
     if (square != 1) {
         const double length = std::sqrt(square);
         params.normal = {params.normal.x / length, params.normal.y / length, params.normal.z / length};
         params.offset /= length;
     }
-    params.stiffness = clamped_stiffness(params.stiffness, limits);
-    if (params.damping > 0) params.damping = clamped_damping(params.damping, limits);
 }
 
 Plane prepared(Plane params, const Limits& limits) noexcept {
-    prepare(params, limits);
-    params.friction.viscous = clamped_damping(params.friction.viscous, limits);
+    prepare_surface(params, limits);
+    prepare_geometry(params);
     return params;
 }
 
@@ -55,20 +53,7 @@ Contact contact(const Plane& params, Plane::State& state, const Probe& probe, do
     if (state.remaining > 0 && dt > 0)
         advance(state.remaining, dt, [&](double share) { state.lowered -= share * state.lowered; });
     move_on(state.motion, dt);
-    return {.normal = to_eigen(params.normal),
-            .height = raw_height(params, state, probe) + state.lowered,
-            .stiffness = params.stiffness,
-            .damping = params.damping,
-            .velocity = to_eigen(params.velocity)};
-}
-
-std::optional<HalfSpace> standing(const Plane& params) noexcept {
-    if (recovers_itself(params) || !(params.velocity == Vec3{})) return std::nullopt;
-    return half_space(params);
-}
-
-bool recovers_itself(const Plane& params) noexcept {
-    return params.update != PlaneUpdate::fade;
+    return contact_of(params, to_eigen(params.normal), raw_height(params, state, probe) + state.lowered);
 }
 
 void settle(const Plane&, Plane::State& state) noexcept {

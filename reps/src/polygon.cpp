@@ -108,7 +108,6 @@ Verdict contradiction(double value, std::uint32_t reason) noexcept {
 }  // namespace
 
 Verdict Describe<Polygon>::check(const Polygon& polygon) noexcept {
-    if (const Verdict verdict = check_material(polygon); !verdict) return verdict;
     const Vertices& v = polygon.vertices;
     double size = 0, coordinate = 0, nearest = std::numeric_limits<double>::infinity();
     for (std::uint32_t i = 0; i < v.count; ++i) {

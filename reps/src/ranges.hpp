@@ -13,30 +13,6 @@
 
 namespace knurl {
 
-/// The leading bytes of R's parameters that the plane of a surface that stands follows from; 0: there are
-/// none.
-template <class R>
-constexpr std::size_t shape_bytes_of() {
-    if constexpr (requires { Describe<R>::shape_bytes; }) {
-        return Describe<R>::shape_bytes;
-    } else {
-        return 0;
-    }
-}
-
-/// Each field lies in the shape or behind it, and in it what is read of it alone: a batch's update may bring
-/// no more.
-template <class R>
-constexpr bool shape_is_whole() {
-    for (const Field& field : Describe<R>::fields) {
-        const bool begins = field.offset < shape_bytes_of<R>();
-        const bool ends = field.offset + field.bytes() <= shape_bytes_of<R>();
-        if (begins != ends) return false;
-        if (!ends && (field.name == "stiffness" || field.name == "recovery")) return false;
-    }
-    return true;
-}
-
 namespace detail {
 
 template <class R, std::size_t Row>

@@ -17,11 +17,7 @@ void SceneCore::take_changes() noexcept {
     model_.take_changed([this](std::uint32_t i) {
         ++state_.work.changes;
         const SceneModel::Slot& slot = model_[i];
-        if (state_.slots[i].twins && slot.shape_alone && slot.present) {
-            reshape(i);
-        } else {
-            take_slot(i);
-        }
+        if (!(state_.slots[i].twins && slot.geometry_alone && slot.present && reshape(i))) take_slot(i);
         return state_.slots[i].renewed;
     });
     for_each_bit(candidates_.probes(), [this](std::uint32_t p) {
@@ -55,10 +51,13 @@ void SceneCore::take_slot(std::uint32_t i) noexcept {
     state_.feedback_edited = true;
     const bool same = was && is && state.generation == slot.generation;
     const Records& records = state_.records;
-    // Records that stay as they are stay twins, or strangers.
-    if (change(i, was, is, same))
-        state.twins = same && slot.shape_alone && records.felt(i).stands && records.faded(i).stands &&
+    // Records that stay as they are stay twins, or strangers; but another recovery may have been noted in one.
+    if (change(i, was, is, same)) {
+        state.twins = same && slot.geometry_alone && records.felt(i).stands && records.faded(i).stands &&
                       !records.felt(i).rough;
+    } else {
+        state.twins = state.twins && slot.geometry_alone;
+    }
     if (!is) return;
     Record& felt = state_.records.felt(i);
     felt.clamped = kind_ops()[slot.kind].asked_stiffness(model_.params(i)) > felt.stiffness;
@@ -89,20 +88,16 @@ bool SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
 }
 
 // What a moving hand's planes are updated in, a thousand at a time: of the records no more than their first
-// lines is touched.
-void SceneCore::reshape(std::uint32_t i) noexcept {
-    Record& now = state_.records.felt(i);
+// lines is touched. False: it does not stand any more.
+bool SceneCore::reshape(std::uint32_t i) noexcept {
+    const Record& now = state_.records.felt(i);
     Record& next = state_.records.faded(i);
-    const bool clamped = now.clamped;
-    double recovery = 0;
-    const KindOps& ops = kind_ops()[now.kind];
-    if (!ops.reshape(model_.params(i), state_.limits, now, next, recovery)) {
-        state_.feedback_edited = state_.feedback_edited || now.clamped != clamped;
-        return;
+    const Reshaped done = kind_ops()[now.kind].reshape(model_.params(i), now, next);
+    if (done == Reshaped::elsewhere) {
+        state_.records.swap_roles(i);
+        sets_.reshape(i, fade_time(next, state_.policy));
     }
-    state_.records.swap_roles(i);
-    sets_.reshape(i, recovery == automatic ? state_.policy.automatic : recovery);
-    state_.feedback_edited = state_.feedback_edited || next.clamped != clamped;
+    return done != Reshaped::moves;
 }
 
 void SceneCore::cross_fade(const Record& judged) noexcept {

@@ -151,7 +151,7 @@ void ContactStage::add_summed(ContactSet& set, const Probe& probe) noexcept {
 // or more: a sum of gradients, so conservative, and with weights that add up to the largest k, so no stiffer
 // than that.
 const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double worst) noexcept {
-    const Arena& a = sets_.arena();
+    Arena& a = sets_.arena();
     const std::uint32_t begin = set.begin;
     const Vector3d& p = probe.position;
     state_.work.layers += set.layers;
@@ -159,6 +159,7 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
     bool infeasible = false;
     double below = 0;
     const Layer* top = nullptr;
+    PlanesApart apart;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
         if (j > 0 && layer.count < set.layer[j - 1].count) {
@@ -169,6 +170,8 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         // round where the probe is then: again where they are half as large. Moving ones are asked afresh.
         if (set.moving_count > 0 || worst < layer.given_at / 2) layer.give = 0;
         if (set.curved) {
+            if (j > 0 && curved_.put_planes_alone(a, set, probe, j, apart))
+                worst = worst_of(a, begin, layer.count);
             infeasible = !curved_.solve(set, probe, layer, worst) || infeasible;
         } else {
             infeasible = !solve_planes(layer, planes, worst, p) || infeasible;
@@ -177,6 +180,7 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         below = layer.stiffness;
         if (layer.solution.active.count > 0) top = &layer;
     }
+    if (set.curved) CurvedStage::put_back(a, apart);
     set.infeasible = infeasible;
     return top;
 }
@@ -235,7 +239,8 @@ const Layer* ContactStage::solve_widening(ContactSet& set, const Probe& probe, d
     return set.standing > 0 ? ask_standing(set, a, p) : -std::numeric_limits<double>::infinity();
 }
 
-[[gnu::always_inline]] inline void ContactStage::rest(ContactSet& set, const Probe& probe) noexcept {
+[[gnu::always_inline]] inline void ContactStage::rest(ContactSet& set, const Probe& probe,
+                                                      double dt) noexcept {
     set.slack = 0;
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         set.layer[j].solution.dx.setZero();
@@ -243,7 +248,10 @@ const Layer* ContactStage::solve_widening(ContactSet& set, const Probe& probe, d
         set.layer[j].proxy = probe.position;
     }
     set.infeasible = false;
-    if (set.summed == 0) return;
+    if (set.summed == 0) {
+        set.clear.alone = dt > 0 && set.moving_count == 0;
+        return;
+    }
     add_summed(set, probe);
     set.force = clamped(set.scale * set.force, state_.limits.max_force);
 }
@@ -253,7 +261,7 @@ void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, co
     const Probe& probe = at.probe;
     set.force.setZero();
     set.elastic = set.per_elastic = 0;
-    set.touching = false;
+    set.touching = set.clear.alone = false;
     if (set.count + set.summed == 0) return;
     const double standing = scan_standing(set, probe.position);
     double worst = standing;
@@ -265,7 +273,7 @@ void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, co
                              : worst > 0 ? widen(set, probe, dt, standing, worst)
                                          : nullptr;
     if (set.follows && !lead_.on) come_alone(set, worst > 0);
-    if (!(worst > 0)) return rest(set, probe);
+    if (!(worst > 0)) return rest(set, probe, dt);
     state_.work.evaluated += set.standing;
 
     const double elastic = set.force.norm();
@@ -324,32 +332,46 @@ Vector3d ContactStage::cross_fade(std::uint32_t p, double dt) noexcept {
     return now;
 }
 
+void ContactStage::stay_clear(ContactState& contact, const Vector3d& p) const noexcept {
+    contact.position = p;
+    for (std::uint32_t j = 0; j < contact.now.layers; ++j) contact.now.layer[j].proxy = p;
+}
+
+/// All that the surfaces of a probe do to it, once its sets are solved.
+[[gnu::always_inline]] inline Vector3d ContactStage::felt_by(std::uint32_t p, double dt) noexcept {
+    const Probe& probe = state_.probes[p].probe;
+    ContactState& contact = sets_[p];
+    if (contact.now.curved && contact.now.touching && dt > 0) curved_.lean(contact.now, probe);
+    const Vector3d force = contact.fade.under_way ? cross_fade(p, dt) : contact.now.force;
+    contact.force = force;
+    if (state_.any_follows && dt > 0) {
+        remember_proxy(contact.now);
+        if (contact.fade.under_way) remember_proxy(contact.old);
+    }
+    contact.position = probe.position;
+    if (!contact.tangential.needed() || (force.isZero(0) && contact.tangential.rests())) return force;
+    ++state_.work.tangential;
+    return with_tangential(p, sets_, state_, force, dt);
+}
+
 void ContactStage::evaluate(double dt, Wrench& sum) noexcept {
+    std::uint32_t near = 0;  // bits: the probes that may touch something
     for (int round = 0; round < widenings; ++round) {
+        near = 0;
         for_each_bit(sets_.probes(), [&](std::uint32_t p) {
             const ProbeState& at = state_.probes[p];
             ContactState& contact = sets_[p];
+            if (contact.is_clear() && still_clear(contact.now.clear, at.probe.position))
+                return stay_clear(contact, at.probe.position);
+            near |= 1u << p;
             evaluate_set(contact, contact.now, at, dt);
             if (contact.fade.under_way) evaluate_set(contact, contact.old, at, dt);
         });
         if (candidates_.probes() == 0 || !candidates_fall_short()) break;
     }
-    for_each_bit(sets_.probes(), [&](std::uint32_t p) {
+    for_each_bit(near, [&](std::uint32_t p) {
         const ProbeState& at = state_.probes[p];
-        ContactState& contact = sets_[p];
-        if (contact.now.curved && contact.now.touching && dt > 0) curved_.lean(contact.now, at.probe);
-        Vector3d force = contact.fade.under_way ? cross_fade(p, dt) : contact.now.force;
-        contact.force = force;
-        if (state_.any_follows && dt > 0) {
-            remember_proxy(contact.now);
-            if (contact.fade.under_way) remember_proxy(contact.old);
-        }
-        contact.position = at.probe.position;
-        if (contact.tangential.needed() && !(force.isZero(0) && contact.tangential.rests())) {
-            ++state_.work.tangential;
-            force = with_tangential(p, sets_, state_, force, dt);
-        }
-        force *= state_.scales.contacts;
+        const Vector3d force = state_.scales.contacts * felt_by(p, dt);
         sum.force += force;
         if (at.placement.offset != Vec3{}) sum.torque += at.arm.cross(force);
     });

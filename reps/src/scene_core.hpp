@@ -64,7 +64,7 @@ class SceneCore {
     void take_changes() noexcept;
     void take_placements() noexcept;
     void take_slot(std::uint32_t slot) noexcept;
-    void reshape(std::uint32_t slot) noexcept;
+    bool reshape(std::uint32_t slot) noexcept;
     bool change(std::uint32_t slot, bool was, bool is, bool same) noexcept;  // false: it is the same still
     void change_surface(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void change_effect(std::uint32_t slot, bool was, bool is, bool same) noexcept;

@@ -278,6 +278,26 @@ void CurvedStage::take_step(std::span<NearSurface> near, const CurvedStep& step,
     descent.within = std::max(descent.within, 2 * at.dx.norm());
 }
 
+// Steps that have not ended leave multipliers that belong to no place, and the next cycle would begin with them: they
+// grow without bound where the hand is between surfaces that contradict each other. Instead those that come nearest to dx.
+void CurvedStage::balance(Descent& descent) noexcept {
+    ContactSolution& at = descent.at;
+    std::array<double, 3> nx{}, ny{}, nz{}, s{};
+    double worst = 0;
+    for (std::uint32_t k = 0; k < at.active.count; ++k) {
+        const Vector3d n = to_eigen(descent.normals[k]);
+        nx[k] = n.x(), ny[k] = n.y(), nz[k] = n.z();
+        s[k] = n.dot(at.dx);
+        worst = std::max(worst, s[k]);
+    }
+    ContactSolution nearest;
+    if (worst > 0)
+        solve_contact({nx.data(), ny.data(), nz.data(), s.data(), at.active.count}, worst, 0, nearest);
+    at.multiplier = {};
+    for (std::uint32_t i = 0; i < nearest.active.count; ++i)
+        at.multiplier[nearest.active.plane[i]] = nearest.multiplier[i];
+}
+
 // Where it has to go farther than the hand explains, since the place that held it is none any more, it slides.
 void CurvedStage::slide(const ContactSet& set, const CurvedStart& start, const Vector3d& p,
                         ContactSolution& at) const noexcept {
@@ -328,6 +348,7 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
     }
     layer.far = std::max(layer.far, descent.within);  // all that was listed has been asked, then
     if (!at.dx.allFinite() || (!descent.done && at.dx.norm() > most)) return feasible;
+    if (!descent.done) balance(descent);
     if (descent.warm) slide(set, *start, p, at);
     at.status = ContactSolution::Status::solved;
     layer.solution = at;
@@ -356,21 +377,67 @@ bool CurvedStage::solve(ContactSet& set, const Probe& probe, Layer& layer, doubl
     return feasible;
 }
 
+bool CurvedStage::put_planes_alone(Arena& a, const ContactSet& set, const Probe& probe, std::uint32_t j,
+                                   PlanesApart& apart) const noexcept {
+    const Layer& layer = set.layer[j];
+    bool any = false;
+    CurvedContact found;
+    for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
+        const std::uint32_t i = a.moving[m].member;
+        if (i >= set.begin + layer.count || apart.count == apart.plane.size()) continue;
+        const Owner owner = a.owner[i];
+        const Record& r = state_.records[owner];
+        const KindOps& ops = kind_ops()[r.kind];
+        if (!ops.plane_alone || !ops.plane_alone(r, probe, layer.stiffness, found)) continue;
+        const auto same = [i](const PlanesApart::Plane& plane) { return plane.member == i; };
+        if (std::any_of(apart.plane.begin(), apart.plane.begin() + apart.count, same)) continue;
+        apart.plane[apart.count++] = {i, a.nx[i], a.ny[i], a.nz[i], a.s[i]};
+        const double height = found.height + relief_at(owner, i, 0);
+        a.nx[i] = found.normal.x();
+        a.ny[i] = found.normal.y();
+        a.nz[i] = found.normal.z();
+        a.s[i] = -height;
+        any = true;
+    }
+    return any;
+}
+
+void CurvedStage::put_back(Arena& a, const PlanesApart& apart) noexcept {
+    for (std::uint32_t k = 0; k < apart.count; ++k) {
+        const PlanesApart::Plane& plane = apart.plane[k];
+        a.nx[plane.member] = plane.nx;
+        a.ny[plane.member] = plane.ny;
+        a.nz[plane.member] = plane.nz;
+        a.s[plane.member] = plane.s;
+    }
+}
+
+// In layer j a solid leans to where x is: there it takes hold and lets go without a step, whether it holds with others
+// or does not hold, since another one does. Where it holds alone x is at its own foot.
+void CurvedStage::lean_in_layer(const ContactSet& set, const Probe& probe, std::uint32_t j) noexcept {
+    const Arena& a = sets_.arena();
+    const Layer& layer = set.layer[j];
+    const ActiveSet& active = layer.solution.active;
+    if (active.count == 0) return;
+    Probe there = probe;
+    there.position = layer.proxy;
+    for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
+        const std::uint32_t i = a.moving[m].member, plane = i - set.begin;
+        if (plane >= layer.count) continue;
+        Record& r = state_.records[a.owner[i]];
+        const KindOps& ops = kind_ops()[r.kind];
+        if (!ops.plane_alone) continue;
+        const bool holds = active.plane[0] == plane || (active.count > 1 && active.plane[1] == plane) ||
+                           (active.count > 2 && active.plane[2] == plane);
+        if (holds ? active.count == 1 : !(a.s[i] > 0)) continue;
+        const bool harder = j + 1 < set.layers && plane < set.layer[j + 1].count;
+        ops.lean(r, there, harder ? layer.stiffness : std::numeric_limits<double>::infinity());
+    }
+}
+
 // At the end of a cycle: within it a surface that is asked again answers the same.
 void CurvedStage::lean(const ContactSet& set, const Probe& probe) noexcept {
-    const Arena& a = sets_.arena();
-    for (std::uint32_t j = 0; j < set.layers; ++j) {
-        const Layer& layer = set.layer[j];
-        if (layer.solution.active.count < 2) continue;
-        Probe there = probe;
-        there.position = layer.proxy;
-        for (std::uint32_t k = 0; k < layer.solution.active.count; ++k) {
-            const Owner owner = a.owner[set.begin + layer.solution.active.plane[k]];
-            if (owner == bridge_owner) continue;
-            const KindOps& ops = kind_ops()[state_.records[owner].kind];
-            if (ops.curved) ops.lean(state_.records[owner], there);
-        }
-    }
+    for (std::uint32_t j = 0; j < set.layers; ++j) lean_in_layer(set, probe, j);
 }
 
 }  // namespace knurl::detail

@@ -23,6 +23,10 @@ template <class R>
 typename R::State& state_of(Record& r) noexcept {
     return *std::launder(reinterpret_cast<typename R::State*>(r.state));
 }
+template <class R>
+const typename R::State& state_of(const Record& r) noexcept {
+    return *std::launder(reinterpret_cast<const typename R::State*>(r.state));
+}
 
 template <class R>
 constexpr bool turns_of() {
@@ -95,37 +99,32 @@ struct Ops {
             if (plane) out.plane = *plane;
         }
     }
-    static Differ compare_shape(const std::byte* raw, const std::byte* sent) noexcept {
-        constexpr std::size_t shape = shape_bytes_of<R>();
-        if constexpr (shape != 0) {
-            if (!same_words<shape>(raw, sent))
-                return fields_are_legal<R, shape>(sent) ? Differ::in_shape : Differ::anywhere;
+    static Differ compare_geometry(const std::byte* raw, const std::byte* sent) noexcept {
+        constexpr std::size_t geometry = geometry_bytes<R>();
+        if (same_words<geometry>(raw, sent)) return Differ::nowhere;
+        if (!fields_are_legal<R, geometry>(sent)) return Differ::anywhere;
+        if constexpr (requires(const R& params) { Describe<R>::check(params); }) {
+            R merged = typed(raw);
+            std::memcpy(static_cast<void*>(&merged), sent, geometry);
+            if (!Describe<R>::check(merged)) return Differ::anywhere;
         }
-        return Differ::nowhere;
+        return Differ::in_geometry;
     }
-    static bool reshape(const std::byte* raw, const Limits& limits, Record& now, Record& out,
-                        double& recovery) noexcept {
-        if constexpr (shape_bytes_of<R>() != 0) {
-            static_assert(shape_is_whole<R>(),
-                          "a field is cut, or stiffness or recovery lies behind the shape");
+    static Reshaped reshape([[maybe_unused]] const std::byte* raw, [[maybe_unused]] const Record& now,
+                            [[maybe_unused]] Record& out) noexcept {
+        if constexpr (requires(R & params) { prepare_geometry(params); }) {
             R& params = params_of<R>(out);
-            std::memcpy(out.params, raw, shape_bytes_of<R>());
-            const double asked = params.stiffness;
-            knurl::prepare(params, limits);
-            recovery = params.recovery;
-            const HalfSpace plane = half_space(params);
-            now.clamped = asked > params.stiffness;
-            if (same_words<sizeof plane>(&plane, &now.plane) && params.stiffness == now.stiffness) {
-                params_of<R>(now).recovery = recovery;
-                return false;
-            }
-            std::memcpy(static_cast<void*>(static_cast<RecordLine*>(&out)), static_cast<RecordLine*>(&now),
-                        sizeof(RecordLine));
-            out.plane = plane;
-            out.stiffness = params.stiffness;
-            return true;
+            std::memcpy(out.params, raw, geometry_bytes<R>());
+            prepare_geometry(params);
+            const std::optional<HalfSpace> plane = standing(params);
+            if (!plane) return Reshaped::moves;
+            if (same_words<sizeof *plane>(&*plane, &now.plane)) return Reshaped::nothing;
+            std::memcpy(static_cast<void*>(static_cast<RecordLine*>(&out)),
+                        static_cast<const RecordLine*>(&now), sizeof(RecordLine));
+            out.plane = *plane;
+            return Reshaped::elsewhere;
         } else {
-            return false;
+            return Reshaped::moves;
         }
     }
     // The state of one that stood is that of a new one: nobody has asked it.
@@ -143,31 +142,21 @@ struct Ops {
             settle(params_of<R>(r), state_of<R>(r));
     }
     static double fade_time(const std::byte* params) noexcept {
-        R p;
-        std::memcpy(&p, params, sizeof p);
-        if constexpr (requires { p.recovery; }) {
-            return p.recovery;
-        } else if constexpr (requires { p.duration; }) {
-            return p.duration;
-        } else {
-            return automatic;
-        }
+        [[maybe_unused]] const R& p = typed(params);
+        if constexpr (requires { p.recovery; }) return p.recovery;
+        if constexpr (requires { p.duration; }) return p.duration;
+        return automatic;
     }
-    static double asked_stiffness(const std::byte* raw) noexcept {
-        R p;
-        std::memcpy(&p, raw, sizeof p);
-        if constexpr (requires { p.stiffness; }) {
-            return p.stiffness;
-        } else {
-            return 0;
-        }
+    static double asked_stiffness([[maybe_unused]] const std::byte* raw) noexcept {
+        if constexpr (requires(const R& p) { p.stiffness; }) return typed(raw).stiffness;
+        return 0;
     }
     static constexpr bool loads =
         Effect<R> && (
                          requires(const R& p) { p.stiffness; } || requires(const R& p) { p.damping; });
     static HandLoad load_at(const Record& r, [[maybe_unused]] const Probe& probe) noexcept {
         const R& params = params_of<R>(r);
-        const auto& state = *std::launder(reinterpret_cast<const typename R::State*>(r.state));
+        const auto& state = state_of<R>(r);
         if constexpr (requires { load(params, state, probe); }) {
             return load(params, state, probe);
         } else {
@@ -210,8 +199,7 @@ struct Ops {
             return bound(params_of<R>(r));
         } else if constexpr (requires(const R& p, const typename R::State& state) { bound(p, state); }) {
             if (r.velocity != Eigen::Vector3d::Zero() && (!turns_of<R>() || r.textured)) return std::nullopt;
-            std::optional<Bound> ball =
-                bound(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)));
+            std::optional<Bound> ball = bound(params_of<R>(r), state_of<R>(r));
             if (ball && r.textured) ball->radius += params_of<R>(r).texture.amplitude;
             return ball;
         } else {
@@ -223,45 +211,32 @@ struct Ops {
         if constexpr (requires(const R& p, const typename R::State& state) { clearance(p, state, probe); }) {
             if (r.velocity != Eigen::Vector3d::Zero()) return std::nullopt;
             const double relief = r.textured ? params_of<R>(r).texture.amplitude : 0;
-            return clearance(params_of<R>(r),
-                             *std::launder(reinterpret_cast<const typename R::State*>(r.state)), probe) -
-                   relief;
+            return clearance(params_of<R>(r), state_of<R>(r), probe) - relief;
         } else {
             return std::nullopt;
         }
     }
     static bool powerless_now([[maybe_unused]] const Record& r) noexcept {
-        if constexpr (requires(const R& p) { powerless(p); }) {
-            return powerless(params_of<R>(r));
-        } else {
-            return false;
-        }
+        if constexpr (requires(const R& p) { powerless(p); }) return powerless(params_of<R>(r));
+        return false;
     }
     static bool arrived_by_now([[maybe_unused]] const Record& r) noexcept {
-        if constexpr (requires(const R& p, const typename R::State& state) { arrived(p, state); }) {
-            return arrived(params_of<R>(r),
-                           *std::launder(reinterpret_cast<const typename R::State*>(r.state)));
-        } else {
-            return true;
-        }
+        if constexpr (requires(const R& p, const typename R::State& state) { arrived(p, state); })
+            return arrived(params_of<R>(r), state_of<R>(r));
+        return true;
     }
     static void forget_path(Record& r) noexcept {
         if constexpr (requires { out_of_reach(params_of<R>(r), state_of<R>(r)); })
             out_of_reach(params_of<R>(r), state_of<R>(r));
     }
     static Motion* motion_of([[maybe_unused]] Record& r) noexcept {
-        if constexpr (Surface<R>) {
-            return &state_of<R>(r).motion;
-        } else {
-            return nullptr;
-        }
+        if constexpr (Surface<R>) return &state_of<R>(r).motion;
+        return nullptr;
     }
     static const Asset* asset_of([[maybe_unused]] const Record& r) noexcept {
-        if constexpr (requires(const typename R::State& state) { state.asset; }) {
+        if constexpr (requires(const typename R::State& state) { state.asset; })
             return std::launder(reinterpret_cast<const typename R::State*>(r.state))->asset;
-        } else {
-            return nullptr;
-        }
+        return nullptr;
     }
     static std::uint32_t contact_at(Record& r, const Probe& probe, double dt,
                                     std::span<Contact> out) noexcept {
@@ -276,23 +251,29 @@ struct Ops {
     }
     static std::uint32_t curved_at(const Record& r, const Probe& probe, const Probe& there,
                                    std::span<CurvedContact> out) noexcept {
-        if constexpr (is_curved<R>) {
-            return curved(params_of<R>(r), *std::launder(reinterpret_cast<const typename R::State*>(r.state)),
-                          probe, there, out);
-        } else {
-            return 0;
-        }
+        if constexpr (is_curved<R>) return curved(params_of<R>(r), state_of<R>(r), probe, there, out);
+        return 0;
     }
-    static void lean_at(Record& r, const Probe& there) noexcept {
-        if constexpr (requires { lean(params_of<R>(r), state_of<R>(r), there); })
-            lean(params_of<R>(r), state_of<R>(r), there);
+    static constexpr bool leans = requires(const R& params, typename R::State& state, const Probe& probe) {
+        lean(params, state, probe, 0.0);
+    };
+    static void lean_at(Record& r, const Probe& there, double below) noexcept {
+        if constexpr (leans) lean(params_of<R>(r), state_of<R>(r), there, below);
+    }
+    static bool plane_alone_at([[maybe_unused]] const Record& r, [[maybe_unused]] const Probe& probe,
+                               [[maybe_unused]] double stiffness,
+                               [[maybe_unused]] CurvedContact& out) noexcept {
+        if constexpr (leans) {
+            return plane_alone(params_of<R>(r),
+                               *std::launder(reinterpret_cast<const typename R::State*>(r.state)), probe,
+                               stiffness, out);
+        } else {
+            return false;
+        }
     }
     static Wrench evaluate_at(Record& r, const Probe& probe, double dt) noexcept {
-        if constexpr (Effect<R>) {
-            return evaluate(params_of<R>(r), state_of<R>(r), probe, dt);
-        } else {
-            return {};
-        }
+        if constexpr (Effect<R>) return evaluate(params_of<R>(r), state_of<R>(r), probe, dt);
+        return {};
     }
     static void evaluate_all(EffectStage& stage, std::span<const std::uint32_t> slots, double dt,
                              Wrench& sum) noexcept {
@@ -329,8 +310,8 @@ constexpr auto table(TypeList<R...>) {
                 .state_size = sizeof(typename R::State),
                 .prepare = &Ops<R>::prepare,
                 .unchanged = &Ops<R>::unchanged,
-                .shape_bytes = shape_bytes_of<R>(),
-                .compare_shape = &Ops<R>::compare_shape,
+                .geometry_bytes = geometry_bytes<R>(),
+                .compare_geometry = &Ops<R>::compare_geometry,
                 .reshape = &Ops<R>::reshape,
                 .install = &Ops<R>::install,
                 .adopt = &Ops<R>::adopt_new,
@@ -350,6 +331,7 @@ constexpr auto table(TypeList<R...>) {
                 .contact = &Ops<R>::contact_at,
                 .curved_at = &Ops<R>::curved_at,
                 .lean = &Ops<R>::lean_at,
+                .plane_alone = Ops<R>::leans ? &Ops<R>::plane_alone_at : nullptr,
                 .evaluate = &Ops<R>::evaluate_at,
                 .evaluate_all = &Ops<R>::evaluate_all}...};
 }

@@ -30,6 +30,13 @@ Matrix3d held_directions(const ContactSet& set, const ActiveSet& active, const A
     return span;
 }
 
+/// The most damping of the planes that hold.
+double damping_of(const ContactSet& set, const ActiveSet& active, const Arena& a) noexcept {
+    double most = 0;
+    for (std::uint32_t i = 0; i < active.count; ++i) most = std::max(most, a.b[set.begin + active.plane[i]]);
+    return most;
+}
+
 }  // namespace
 
 Demand LoadStage::bound_of(const ContactSet& set) const noexcept {
@@ -38,9 +45,7 @@ Demand LoadStage::bound_of(const ContactSet& set) const noexcept {
     const Arena& a = sets_.arena();
     if (const Layer* top = hardest_that_holds(set)) {
         bound.stiffness = top->stiffness;
-        const ActiveSet& active = top->solution.active;
-        for (std::uint32_t i = 0; i < active.count; ++i)
-            bound.damping = std::max(bound.damping, a.b[set.begin + active.plane[i]]);
+        bound.damping = damping_of(set, top->solution.active, a);
     }
     for (std::uint32_t i = set.begin + set.count; i < set.begin + set.count + set.summed; ++i) {
         if (!(a.s[i] > 0)) continue;
@@ -88,10 +93,7 @@ void LoadStage::add(const ContactSet& set, double share, HandLoad& load) const n
         below = layer.stiffness;
     }
     if (const Layer* top = hardest_that_holds(set)) {
-        const ActiveSet& active = top->solution.active;
-        double most = 0;
-        for (std::uint32_t i = 0; i < active.count; ++i)
-            most = std::max(most, a.b[set.begin + active.plane[i]]);
+        const double most = damping_of(set, top->solution.active, a);
         const double size = set.force.norm();
         if (most > 0 && size > 0)  // along the force alone: damped_force
             damping += scale * most * (set.force / size) * (set.force / size).transpose();
@@ -125,6 +127,7 @@ HandLoad LoadStage::at_probe(const ContactState& contact) const noexcept {
 LoadBound LoadStage::bound() const noexcept {
     LoadBound bound{.surfaces = !sets_.surfaces().empty()};
     for_each_bit(sets_.probes(), [&](std::uint32_t p) {
+        if (sets_[p].is_clear()) return;
         const Demand of_probe = bound_of(p);
         bound.contacts += of_probe.stiffness;
         bound.damping += of_probe.damping;

@@ -29,7 +29,7 @@ Verdict SceneModel::add(Handle handle, Kind kind, const void* params, std::size_
     slot.generation = handle.generation;
     slot.kind = kind;
     slot.use = use;
-    slot.shape_alone = false;
+    slot.geometry_alone = false;
     std::memcpy(&raw_[handle.slot * max_parameter_bytes], params, bytes);
     mark(handle.slot);
     probes_used_ |= 1u << use.probe;
@@ -44,15 +44,14 @@ Verdict SceneModel::check_update(Handle handle, Kind kind, const void* params, s
     if (!names_one(handle, slots_) || slots_[handle.slot].kind != kind)
         return {Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
     const KindOps& ops = kind_ops()[kind];
-    const std::size_t shape = ops.shape_bytes;
-    const bool shape_alone = bytes == shape && shape != 0;
-    if (bytes != ops.params_size && !shape_alone)
+    const std::size_t geometry = ops.geometry_bytes;
+    if (bytes != ops.params_size && bytes != geometry)
         return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
-    // What stands in the slot is legal: where only the shape differs from it, only that is looked at.
+    // What stands in the slot is legal: where only the geometry differs from it, only that is looked at.
     const std::byte* raw = &raw_[handle.slot * max_parameter_bytes];
     const auto* sent = static_cast<const std::byte*>(params);
-    const bool rest_stays = shape_alone || std::memcmp(raw + shape, sent + shape, bytes - shape) == 0;
-    slots_[handle.slot].differ = rest_stays ? ops.compare_shape(raw, sent) : Differ::anywhere;
+    const bool rest_stays = std::memcmp(raw + geometry, sent + geometry, bytes - geometry) == 0;
+    slots_[handle.slot].differ = rest_stays ? ops.compare_geometry(raw, sent) : Differ::anywhere;
     return slots_[handle.slot].differ != Differ::anywhere ? Verdict{} : validate(kind, raw, sent, bytes);
 }
 
@@ -70,9 +69,10 @@ Verdict SceneModel::validate(Kind kind, const std::byte* raw, const std::byte* s
 void SceneModel::update_checked(std::uint32_t i, const void* params, std::size_t bytes) noexcept {
     Slot& slot = slots_[i];
     if (slot.differ == Differ::nowhere) return;  // as it was asked for last
-    const bool shape = slot.differ == Differ::in_shape;
-    slot.shape_alone = slot.shape_alone && shape;
-    std::memcpy(&raw_[i * max_parameter_bytes], params, shape ? kind_ops()[slot.kind].shape_bytes : bytes);
+    const bool geometry = slot.differ == Differ::in_geometry;
+    slot.geometry_alone = slot.geometry_alone && geometry;
+    std::memcpy(&raw_[i * max_parameter_bytes], params,
+                geometry ? kind_ops()[slot.kind].geometry_bytes : bytes);
     mark(i);
 }
 
@@ -106,7 +106,7 @@ void SceneModel::mark(std::uint32_t slot) noexcept {
 void SceneModel::touch_all() noexcept {
     for (std::uint32_t i = 0; i < slots_.size(); ++i) {
         if (!slots_[i].present) continue;
-        slots_[i].shape_alone = false;
+        slots_[i].geometry_alone = false;
         mark(i);
     }
 }

@@ -20,7 +20,7 @@ class SceneModel {
         bool present = false;
         bool changed = false;
         Differ differ = Differ::anywhere;  // what was checked last
-        bool shape_alone = false;          // since it was taken nothing but its shape has changed
+        bool geometry_alone = false;       // since it was taken nothing but its geometry has changed
         std::uint32_t generation = 0;
         Kind kind = 0;
         Use use;
@@ -57,7 +57,7 @@ class SceneModel {
         for (const std::uint32_t i : changed_) {
             if (take(i)) changed_[kept++] = i;
             slots_[i].changed = false;
-            slots_[i].shape_alone = true;
+            slots_[i].geometry_alone = true;
         }
         changed_.resize(kept);
     }

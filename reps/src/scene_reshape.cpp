@@ -17,7 +17,6 @@ void ContactSets::reshape(std::uint32_t i, double fade_time) noexcept {
     keep_old(i);
     Slot& slot = slots_[i];
     slot.new_in_fade = slot.old_in_fade = contact.fade.next_number();
-    edited_ = edited_ || next.stiffness != state_.records.faded(i).stiffness;
     state_.feedback_edited = state_.feedback_edited || edited_;
     reshaped_.push_back(i);
 }

@@ -234,7 +234,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
 
 void forget_solution(ContactSet& set, const Eigen::Vector3d& probe) noexcept {
     set.infeasible = false;
-    set.clear.distance = 0;
+    set.clear = {};
     for (std::uint32_t j = 0; j < set.layers; ++j) {
         Layer& layer = set.layer[j];
         layer.give = layer.given_at = 0;

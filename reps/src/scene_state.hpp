@@ -47,7 +47,7 @@ struct Silence {
 /// Of a slot, as it is felt.
 struct SlotState {
     bool felt = false;
-    bool twins = false;    // its records differ in nothing but shape, of a surface that stands: see reshape
+    bool twins = false;  // its records differ in nothing but geometry, of a surface that stands: see reshape
     bool renewed = false;  // while changes are taken: this slot's is one of them
     std::uint32_t generation = 0;
 };

@@ -80,34 +80,66 @@ struct Aim {
 };
 
 /// Where it meets other surfaces, it is felt at their common point and not at its own foot: as it leans there it
-/// takes hold and lets go, so that neither is a step.
-inline void lean(Facing& facing, const SolidHold& hold) noexcept {
-    if (!(hold.joint == Vec3{})) facing.normal = to_eigen(hold.joint);
+/// takes hold and lets go, so that neither is a step. `alone` becomes the normal at its own foot: that of the layers
+/// that are harder than all in which it meets others, where it holds alone. One plane for both would be a step for one
+/// of them, to where it is deeper: the hand would be given that energy each time that it takes hold.
+inline void lean(Facing& facing, const SolidHold& hold, Vec3& alone) noexcept {
+    if (hold.joint == Vec3{}) return;
+    if (std::isfinite(hold.met_below)) alone = to_plain(facing.normal);
+    facing.normal = to_eigen(hold.joint);
+}
+
+/// It met other surfaces where its normal is `normal`, in a layer of the stiffness `below` (N/m; infinity: there is no
+/// harder one that it is in). Layers that are told later are harder. While it keeps two normals, those of the harder
+/// layers are of no concern to the one that leans.
+inline void meet(SolidHold& hold, const Eigen::Vector3d& normal, double below) noexcept {
+    if (!(hold.alone == Vec3{})) {
+        if (below > hold.met_below) return;
+    } else {
+        hold.met_below = below;
+    }
+    hold.joint = to_plain(normal);
 }
 
 /// Where `hold` did not hold the probe. True: it does now, by what `by` becomes.
 template <class Solid>
 bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, const SolidHold& hold,
-                double dt, Facing& by) noexcept {
+                double dt, Facing& by, Vec3& alone) noexcept {
     const double above = natural.height + solid.margin;
     if (dt > 0 && hold.met != 0) {
         const Eigen::Vector3d last = to_eigen(hold.last);
         const bool may_have = above < 0 || above * above <= (q - last).squaredNorm();
         if (may_have && q.squaredNorm() <= solid.ball() * solid.ball()) {
             if (std::optional<Facing> entry = solid.entered(last, q, hold)) {
-                lean(*entry, hold);
+                lean(*entry, hold, alone);
                 // One that cuts a corner and is out again has touched nothing.
                 const bool holds =
                     above < 0 || solid.aim(q, entry->normal, entry->part, natural).kind != Aim::Kind::natural;
-                if (holds) by = *entry;
+                if (holds) {
+                    by = *entry;
+                } else {
+                    alone = Vec3{};
+                }
                 return holds;
             }
         }
     }
     if (!(above < 0)) return false;
     by = natural;
-    lean(by, hold);
+    lean(by, hold, alone);
     return true;
+}
+
+/// The normal that is kept where it holds alone is kept and turns by itself. True: it has arrived.
+template <class Solid>
+bool turn_alone(const Solid& solid, const Eigen::Vector3d& q, const Facing& natural, std::uint32_t part,
+                double angle, Vec3& alone) noexcept {
+    const Eigen::Vector3d normal = to_eigen(alone);
+    const Aim aim = solid.aim(q, normal, part, natural);
+    if (aim.kind == Aim::Kind::keep) return false;
+    const Eigen::Vector3d next = turned(normal, aim.normal, angle);
+    alone = to_plain(next);
+    return next == aim.normal;
 }
 
 /// The contact of a solid at q (m, from its middle). A solid offers, for itself as large as the probe makes it
@@ -125,7 +157,8 @@ Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, 
     Facing now = natural;
     std::uint32_t part = hold.part;
     bool turning = hold.turning != 0;
-    if (part == 0 && takes_hold(solid, q, natural, hold, dt, now)) {
+    Vec3 alone = hold.alone;
+    if (part == 0 && takes_hold(solid, q, natural, hold, dt, now, alone)) {
         part = now.part;
         turning = true;
     }
@@ -134,7 +167,10 @@ Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, 
         Aim aim = solid.aim(q, normal, part, natural);
         if (!(hold.joint == Vec3{})) {
             if (turning) aim.normal = to_eigen(hold.joint);
-            if (aim.kind == Aim::Kind::keep && !turning) normal = to_eigen(hold.joint);
+            if (aim.kind == Aim::Kind::keep && !turning) {
+                if (std::isfinite(hold.met_below)) alone = to_plain(normal);
+                normal = to_eigen(hold.joint);
+            }
         }
         if (aim.kind == Aim::Kind::keep) {
             turning = true;
@@ -143,8 +179,12 @@ Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, 
         } else {
             normal = turned(normal, aim.normal, turn_rate * dt);
             turning = normal != aim.normal;
-            if (!turning && aim.kind == Aim::Kind::natural) part = 0;
         }
+        if (!(alone == Vec3{})) {
+            turning = !turn_alone(solid, q, natural, part, turn_rate * dt, alone) || turning;
+            if (!turning) alone = Vec3{};
+        }
+        if (!turning && aim.kind == Aim::Kind::natural) part = 0;
         now = {normal, solid.over(q, normal, part), part, true};
         if (part == 0 || now.height >= 0) {
             part = 0;
@@ -154,12 +194,23 @@ Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, 
     if (dt > 0) {
         hold.normal = now.height < 0 ? to_plain(now.normal) : Vec3{};
         hold.joint = Vec3{};
+        hold.alone = part != 0 ? alone : Vec3{};
         hold.last = to_plain(q);
         hold.part = part;
         hold.turning = turning && part != 0;
         hold.met = 1;
     }
     return now;
+}
+
+/// The plane by which it holds the probe in layers of that stiffness (N/m), where that is another one than its contact's.
+template <class Solid>
+bool plane_alone(const Solid& solid, const Eigen::Vector3d& q, const SolidHold& hold, double stiffness,
+                 CurvedContact& out) noexcept {
+    if (hold.alone == Vec3{} || !(stiffness > hold.met_below)) return false;
+    const Eigen::Vector3d normal = to_eigen(hold.alone);
+    out = {.normal = normal, .height = solid.over(q, normal, hold.part)};
+    return true;
 }
 
 /// A direction. On the core there is none: last cycle's then, and where that is none (0 0 0) a fixed one

@@ -36,9 +36,16 @@ std::uint32_t curved(const Sphere& params, const Sphere::State& state, const Pro
     return 1;
 }
 
-void lean(const Sphere& params, Sphere::State& state, const Probe& there) noexcept {
+void lean(const Sphere& params, Sphere::State& state, const Probe& there, double below) noexcept {
     const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);
-    state.hold.joint = to_plain(RoundSolid(Vector3d::UnitZ(), 0, params.radius).curved(q).normal);
+    meet(state.hold, RoundSolid(Vector3d::UnitZ(), 0, params.radius).curved(q).normal, below);
+}
+
+bool plane_alone(const Sphere& params, const Sphere::State& state, const Probe& probe, double stiffness,
+                 CurvedContact& out) noexcept {
+    const Vector3d q = from_surface(params.center, params.velocity, state.motion, probe);
+    const RoundSolid solid(Vector3d::UnitZ(), 0, params.radius + probe.radius);
+    return plane_alone(solid, q, state.hold, stiffness, out);
 }
 
 std::optional<Bound> bound(const Sphere& params, const Sphere::State& state) noexcept {

@@ -3,6 +3,7 @@
 // answering.
 
 #include <knurl/reps/concepts.hpp>
+#include <knurl/reps/material.hpp>
 #include <knurl/reps/motion.hpp>
 
 #include "clamped.hpp"
@@ -16,21 +17,8 @@ inline Vec3 unit(const Vec3& v) noexcept {
 /// The part of `prepared` that all surfaces have in common.
 template <class R>
 void prepare_surface(R& params, const Limits& limits) noexcept {
-    params.stiffness = clamped_stiffness(params.stiffness, limits);
-    params.damping = clamped_damping(params.damping, limits);
-    params.friction.viscous = clamped_damping(params.friction.viscous, limits);
+    clamp_material(params.stiffness, params.damping, params.friction, limits);
     params.texture.reserved = 0;
-}
-
-/// A surface that is placed anew has not moved on yet.
-inline void place(Motion& motion) noexcept {
-    motion = {.time = 0, .placed = 1};
-}
-
-inline void move_on(Motion& motion, double dt) noexcept {
-    if (!(dt > 0)) return;
-    if (motion.placed == 0) motion.time += dt;
-    motion.placed = 0;
 }
 
 /// The probe from a surface's point, which has moved on: subtracted before anything is multiplied.

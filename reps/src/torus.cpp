@@ -160,7 +160,6 @@ Contact solid(const Torus& params, const Vector3d& q, SolidHold& hold, const Pro
 }  // namespace
 
 Verdict Describe<Torus>::check(const Torus& torus) noexcept {
-    if (const Verdict verdict = check_material(torus); !verdict) return verdict;
     if (torus.tube < torus.radius) return {};
     constexpr std::uint32_t row = row_of<Torus>("tube");
     return {Verdict::Code::contradiction, row, torus.tube, 1};

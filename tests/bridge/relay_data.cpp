@@ -18,15 +18,16 @@ namespace {
 
 constexpr std::uint32_t slots = 39;
 constexpr std::uint32_t param_bytes = 88;
+constexpr std::uint32_t geometry_bytes = 24;  // of them, at the front: what an entry may bring alone
 // bytes of a batch in a datagram, without a key and with one
 constexpr std::size_t wide = 1136, narrow = 1104;
 // All of them may be pending at once, and even so no batch goes by TCP.
 static_assert(sizeof(protocol::BatchHeader) + slots * (sizeof(protocol::EntryHeader) + param_bytes) <=
               max_pieces * narrow);
 
-/// The servo's rule: newer versions win, of handles that are there.
+/// The servo's rule: newer versions win, of handles that are there; what lies behind a geometry that comes alone stays.
 struct Scene {
-    std::array<std::uint64_t, slots> version{}, value{};
+    std::array<std::uint64_t, slots> version{}, value{}, material{};
     std::uint64_t sequence = 0;
     void apply(std::span<const std::byte> whole) {
         protocol::BatchHeader header;
@@ -37,12 +38,14 @@ struct Scene {
         for (std::uint32_t i = 0; i < header.entries; ++i) {
             protocol::EntryHeader entry;
             ASSERT_TRUE(take(whole, entry));
-            std::uint64_t first = 0;
-            std::memcpy(&first, whole.data(), sizeof first);
+            const std::span<const std::byte> params = whole.first(entry.bytes);
             whole = whole.subspan((entry.bytes + 7) / 8 * 8);
-            if (entry.version <= version[entry.handle.slot]) continue;
-            version[entry.handle.slot] = entry.version;
-            value[entry.handle.slot] = first;
+            const std::uint32_t slot = entry.handle.slot;
+            if (entry.version <= version[slot]) continue;
+            version[slot] = entry.version;
+            std::memcpy(&value[slot], params.data(), sizeof value[slot]);
+            if (entry.bytes == param_bytes)
+                std::memcpy(&material[slot], params.data() + geometry_bytes, sizeof material[slot]);
         }
         EXPECT_TRUE(whole.empty());
     }
@@ -106,13 +109,18 @@ TEST(Data, after_any_losses_the_newest_of_everything_is_there) {
             protocol::BatchHeader header{.sequence = commit};
             for (std::uint64_t n = random() % 4; n > 0; --n) {
                 const auto slot = static_cast<std::uint32_t>(random() % slots);
+                const bool whole = random() % 3 == 0;
                 const protocol::EntryHeader entry{.handle = {.slot = slot, .generation = 1},
                                                   .kind = 1,
-                                                  .bytes = param_bytes,
+                                                  .bytes = whole ? param_bytes : geometry_bytes,
                                                   .version = ++version};
-                std::vector<std::byte> params(param_bytes);
+                std::vector<std::byte> params(entry.bytes);
                 truth.value[slot] = random();
                 std::memcpy(params.data(), &truth.value[slot], sizeof truth.value[slot]);
+                if (whole) {
+                    truth.material[slot] = random();
+                    std::memcpy(params.data() + geometry_bytes, &truth.material[slot], 8);
+                }
                 const auto bytes = bytes_of(entry);
                 entries.insert(entries.end(), bytes.begin(), bytes.end());
                 entries.insert(entries.end(), params.begin(), params.end());
@@ -134,6 +142,7 @@ TEST(Data, after_any_losses_the_newest_of_everything_is_there) {
         ASSERT_FALSE(batch.unacknowledged());
         EXPECT_EQ(batch.entries(), 0u) << "what is acknowledged is sent no more";
         ASSERT_EQ(servo.value, truth.value) << "trial " << trial;
+        ASSERT_EQ(servo.material, truth.material) << "trial " << trial;
         EXPECT_EQ(servo.sequence, 60u);
     }
 }

@@ -1,4 +1,4 @@
-# Run by ctest: makes the packages and looks into them. -D: BUILD, WORK (scratch).
+# Run by ctest: makes the packages and looks into them. -D: BUILD, WORK (scratch), HELP2MAN (its path, or false).
 
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
@@ -25,7 +25,15 @@ function(holds package)
     set(depends "${output}" PARENT_SCOPE)
 endfunction()
 
-holds(knurl-server bin/knurld bin/knurl-bridge lib/systemd/system/knurld.service lib/systemd/system/knurl-bridge.service
+# Man pages where there is what makes them.
+set(server_pages "")
+set(tools_pages "")
+if(HELP2MAN)
+    set(server_pages share/man/man1/knurld.1.gz share/man/man1/knurl-bridge.1.gz share/man/man1/knurl-bridge-keygen.1.gz)
+    set(tools_pages share/man/man1/knurl.1.gz share/man/man1/knurl-ls.1.gz share/man/man1/knurl-device-check.1.gz
+                    share/man/man1/knurl-feel.1.gz)
+endif()
+holds(knurl-server ${server_pages} share/bash-completion/completions/knurld share/zsh/vendor-completions/_knurl-bridge bin/knurld bin/knurl-bridge lib/systemd/system/knurld.service lib/systemd/system/knurl-bridge.service
       lib/udev/rules.d/70-knurl.rules lib/sysusers.d/knurl.conf share/knurl/knurld.toml)
 if(NOT depends MATCHES "libc6")
     message(FATAL_ERROR "knurl-server does not know what it depends on: ${depends}")
@@ -36,7 +44,7 @@ if(NOT unit MATCHES "ExecStart=/usr/bin/knurld --config /etc/knurl/knurld.toml")
 endif()
 run("the program in it" ${WORK}/tree/knurl-server/usr/bin/knurld --version)
 
-holds(knurl-tools bin/knurl bin/knurl-surface bin/knurl-feel bin/knurl-dock bin/knurl-bodies
+holds(knurl-tools ${tools_pages} share/bash-completion/completions/knurl share/zsh/vendor-completions/_knurl bin/knurl bin/knurl-surface bin/knurl-feel bin/knurl-dock bin/knurl-bodies
       share/knurl/scripts/plot_surface.py share/knurl/scripts/pictures.py)
 if(NOT depends MATCHES "knurl-server \\(= ")
     message(FATAL_ERROR "knurl-tools takes any server: ${depends}")

@@ -32,7 +32,7 @@ constexpr ClaimCapacity capacity{.representations = 8, .batch_bytes = 4096};
 std::span<const std::byte> bytes_of(const Plane& plane) {
     return std::as_bytes(std::span(&plane, 1));
 }
-// Every fourth is of another material than those before: what goes beyond the shape changes now and then.
+// Every fourth is of another material than those before: what lies behind the geometry changes now and then.
 Plane plane_at(double offset) {
     Plane plane{.offset = offset, .stiffness = 100};
     plane.friction.dynamic = std::floor(offset / 4);
@@ -241,6 +241,55 @@ TEST(Pending, a_handle_of_an_earlier_generation_names_nothing) {
     EXPECT_EQ(young.slot, old.slot) << "the case that matters";
     EXPECT_EQ(table.find(old), nullptr);
     EXPECT_NE(table.find(young), nullptr);
+}
+
+/// Bytes of parameters of the first entry of the next batch.
+std::uint32_t next_bytes(Pair& pair) {
+    protocol::EntryHeader entry;
+    std::memcpy(&entry, pair.table.batch().data(), sizeof entry);
+    return entry.bytes;
+}
+
+/// The parameters with one bit of a mantissa changed.
+template <class R>
+std::span<const std::byte> bytes_of(R& params, std::size_t changed) {
+    const auto bytes = std::as_writable_bytes(std::span(&params, 1));
+    bytes[changed] ^= std::byte{1};
+    return bytes;
+}
+
+template <class R>
+void moves_and_changes() {
+    SCOPED_TRACE(Describe<R>::name);
+    constexpr std::size_t geometry = geometry_bytes<R>(), whole = sizeof(R);
+    Pair pair;
+    R params{};
+    const auto changed_geometry = [&] { return bytes_of(params, 0); };
+    const auto changed_material = [&] { return bytes_of(params, whole - 1); };
+    const Handle handle = pair.table.add(kind_of<R>, std::as_bytes(std::span(&params, 1)), {});
+    pair.table.set(handle, changed_geometry());
+    EXPECT_EQ(next_bytes(pair), geometry);
+    pair.table.set(handle, changed_material());
+    pair.table.set(handle, changed_geometry());
+    EXPECT_EQ(next_bytes(pair), whole);
+    pair.commit();
+    pair.table.set(handle, changed_geometry());
+    EXPECT_EQ(next_bytes(pair), whole) << "the batch before is not known to have been taken";
+    pair.servo.take();
+    pair.commit();
+    pair.table.set(handle, changed_geometry());
+    EXPECT_EQ(next_bytes(pair), geometry) << "the servo has the rest";
+    pair.table.refused();
+    EXPECT_EQ(next_bytes(pair), whole) << "the servo has refused the rest";
+}
+
+template <class... R>
+void every_kind_moves_and_changes(TypeList<R...>) {
+    (moves_and_changes<R>(), ...);
+}
+
+TEST(Pending, of_any_kind_the_geometry_is_sent_alone_where_the_servo_has_the_rest) {
+    every_kind_moves_and_changes(Representations{});
 }
 
 TEST(Pending, a_new_servo_gets_what_was_committed_and_keeps_what_was_not) {

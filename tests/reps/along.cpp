@@ -148,7 +148,7 @@ TEST(Along, AMovingTableIsFeltBetweenUpdatesAndCarriesTheHand) {
     Scene scene = make_scene();
     ASSERT_TRUE(scene.add(
         {0, 1},
-        Plane{.stiffness = 1000, .velocity = {0.1, 0, 0.01}, .friction = {.static_ = 1, .dynamic = 0.5}}));
+        Plane{.velocity = {0.1, 0, 0.01}, .stiffness = 1000, .friction = {.static_ = 1, .dynamic = 0.5}}));
     scene.settle();
     // In the cycle that adopts it the table is where it was said to be, then it goes on.
     EXPECT_NEAR(scene.evaluate(at({0, 0, -0.001}), dt).force.z(), 1.0, 1e-12);
@@ -160,13 +160,13 @@ TEST(Along, AMovingTableIsFeltBetweenUpdatesAndCarriesTheHand) {
 
 TEST(Along, DampingIsAgainstTheMotionOfTheSurface) {
     Scene scene = make_scene();
-    ASSERT_TRUE(scene.add({0, 1}, Plane{.stiffness = 1000, .damping = 10, .velocity = {0, 0, 0.02}}));
+    ASSERT_TRUE(scene.add({0, 1}, Plane{.velocity = {0, 0, 0.02}, .stiffness = 1000, .damping = 10}));
     scene.settle();
     // The hand goes down at 0.03 m/s while the table comes up at 0.02 m/s.
     EXPECT_NEAR(scene.evaluate(at({0, 0, -0.001}, {0, 0, -0.03}), dt).force.z(), 1.0 + 10 * 0.05, 1e-12);
     // ... and with the table it feels none.
     Scene together = make_scene();
-    ASSERT_TRUE(together.add({0, 1}, Plane{.stiffness = 1000, .damping = 10, .velocity = {0, 0, 0.02}}));
+    ASSERT_TRUE(together.add({0, 1}, Plane{.velocity = {0, 0, 0.02}, .stiffness = 1000, .damping = 10}));
     together.settle();
     EXPECT_NEAR(together.evaluate(at({0, 0, -0.001}, {0, 0, 0.02}), dt).force.z(), 1.0, 1e-12);
 }

@@ -243,6 +243,54 @@ void batch_of_updates(benchmark::State& state) {
     state.SetItemsProcessed(state.iterations() * n);
 }
 
+void put(Plane& plane, double height) {
+    plane.offset = height;
+}
+void put(Shape& shape, double height) {
+    shape.position.z = height;
+}
+void put(auto& solid, double height) {
+    solid.center.z = height;
+}
+
+/// A thousand surfaces out of reach that are put elsewhere, each by so many bytes of its parameters as an entry of a
+/// batch brings them.
+template <class R>
+void batch_of_poses(benchmark::State& state, R surface, std::size_t bytes) {
+    constexpr std::uint32_t n = 1000;
+    const Tetrahedron mesh;
+    Scene scene({.representations = 1024, .probes = 1}, {});
+    scene.set_asset(1, &mesh.mesh);
+    put(surface, -0.3);
+    for (std::uint32_t i = 0; i < n; ++i) (void)scene.add({i, 1}, surface);
+    Hand hand;
+    scene.evaluate(hand(), dt);
+    bool low = true;
+    for (auto _ : state) {
+        low = !low;
+        put(surface, low ? -0.3 : -0.29);
+        for (std::uint32_t i = 0; i < n; ++i) (void)scene.update({i, 1}, kind_of<R>, &surface, bytes);
+        benchmark::DoNotOptimize(scene.evaluate(hand(), dt));
+    }
+    state.SetItemsProcessed(state.iterations() * n);
+}
+
+/// A thousand planes of which another stiffness is sent.
+void batch_of_stiffnesses(benchmark::State& state) {
+    constexpr std::uint32_t n = 1000;
+    Scene scene({.representations = 1024, .probes = 1}, {});
+    Plane plane{.offset = -0.1, .stiffness = 1000};
+    for (std::uint32_t i = 0; i < n; ++i) (void)scene.add({i, 1}, plane);
+    Hand hand;
+    scene.evaluate(hand(), dt);
+    for (auto _ : state) {
+        plane.stiffness = plane.stiffness < 1000 ? 1000 : 900;
+        for (std::uint32_t i = 0; i < n; ++i) (void)scene.update({i, 1}, plane);
+        benchmark::DoNotOptimize(scene.evaluate(hand(), dt));
+    }
+    state.SetItemsProcessed(state.iterations() * n);
+}
+
 /// N spheres in a cube of 0.2 m, so large that about three are near (within half a radius) and one of them
 /// touched; a hand at 0.06 m/s. Percentiles of single cycles, less an empty pair of the clock's readings.
 void spheres(benchmark::State& state) {
@@ -300,6 +348,12 @@ BENCHMARK(two_probes_three_planes_four_springs);
 BENCHMARK(five_fingers_in_a_budget);
 BENCHMARK(five_fingers_of_a_rigid_glove);
 BENCHMARK(batch_of_updates)->Arg(10)->Arg(100)->Arg(1000);
+BENCHMARK(batch_of_stiffnesses);
+BENCHMARK_CAPTURE(batch_of_poses, planes, Plane{.stiffness = 1000}, geometry_bytes<Plane>());
+BENCHMARK_CAPTURE(batch_of_poses, spheres, Sphere{.stiffness = 1000}, geometry_bytes<Sphere>());
+BENCHMARK_CAPTURE(batch_of_poses, boxes, Box{.stiffness = 1000}, geometry_bytes<Box>());
+BENCHMARK_CAPTURE(batch_of_poses, moving_shapes,
+                  Shape{.asset = 1, .velocity = {0, 0, 0.01}, .stiffness = 1000}, geometry_bytes<Shape>());
 
 }  // namespace
 

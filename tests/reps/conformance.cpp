@@ -142,7 +142,7 @@ TYPED_TEST(Conformance, AChangeIsJudgedAsAllOfItWouldBe) {
     for (int round = 0; round < 5000; ++round) {
         TypeParam params = random_params<TypeParam>(this->rng, false);
         ASSERT_TRUE(scene.update(this->handle, params));
-        const TypeParam other = random_params<TypeParam>(this->rng, true);
+        const TypeParam there = params, other = random_params<TypeParam>(this->rng, true);
         for (int changes = 0; changes < 1 + round % 3; ++changes) {
             const std::size_t word = this->rng() % (sizeof(TypeParam) / 8);
             const void* from = round % 2 ? static_cast<const void*>(&odd[this->rng() % odd.size()])
@@ -153,9 +153,76 @@ TYPED_TEST(Conformance, AChangeIsJudgedAsAllOfItWouldBe) {
                       change = scene.check_update(this->handle, kind_of<TypeParam>, &params, sizeof params);
         ASSERT_EQ(whole.code, change.code) << "seed " << this->seed << ", round " << round;
         ASSERT_EQ(whole.field, change.field);
+        TypeParam moved = there;
+        std::memcpy(static_cast<void*>(&moved), &params, geometry_bytes<TypeParam>());
+        const Verdict moved_whole = kind.validate(&moved),
+                      alone = scene.check_update(this->handle, kind_of<TypeParam>, &params,
+                                                 geometry_bytes<TypeParam>());
+        ASSERT_EQ(moved_whole.code, alone.code) << "seed " << this->seed << ", round " << round;
+        ASSERT_EQ(moved_whole.field, alone.field);
         refused += !whole;
     }
     EXPECT_GT(refused, 500);
+}
+
+// Surfaces: their geometry alone; effects: all of them. Whoever feels all of it is told of other bytes that mean nothing,
+// so that it is described anew.
+TYPED_TEST(Conformance, AGeometrySentAloneIsFeltAsAllOfItWouldBe) {
+    constexpr std::size_t geometry = geometry_bytes<TypeParam>();
+    int touched = 0;
+    for (int round = 0; round < 100; ++round) {
+        Scene whole = make_scene(), part = make_scene();
+        TypeParam params = random_params<TypeParam>(this->rng, false);
+        for (Scene* scene : {&whole, &part}) ASSERT_TRUE(scene->add(this->handle, params));
+        for (int i = 0; i < 60; ++i) {
+            const TypeParam other = random_params<TypeParam>(this->rng, false);
+            if (i % 4 == 0) std::memcpy(static_cast<void*>(&params), &other, geometry);
+            if constexpr (Surface<TypeParam>) {
+                if (round % 2) params.velocity = {};
+            }
+            std::size_t bytes = geometry;
+            if (i % 20 == 19) {
+                params = other;
+                bytes = sizeof params;
+            }
+            TypeParam anew = params;
+            if constexpr (Surface<TypeParam>) anew.texture.reserved = static_cast<std::uint32_t>(i + 1);
+            ASSERT_TRUE(whole.update(this->handle, anew));
+            ASSERT_TRUE(part.update(this->handle, kind_of<TypeParam>, &params, bytes));
+            const Probe probe = wander(this->rng);
+            const Wrench want = whole.evaluate(probe, dt), got = part.evaluate(probe, dt);
+            ASSERT_TRUE(same_bits(want, got))
+                << "seed " << this->seed << " round " << round << " cycle " << i;
+            touched += !want.force.isZero();
+        }
+    }
+    if (!std::is_same_v<TypeParam, Shape>) {  // no mesh was sent: shapes_moving.cpp
+        EXPECT_GT(touched, 500);
+    }
+}
+
+TYPED_TEST(Conformance, ItsGeometryMayNotBeCut) {
+    Scene scene = make_scene();
+    const TypeParam params = random_params<TypeParam>(this->rng, false);
+    ASSERT_TRUE(scene.add(this->handle, params));
+    std::string said;
+    for (std::size_t bytes = 0; bytes <= sizeof params; bytes += 4) {
+        const bool known = bytes == geometry_bytes<TypeParam>() || bytes == sizeof params;
+        const Verdict verdict = scene.check_update(this->handle, kind_of<TypeParam>, &params, bytes);
+        ASSERT_EQ(verdict.code, known ? Verdict::Code::ok : Verdict::Code::wrong_size) << bytes << " bytes";
+        if (!verdict) said = describe(verdict, kind_of<TypeParam>, "");
+    }
+    EXPECT_NE(
+        said.find(std::to_string(sizeof params - 4) + " bytes instead of " + std::to_string(sizeof params)),
+        std::string::npos)
+        << said;
+    if (Surface<TypeParam>) {
+        EXPECT_NE(
+            said.find("(or of " + std::to_string(geometry_bytes<TypeParam>()) + ", its geometry alone)"),
+            std::string::npos)
+            << said;
+    }
+    EXPECT_EQ(said.find('\n'), std::string::npos);
 }
 
 TYPED_TEST(Conformance, TheSameParametersSentAgainChangeNothingToTheBit) {

@@ -13,8 +13,6 @@ import tempfile
 CYCLES = 100
 # Felt wherever the hand is: by how they are meant, or since nothing bounds where they act (taylor's edge `fade` does).
 FELT = {"constant_force far", "spring far", "constraint far"}
-# All planes of a probe are one set, which takes its part of the cycle however far they are; each of them nothing.
-SETS = {"plane far": (400, 0.05)}
 
 
 def counts(program, n):
@@ -40,8 +38,7 @@ for n in (100, 1000):
     print(f"{n} of each; none: {none:.0f} instructions a cycle")
     for name, total in found.items():
         above = total - none
-        base, each = SETS.get(name, (150, 0.5))
-        most = base + each * n
+        most = 150 + 0.5 * n
         print(f"  {name}: {above:+.0f}")
         if name not in FELT and above > most:
             bad.append(f"{n} of {name}: {above:.0f} instructions a cycle, at most {most:.0f}")

@@ -104,7 +104,7 @@ std::string refusal(const Sample& sample) {
     const KindInfo kind{.name = "sample",
                         .fields = sample_fields,
                         .size = sizeof(Sample),
-                        .shape_bytes = 0,
+                        .geometry_bytes = sizeof(Sample),
                         .surface = false,
                         .validate = nullptr,
                         .contradictions = {}};

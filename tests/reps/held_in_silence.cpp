@@ -223,8 +223,8 @@ TEST(HeldInSilence, WhatMovesStaysWhereItIsAndGoesOnAfterIt) {
 }
 
 TEST(HeldInSilence, ATextureStaysWithItsSurface) {
-    Scene scene = scene_of(named("plane", Plane{.stiffness = k,
-                                                .velocity = {0.01, 0, 0},
+    Scene scene = scene_of(named("plane", Plane{.velocity = {0.01, 0, 0},
+                                                .stiffness = k,
                                                 .texture = {.amplitude = 1e-4, .wavelength = 0.005}}));
     scene.settle();
     const auto feel = [&](double silence) {

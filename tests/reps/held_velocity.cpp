@@ -197,7 +197,7 @@ TEST(HeldVelocity, WhatTurnsComesToRestToo) {
 
 // It rests on a belt and is dragged along, at N times the friction against what holds it back.
 TEST(HeldVelocity, AHandThatRestsOnABeltIsDraggedNoMore) {
-    Plane belt{.offset = depth, .stiffness = k, .velocity = {0.05, 0, 0}};
+    Plane belt{.offset = depth, .velocity = {0.05, 0, 0}, .stiffness = k};
     belt.friction.dynamic = 1;
     for (const OnSilence policy : {OnSilence::hold, OnSilence::move}) {
         Scene scene = make_scene();
@@ -228,7 +228,7 @@ TEST(HeldVelocity, AHandThatRestsOnABeltIsDraggedNoMore) {
 
 // Too fine for the speed at which it passes, it comes out as it comes to rest: evenly, too.
 TEST(HeldVelocity, ATextureThatWasTooFastIsFeltWhereItStandsWithoutAStep) {
-    Plane plane{.offset = depth, .stiffness = k, .velocity = {0.1, 0, 0}};
+    Plane plane{.offset = depth, .velocity = {0.1, 0, 0}, .stiffness = k};
     plane.texture = {.amplitude = 2e-6, .wavelength = 2e-4, .direction = {1, 0, 0}, .origin = {5e-5, 0, 0}};
     Scene scene = make_scene();
     ASSERT_TRUE(scene.add({0, 1}, plane, {.on_silence = OnSilence::hold}));

@@ -47,7 +47,7 @@ std::string refusal(const Magnet& m) {
     const KindInfo kind{.name = "magnet",
                         .fields = Describe<Magnet>::fields,
                         .size = sizeof m,
-                        .shape_bytes = 0,
+                        .geometry_bytes = sizeof m,
                         .surface = false,
                         .validate = nullptr,
                         .contradictions = Describe<Magnet>::contradictions};

@@ -39,7 +39,7 @@ TEST(Presets, AreAllThereAndLegalOnASurface) {
         ASSERT_NE(preset(name), nullptr) << name;
         const Plane plane = made_of(*preset(name), Plane{});
         EXPECT_TRUE(validate_fields(Describe<Plane>::fields, &plane)) << name;
-        EXPECT_TRUE(Describe<Plane>::check(plane)) << name;
+        EXPECT_TRUE(check_material(plane)) << name;
         EXPECT_GT(plane.stiffness, 0) << name;
     }
     for (const char* name : {"concrete", "sand", "rubber", "skin", "cloth", "ice", "sandpaper"})
@@ -49,7 +49,7 @@ TEST(Presets, AreAllThereAndLegalOnASurface) {
 }
 
 TEST(Presets, SayHowASurfaceFeelsAndNotWhereItIs) {
-    Plane plane{.normal = {1, 0, 0}, .offset = 0.2, .recovery = 0.03, .velocity = {0, 0.1, 0}};
+    Plane plane{.normal = {1, 0, 0}, .offset = 0.2, .velocity = {0, 0.1, 0}, .recovery = 0.03};
     plane.snag.seed = 77;
     plane.texture.origin = {1, 2, 3};
     plane.texture.direction = {0, 1, 0};

@@ -20,7 +20,7 @@ struct Asked {
     typename R::State state{};
 
     explicit Asked(const R& raw, const Limits& limits = {}) : params(prepared(raw, limits)) {
-        const Verdict verdict = kind_checks(raw);
+        const Verdict verdict = kinds()[kind_of<R>].validate(&raw);
         EXPECT_TRUE(verdict) << "field " << verdict.field;
         adopt(params, nullptr, state, Probe{});
     }
@@ -33,10 +33,6 @@ struct Asked {
         const R next = prepared(raw, Limits{});
         adopt(next, &params, state, Probe{});
         params = next;
-    }
-    static Verdict kind_checks(const R& raw) {
-        const Verdict verdict = validate_fields(Describe<R>::fields, &raw);
-        return verdict ? Describe<R>::check(raw) : verdict;
     }
 };
 

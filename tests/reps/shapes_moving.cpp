@@ -206,6 +206,37 @@ class Flight {
 
 }  // namespace
 
+TEST(MovingShapes, APoseSentAloneIsFeltAsIfAllWereSent) {
+    const std::uint64_t seed = 541;
+    Rng rng(seed);
+    const auto mesh = mesh_at(knurl::test::cube(3, 0.05), Vector::Zero());
+    Scene whole = make_scene(), pose = make_scene();
+    Shape shape{.asset = 1, .stiffness = 500};
+    for (Scene* scene : {&whole, &pose}) {
+        scene->set_asset(1, mesh.get());
+        ASSERT_TRUE(scene->add({0, 1}, shape));
+    }
+    int touched = 0;
+    for (int i = 0; i < 5000; ++i) {
+        if (i % 7 == 0) {
+            shape.position = to_plain(Vector(0.03 * direction(rng)));
+            shape.orientation = {1, uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)};
+            shape.velocity = to_plain(Vector(0.1 * direction(rng)));
+            shape.angular_velocity = to_plain(direction(rng));
+        }
+        Shape anew = shape;
+        anew.texture.reserved =
+            static_cast<std::uint32_t>(i + 1);  // which means nothing: it is described anew
+        ASSERT_TRUE(whole.update({0, 1}, anew));
+        ASSERT_TRUE(pose.update({0, 1}, kind_of<Shape>, &shape, geometry_bytes<Shape>()));
+        const Probe probe = at(0.03 * Vector(std::sin(0.01 * i), std::sin(0.013 * i), std::cos(0.007 * i)));
+        const Wrench want = whole.evaluate(probe, dt);
+        ASSERT_TRUE(same_bits(want, pose.evaluate(probe, dt))) << "seed " << seed << " cycle " << i;
+        touched += !want.force.isZero();
+    }
+    EXPECT_GT(touched, 500);
+}
+
 TEST(MovingShapes, AnswerAsIfEachWereAskedInEveryCycle) {
     Seen seen;
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {

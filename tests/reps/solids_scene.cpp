@@ -148,7 +148,7 @@ TEST(SolidsInAScene, OneThatIsSentAwayWhileItHoldsTheHandAndBackMeetsItAsIfItHad
 
 TEST(SolidsInAScene, OneThatMovesUnderTheHandIsFeltBetweenItsUpdates) {
     Scene scene = make_scene();
-    ASSERT_TRUE(scene.add({0, 1}, Sphere{.radius = 0.02, .stiffness = 1000, .velocity = {0, 0, 0.1}}));
+    ASSERT_TRUE(scene.add({0, 1}, Sphere{.radius = 0.02, .velocity = {0, 0, 0.1}, .stiffness = 1000}));
     scene.settle();
     for (int i = 0; i < 50; ++i) {
         const double depth = 0.1 * dt * i - 0.001;

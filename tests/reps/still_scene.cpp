@@ -198,7 +198,7 @@ TEST(StillScene, KnowsASilenceThatBeganMeanwhile) {
     twins.put(0, Plane{.offset = -0.02, .stiffness = 100}, {.on_silence = OnSilence::hold}, 1);
     for (int cycle = 0; cycle < 2000; ++cycle) {
         if (cycle == 1000)
-            twins.put(1, Plane{.offset = 0.01, .stiffness = 100, .damping = 5, .velocity = {0, 0, 0.1}},
+            twins.put(1, Plane{.offset = 0.01, .velocity = {0, 0, 0.1}, .stiffness = 100, .damping = 5},
                       {.on_silence = OnSilence::hold}, 2);
         for (Scene* scene : {&twins.asked, &twins.left_out})
             scene->set_silence(cycle < 500 ? 0 : 1e-3 * (cycle - 499));
@@ -231,7 +231,7 @@ TEST(StillScene, IsNoneThatIsFeltFadesMovesOrIsAskedInEachCycle) {
     EXPECT_EQ(within(Plane{.offset = -0.02, .stiffness = 100}, Spring{.anchor = {1, 0, 0}, .stiffness = 5}),
               0)
         << "a spring is asked in each cycle";
-    EXPECT_EQ(within(Plane{.offset = -0.02, .stiffness = 100, .velocity = {0, 0, 1e-6}}), 0) << "it moves";
+    EXPECT_EQ(within(Plane{.offset = -0.02, .velocity = {0, 0, 1e-6}, .stiffness = 100}), 0) << "it moves";
     EXPECT_GT(within(Plane{.offset = -0.02, .stiffness = 100}, Spring{.anchor = {1, 0, 0}, .stiffness = 0}),
               0.019)
         << "a spring that gives nothing is not";

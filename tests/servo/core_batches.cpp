@@ -1,5 +1,7 @@
 // Batches as the servo takes them: whole or not at all, never before the commands' turn, and told of.
 
+#include <knurl/reps/describe.hpp>
+
 #include "core_desk.hpp"
 
 namespace knurl::servo {
@@ -29,7 +31,7 @@ TEST(Batches, AContradictionIsRefusedWithItsReason) {
     desk.servo.step();
     const Reply reply = desk.claim.replies().at(0);
     EXPECT_EQ(reply.code, static_cast<std::uint32_t>(Code::contradiction));
-    EXPECT_EQ(Describe<Plane>::contradictions[reply.reason], static_below_dynamic);
+    EXPECT_EQ(kinds()[kind_of<Plane>].contradictions[reply.reason], static_below_dynamic);
     EXPECT_EQ(reply.value, 0.25);
 
     const Handle plane = desk.claim.add(Plane{.stiffness = 1});
@@ -39,7 +41,7 @@ TEST(Batches, AContradictionIsRefusedWithItsReason) {
     desk.force();
     const auto& header = desk.claim.feedback().header;
     EXPECT_EQ(header.refused_code, static_cast<std::uint32_t>(Code::contradiction));
-    EXPECT_EQ(Describe<Plane>::contradictions[header.refused_reason], static_below_dynamic);
+    EXPECT_EQ(kinds()[kind_of<Plane>].contradictions[header.refused_reason], static_below_dynamic);
     EXPECT_EQ(Describe<Plane>::fields[header.refused_field].name, "friction.static");
     EXPECT_EQ(header.refused_value, 0.25);
 }
@@ -104,25 +106,63 @@ TEST(Batches, WhatWasNotTakenIsMergedAndOnlyTheNewestIsFelt) {
     EXPECT_EQ(desk.claim.feedback().header.batch, 11u);
 }
 
-TEST(Batches, AnEntryMayBringAPlanesShapeAlone) {
+TEST(Batches, AnEntryMayBringAPlanesGeometryAlone) {
     Desk desk;
     Plane plane{.normal = {0, 0, 1}, .offset = -1, .stiffness = 100, .recovery = 0};
     plane.friction.viscous = 2;
     const Handle handle = desk.claim.add(plane);
     desk.force();
     plane.offset = 0.01;
-    desk.claim.update(handle, kind_of<Plane>, &plane, Describe<Plane>::shape_bytes);
+    desk.claim.update(handle, kind_of<Plane>, &plane, geometry_bytes<Plane>());
     desk.claim.commit();
     const double shallow = desk.force();
     plane.offset = 0.02;
     desk.claim.update(handle, plane);
     desk.claim.commit();
     EXPECT_NEAR(desk.force() - shallow, 1, 1e-9) << "100 N/m, 10 mm deeper";
-    plane.stiffness = -1;
-    desk.claim.update(handle, kind_of<Plane>, &plane, Describe<Plane>::shape_bytes);
+    plane.offset = std::nan("");
+    desk.claim.update(handle, kind_of<Plane>, &plane, geometry_bytes<Plane>());
     desk.claim.commit();
     desk.force();
     EXPECT_EQ(desk.servo.count(Count::batches_refused), 1u);
+}
+
+namespace {
+
+template <class R>
+void takes_the_geometry_alone() {
+    SCOPED_TRACE(Describe<R>::name);
+    const R params{};
+    const std::size_t geometry = geometry_bytes<R>();
+    Desk desk;
+    const Handle handle = desk.claim.add(params);
+    desk.force();
+    const auto send = [&](std::size_t bytes) {
+        desk.claim.update(handle, kind_of<R>, &params, bytes);
+        desk.claim.commit();
+        desk.force();
+        return desk.claim.feedback().header;
+    };
+    EXPECT_EQ(send(sizeof params).batches_refused, 0u);
+    EXPECT_EQ(send(geometry).batches_refused, 0u);
+    const protocol::FeedbackHeader header = send(geometry - 8);
+    EXPECT_EQ(header.batches_refused, 1u);
+    const std::string line = describe(protocol::verdict_of(header), header.refused_kind, "");
+    EXPECT_EQ(line, std::string(Describe<R>::name) + ": parameters of " + std::to_string(geometry - 8) +
+                        " bytes instead of " + std::to_string(sizeof params) +
+                        (Surface<R> ? " (or of " + std::to_string(geometry) + ", its geometry alone)" : "") +
+                        "; build the application and the servo from the same version");
+}
+
+template <class... R>
+void each_takes_the_geometry_alone(TypeList<R...>) {
+    (takes_the_geometry_alone<R>(), ...);
+}
+
+}  // namespace
+
+TEST(Batches, OfAnyKindAnEntryBringsAllOrTheGeometryAlone) {
+    each_takes_the_geometry_alone(Representations{});
 }
 
 TEST(Batches, UpdatesOfWhatIsGoneAreNoOps) {

@@ -42,8 +42,12 @@ void PendingBatch::take_entry(const protocol::EntryHeader& header, const std::by
     if (header.handle.slot >= slots_.size()) return;
     Slot& slot = slots_[header.handle.slot];
     if (!slot.pending) pending_.push_back(header.handle.slot);
+    // A geometry that comes alone is written over parameters that are still on their way, which stay whole.
+    const std::uint32_t on_their_way =
+        slot.pending && slot.header.handle == header.handle ? slot.header.bytes : 0;
     slot.pending = true;
     slot.header = header;
+    slot.header.bytes = std::max(header.bytes, on_their_way);
     slot.sequence = newest_;
     std::memcpy(slot.params, params, header.bytes);
 }

@@ -239,8 +239,9 @@ void ClaimState::take_feedback(ClaimChannel& channel) {
         measured_batch_ = feedback_.batch;
         ages_.add(static_cast<double>(feedback_.batch_age_ns) * 1e-9);
     }
-    if (feedback_.batches_refused > refused)
-        deferred_ = detail::format("device '{}': {}", device_name(), refused_batch(feedback_));
+    if (feedback_.batches_refused <= refused) return;
+    table_.refused();
+    deferred_ = detail::format("device '{}': {}", device_name(), refused_batch(feedback_));
 }
 
 void ClaimState::on_attach(Attachment& attachment, bool again) {

@@ -49,7 +49,6 @@ Handle Table::add(Kind kind, std::span<const std::byte> params, const Use& use) 
     entry = Entry{.generation = entry.generation + 1,
                   .kind = kind,
                   .live = true,
-                  .shape_alone = kinds()[kind].shape_bytes != 0,
                   .version = ++version_,
                   .order = ++order_,
                   .use = use,
@@ -83,9 +82,9 @@ void Table::set(Handle handle, std::span<const std::byte> params) {
     if (!entry->changed && !entry->in_flight) pending_.push_back(handle.slot);
     entry->changed = true;
     entry->version = ++version_;
-    const std::size_t shape = kinds()[entry->kind].shape_bytes;
-    entry->shape_alone =
-        entry->shape_alone && std::memcmp(&entry->params[shape], &params[shape], params.size() - shape) == 0;
+    const std::size_t geometry = kinds()[entry->kind].geometry_bytes;
+    if (std::memcmp(entry->params.data() + geometry, params.data() + geometry, params.size() - geometry) != 0)
+        entry->material_changed = true;
     entry->params.assign(params.begin(), params.end());
 }
 
@@ -114,7 +113,8 @@ std::span<const std::byte> Table::batch() {
     batch_.clear();
     for (const std::uint32_t slot : pending_) {
         const Entry& entry = entries_[slot];
-        const std::size_t size = entry.shape_alone ? kinds()[entry.kind].shape_bytes : entry.params.size();
+        const bool whole = entry.material_changed || entry.material_in_flight;
+        const std::size_t size = whole ? entry.params.size() : kinds()[entry.kind].geometry_bytes;
         const protocol::EntryHeader header{.handle = handle_of(slot),
                                            .kind = entry.kind,
                                            .bytes = static_cast<std::uint32_t>(size),
@@ -139,16 +139,26 @@ void Table::commit_changes() {
         if (!entry.changed) continue;
         entry.changed = false;
         entry.in_flight = true;
+        entry.material_in_flight = entry.material_in_flight || entry.material_changed;
+        entry.material_changed = false;
         entry.committed = entry.params;
     }
 }
 
+// What the batches before have held.
+void Table::landed() {
+    for (const std::uint32_t slot : pending_)
+        entries_[slot].in_flight = entries_[slot].material_in_flight = false;
+    std::erase_if(pending_, [this](std::uint32_t slot) { return !entries_[slot].changed; });
+}
+
 void Table::published(bool previous_taken) {
-    if (previous_taken) {
-        for (const std::uint32_t slot : pending_) entries_[slot].in_flight = false;
-        std::erase_if(pending_, [this](std::uint32_t slot) { return !entries_[slot].changed; });
-    }
+    if (previous_taken) landed();
     commit_changes();
+}
+
+void Table::refused() {
+    for (Entry& entry : entries_) entry.material_changed = entry.live;
 }
 
 void Table::committed_for_replay() {
@@ -157,8 +167,7 @@ void Table::committed_for_replay() {
 }
 
 void Table::restarted() {
-    for (const std::uint32_t slot : pending_) entries_[slot].in_flight = false;
-    std::erase_if(pending_, [this](std::uint32_t slot) { return !entries_[slot].changed; });
+    landed();
 }
 
 }  // namespace knurl::detail

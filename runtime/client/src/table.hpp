@@ -28,11 +28,13 @@ struct Entry {
     std::uint32_t generation = 0;  // of the latest user of this slot; handles begin at 1
     Kind kind = 0;
     bool live = false;
-    bool leaving = false;      // removed in a group that was not sent yet: find() does not see it
-    bool issued = false;       // its `add` was sent: an entry of an open group is not
-    bool changed = false;      // since the last batch
-    bool shape_alone = false;  // nothing beyond the shape was ever changed: the servo has the rest from `add`
-    bool in_flight = false;    // in a batch that is not known to have been taken
+    bool leaving = false;    // removed in a group that was not sent yet: find() does not see it
+    bool issued = false;     // its `add` was sent: an entry of an open group is not
+    bool changed = false;    // since the last batch
+    bool in_flight = false;  // in a batch that is not known to have been taken
+    // The same of what lies behind the geometry. With neither, the servo has it, and the geometry is sent alone.
+    bool material_changed = false;
+    bool material_in_flight = false;
     std::uint64_t version = 0;
     std::uint64_t order = 0;        // of addition: replayed in this order
     double applied_stiffness = -1;  // N/m, from the servo's answer; below 0: not answered
@@ -77,11 +79,14 @@ class Table {
     void published(bool previous_taken);
     /// As published(), to nobody: there is no servo; a new one gets everything by replay.
     void committed_for_replay();
+    /// A batch was refused, so what it held beside geometries is sent again with the next change.
+    void refused();
     /// A new servo knows what was committed, and nothing is in flight.
     void restarted();
 
   private:
     void commit_changes();
+    void landed();
 
     protocol::ClaimCapacity capacity_{.representations = 0, .batch_bytes = 0};
     std::vector<Entry> entries_;

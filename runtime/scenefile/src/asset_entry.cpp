@@ -11,8 +11,17 @@ namespace knurl::scenefile {
 
 namespace {
 
-constexpr std::string_view keys[] = {"mesh",  "unit",    "inside",  "vertices", "triangles",
-                                     "exact", "heights", "spacing", "corner"};
+constexpr KeyInfo keys[] = {
+    {"mesh", "a path", "STL, OBJ or PLY, seen from the folder of the scene file"},
+    {"unit", "`mm`, `cm`, `m`, `in`, `um`", "of the mesh's numbers"},
+    {"inside", "true, false; false", "closed parts that are wound inside out stay so"},
+    {"vertices", "m, a list of [x, y, z]", "in place of a file"},
+    {"triangles", "a list of [a, b, c]", "of vertices from 0, counter-clockwise as seen from outside"},
+    {"exact", "true, false; false", "of a mesh: its corners as double"},
+    {"heights", "m, rows of numbers", "over a grid, row by row, x first"},
+    {"spacing", "m, [dx, dy]", "from one height to the next"},
+    {"corner", "m, [x, y, z]; the origin", "where the first height is, at height 0"},
+};
 
 /// The rows of an array of arrays.
 std::vector<const toml::array*> rows_of(const std::string& path, const Value& value, const std::string& what,
@@ -77,6 +86,10 @@ void read_heights(const std::string& path, const Value& value, const std::string
 
 }  // namespace
 
+std::span<const KeyInfo> asset_keys() noexcept {
+    return keys;
+}
+
 AssetEntry read_asset(const std::string& path, std::size_t number, const toml::table& table) {
     const std::string called = fmt::format("asset {}", number);
     AssetEntry asset;
@@ -125,7 +138,9 @@ AssetEntry read_asset(const std::string& path, std::size_t number, const toml::t
             asset.grid.corner = to_eigen(vector(path, value, what, "m"));
             of_heights = &value;
         } else {
-            fail_unknown_key(path, value, called, {std::begin(keys), std::end(keys)});
+            std::vector<std::string_view> known;
+            for (const KeyInfo& key : keys) known.push_back(key.name);
+            fail_unknown_key(path, value, called, known);
         }
     }
     const int forms = (of_file != nullptr) + (of_mesh != nullptr) + (of_heights != nullptr);

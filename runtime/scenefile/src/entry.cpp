@@ -14,7 +14,17 @@ namespace knurl::scenefile {
 
 namespace {
 
-constexpr std::string_view entry_keys[] = {"id", "at", "remove", "probe", "on_silence", "silence_time"};
+constexpr scenefile::KeyInfo keys_of_entries[] = {
+    {"id", "a string or an integer", "names the representation; without one it cannot be changed later"},
+    {"at", "s, 0 or more; 0", "when the entry takes effect: in the first cycle at or after it"},
+    {"remove", "true, false; false", "the representation goes, over its recovery"},
+    {"probe", "0 to 15; 0", "which probe it acts on; fixed when it is added"},
+    {"on_silence", "`fade`, `hold`, `move`; `fade`",
+     "what it does when its application falls silent; fixed when it is added"},
+    {"silence_time", "s; 0.1", "for how long `move` goes on; fixed when it is added"},
+    {"material", "a preset's name",
+     "of surfaces: stiffness, damping, friction, snags and texture; keys beside it win"},
+};
 
 std::string joined(const std::vector<std::string_view>& words) {
     std::string text;
@@ -130,6 +140,10 @@ void fail_unknown_key(const std::string& path, const Value& value, const std::st
                      meant.empty() ? "it takes " + joined(known) : fmt::format("did you mean '{}'?", meant)));
 }
 
+std::span<const KeyInfo> entry_keys() noexcept {
+    return keys_of_entries;
+}
+
 Use use_of(const Entry& entry) {
     Use use;
     use.probe = entry.probe.value_or(use.probe);
@@ -148,8 +162,8 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
 
     std::vector<std::string_view> known;
     for (const Field& field : info.fields) known.push_back(field.name);
-    known.insert(known.end(), std::begin(entry_keys), std::end(entry_keys));
-    if (info.surface) known.push_back("material");
+    for (const KeyInfo& key : keys_of_entries)
+        if (info.surface || key.name != "material") known.push_back(key.name);
 
     const auto values = values_of(table);
     for (const Value& value : values) {  // first, so that every other error can name it

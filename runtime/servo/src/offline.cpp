@@ -96,10 +96,10 @@ void OfflineClaim::place_probe(std::uint32_t probe, const ProbePlacement& placem
 void OfflineClaim::update(Handle handle, Kind kind, const void* params, std::size_t bytes) {
     std::erase_if(pending_, [handle](const Pending& p) { return p.handle == handle; });
     const auto* from = static_cast<const std::byte*>(params);
-    const std::size_t shape = kind < kinds().size() ? kinds()[kind].shape_bytes : 0;
-    if (shape != 0 && handle.slot < added_.size() && added_[handle.slot].size() == bytes && bytes > shape) {
-        if (std::memcmp(added_[handle.slot].data() + shape, from + shape, bytes - shape) == 0)
-            bytes = shape;
+    const std::size_t geometry = kind < kinds().size() ? kinds()[kind].geometry_bytes : bytes;
+    if (handle.slot < added_.size() && added_[handle.slot].size() == bytes && bytes > geometry) {
+        if (std::memcmp(added_[handle.slot].data() + geometry, from + geometry, bytes - geometry) == 0)
+            bytes = geometry;
         else
             added_[handle.slot].clear();
     }

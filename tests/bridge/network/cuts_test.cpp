@@ -105,8 +105,8 @@ TEST_F(Cuts, WhatIsToMoveMovesOnForItsTimeAndThenFades) {
     constexpr double stiffness = 200, speed = 0.005;  // N/m, m/s: 1 N/s into the hand
     hand.add(Plane{.normal = {1, 0, 0},
                    .offset = setting.position.x,
-                   .stiffness = stiffness,
-                   .velocity = {speed, 0, 0}},
+                   .velocity = {speed, 0, 0},
+                   .stiffness = stiffness},
              {.on_silence = OnSilence::move, .silence_time = 0.3});
     commit();
     setting.pass_until([&] { return setting.felt() > held + 0.01; }, [&] { commit(); });

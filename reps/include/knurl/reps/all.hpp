@@ -59,9 +59,9 @@ concept Listed = kind_of<R> < Representations::size;
 struct KindInfo {
     std::string_view name;
     std::span<const Field> fields;
-    std::size_t size;         // bytes of its parameters
-    std::size_t shape_bytes;  // the leading ones that an update may bring alone; 0: none
-    bool surface;             // else an effect
+    std::size_t size;            // bytes of its parameters
+    std::size_t geometry_bytes;  // the leading ones that an update may bring alone
+    bool surface;                // else an effect
     Verdict (*validate)(const void* params) noexcept;
     std::span<const std::string_view> contradictions;  // what a Verdict's `reason` counts
 };

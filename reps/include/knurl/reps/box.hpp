@@ -46,11 +46,11 @@ struct Box {
     Vec3 half_size = {0.05, 0.05, 0.05};  // m, along the axes of its frame; 0: as thin as a plate
     Side side = Side::outside;
     std::uint32_t reserved = 0;
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
     double stiffness = 0;         // N/m; infinity: as stiff as the device allows
     double damping = 0;           // N s/m
     double recovery = automatic;  // s; 0: at once
     double braking = 0;           // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};           // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
@@ -100,8 +100,6 @@ struct Describe<Box> {
             side_row<Box>(),
         },
         surface_rows<Box>());
-    static constexpr std::string_view contradictions[] = {static_below_dynamic};
-    static Verdict check(const Box& box) noexcept { return check_material(box); }
 };
 
 Box prepared(Box params, const Limits& limits) noexcept;

@@ -10,9 +10,8 @@
 
 #include <cstddef>
 
-#include <knurl/reps/concepts.hpp>
+#include <knurl/reps/distance_surface.hpp>
 #include <knurl/reps/material.hpp>
-#include <knurl/reps/motion.hpp>
 
 namespace knurl {
 
@@ -26,18 +25,16 @@ struct Cap {
     double curvature2 = 0;    // 1/m, across `axis`
     Vec3 axis = {};        // the tangent direction of `curvature` (projected); 0 0 0: that in every direction
     double rim = 0.15;     // sine of the angle up to which the stronger curvature is followed
+    Vec3 velocity = {};    // m/s, with which it moves on between updates
     double stiffness = 0;  // N/m; infinity: as stiff as the device allows
     double damping = 0;    // N s/m
     double recovery = automatic;  // s; 0: at once
     double braking = 0;           // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};           // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
 
-    struct State {
-        Motion motion;
-    };
+    using State = MovingState;
 };
 
 template <>
@@ -45,46 +42,15 @@ struct Describe<Cap> {
     static constexpr std::string_view name = "cap";
     static constexpr auto fields = join_rows(
         std::array{
-            Field{.name = "foot",
-                  .type = Field::Type::vector,
-                  .offset = offsetof(Cap, foot),
-                  .unit = "m",
-                  .meaning = "the surface's point under the hand",
-                  .minimum = -1e9,
-                  .maximum = 1e9},
-            Field{.name = "normal",
-                  .type = Field::Type::vector,
-                  .offset = offsetof(Cap, normal),
-                  .unit = "1",
-                  .meaning = "there, towards free space",
-                  .minimum = -1e9,
-                  .maximum = 1e9,
-                  .nonzero = true},
-            Field{.name = "curvature",
-                  .offset = offsetof(Cap, curvature),
-                  .unit = "1/m",
-                  .meaning = "positive: towards free space, hollow",
-                  .minimum = -1e9,
-                  .maximum = 1e9},
-            Field{.name = "curvature2",
-                  .offset = offsetof(Cap, curvature2),
-                  .unit = "1/m",
-                  .meaning = "across the axis",
-                  .minimum = -1e9,
-                  .maximum = 1e9},
-            Field{.name = "axis",
-                  .type = Field::Type::vector,
-                  .offset = offsetof(Cap, axis),
-                  .unit = "1",
-                  .meaning = "the tangent direction of curvature; none: in every direction",
-                  .minimum = -1e9,
-                  .maximum = 1e9},
-            Field{.name = "rim",
-                  .offset = offsetof(Cap, rim),
-                  .unit = "1",
-                  .meaning = "sine of the angle up to which the stronger curvature is followed",
-                  .minimum = 0,
-                  .maximum = 0.5},
+            vector_row("foot", offsetof(Cap, foot), "m", "the surface's point under the hand"),
+            direction_row("normal", offsetof(Cap, normal), "there, towards free space"),
+            number_row("curvature", offsetof(Cap, curvature), "1/m", "positive: towards free space, hollow",
+                       -1e9, 1e9),
+            number_row("curvature2", offsetof(Cap, curvature2), "1/m", "across the axis", -1e9, 1e9),
+            vector_row("axis", offsetof(Cap, axis), "1",
+                       "the tangent direction of curvature; none: in every direction"),
+            number_row("rim", offsetof(Cap, rim), "1",
+                       "sine of the angle up to which the stronger curvature is followed", 0, 0.5),
         },
         surface_rows<Cap>());
     static constexpr std::string_view contradictions[] = {
@@ -96,10 +62,9 @@ struct Describe<Cap> {
 };
 
 Cap prepared(Cap params, const Limits& limits) noexcept;
-void adopt(const Cap& params, const Cap* previous, Cap::State& state, const Probe& probe) noexcept;
-/// The height is that of the probe's surface. A hollow tighter than half of 1 / the probe's radius is felt as
+/// A hollow tighter than half of 1 / the probe's radius is felt as
 /// one of that curvature: in a tighter one the probe would touch on both sides.
-Contact contact(const Cap& params, Cap::State& state, const Probe& probe, double dt) noexcept;
+SurfaceDistance distance(const Cap& params, const Eigen::Vector3d& p, double radius) noexcept;
 double clearance(const Cap& params, const Cap::State& state, const Probe& probe) noexcept;
 std::uint32_t curved(const Cap& params, const Cap::State& state, const Probe& probe, const Probe& there,
                      std::span<CurvedContact> out) noexcept;

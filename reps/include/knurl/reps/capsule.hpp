@@ -17,11 +17,11 @@ struct Capsule {
     double radius = 0.01;       // m; 0: a needle
     Side side = Side::outside;
     std::uint32_t reserved = 0;
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
     double stiffness = 0;         // N/m; infinity: as stiff as the device allows
     double damping = 0;           // N s/m
     double recovery = automatic;  // s; 0: at once
     double braking = 0;           // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};           // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
@@ -34,12 +34,10 @@ struct Describe<Capsule> {
     static constexpr std::string_view name = "capsule";
     static constexpr auto fields = join_rows(
         std::array{center_row<Capsule>(), axis_row<Capsule>(),
-                   length_row("half_length", offsetof(Capsule, half_length),
+                   number_row("half_length", offsetof(Capsule, half_length), "m",
                               "from the middle to where the round ends begin"),
-                   length_row("radius", offsetof(Capsule, radius), "0: a needle"), side_row<Capsule>()},
+                   number_row("radius", offsetof(Capsule, radius), "m", "0: a needle"), side_row<Capsule>()},
         surface_rows<Capsule>());
-    static constexpr std::string_view contradictions[] = {static_below_dynamic};
-    static Verdict check(const Capsule& capsule) noexcept { return check_material(capsule); }
 };
 
 Capsule prepared(Capsule params, const Limits& limits) noexcept;
@@ -48,7 +46,9 @@ void adopt(const Capsule& params, const Capsule* previous, Capsule::State& state
 Contact contact(const Capsule& params, Capsule::State& state, const Probe& probe, double dt) noexcept;
 std::uint32_t curved(const Capsule& params, const Capsule::State& state, const Probe& probe,
                      const Probe& there, std::span<CurvedContact> out) noexcept;
-void lean(const Capsule& params, Capsule::State& state, const Probe& there) noexcept;
+void lean(const Capsule& params, Capsule::State& state, const Probe& there, double below) noexcept;
+bool plane_alone(const Capsule& params, const Capsule::State& state, const Probe& probe, double stiffness,
+                 CurvedContact& out) noexcept;
 std::optional<Bound> bound(const Capsule& params, const Capsule::State& state) noexcept;
 void out_of_reach(const Capsule& params, Capsule::State& state) noexcept;
 

@@ -25,11 +25,8 @@ struct Describe<Use> {
          .meaning = "which probe it acts on",
          .minimum = 0,
          .maximum = max_probes - 1},
-        {.name = "on_silence",
-         .type = Field::Type::choice,
-         .offset = offsetof(Use, on_silence),
-         .meaning = "what it does when its application falls silent",
-         .choices = silence_names},
+        choice_row("on_silence", offsetof(Use, on_silence), "what it does when its application falls silent",
+                   silence_names),
         {.name = "silence_time",
          .offset = offsetof(Use, silence_time),
          .unit = "s",
@@ -43,19 +40,9 @@ struct Describe<ProbePlacement> {
     static constexpr double farthest = 1e9;  // m
     static constexpr std::string_view name = "probe";
     static constexpr Field fields[] = {
-        {.name = "offset",
-         .type = Field::Type::vector,
-         .offset = offsetof(ProbePlacement, offset),
-         .unit = "m",
-         .meaning = "from the tip, in the frame of the tool",
-         .minimum = -farthest,
-         .maximum = farthest},
-        {.name = "radius",
-         .offset = offsetof(ProbePlacement, radius),
-         .unit = "m",
-         .meaning = "of the probe",
-         .minimum = 0,
-         .maximum = farthest},
+        vector_row("offset", offsetof(ProbePlacement, offset), "m", "from the tip, in the frame of the tool",
+                   farthest),
+        number_row("radius", offsetof(ProbePlacement, radius), "m", "of the probe", 0, farthest),
     };
 };
 

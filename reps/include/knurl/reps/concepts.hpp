@@ -1,7 +1,9 @@
 #pragma once
 // The two kinds of representation: contacts must be solved together, effects must not.
 
+#include <algorithm>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -91,10 +93,32 @@ concept Effect = Representation<R> &&
         { evaluate(params, state, probe, dt) } noexcept -> std::same_as<Wrench>;
     };
 
+/// The leading bytes of R's parameters that an update may bring alone; then the rest stays as it is. Of a surface its
+/// geometry, with the velocity: all before the first field of its material. Of an effect, which is small, all.
+template <Representation R>
+consteval std::size_t geometry_bytes() {
+    std::size_t bytes = sizeof(R);
+    if constexpr (Surface<R>)
+        for (const Field& row : material_rows<R>()) bytes = std::min(bytes, row.offset);
+    return bytes;
+}
+
+/// Each field lies in the geometry or behind it, and the velocity in it, as material.hpp orders them.
+template <Representation R>
+consteval bool geometry_comes_first() {
+    for (const Field& row : Describe<R>::fields) {
+        const bool begins = row.offset < geometry_bytes<R>();
+        const bool ends = row.offset + row.bytes() <= geometry_bytes<R>();
+        if (begins != ends || (row.name == "velocity" && !begins)) return false;
+    }
+    return geometry_bytes<R>() % 8 == 0;
+}
+
 // What a representation may offer besides. Each is found by its name (argument-dependent lookup) and is optional:
 //
 //   std::optional<HalfSpace> standing(const R&)
-//       a surface that is one plane until it changes: scanned, not called
+//       a surface that is one plane until it changes: scanned, not called. With void prepare_geometry(R&), the part of
+//       prepared() that its geometry has, an update of no more than that takes a shorter way
 //   std::optional<Bound> bound(const R&, const R::State&)
 //       a surface that is not asked where it is out of reach; without it, or without a value, it is asked in every
 //       cycle
@@ -119,8 +143,11 @@ concept Effect = Representation<R> &&
 //       a surface that is not flat: what `contact` has answered for the probe in this cycle, as it is at another place;
 //       as many as it has tangent planes. 0: those of this cycle hold there too (a face that holds the probe). Where
 //       the answer changes with the probe, it must agree with the tangent plane at the probe's foot
-//   void lean(const R&, R::State&, const Probe& there)
-//       beside curved(): where it meets others, so that the plane by which it holds a deep probe is the one felt there
+//   void lean(const R&, R::State&, const Probe& there, double below)
+//       beside curved(): where it meets others, so that the plane by which it holds a deep probe is the one felt there.
+//       In layers that are harder than `below` (N/m) it meets none of them; infinity: it is in no harder layer
+//   bool plane_alone(const R&, const R::State&, const Probe&, double stiffness, CurvedContact& out)
+//       beside lean(): in a layer of that stiffness (N/m) it holds the probe by another plane than its contact's, `out`
 //   R::turns
 //       a surface whose material moves differently from place to place: Contact::velocity counts, not R's. Its bound
 //       holds while it moves on: where it is out of reach it is not asked, and is put where it has come to before it is
@@ -139,10 +166,6 @@ concept Effect = Representation<R> &&
 //       State::moves_alike, which says that both move by themselves and alike
 //   void settle(const R&, R::State&)
 //       ends every motion and recovery at once
-//
-// Describe<R>::shape_bytes: of a surface that may stand, the leading bytes of its parameters (recovery among them) that
-// its plane and stiffness follow from; nothing that `check` looks at. With void prepare(R&, Limits) beside prepared(),
-// an update of no more than those takes a shorter way, and may bring those bytes alone.
 //
 // A member `asset` names one of the scene's (Scene::set_asset); State::asset is that one when adopt is called, or null.
 //

@@ -21,20 +21,8 @@ template <>
 struct Describe<ConstantForce> {
     static constexpr std::string_view name = "constant_force";
     static constexpr Field fields[] = {
-        {.name = "force",
-         .type = Field::Type::vector,
-         .offset = offsetof(ConstantForce, force),
-         .unit = "N",
-         .meaning = "on the hand",
-         .minimum = -1e9,
-         .maximum = 1e9},
-        {.name = "torque",
-         .type = Field::Type::vector,
-         .offset = offsetof(ConstantForce, torque),
-         .unit = "N m",
-         .meaning = "on the hand, about the probe",
-         .minimum = -1e9,
-         .maximum = 1e9},
+        vector_row("force", offsetof(ConstantForce, force), "N", "on the hand"),
+        vector_row("torque", offsetof(ConstantForce, torque), "N m", "on the hand, about the probe"),
         recovery_row(offsetof(ConstantForce, recovery)),
     };
 };

@@ -19,11 +19,11 @@ struct Cylinder {
     double half_length = 0.02;  // m, from the middle to an end; 0: a disc; infinity: endless
     Side side = Side::outside;
     std::uint32_t reserved = 0;
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
     double stiffness = 0;         // N/m; infinity: as stiff as the device allows
     double damping = 0;           // N s/m
     double recovery = automatic;  // s; 0: at once
     double braking = 0;           // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};           // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
@@ -36,18 +36,16 @@ template <>
 struct Describe<Cylinder> {
     static constexpr std::string_view name = "cylinder";
     static constexpr Field half_length = [] {
-        Field row = length_row("half_length", offsetof(Cylinder, half_length),
+        Field row = number_row("half_length", offsetof(Cylinder, half_length), "m",
                                "from the middle to an end; infinity: endless");
         row.infinity_allowed = true;
         return row;
     }();
     static constexpr auto fields =
         join_rows(std::array{center_row<Cylinder>(), axis_row<Cylinder>(),
-                             length_row("radius", offsetof(Cylinder, radius), "of the wall"), half_length,
-                             side_row<Cylinder>()},
+                             number_row("radius", offsetof(Cylinder, radius), "m", "of the wall"),
+                             half_length, side_row<Cylinder>()},
                   surface_rows<Cylinder>());
-    static constexpr std::string_view contradictions[] = {static_below_dynamic};
-    static Verdict check(const Cylinder& cylinder) noexcept { return check_material(cylinder); }
 };
 
 Cylinder prepared(Cylinder params, const Limits& limits) noexcept;
@@ -59,7 +57,9 @@ std::uint32_t contacts(const Cylinder& params, Cylinder::State& state, const Pro
                        std::span<Contact> out) noexcept;
 std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const Probe& probe,
                      const Probe& there, std::span<CurvedContact> out) noexcept;
-void lean(const Cylinder& params, Cylinder::State& state, const Probe& there) noexcept;
+void lean(const Cylinder& params, Cylinder::State& state, const Probe& there, double below) noexcept;
+bool plane_alone(const Cylinder& params, const Cylinder::State& state, const Probe& probe, double stiffness,
+                 CurvedContact& out) noexcept;
 std::optional<Bound> bound(const Cylinder& params, const Cylinder::State& state) noexcept;
 void out_of_reach(const Cylinder& params, Cylinder::State& state) noexcept;
 

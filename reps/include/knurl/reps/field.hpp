@@ -69,7 +69,42 @@ struct Field {
     }
 };
 
-/// The row of `recovery`, which most kinds have.
+// Rows that most tables have.
+
+/// A real number.
+constexpr Field number_row(std::string_view name, std::size_t offset, std::string_view unit,
+                           std::string_view meaning, double minimum = 0, double maximum = 1e9) {
+    return {.name = name,
+            .offset = offset,
+            .unit = unit,
+            .meaning = meaning,
+            .minimum = minimum,
+            .maximum = maximum};
+}
+/// A vector whose components are not beyond +-`most`.
+constexpr Field vector_row(std::string_view name, std::size_t offset, std::string_view unit,
+                           std::string_view meaning, double most = 1e9) {
+    Field row = number_row(name, offset, unit, meaning, -most, most);
+    row.type = Field::Type::vector;
+    return row;
+}
+/// A vector of which the direction matters.
+constexpr Field direction_row(std::string_view name, std::size_t offset, std::string_view meaning) {
+    Field row = vector_row(name, offset, "1", meaning);
+    row.nonzero = true;
+    return row;
+}
+constexpr Field choice_row(std::string_view name, std::size_t offset, std::string_view meaning,
+                           std::span<const std::string_view> choices) {
+    return {
+        .name = name, .type = Field::Type::choice, .offset = offset, .meaning = meaning, .choices = choices};
+}
+constexpr Field stiffness_row(std::size_t offset, std::string_view meaning) {
+    Field row = number_row("stiffness", offset, "N/m", meaning);
+    row.infinity_allowed = true;
+    return row;
+}
+/// `recovery`: the time of a change.
 constexpr Field recovery_row(std::size_t offset) {
     return {.name = "recovery",
             .offset = offset,
@@ -119,7 +154,9 @@ Verdict validate_fields(std::span<const Field> fields, const void* params) noexc
 ///   static constexpr std::string_view name;       // the TOML table and what people read
 ///   static constexpr Field fields[];              // one row per parameter (array or std::array)
 ///   static Verdict check(const R&) noexcept;      // optional: contradictions between fields, and then
-///   static constexpr std::string_view contradictions[];  // the reasons; "is below friction.dynamic"
+///   static constexpr std::string_view contradictions[];  // the reasons; "leaves no hole in the ring"
+/// A surface's `check` is of its geometry alone: that of its material is made of every surface, and its reason
+/// (static_below_dynamic) comes first.
 /// The sentence is "NAME.FIELD = VALUE UNIT REASON"; a {} in the reason becomes `against`, with the unit.
 template <class R>
 struct Describe;

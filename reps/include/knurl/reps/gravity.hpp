@@ -21,19 +21,8 @@ template <>
 struct Describe<Gravity> {
     static constexpr std::string_view name = "gravity";
     static constexpr Field fields[] = {
-        {.name = "acceleration",
-         .type = Field::Type::vector,
-         .offset = offsetof(Gravity, acceleration),
-         .unit = "m/s^2",
-         .meaning = "of what falls",
-         .minimum = -1e6,
-         .maximum = 1e6},
-        {.name = "mass",
-         .offset = offsetof(Gravity, mass),
-         .unit = "kg",
-         .meaning = "of what is held",
-         .minimum = 0,
-         .maximum = 1e6},
+        vector_row("acceleration", offsetof(Gravity, acceleration), "m/s^2", "of what falls", 1e6),
+        number_row("mass", offsetof(Gravity, mass), "kg", "of what is held", 0, 1e6),
         recovery_row(offsetof(Gravity, recovery)),
     };
 };

@@ -16,13 +16,13 @@ struct HalfPlane {
     double offset = 0;        // m
     Vec3 edge = {1, 0, 0};   // out of the face across its edge; a length other than 1 divides edge_offset too
     double edge_offset = 0;  // m
+    Vec3 velocity = {};      // m/s, with which it moves on between updates
     double stiffness = 0;    // N/m; infinity: as stiff as the device allows
     double damping = 0;      // N s/m
     double recovery = automatic;  // s; 0: at once
     Sides sides = Sides::front;
     std::uint32_t reserved = 0;
     double braking = 0;  // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};  // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
@@ -36,39 +36,14 @@ struct Describe<HalfPlane> {
     static constexpr std::string_view name = "half_plane";
     static constexpr auto fields = join_rows(
         std::array{
-            Field{.name = "normal",
-                  .type = Field::Type::vector,
-                  .offset = offsetof(HalfPlane, normal),
-                  .unit = "1",
-                  .meaning = "towards the front",
-                  .minimum = -1e9,
-                  .maximum = 1e9,
-                  .nonzero = true},
-            Field{.name = "offset",
-                  .offset = offsetof(HalfPlane, offset),
-                  .unit = "m",
-                  .meaning = "the face lies in n.x = offset",
-                  .minimum = -1e9,
-                  .maximum = 1e9},
-            Field{.name = "edge",
-                  .type = Field::Type::vector,
-                  .offset = offsetof(HalfPlane, edge),
-                  .unit = "1",
-                  .meaning = "out of the face, across its edge",
-                  .minimum = -1e9,
-                  .maximum = 1e9,
-                  .nonzero = true},
-            Field{.name = "edge_offset",
-                  .offset = offsetof(HalfPlane, edge_offset),
-                  .unit = "m",
-                  .meaning = "points of the face have edge.x <= edge_offset",
-                  .minimum = -1e9,
-                  .maximum = 1e9},
-            Field{.name = "sides",
-                  .type = Field::Type::choice,
-                  .offset = offsetof(HalfPlane, sides),
-                  .meaning = "from where it can be touched",
-                  .choices = detail::piece_sides},
+            direction_row("normal", offsetof(HalfPlane, normal), "towards the front"),
+            number_row("offset", offsetof(HalfPlane, offset), "m", "the face lies in n.x = offset", -1e9,
+                       1e9),
+            direction_row("edge", offsetof(HalfPlane, edge), "out of the face, across its edge"),
+            number_row("edge_offset", offsetof(HalfPlane, edge_offset), "m",
+                       "points of the face have edge.x <= edge_offset", -1e9, 1e9),
+            choice_row("sides", offsetof(HalfPlane, sides), "from where it can be touched",
+                       detail::piece_sides),
         },
         surface_rows<HalfPlane>());
     static constexpr std::string_view contradictions[] = {

@@ -1,12 +1,19 @@
 #pragma once
-// What a surface feels like along and into it: fields that every surface has. They say nothing about where it
-// is, so the scene acts on them once, on the solved contact of each probe (friction.hpp, texture.hpp).
+// A surface is geometry plus material. The material is what it feels like along and into it: fields that every
+// surface has. They say nothing about where it is, so the scene acts on them once, on the solved contact of each
+// probe (friction.hpp, texture.hpp).
+//
+// Every surface declares its parameters in this order, so that a pose is their prefix (geometry_bytes):
+//
+//   geometry, velocity and, where it turns, angular_velocity | stiffness, damping, recovery, ..., texture
+//   what is sent while it moves                              | its material, and how it acts (`update` of a plane)
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include <knurl/reps/field.hpp>
+#include <knurl/reps/limits.hpp>
 
 namespace knurl {
 
@@ -54,44 +61,33 @@ struct Texture {
     std::uint32_t reserved = 0;
 };
 
+/// Stiffness, damping and viscous friction as the device stands them.
+void clamp_material(double& stiffness, double& damping, Friction& friction, const Limits& limits) noexcept;
+
 namespace detail {
 inline constexpr std::string_view snag_laws[] = {"passive", "paper"};
 inline constexpr std::string_view texture_patterns[] = {"ridges", "grid", "rings"};
 }  // namespace detail
 
-/// The rows of all that every surface has besides its shape: stiffness, damping, recovery, braking, velocity
-/// and the material. R has these members.
+/// Joins tables of rows.
+template <std::size_t A, std::size_t B>
+constexpr std::array<Field, A + B> join_rows(const std::array<Field, A>& a, const std::array<Field, B>& b) {
+    std::array<Field, A + B> all{};
+    for (std::size_t i = 0; i < A; ++i) all[i] = a[i];
+    for (std::size_t i = 0; i < B; ++i) all[A + i] = b[i];
+    return all;
+}
+
+/// The rows of a surface's material. R has these members.
 template <class R>
-constexpr auto surface_rows() {
+constexpr auto material_rows() {
     using Type = Field::Type;
     return std::array{
-        Field{.name = "stiffness",
-              .offset = offsetof(R, stiffness),
-              .unit = "N/m",
-              .meaning = "force per depth",
-              .minimum = 0,
-              .maximum = 1e9,
-              .infinity_allowed = true},
-        Field{.name = "damping",
-              .offset = offsetof(R, damping),
-              .unit = "N s/m",
-              .meaning = "along the normal, never pulling",
-              .minimum = 0,
-              .maximum = 1e9},
+        stiffness_row(offsetof(R, stiffness), "force per depth"),
+        number_row("damping", offsetof(R, damping), "N s/m", "along the normal, never pulling"),
         recovery_row(offsetof(R, recovery)),
-        Field{.name = "braking",
-              .offset = offsetof(R, braking),
-              .unit = "1",
-              .meaning = "share of the hand's momentum that a pulse takes away at entry",
-              .minimum = 0,
-              .maximum = 1},
-        Field{.name = "velocity",
-              .type = Type::vector,
-              .offset = offsetof(R, velocity),
-              .unit = "m/s",
-              .meaning = "with which it moves on between updates",
-              .minimum = -1e3,
-              .maximum = 1e3},
+        number_row("braking", offsetof(R, braking), "1",
+                   "share of the hand's momentum that a pulse takes away at entry", 0, 1),
         Field{.name = "friction.static",
               .offset = offsetof(R, friction.static_),
               .unit = "1",
@@ -99,93 +95,44 @@ constexpr auto surface_rows() {
               .minimum = 0,
               .maximum = 100,
               .automatic_allowed = true},
-        Field{.name = "friction.dynamic",
-              .offset = offsetof(R, friction.dynamic),
-              .unit = "1",
-              .meaning = "Coulomb coefficient while it slides",
-              .minimum = 0,
-              .maximum = 100},
-        Field{.name = "friction.viscous",
-              .offset = offsetof(R, friction.viscous),
-              .unit = "N s/m",
-              .meaning = "against the sliding velocity, at most the normal force",
-              .minimum = 0,
-              .maximum = 1e6},
-        Field{.name = "snag.k_kinetic",
-              .offset = offsetof(R, snag.k_kinetic),
-              .unit = "1",
-              .meaning = "friction between snags by normal force",
-              .minimum = 0,
-              .maximum = 100},
-        Field{.name = "snag.k_stick",
-              .offset = offsetof(R, snag.k_stick),
-              .unit = "1/m",
-              .meaning = "stiffness of a snag by normal force",
-              .minimum = 0,
-              .maximum = 1e9},
-        Field{.name = "snag.d_snap",
-              .offset = offsetof(R, snag.d_snap),
-              .unit = "m",
-              .meaning = "at which a snag lets go",
-              .minimum = 0,
-              .maximum = 1e3},
-        Field{.name = "snag.d_mean",
-              .offset = offsetof(R, snag.d_mean),
-              .unit = "m",
-              .meaning = "from one snag to the next; 0: always stuck",
-              .minimum = 0,
-              .maximum = 1e3},
-        Field{.name = "snag.d_spread",
-              .offset = offsetof(R, snag.d_spread),
-              .unit = "m",
-              .meaning = "over which that distance is spread evenly",
-              .minimum = 0,
-              .maximum = 1e3},
+        number_row("friction.dynamic", offsetof(R, friction.dynamic), "1",
+                   "Coulomb coefficient while it slides", 0, 100),
+        number_row("friction.viscous", offsetof(R, friction.viscous), "N s/m",
+                   "against the sliding velocity, at most the normal force", 0, 1e6),
+        number_row("snag.k_kinetic", offsetof(R, snag.k_kinetic), "1",
+                   "friction between snags by normal force", 0, 100),
+        number_row("snag.k_stick", offsetof(R, snag.k_stick), "1/m", "stiffness of a snag by normal force"),
+        number_row("snag.d_snap", offsetof(R, snag.d_snap), "m", "at which a snag lets go", 0, 1e3),
+        number_row("snag.d_mean", offsetof(R, snag.d_mean), "m", "from one snag to the next; 0: always stuck",
+                   0, 1e3),
+        number_row("snag.d_spread", offsetof(R, snag.d_spread), "m",
+                   "over which that distance is spread evenly", 0, 1e3),
         Field{.name = "snag.seed",
               .type = Type::integer,
               .offset = offsetof(R, snag.seed),
               .meaning = "of the distances' generator"},
-        Field{.name = "snag.law",
-              .type = Type::choice,
-              .offset = offsetof(R, snag.law),
-              .meaning = "how a snag gives way",
-              .choices = detail::snag_laws},
-        Field{.name = "texture.amplitude",
-              .offset = offsetof(R, texture.amplitude),
-              .unit = "m",
-              .meaning = "half the height from valley to peak",
-              .minimum = 0,
-              .maximum = 1},
-        Field{.name = "texture.wavelength",
-              .offset = offsetof(R, texture.wavelength),
-              .unit = "m",
-              .meaning = "from peak to peak",
-              .minimum = 6e-7,
-              .maximum = 1e3},
-        Field{.name = "texture.direction",
-              .type = Type::vector,
-              .offset = offsetof(R, texture.direction),
-              .unit = "1",
-              .meaning = "across the ridges",
-              .minimum = -1e9,
-              .maximum = 1e9,
-              .nonzero = true},
-        Field{.name = "texture.origin",
-              .type = Type::vector,
-              .offset = offsetof(R, texture.origin),
-              .unit = "m",
-              .meaning = "a point on a peak; the centre of rings",
-              .minimum = -1e9,
-              .maximum = 1e9},
-        Field{.name = "texture.pattern",
-              .type = Type::choice,
-              .offset = offsetof(R, texture.pattern),
-              .meaning = "shape of the relief",
-              .choices = detail::texture_patterns},
+        choice_row("snag.law", offsetof(R, snag.law), "how a snag gives way", detail::snag_laws),
+        number_row("texture.amplitude", offsetof(R, texture.amplitude), "m",
+                   "half the height from valley to peak", 0, 1),
+        number_row("texture.wavelength", offsetof(R, texture.wavelength), "m", "from peak to peak", 6e-7,
+                   1e3),
+        direction_row("texture.direction", offsetof(R, texture.direction), "across the ridges"),
+        vector_row("texture.origin", offsetof(R, texture.origin), "m",
+                   "a point on a peak; the centre of rings"),
+        choice_row("texture.pattern", offsetof(R, texture.pattern), "shape of the relief",
+                   detail::texture_patterns),
     };
 }
 
-/// Contradictions that every surface can have: the first entries of its `contradictions`.
+/// The rows of all that every surface has besides its geometry.
+template <class R>
+constexpr auto surface_rows() {
+    return join_rows(std::array{vector_row("velocity", offsetof(R, velocity), "m/s",
+                                           "with which it moves on between updates", 1e3)},
+                     material_rows<R>());
+}
+
+/// The contradiction that every surface's material can have: the first entry of its `contradictions`.
 inline constexpr std::string_view static_below_dynamic = "is below friction.dynamic; give at least as much";
 
 /// Of the field with this name.
@@ -199,7 +146,7 @@ constexpr std::uint32_t row_of(std::string_view name) {
     return Verdict::no_field;
 }
 
-/// The check that every surface makes.
+/// The check that is made of every surface's material, beside the one that its Describe makes of its geometry.
 template <class R>
 Verdict check_material(const R& params) noexcept {
     if (params.friction.static_ != automatic && params.friction.static_ < params.friction.dynamic) {
@@ -207,15 +154,6 @@ Verdict check_material(const R& params) noexcept {
         return {Verdict::Code::contradiction, row, params.friction.static_, 0};
     }
     return {};
-}
-
-/// Joins tables of rows.
-template <std::size_t A, std::size_t B>
-constexpr std::array<Field, A + B> join_rows(const std::array<Field, A>& a, const std::array<Field, B>& b) {
-    std::array<Field, A + B> all{};
-    for (std::size_t i = 0; i < A; ++i) all[i] = a[i];
-    for (std::size_t i = 0; i < B; ++i) all[A + i] = b[i];
-    return all;
 }
 
 }  // namespace knurl

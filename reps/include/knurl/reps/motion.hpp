@@ -12,4 +12,15 @@ struct Motion {
     std::uint64_t placed = 0;
 };
 
+/// A surface that is placed anew has not moved on yet.
+inline void place(Motion& motion) noexcept {
+    motion = {.time = 0, .placed = 1};
+}
+
+inline void move_on(Motion& motion, double dt) noexcept {
+    if (!(dt > 0)) return;
+    if (motion.placed == 0) motion.time += dt;
+    motion.placed = 0;
+}
+
 }  // namespace knurl

@@ -30,13 +30,13 @@ inline constexpr double paper_recovery = 0.05;  // s
 struct Plane {
     Vec3 normal = {0, 0, 1};      // towards free space; a length other than 1 divides offset too
     double offset = 0;            // m
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
     double stiffness = 0;         // N/m; infinity: as stiff as the device allows
     double damping = 0;           // N s/m
     double recovery = automatic;  // s; 0: at once
     PlaneUpdate update = PlaneUpdate::fade;
     PlaneCombine combine = PlaneCombine::joint;
     double braking = 0;  // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};  // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
@@ -55,39 +55,16 @@ struct Describe<Plane> {
     static constexpr std::string_view combinations[] = {"joint", "sum"};
     static constexpr auto fields = join_rows(
         std::array{
-            Field{.name = "normal",
-                  .type = Field::Type::vector,
-                  .offset = offsetof(Plane, normal),
-                  .unit = "1",
-                  .meaning = "towards free space",
-                  .minimum = -1e9,
-                  .maximum = 1e9,
-                  .nonzero = true},
-            Field{.name = "offset",
-                  .offset = offsetof(Plane, offset),
-                  .unit = "m",
-                  .meaning = "n.x >= offset is free",
-                  .minimum = -1e9,
-                  .maximum = 1e9},
-            Field{.name = "update",
-                  .type = Field::Type::choice,
-                  .offset = offsetof(Plane, update),
-                  .meaning = "how a change reaches the hand",
-                  .choices = updates},
-            Field{.name = "combine",
-                  .type = Field::Type::choice,
-                  .offset = offsetof(Plane, combine),
-                  .meaning = "how it acts together with the others of its probe",
-                  .choices = combinations},
+            direction_row("normal", offsetof(Plane, normal), "towards free space"),
+            number_row("offset", offsetof(Plane, offset), "m", "n.x >= offset is free", -1e9, 1e9),
+            choice_row("update", offsetof(Plane, update), "how a change reaches the hand", updates),
+            choice_row("combine", offsetof(Plane, combine),
+                       "how it acts together with the others of its probe", combinations),
         },
         surface_rows<Plane>());
-    /// Normal, offset, stiffness, damping and recovery: what a moving hand's planes are updated in.
-    static constexpr std::size_t shape_bytes = offsetof(Plane, update);
-    static constexpr std::string_view contradictions[] = {static_below_dynamic};
-    static Verdict check(const Plane& plane) noexcept { return check_material(plane); }
 };
 
-void prepare(Plane& params, const Limits& limits) noexcept;
+void prepare_geometry(Plane& params) noexcept;
 Plane prepared(Plane params, const Limits& limits) noexcept;
 void adopt(const Plane& params, const Plane* previous, Plane::State& state, const Probe& probe) noexcept;
 Contact contact(const Plane& params, Plane::State& state, const Probe& probe, double dt) noexcept;
@@ -95,10 +72,15 @@ Contact contact(const Plane& params, Plane::State& state, const Probe& probe, do
 inline HalfSpace half_space(const Plane& params) noexcept {
     return {.normal = to_eigen(params.normal), .offset = params.offset, .damping = params.damping};
 }
-/// A plane that fades stands still between changes: the scene scans it with all others, without a call.
-std::optional<HalfSpace> standing(const Plane& params) noexcept;
 /// The paper's update and last_depth bring their own recovery; the scene does not cross-fade them.
-bool recovers_itself(const Plane& params) noexcept;
+inline bool recovers_itself(const Plane& params) noexcept {
+    return params.update != PlaneUpdate::fade;
+}
+/// A plane that fades stands still between changes: the scene scans it with all others, without a call.
+inline std::optional<HalfSpace> standing(const Plane& params) noexcept {
+    if (recovers_itself(params) || !(params.velocity == Vec3{})) return std::nullopt;
+    return half_space(params);
+}
 /// Arrives at once.
 void settle(const Plane& params, Plane::State& state) noexcept;
 

@@ -23,13 +23,13 @@ struct Polygon {
     Vertices vertices = {.at = {{-0.05, -0.05, 0}, {0.05, -0.05, 0}, {0.05, 0.05, 0}, {-0.05, 0.05, 0}},
                          .count = 4,
                          .reserved = 0};
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
     double stiffness = 0;         // N/m; infinity: as stiff as the device allows
     double damping = 0;           // N s/m
     double recovery = automatic;  // s; 0: at once
     Sides sides = Sides::front;
     std::uint32_t reserved = 0;
     double braking = 0;  // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};  // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
@@ -56,11 +56,8 @@ struct Describe<Polygon> {
                   .maximum = 1e9,
                   .count = max_vertices,
                   .least = 3},
-            Field{.name = "sides",
-                  .type = Field::Type::choice,
-                  .offset = offsetof(Polygon, sides),
-                  .meaning = "from where it can be touched",
-                  .choices = detail::piece_sides},
+            choice_row("sides", offsetof(Polygon, sides), "from where it can be touched",
+                       detail::piece_sides),
         },
         surface_rows<Polygon>());
     static constexpr std::string_view contradictions[] = {

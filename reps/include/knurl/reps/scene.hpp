@@ -102,8 +102,8 @@ class Scene {
     Verdict check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
                       const Use& use) const noexcept;
     Verdict add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) noexcept;
-    /// `bytes`: of all parameters, or of those alone that KindInfo::shape_bytes counts: then the rest stays
-    /// as it is.
+    /// `bytes`: of all parameters, or of the geometry alone (KindInfo::geometry_bytes): then the rest stays as it
+    /// is.
     Verdict check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
     Verdict update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
     /// `update` of what check_update has accepted since the last add, update or remove: not checked again.

@@ -68,42 +68,26 @@ inline constexpr std::string_view shadings[] = {"flat", "smooth"};
 template <>
 struct Describe<Shape> {
     static constexpr std::string_view name = "shape";
-    static constexpr auto fields =
-        join_rows(std::array{Field{.name = "asset",
-                                   .type = Field::Type::integer,
-                                   .offset = offsetof(Shape, asset),
-                                   .meaning = "which of the shapes that were sent; 0: none",
-                                   .minimum = 0,
-                                   .maximum = max_assets},
-                             Field{.name = "shading",
-                                   .type = Field::Type::choice,
-                                   .offset = offsetof(Shape, shading),
-                                   .meaning = "the direction of the force: the facets', or interpolated",
-                                   .choices = detail::shadings},
-                             Field{.name = "position",
-                                   .type = Field::Type::vector,
-                                   .offset = offsetof(Shape, position),
-                                   .unit = "m",
-                                   .meaning = "where its origin lies",
-                                   .minimum = -1e9,
-                                   .maximum = 1e9},
-                             Field{.name = "orientation",
-                                   .type = Field::Type::quaternion,
-                                   .offset = offsetof(Shape, orientation),
-                                   .unit = "1",
-                                   .meaning = "turns its axes into the world's; of any length",
-                                   .minimum = -1e9,
-                                   .maximum = 1e9},
-                             Field{.name = "angular_velocity",
-                                   .type = Field::Type::vector,
-                                   .offset = offsetof(Shape, angular_velocity),
-                                   .unit = "rad/s",
-                                   .meaning = "with which it turns on about its origin between updates",
-                                   .minimum = -1e3,
-                                   .maximum = 1e3}},
-                  surface_rows<Shape>());
-    static constexpr std::string_view contradictions[] = {static_below_dynamic};
-    static Verdict check(const Shape& shape) noexcept { return check_material(shape); }
+    static constexpr auto fields = join_rows(
+        std::array{Field{.name = "asset",
+                         .type = Field::Type::integer,
+                         .offset = offsetof(Shape, asset),
+                         .meaning = "which of the shapes that were sent; 0: none",
+                         .minimum = 0,
+                         .maximum = max_assets},
+                   choice_row("shading", offsetof(Shape, shading),
+                              "the direction of the force: the facets', or interpolated", detail::shadings),
+                   vector_row("position", offsetof(Shape, position), "m", "where its origin lies"),
+                   Field{.name = "orientation",
+                         .type = Field::Type::quaternion,
+                         .offset = offsetof(Shape, orientation),
+                         .unit = "1",
+                         .meaning = "turns its axes into the world's; of any length",
+                         .minimum = -1e9,
+                         .maximum = 1e9},
+                   vector_row("angular_velocity", offsetof(Shape, angular_velocity), "rad/s",
+                              "with which it turns on about its origin between updates", 1e3)},
+        surface_rows<Shape>());
 };
 
 Shape prepared(Shape params, const Limits& limits) noexcept;

@@ -16,11 +16,11 @@ struct Sphere {
     double radius = 0.01;  // m; 0: a point
     Side side = Side::outside;
     std::uint32_t reserved = 0;
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
     double stiffness = 0;         // N/m; infinity: as stiff as the device allows
     double damping = 0;           // N s/m
     double recovery = automatic;  // s; 0: at once
     double braking = 0;           // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};           // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
@@ -32,11 +32,9 @@ template <>
 struct Describe<Sphere> {
     static constexpr std::string_view name = "sphere";
     static constexpr auto fields = join_rows(
-        std::array{center_row<Sphere>(), length_row("radius", offsetof(Sphere, radius), "0: a point"),
+        std::array{center_row<Sphere>(), number_row("radius", offsetof(Sphere, radius), "m", "0: a point"),
                    side_row<Sphere>()},
         surface_rows<Sphere>());
-    static constexpr std::string_view contradictions[] = {static_below_dynamic};
-    static Verdict check(const Sphere& sphere) noexcept { return check_material(sphere); }
 };
 
 Sphere prepared(Sphere params, const Limits& limits) noexcept;
@@ -44,7 +42,9 @@ void adopt(const Sphere& params, const Sphere* previous, Sphere::State& state, c
 Contact contact(const Sphere& params, Sphere::State& state, const Probe& probe, double dt) noexcept;
 std::uint32_t curved(const Sphere& params, const Sphere::State& state, const Probe& probe, const Probe& there,
                      std::span<CurvedContact> out) noexcept;
-void lean(const Sphere& params, Sphere::State& state, const Probe& there) noexcept;
+void lean(const Sphere& params, Sphere::State& state, const Probe& there, double below) noexcept;
+bool plane_alone(const Sphere& params, const Sphere::State& state, const Probe& probe, double stiffness,
+                 CurvedContact& out) noexcept;
 std::optional<Bound> bound(const Sphere& params, const Sphere::State& state) noexcept;
 void out_of_reach(const Sphere& params, Sphere::State& state) noexcept;
 

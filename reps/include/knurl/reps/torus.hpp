@@ -18,11 +18,11 @@ struct Torus {
     double tube = 0.005;    // m, of the tube around it; 0: a wire
     Side side = Side::outside;
     std::uint32_t reserved = 0;
+    Vec3 velocity = {};           // m/s, with which it moves on between updates
     double stiffness = 0;         // N/m; infinity: as stiff as the device allows
     double damping = 0;           // N s/m
     double recovery = automatic;  // s; 0: at once
     double braking = 0;           // 1, share of the hand's momentum taken away at entry
-    Vec3 velocity = {};           // m/s, with which it moves on between updates
     Friction friction = {};
     Snag snag = {};
     Texture texture = {};
@@ -33,11 +33,11 @@ struct Torus {
 template <>
 struct Describe<Torus> {
     static constexpr std::string_view name = "torus";
-    static constexpr auto fields =
-        join_rows(std::array{center_row<Torus>(), axis_row<Torus>(),
-                             length_row("radius", offsetof(Torus, radius), "of the circle within the tube"),
-                             length_row("tube", offsetof(Torus, tube), "0: a wire"), side_row<Torus>()},
-                  surface_rows<Torus>());
+    static constexpr auto fields = join_rows(
+        std::array{center_row<Torus>(), axis_row<Torus>(),
+                   number_row("radius", offsetof(Torus, radius), "m", "of the circle within the tube"),
+                   number_row("tube", offsetof(Torus, tube), "m", "0: a wire"), side_row<Torus>()},
+        surface_rows<Torus>());
     static constexpr std::string_view contradictions[] = {
         static_below_dynamic, "leaves no hole in the ring; give less than radius"};
     static Verdict check(const Torus& torus) noexcept;

@@ -24,26 +24,9 @@ template <>
 struct Describe<Vibration> {
     static constexpr std::string_view name = "vibration";
     static constexpr Field fields[] = {
-        {.name = "direction",
-         .type = Field::Type::vector,
-         .offset = offsetof(Vibration, direction),
-         .unit = "1",
-         .meaning = "along which it pushes and pulls",
-         .minimum = -1e9,
-         .maximum = 1e9,
-         .nonzero = true},
-        {.name = "amplitude",
-         .offset = offsetof(Vibration, amplitude),
-         .unit = "N",
-         .meaning = "largest force",
-         .minimum = 0,
-         .maximum = 1e9},
-        {.name = "frequency",
-         .offset = offsetof(Vibration, frequency),
-         .unit = "Hz",
-         .meaning = "periods per second",
-         .minimum = 0,
-         .maximum = 1e5},
+        direction_row("direction", offsetof(Vibration, direction), "along which it pushes and pulls"),
+        number_row("amplitude", offsetof(Vibration, amplitude), "N", "largest force"),
+        number_row("frequency", offsetof(Vibration, frequency), "Hz", "periods per second", 0, 1e5),
         recovery_row(offsetof(Vibration, recovery)),
     };
 };

@@ -21,18 +21,9 @@ template <>
 struct Describe<Viscosity> {
     static constexpr std::string_view name = "viscosity";
     static constexpr Field fields[] = {
-        {.name = "damping",
-         .offset = offsetof(Viscosity, damping),
-         .unit = "N s/m",
-         .meaning = "force against velocity",
-         .minimum = 0,
-         .maximum = 1e9},
-        {.name = "angular_damping",
-         .offset = offsetof(Viscosity, angular_damping),
-         .unit = "N m s/rad",
-         .meaning = "torque against angular velocity",
-         .minimum = 0,
-         .maximum = 1e9},
+        number_row("damping", offsetof(Viscosity, damping), "N s/m", "force against velocity"),
+        number_row("angular_damping", offsetof(Viscosity, angular_damping), "N m s/rad",
+                   "torque against angular velocity"),
         recovery_row(offsetof(Viscosity, recovery)),
     };
 };

@@ -102,7 +102,7 @@ struct BatchHeader {
 struct EntryHeader {
     Handle handle;
     Kind kind = 0;
-    std::uint32_t bytes = 0;  // of parameters, before padding: all, or KindInfo::shape_bytes of them alone
+    std::uint32_t bytes = 0;  // of parameters, before padding: all, or KindInfo::geometry_bytes of them
     // Of these parameters: an entry may arrive twice. Of two for one representation in a batch the last
     // counts.
     std::uint64_t version = 0;

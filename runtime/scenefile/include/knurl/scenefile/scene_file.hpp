@@ -17,6 +17,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -73,6 +74,16 @@ struct SceneFile {
     std::uint32_t items = 0;             // representations that are ever added
     std::vector<std::string> remarks;    // "file:line:column: ...", of what is legal and looks like a mistake
 };
+
+/// A key that a table takes besides the fields of its representation.
+struct KeyInfo {
+    std::string_view name;
+    std::string_view value;  // what it takes
+    std::string_view meaning;
+};
+/// Of every representation's table (`material`: of surfaces alone), and of [[asset]].
+std::span<const KeyInfo> entry_keys() noexcept;
+std::span<const KeyInfo> asset_keys() noexcept;
 
 /// Reads the whole file or throws SceneError at the first thing wrong: nothing is half-applied.
 ///

@@ -62,8 +62,8 @@ class OfflineClaim {
     std::uint64_t issued() const noexcept { return issued_; }
 
     // Parameters: merged until commit, and on until the servo has taken them.
-    /// Of a plane whose shape alone has changed since it was added, as the application's client does, that
-    /// alone.
+    /// Of a surface whose geometry alone has changed since it was added, that alone, as the application's client
+    /// sends it.
     void update(Handle handle, Kind kind, const void* params, std::size_t bytes);
     std::uint64_t commit(std::uint64_t report_cycle = 0, std::int64_t commit_ns = 0);
 

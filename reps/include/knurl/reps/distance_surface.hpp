@@ -1,0 +1,63 @@
+#pragma once
+// A surface that says no more than how far away it is. What it takes besides to be a Surface (concepts.hpp) is the same for
+// all of them, and made here: clamped parameters, moving on between updates, the tangent plane at the foot.
+//
+//   struct Cone { Vec3 apex; ...; Vec3 velocity; double stiffness; ...; Texture texture;  using State = MovingState; };
+//   SurfaceDistance distance(const Cone& cone, const Eigen::Vector3d& p, double radius) noexcept;
+//
+// It may have its own `prepared`, and whatever else concepts.hpp lists: with bound() it is not asked where it is out of reach.
+
+#include <cstring>
+
+#include <knurl/reps/concepts.hpp>
+#include <knurl/reps/motion.hpp>
+
+namespace knurl {
+
+/// How far the probe's surface is from a surface. The height is a signed distance: its gradient is the normal.
+struct SurfaceDistance {
+    double height = 0;                                  // m; negative: that deep in it
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, towards free space
+};
+
+/// What is remembered of a surface that has no path.
+struct MovingState {
+    Motion motion;
+};
+
+/// `p`: the probe's centre (m), as if the surface had not moved on since it was placed; `radius`: the probe's (m).
+// clang-format 14 breaks requirements apart.
+// clang-format off
+template <class R>
+concept DistanceSurface = requires(const R& params, const Eigen::Vector3d& p, double radius) {
+    { distance(params, p, radius) } noexcept -> std::same_as<SurfaceDistance>;
+};
+// clang-format on
+
+template <DistanceSurface R>
+R prepared(R params, const Limits& limits) noexcept {
+    clamp_material(params.stiffness, params.damping, params.friction, limits);
+    params.texture.reserved = 0;
+    return params;
+}
+
+/// Of another geometry or velocity it starts from where it is put; else it moves on.
+template <DistanceSurface R>
+void adopt(const R& params, const R* previous, typename R::State& state, const Probe&) noexcept {
+    if (!previous || std::memcmp(&params, previous, geometry_bytes<R>()) != 0) place(state.motion);
+}
+
+template <DistanceSurface R>
+Contact contact(const R& params, typename R::State& state, const Probe& probe, double dt) noexcept {
+    move_on(state.motion, dt);
+    const Eigen::Vector3d velocity = to_eigen(params.velocity);
+    const SurfaceDistance away =
+        distance(params, probe.position - state.motion.time * velocity, probe.radius);
+    return {.normal = away.normal,
+            .height = away.height,
+            .stiffness = params.stiffness,
+            .damping = params.damping,
+            .velocity = velocity};
+}
+
+}  // namespace knurl
