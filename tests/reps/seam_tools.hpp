@@ -138,9 +138,10 @@ void put(Kind kind, const Face& face, double thick, bool edge_is_high, Put&& put
     }
 }
 
-/// A mesh or height field is asset `slot` + 1, and drawn in a frame that its sizes make up.
-void add(Scene& scene, std::uint32_t slot, Kind kind, const Face& face, double thick, bool edge_is_high,
-         Forms& forms) {
+/// A mesh or height field is asset `slot` + 1, and drawn in a frame that its sizes make up. Returns its size: of a box or a
+/// polygon its longest side, of a shape the diagonal of the box around it along the axes of its own frame.
+double add(Scene& scene, std::uint32_t slot, Kind kind, const Face& face, double thick, bool edge_is_high,
+           Forms& forms) {
     if (is_shape(kind)) {
         Rng rng(static_cast<std::uint64_t>(1e9 * (thick + face.size() + face.high.x())));
         const int divisions = between(rng, 1, 4);
@@ -150,16 +151,19 @@ void add(Scene& scene, std::uint32_t slot, Kind kind, const Face& face, double t
                                            : height_field_of(face, static_cast<std::uint32_t>(divisions)));
         scene.set_asset(slot + 1, forms.back().get());
         const Eigen::Quaterniond turned = face.pose.turn * own.turn.conjugate();
-        ASSERT_TRUE(
+        EXPECT_TRUE(
             scene.add({slot, 1}, Shape{.asset = slot + 1,
                                        .position = to_plain(Vector(face.pose.shift - turned * own.shift)),
                                        .orientation = to_plain(turned),
                                        .stiffness = k}));
-        return;
+        Vector sides = face.high - face.low;
+        sides.z() = kind == Kind::mesh ? thick : 0;
+        return (own.turn.toRotationMatrix().cwiseAbs() * sides).norm();
     }
     put(kind, face, thick, edge_is_high, [&](const auto& surface) {
-        ASSERT_TRUE(scene.add({slot, 1}, surface));
+        EXPECT_TRUE(scene.add({slot, 1}, surface));
     });
+    return face.size();
 }
 
 struct Counts {
@@ -237,10 +241,10 @@ void across(Kind kind_a, Kind kind_b, std::uint64_t count, Rng& rng, Counts& cou
         b.pose.shift = pose({0, 0, step});
         Forms forms;
         Scene scene = room();
-        add(scene, 0, kind_a, a, log_uniform(rng, 5e-4, 0.05), true, forms);
-        add(scene, 1, kind_b, b, log_uniform(rng, 5e-4, 0.05), false, forms);
-        const double largest = std::max({touch * a.size(), touch * b.size(), hand});
-        const double near = std::abs(gap) + (is_shape(kind_a) || is_shape(kind_b) ? 4 : 2.1) * largest;
+        const double size_a = add(scene, 0, kind_a, a, log_uniform(rng, 5e-4, 0.05), true, forms);
+        const double size_b = add(scene, 1, kind_b, b, log_uniform(rng, 5e-4, 0.05), false, forms);
+        const double largest = std::max({touch * size_a, touch * size_b, hand});
+        const double near = std::abs(gap) + 2.1 * largest;
         for (int i = 0; i < hands; ++i) {
             const double deep = uniform(rng, 1e-3, 5e-3), speed = log_uniform(rng, 1e-3, 0.3);
             const double angle = uniform(rng, -1.3, 1.3), y = uniform(rng, -5e-3, 5e-3);
