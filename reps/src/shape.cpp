@@ -101,11 +101,17 @@ Contact felt(const Shape& params, const Shape::State& state, const Pose& pose, c
     return felt(params, state, pose, probe, normal, height);
 }
 
-// Where no time passes and it alone has held the probe, it is asked what it would answer there.
-bool goes_by_proxy(const Shape& params, const ProxyPath& path, double dt) noexcept {
+// Where no time passes and it alone has held the probe, it is asked what it would answer there. Asked again in that
+// cycle, it answers alike.
+bool goes_by_proxy(const Shape& params, Shape::State& state, const ProxyPath& path, double dt) noexcept {
     using Stage = ProxyPath::Stage;
     if (path.stage == Stage::free || params.shading != Shading::flat) return false;
-    return dt > 0 || !path.first || path.stage != Stage::answer || !path.to.isZero(0);
+    if (path.stage != Stage::answer) {
+        if (path.stage == Stage::brush) state.tries = 0;
+        return true;
+    }
+    if (path.first) state.tries = !(dt > 0) && path.to.isZero(0);
+    return state.tries == 0;
 }
 
 // What the path of the probe has led to in this cycle.
@@ -128,7 +134,7 @@ Contact contact(const Shape& params, Shape::State& state, const Probe& probe, do
     move_on(state.motion, dt);
     if (!state.asset) return {.height = out};
     const Pose pose(params, state.motion);
-    if (probe.path && goes_by_proxy(params, *probe.path, dt))
+    if (probe.path && goes_by_proxy(params, state, *probe.path, dt))
         return contact_of_proxy(params, state, pose, probe, dt);
     const Vector3d hand = pose.to_asset(probe.position);
     Vector3d normal = to_eigen(state.normal);

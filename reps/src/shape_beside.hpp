@@ -51,6 +51,7 @@ inline void begin_cycle(Shape::State& state) noexcept {
     const bool holds = touches(state.proxy.phase);
     state.was_phase = state.proxy.phase;
     state.was_face = state.proxy.face;
+    state.tries = 0;
     state.start = to_plain(at(holds ? state.proxy.at : state.proxy.last));
 }
 
@@ -222,10 +223,20 @@ class Beside {
         const bool held = walk(next, target(), foot) && lies_on_it(foot);
         // What it has met again after it let go holds it wherever the walk comes to.
         if (held && (state_.left > 0 || (!drops(foot) && !clings(foot)))) return go_on(next, foot);
-        if (path_.push.isZero(0) && !held) return free_at(place());
+        if (path_.push.isZero(0) && !held) return come_off();
         if ((state_.handed != 0 || path_.joined) && reaches_on()) return;
+        if (held && stays_on_plane()) return;
         path_.left = true;
         state_.leaving = 1;
+    }
+
+    // Others hold the proxy off it. While the probe is behind the plane over which the proxy lies, that may still hold it in
+    // a stiffer layer, and does so as soon as the others let go.
+    void come_off() noexcept {
+        if (path_.joined && normal().dot(hand_) < state_.offset && reaches_on()) return;
+        if (!path_.turns) return;
+        free_at(place());
+        path_.turned = true;  // a stiffer layer was solved with its plane
     }
 
     // Along a face, and seen from its very plane, what a way meets may be rounding.
@@ -275,6 +286,19 @@ class Beside {
             hold_on(foot, foot.point);
             return true;
         }
+        state_.proxy.phase = Proxy::Phase::touching;
+        state_.proxy.face = foot.face;
+        put(state_.proxy.at, foot.point);
+        return true;
+    }
+
+    // The walk goes to whichever face is nearest to the target, and so it may drop over a rim at a corner although the
+    // plane goes on below the target, where it holds the probe as before.
+    bool stays_on_plane() noexcept {
+        constexpr double same = 1 - 1e-9;  // cosine
+        Foot foot;
+        if (!facing(foot_of_proxy(), little_, normal(), same, foot)) return false;
+        state_.handed = state_.leaving = 0;
         state_.proxy.phase = Proxy::Phase::touching;
         state_.proxy.face = foot.face;
         put(state_.proxy.at, foot.point);

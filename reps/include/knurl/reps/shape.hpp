@@ -37,8 +37,8 @@ struct ShapeState {
     Proxy::Phase was_phase = Proxy::Phase::fresh;  // when the cycle began
     // Beside others (proxy_path.hpp): the proxy lies beyond a rim, by no more than touching is; has left it, so often in
     // this cycle; is about to leave it; its plane is not known, since the form has changed; a ball touches it whose centre is in
-    // front.
-    std::uint8_t handed = 0, left = 0, leaving = 0, anew = 0, brushed = 0, reserved[2] = {};
+    // front; no time passes, and it answers what it would alone.
+    std::uint8_t handed = 0, left = 0, leaving = 0, anew = 0, brushed = 0, tries = 0, reserved = 0;
 };
 
 struct Shape {
