@@ -160,6 +160,70 @@ TEST(SeamsOfShapes, ABallSlidesOnToWhatTouches) {
     }
 }
 
+// A softer plane rises through the top of a stiff shape that holds the hand: the shape holds as before, as long as the
+// proxy lies over it.
+TEST(SeamsOfShapes, AStifferShapeHoldsOnWhileASofterPlaneLiftsTheProxyOffIt) {
+    Rng rng(seed());
+    constexpr double soft = 400;
+    for (int round = 0; round < 200; ++round) {
+        const Pose pose = any_pose(rng);
+        const Face face{pose, {-0.05, -0.05, 0}, {0.05, 0.05, 0}};
+        Forms forms;
+        Scene scene = room();
+        add(scene, 0, between(rng, 0, 1) ? Kind::mesh : Kind::height_field, face, 0.02, true, forms);
+        const Vector up = pose.turn * Vector::UnitZ();
+        Plane plane{.normal = to_plain(up), .offset = up.dot(pose.shift) - 0.02, .stiffness = soft};
+        ASSERT_TRUE(scene.add({1, 1}, plane));
+        const double deep = uniform(rng, 1e-3, 3e-3), most = uniform(rng, 1e-4, 3e-3),
+                     speed = log_uniform(rng, 1e-3, 0.3), y = uniform(rng, -0.04, 0.04);
+        for (int i = 0; i < 60; ++i) {
+            const double rises = -0.02 + (0.02 + most) * std::sin(0.06 * std::max(0, i - 10));
+            plane.offset = up.dot(pose.shift) + rises;
+            ASSERT_TRUE(scene.update({1, 1}, plane));
+            const Vector p(speed * dt * i - 0.02, y, i < 5 ? 1e-3 : -deep);
+            const Vector force = pose.turn.conjugate() * scene.evaluate(at(pose(p)), dt).force;
+            const double want = i < 5 ? 0 : soft * std::max(deep, deep + rises) + (k - soft) * deep;
+            ASSERT_LE((force - Vector(0, 0, want)).norm(), 1e-9)
+                << "seed " << seed() << " round " << round << " cycle " << i << " rises " << rises << " deep "
+                << deep << " m";
+        }
+    }
+}
+
+// It comes down so near to the rim that the side is nearer than the face, and goes inwards past a corner of triangles.
+TEST(SeamsOfShapes, ByACornerOfTheRimAFaceHoldsWhatSlidesInwards) {
+    Rng rng(seed());
+    for (int round = 0; round < 500; ++round) {
+        const Pose pose = any_pose(rng);
+        const double step = little(rng, 0.02);
+        Face a{pose, {-0.05, -0.05, 0}, {0, 0.05, 0}}, b{pose, {0, -0.05, 0}, {0.05, 0.05, 0}};
+        b.pose.shift = pose({0, 0, step});
+        Forms forms;
+        Scene scene = room();
+        add(scene, 0, between(rng, 0, 1) ? Kind::box : Kind::polygon, a, 0.01, true, forms);
+        forms.push_back(mesh_of(b, 0.01, 4, {Eigen::Quaterniond::Identity(), Vector::Zero()}));
+        scene.set_asset(2, forms.back().get());
+        ASSERT_TRUE(scene.add({1, 1}, Shape{.asset = 2,
+                                            .position = to_plain(b.pose.shift),
+                                            .orientation = to_plain(b.pose.turn),
+                                            .stiffness = k}));
+        const double deep = uniform(rng, 1e-3, 4e-3), past = uniform(rng, 0, 2e-4);
+        const double way = log_uniform(rng, 2e-5, 3e-4), angle = uniform(rng, -1.5, 1.5);
+        const double corner = 0.025 * between(rng, -1, 1), side = std::sin(angle) > 0 ? -1 : 1;
+        Vector p(log_uniform(rng, 1e-11, 1e-6), corner + side * past, 1e-3);
+        for (int i = 0; i < 40; ++i) {
+            p.z() = std::max(-deep, 1e-3 - 3e-4 * i);
+            if (i > 20) p += way * Vector(std::cos(angle), std::sin(angle), 0);
+            const Vector force = pose.turn.conjugate() * scene.evaluate(at(pose(p)), dt).force;
+            const double least = k * std::max(0.0, std::min(0.0, step) - p.z()),
+                         most = k * std::max(0.0, std::max(0.0, step) - p.z());
+            ASSERT_LE(std::max({std::hypot(force.x(), force.y()), least - force.z(), force.z() - most}), 1e-9)
+                << force.transpose() << " N at " << p.transpose() << " m, step " << step << "; seed "
+                << seed() << " round " << round << " cycle " << i;
+        }
+    }
+}
+
 TEST(SeamsOfShapes, NothingIsAllocatedOnTheWay) {
     const Pose pose{Eigen::Quaterniond::Identity(), Vector::Zero()};
     const Face a{pose, {-0.05, -0.05, 0}, {0, 0.05, 0}}, b{pose, {0, -0.05, 0}, {0.05, 0.05, 0}};

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include <generators.hpp>
@@ -239,7 +240,10 @@ TEST(MovingShapes, APoseSentAloneIsFeltAsIfAllWereSent) {
 
 TEST(MovingShapes, AnswerAsIfEachWereAskedInEveryCycle) {
     Seen seen;
-    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    // 119: one that a softer one lifts the proxy off; 394: a cycle without time, where one fades.
+    std::vector<std::uint64_t> seeds(201, 394);
+    std::iota(seeds.begin(), seeds.end() - 1, 1);
+    for (const std::uint64_t seed : seeds) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         Flight flight(seed, seed % 3 == 0 ? 1e6 : 0);
         ASSERT_NO_FATAL_FAILURE(flight.fly(2000, seen));
