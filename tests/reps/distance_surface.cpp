@@ -109,7 +109,7 @@ TEST(DistanceSurface, StartsAnewWhereItsGeometryIsAnotherAndGoesOnWhereItIsNot) 
 }
 
 TEST(DistanceSurface, IsAsStiffAndDampedAsTheDeviceStands) {
-    const Limits limits{.max_stiffness = 300, .mass = 0.1, .period = 1e-3, .lag = 0.5e-3};
+    const Limits limits{.max_stiffness = 300, .mass = 0.1, .lag = 0.5e-3, .period = 1e-3};
     TestCone hard = cone;
     hard.stiffness = std::numeric_limits<double>::infinity();
     hard.damping = hard.friction.viscous = 1e9;
