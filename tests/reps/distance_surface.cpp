@@ -78,7 +78,7 @@ TEST(DistanceSurface, MovesOnAndAnswersItsTangentPlaneAtTheFoot) {
     Rng rng(2614);
     for (int round = 0; round < 1000; ++round) {
         MovingState state;
-        adopt(cone, static_cast<const TestCone*>(nullptr), state, Probe{});
+        adopt(cone, nullptr, state, Probe{});
         Probe probe = at(Vector(0.05 * direction(rng)));
         probe.radius = uniform(rng, 0, 0.01);
         const Contact found = after(cone, state, 0.02, probe);
@@ -96,7 +96,7 @@ TEST(DistanceSurface, MovesOnAndAnswersItsTangentPlaneAtTheFoot) {
 
 TEST(DistanceSurface, StartsAnewWhereItsGeometryIsAnotherAndGoesOnWhereItIsNot) {
     MovingState state;
-    adopt(cone, static_cast<const TestCone*>(nullptr), state, Probe{});
+    adopt(cone, nullptr, state, Probe{});
     after(cone, state, 0.02, Probe{});
     TestCone softer = cone;
     softer.stiffness = 100;
@@ -109,7 +109,7 @@ TEST(DistanceSurface, StartsAnewWhereItsGeometryIsAnotherAndGoesOnWhereItIsNot) 
 }
 
 TEST(DistanceSurface, IsAsStiffAndDampedAsTheDeviceStands) {
-    const Limits limits{.max_stiffness = 300, .mass = 0.1, .period = 1e-3, .lag = 0.5e-3};
+    const Limits limits{.max_stiffness = 300, .mass = 0.1, .lag = 0.5e-3, .period = 1e-3};
     TestCone hard = cone;
     hard.stiffness = std::numeric_limits<double>::infinity();
     hard.damping = hard.friction.viscous = 1e9;

@@ -8,6 +8,7 @@
 // It may have its own `prepared`, and whatever else concepts.hpp lists: with bound() it is not asked where it is out of reach.
 
 #include <cstring>
+#include <type_traits>
 
 #include <knurl/reps/concepts.hpp>
 #include <knurl/reps/motion.hpp>
@@ -43,7 +44,8 @@ R prepared(R params, const Limits& limits) noexcept {
 
 /// Of another geometry or velocity it starts from where it is put; else it moves on.
 template <DistanceSurface R>
-void adopt(const R& params, const R* previous, typename R::State& state, const Probe&) noexcept {
+void adopt(const R& params, const std::type_identity_t<R>* previous, typename R::State& state,
+           const Probe&) noexcept {
     if (!previous || std::memcmp(&params, previous, geometry_bytes<R>()) != 0) place(state.motion);
 }
 
