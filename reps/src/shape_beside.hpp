@@ -257,7 +257,9 @@ class Beside {
     bool clings(const Foot& foot) const noexcept {
         const Vector3d on = foot_of_proxy() - foot.point;
         const double far = on.norm();
-        if (!(far > little_) || !(foot.normal.dot(on) < -little_of_seam * far)) return false;
+        // By the turn of the plane itself, which rounding does not hide: turned again in each cycle it would add up.
+        const double least = std::min(little_of_seam, little_ / (2 * path_.push.norm()));
+        if (!(far > little_) || !((foot.normal - normal()).dot(on) < -least * far)) return false;
         if (std::abs(normal().dot(foot.point) - state_.offset) > little_) return false;
         Foot stop;
         return !facing(foot.point, little_, on / -far, stops, stop);
