@@ -224,6 +224,33 @@ TEST(SeamsOfShapes, ByACornerOfTheRimAFaceHoldsWhatSlidesInwards) {
     }
 }
 
+// A floor that ends a few nanometres before the wall on it, and a hand that is pressed into both for long: then it comes back
+// to between the two.
+TEST(SeamsOfShapes, TheRimOfAFloorDoesNotTurnItBeforeAWall) {
+    Rng rng(seed());
+    for (int round = 0; round < 500; ++round) {
+        const Pose pose = any_pose(rng);
+        const double gap = log_uniform(rng, 5e-10, 1e-8), deep = uniform(rng, 1e-3, 5e-3);
+        const double y = uniform(rng, -1e-6, 1e-6);  // by a corner of the floor's triangles, if there is one
+        Forms forms;
+        Scene scene = room();
+        add(scene, 0, between(rng, 0, 1) ? Kind::mesh : Kind::height_field,
+            {pose, {-0.05, -0.05, 0}, {-gap, 0.05, 0}}, 0.01, true, forms);
+        ASSERT_TRUE(scene.add({1, 1}, Box{.center = to_plain(pose({0.02, 0, 0})),
+                                          .orientation = to_plain(pose.turn),
+                                          .half_size = {0.02, 0.05, 0.03},
+                                          .stiffness = k}));
+        for (int i = 0; i < 60; ++i) {
+            const double z = i < 5 ? 1e-3 : -deep;
+            const double x = i < 10 ? -2e-3 : i < 50 ? 2e-3 : -gap * uniform(rng, 0, 1);
+            const Vector force = pose.turn.conjugate() * scene.evaluate(at(pose({x, y, z})), dt).force;
+            const Vector want = k * Vector(-std::max(0.0, x), 0, std::max(0.0, -z));
+            ASSERT_LE((force - want).norm(), 1e-9) << force.transpose() << " N, gap " << gap << ", seed "
+                                                   << seed() << " round " << round << " cycle " << i;
+        }
+    }
+}
+
 TEST(SeamsOfShapes, NothingIsAllocatedOnTheWay) {
     const Pose pose{Eigen::Quaterniond::Identity(), Vector::Zero()};
     const Face a{pose, {-0.05, -0.05, 0}, {0, 0.05, 0}}, b{pose, {0, -0.05, 0}, {0.05, 0.05, 0}};
