@@ -94,17 +94,23 @@ TEST(DistanceSurface, MovesOnAndAnswersItsTangentPlaneAtTheFoot) {
     }
 }
 
-TEST(DistanceSurface, StartsAnewWhereItsGeometryIsAnotherAndGoesOnWhereItIsNot) {
+TEST(DistanceSurface, StartsAnewWhereItIsPutElsewhereAndGoesOnWhereItIsNot) {
     MovingState state;
     adopt(cone, nullptr, state, Probe{});
     after(cone, state, 0.02, Probe{});
-    TestCone softer = cone;
-    softer.stiffness = 100;
-    adopt(softer, &cone, state, Probe{});
-    EXPECT_NEAR(state.motion.time, 0.02, 1e-12);
-    TestCone wider = softer;
+    TestCone wider = cone;
     wider.half_angle = 0.5;
-    adopt(wider, &softer, state, Probe{});
+    wider.stiffness = 100;
+    adopt(wider, &cone, state, Probe{});
+    EXPECT_NEAR(state.motion.time, 0.02, 1e-12);
+    TestCone elsewhere = wider;
+    elsewhere.apex.y += 0.001;
+    adopt(elsewhere, &wider, state, Probe{});
+    EXPECT_EQ(state.motion.time, 0);
+    after(elsewhere, state, 0.02, Probe{});
+    TestCone faster = elsewhere;
+    faster.velocity.x += 1;
+    adopt(faster, &elsewhere, state, Probe{});
     EXPECT_EQ(state.motion.time, 0);
 }
 

@@ -42,11 +42,25 @@ R prepared(R params, const Limits& limits) noexcept {
     return params;
 }
 
-/// Of another geometry or velocity it starts from where it is put; else it moves on.
+/// The places, directions and velocity of their geometry are the same.
+template <DistanceSurface R>
+bool lies_alike(const R& a, const R& b) noexcept {
+    const auto bytes_of = [](const R& params) { return reinterpret_cast<const std::byte*>(&params); };
+    for (const Field& row : Describe<R>::fields) {
+        const bool number = row.type == Field::Type::real || row.type == Field::Type::integer ||
+                            row.type == Field::Type::choice;
+        if (!number && row.offset < geometry_bytes<R>() &&
+            std::memcmp(bytes_of(a) + row.offset, bytes_of(b) + row.offset, row.bytes()) != 0)
+            return false;
+    }
+    return true;
+}
+
+/// Given a new place or velocity it starts from there; else, of another size, it moves on.
 template <DistanceSurface R>
 void adopt(const R& params, const std::type_identity_t<R>* previous, typename R::State& state,
            const Probe&) noexcept {
-    if (!previous || std::memcmp(&params, previous, geometry_bytes<R>()) != 0) place(state.motion);
+    if (!previous || !lies_alike(params, *previous)) place(state.motion);
 }
 
 template <DistanceSurface R>
