@@ -14,6 +14,7 @@ from pictures import FAINT, INK, KNURL, machine_line, main
 COLOURS = ["#c77700", "#7a4fa3", "#b3261e", "#3367d6", "#9aa0a6", "#8d6e63", "#5c8a00", "#ad1457", "#00838f", "#455a64"]
 TITLES = {
     "planes": "Planes: several at once",
+    "curved": "Curved surfaces: where several meet",
     "surfaces": "Surfaces: sent at 1 to 1000 Hz",
     "friction": "Friction: a held tip",
     "springs": "Springs: several on one probe",
@@ -25,7 +26,7 @@ Crosses: ruled out by something else (a force that is held is stable
 up to a few N/m alone; the paper's snags give energy; ...).
 Open points, dotted: in float.
 Lines go through all sizes of one implementation; the last has its size beside it."""
-SIZES = {"planes": "planes", "surfaces": "Hz", "springs": "springs"}
+SIZES = {"planes": "planes", "curved": "rods", "surfaces": "Hz", "springs": "springs"}
 
 
 def panels_of(data):

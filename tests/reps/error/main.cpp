@@ -1,6 +1,6 @@
 // knurl_bench_error: run time against error of every implementation at hand, with the one that Knurl uses
 // marked.
-//   knurl_bench_error [--json FILE] [PANEL ...]       panels: planes surfaces friction springs
+//   knurl_bench_error [--json FILE] [PANEL ...]       panels: planes curved surfaces friction springs
 // scripts/plot_error.py draws the file.
 
 #include <cstdio>
@@ -71,7 +71,11 @@ int main(int argc, char** argv) {
     const struct {
         const char* name;
         Panel (*run)(const measure::Stopwatch&);
-    } all[] = {{"planes", planes}, {"surfaces", surfaces}, {"friction", friction}, {"springs", springs}};
+    } all[] = {{"planes", planes},
+               {"curved", curved},
+               {"surfaces", surfaces},
+               {"friction", friction},
+               {"springs", springs}};
 
     const char* file = nullptr;
     std::vector<std::string> wanted;
@@ -84,8 +88,8 @@ int main(int argc, char** argv) {
         if (std::none_of(std::begin(all), std::end(all),
                          [&](const auto& panel) { return wanted.back() == panel.name; })) {
             std::fprintf(stderr,
-                         "knurl_bench_error: '%s' is neither --json FILE nor one of planes, surfaces, "
-                         "friction, springs\n",
+                         "knurl_bench_error: '%s' is neither --json FILE nor one of planes, curved, "
+                         "surfaces, friction, springs\n",
                          argv[i]);
             return 2;
         }

@@ -75,6 +75,7 @@ inline void race(const measure::Stopwatch& watch, std::vector<Contender>& conten
 }
 
 Panel planes(const measure::Stopwatch&);
+Panel curved(const measure::Stopwatch&);
 Panel surfaces(const measure::Stopwatch&);
 Panel friction(const measure::Stopwatch&);
 Panel springs(const measure::Stopwatch&);
