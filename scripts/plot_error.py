@@ -26,7 +26,7 @@ Crosses: ruled out by something else (a force that is held is stable
 up to a few N/m alone; the paper's snags give energy; ...).
 Open points, dotted: in float.
 Lines go through all sizes of one implementation; the last has its size beside it."""
-SIZES = {"planes": "planes", "curved": "rods", "surfaces": "Hz", "springs": "springs"}
+SIZES = {"planes": "planes", "curved": "rounds", "surfaces": "Hz", "springs": "springs"}
 
 
 def panels_of(data):

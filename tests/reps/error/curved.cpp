@@ -201,30 +201,29 @@ Panel curved(const measure::Stopwatch& watch) {
         for (int i = 0; i < scenes; ++i) strokes.push_back(stroke_of(count, rng));
         struct Entry {
             std::string name;
+            int rounds;
             std::function<Vector3d(Stroke&, const Vector3d&)> dx;
             bool knurl = false;
         };
         std::vector<Entry> entries;
-        entries.push_back({"planes at the probe's feet",
-                           [](Stroke& s, const Vector3d& p) { return by_planes(s.rods, p, 1); }});
-        for (const int rounds : {2, 4, 8, 16}) {
-            entries.push_back(
-                {"planes where the last ones met, " + std::to_string(rounds) + " rounds",
-                 [rounds](Stroke& s, const Vector3d& p) { return by_planes(s.rods, p, rounds); }});
-            entries.push_back(
-                {"projections, " + std::to_string(rounds) + " rounds",
-                 [rounds](Stroke& s, const Vector3d& p) { return by_projections(s.rods, p, rounds); }});
+        for (const int rounds : {1, 2, 4, 8, 16}) {
+            entries.push_back({"planes where they met", rounds, [rounds](Stroke& s, const Vector3d& p) {
+                                   return by_planes(s.rods, p, rounds);
+                               }});
+            entries.push_back({"projections", rounds, [rounds](Stroke& s, const Vector3d& p) {
+                                   return by_projections(s.rods, p, rounds);
+                               }});
         }
         for (const int rounds : {1, 2, 3, 4})
-            entries.push_back(
-                {"steps with their bend, " + std::to_string(rounds) + (rounds == 1 ? " round" : " rounds"),
-                 [rounds](Stroke& s, const Vector3d& p) { return by_steps(s.rods, p, rounds); },
-                 rounds == static_cast<int>(max_curved_rounds)});
-        entries.push_back({"a whole cycle of Scene", [](Stroke& s, const Vector3d& p) {
-                               Probe hand;
-                               hand.position = p;
-                               return Vector3d(s.scene.evaluate(hand, 1e-3).force / 1000);
-                           }});
+            entries.push_back({"steps with their bend", rounds,
+                               [rounds](Stroke& s, const Vector3d& p) { return by_steps(s.rods, p, rounds); },
+                               rounds == static_cast<int>(max_curved_rounds)});
+        entries.push_back(
+            {"a whole cycle of Scene", static_cast<int>(max_curved_rounds), [](Stroke& s, const Vector3d& p) {
+                 Probe hand;
+                 hand.position = p;
+                 return Vector3d(s.scene.evaluate(hand, 1e-3).force / 1000);
+             }});
         std::vector<Contender> contenders;
         for (const Entry& entry : entries) {
             double error = 0;
@@ -234,11 +233,13 @@ Panel curved(const measure::Stopwatch& watch) {
                     error = std::max(error, 1000 * static_cast<double>((dx - stroke.exact[i]).norm()));
                 }
             }
-            Point* const point = &panel.points.emplace_back(Point{.scene = std::to_string(count) + " rods",
-                                                                  .size = static_cast<double>(count),
-                                                                  .implementation = entry.name,
-                                                                  .error = error,
-                                                                  .knurl = entry.knurl});
+            Point* const point = &panel.points.emplace_back(
+                Point{.scene = std::to_string(count) + " rods, " + std::to_string(entry.rounds) +
+                               (entry.rounds == 1 ? " round" : " rounds"),
+                      .size = static_cast<double>(entry.rounds),
+                      .implementation = entry.name,
+                      .error = error,
+                      .knurl = entry.knurl});
             contenders.push_back(
                 {point, [&strokes, dx = entry.dx, next = 0u](int calls) mutable {
                      for (int i = 0; i < calls; ++i, ++next)
