@@ -296,10 +296,14 @@ class Beside {
                    radius_);
     }
 
-    // What lies in the plane, but for what touching is, is on the side to which the probe is held.
+    // What lies in the plane, but for what touching is, is on the side to which the probe is held, if the piece can be
+    // entered from there. Else a surface that pushes it towards the back would bring it behind the piece unseen.
     std::int32_t side(double height, const Vector3d& held, std::int32_t otherwise) const noexcept {
         const double facing = outline_.normal().dot(held);
-        if (std::abs(height) <= seam_ && std::abs(facing) > 1e-6 * held.norm()) return facing > 0 ? 1 : -1;
+        const std::int32_t to = facing > 0 ? 1 : -1;
+        if (std::abs(height) <= seam_ && std::abs(facing) > 1e-6 * held.norm() &&
+            can_enter(to, params_.sides))
+            return to;
         return side_of(height, otherwise);
     }
 
