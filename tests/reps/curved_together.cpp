@@ -78,7 +78,7 @@ TEST(CurvedTogether, HoldTheHandAtTheNearestPointThatSatisfiesThem) {
     const std::uint64_t seed = 2601;
     Rng rng(seed);
     long several = 0, cycles = 0, few = 0;
-    for (int round = 0; round < (long_form() ? 1000 : 60); ++round) {
+    for (int round = 0; round < (long_form() ? 1000 : 120); ++round) {
         Meeting meeting(rng, false);
         constexpr int steps = 100;
         for (int i = 0; i < steps; ++i) {

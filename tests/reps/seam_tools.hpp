@@ -338,5 +338,44 @@ void into_a_corner(Kind floor_kind, Kind wall_kind, std::uint64_t count, Rng& rn
     }
 }
 
+/// A ball of any radius is pressed on one face, slides over the seam on to the next, and is pushed aside no farther than the way
+/// over the step is long. Returns by how much the force exceeded that (N; negative: it did not). `margin` (m): a ball
+/// whose centre lies that near the face is left out, since touching is as much.
+double roll_over_a_seam(Kind kind_a, Kind kind_b, double margin, Rng& rng) {
+    const Pose pose = any_pose(rng);
+    const double gap = little(rng, 0), step = little(rng, 0);
+    Face a{pose, {-0.05, -0.05, 0}, {0, 0.05, 0}}, b{pose, {gap, -0.05, 0}, {0.05, 0.05, 0}};
+    b.pose.shift = pose({0, 0, step});
+    Forms forms;
+    Scene scene = room();
+    add(scene, 0, kind_a, a, 0.01, true, forms);
+    add(scene, 1, kind_b, b, 0.01, false, forms);
+    const double radius = uniform(rng, 1e-3, 5e-3), deep = uniform(rng, 1e-3, 8e-3);
+    if (std::abs(radius - deep) < margin) return -1;
+    EXPECT_TRUE(scene.place_probe(0, {.offset = {}, .radius = radius}));
+    const double speed = scale(rng, 0.01, 0.3), angle = uniform(rng, -1.2, 1.2);
+    Vector p(-4e-3, 0, radius + 1e-3);
+    double worst = -1;
+    for (int i = 0; p.x() < 4e-3 && std::abs(p.y()) < 0.04; ++i) {
+        if (i <= 50) {
+            p.z() = radius + 1e-3 - (deep + 1e-3) * i / 50;
+        } else {
+            p += speed * dt * Vector(std::cos(angle), std::sin(angle), 0);
+        }
+        const Vector force = pose.turn.conjugate() * scene.evaluate(at(pose(p)), dt).force;
+        const double want = k * std::max(0.0, radius - p.z());
+        const double off = (force - Vector(0, 0, want)).norm();
+        // Its centre has not come to the faces: between them it may be felt by the planes at both feet.
+        const bool between_them = deep < radius && std::abs(p.x()) < 2e-3;
+        const double over = std::sqrt(2 * want / k * std::abs(step) + step * step);
+        worst =
+            std::max(worst, off - (between_them ? want / 2 : k * (over + std::abs(step) + std::abs(gap))));
+    }
+    EXPECT_LE(worst, 1e-9) << "N; " << names[int(kind_a)] << " to " << names[int(kind_b)] << ", radius "
+                           << radius << " deep " << deep << " gap " << gap << " step " << step << "; seed "
+                           << seed();
+    return worst;
+}
+
 }  // namespace
 }  // namespace seams_tests
