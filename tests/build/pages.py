@@ -52,19 +52,11 @@ def page_id(page):
 
 
 def blocks_of(page):
-    found, fence, mark, text = [], None, ("", ""), []
-    for number, line in enumerate((ROOT / page).read_text().splitlines(), 1):
-        edge = re.match(r"\s*(```+)\s*(\S*)\s*$", line)
-        if fence is None and edge:
-            fence, text = (number, edge[2]), []
-        elif fence is not None and edge and not edge[2]:
-            found.append(Block(page, fence[0], fence[1], mark[0], mark[1], "".join(f"{t}\n" for t in text)))
-            fence, mark = None, ("", "")
-        elif fence is not None:
-            text.append(line)
-        elif line.strip():
-            said = MARK.match(line)
-            mark = (said[1] or said[3], said[2] or "") if said else ("", "")
+    found = []
+    for line, language, above, text in readme.fences(page):
+        said = MARK.match(above)
+        mark, argument = (said[1] or said[3], said[2] or "") if said else ("", "")
+        found.append(Block(page, line, language, mark, argument, text))
     return found
 
 

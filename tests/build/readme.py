@@ -33,25 +33,31 @@ class Block:
         self.where, self.language, self.name, self.text = f"{file}:{line}", language, name, text
 
 
+def fences(path):
+    """Of each fenced block in a file of Markdown: its line, its language, the last line with words above it, its text."""
+    fence, above, text = None, "", []
+    for number, line in enumerate((ROOT / path).read_text().splitlines(), 1):
+        edge = re.match(r"\s*(```+)\s*(\S*)\s*$", line)
+        if fence is None and edge:
+            fence, text = (number, edge[2]), []
+        elif fence is not None and edge and not edge[2]:
+            yield fence[0], fence[1], above, "".join(f"{each}\n" for each in text)
+            fence, above = None, ""
+        elif fence is not None:
+            text.append(line)
+        elif line.strip():
+            above = line
+
+
 def blocks():
     found = []
     for file in sorted(ROOT.rglob("README.md")):
         path = file.relative_to(ROOT)
         if {"build", "out", "docs"} & set(path.parts[:1]):  # docs: pages.py
             continue
-        fence, name, text = None, "", []
-        for number, line in enumerate(file.read_text().splitlines(), 1):
-            mark = re.match(r"\s*(```+)\s*(\S*)\s*$", line)
-            if fence is None and mark:
-                fence, text = (number, mark[2]), []
-            elif fence is not None and mark and not mark[2]:
-                found.append(Block(path, fence[0], fence[1], name, "\n".join(text) + "\n"))
-                fence, name = None, ""
-            elif fence is not None:
-                text.append(line)
-            elif line.strip():
-                mark = re.match(r"\s*<!-- example: (\w+) -->\s*$", line)
-                name = mark[1] if mark else ""
+        for line, language, above, text in fences(path):
+            mark = re.match(r"\s*<!-- example: (\w+) -->\s*$", above)
+            found.append(Block(path, line, language, mark[1] if mark else "", text))
     text = []
     for line in (ROOT / HEAD).read_text().splitlines()[2:]:
         if text and not line.startswith("//     "):
