@@ -8,8 +8,8 @@
 //                                   coupled.show(world, now);
 //                                   hand.commit();
 //
-// Of the servo it needs add(), and of what add() gives set() and felt(): a knurl::Claim, or a servo in this
-// process.
+// Of the servo it needs add(), and of what add() gives set() and feedback(): a knurl::Claim, or a servo in
+// this process.
 
 #include <functional>
 
@@ -47,7 +47,7 @@ class Coupled {
             for (std::uint32_t finger = 0; finger < options.fingers.size(); ++finger) {
                 Touch touch(body, assets[body], options.touch);
                 const knurl::Shape shape = touch.stepped(world, 1);
-                touching_.push_back({touch, finger, hand.add(shape, knurl::Use{.probe = finger})});
+                touching_.push_back({touch, finger, hand.add(shape, knurl::AddOptions{.probe = finger})});
             }
         }
         for (const knurl::Spring& spring : hold_.told(0)) springs_.push_back(hand.add(spring));
@@ -63,11 +63,11 @@ class Coupled {
                        spin = knurl::to_eigen(report.angular_velocity);
         for (Touching& t : touching_) {
             const Vector3d arm = knurl::to_eigen(report.orientation) * options_.fingers[t.finger];
-            t.touch.feel(position_ + arm, velocity + spin.cross(arm), t.shape.felt(), dt);
+            t.touch.feel(position_ + arm, velocity + spin.cross(arm), t.shape.feedback(), dt);
         }
-        Hold::Felts felts;
-        for (std::size_t i = 0; i < felts.size(); ++i) felts[i] = springs_[i].felt();
-        hold_.feel(report, felts);
+        Hold::SpringFeedback feedback;
+        for (std::size_t i = 0; i < feedback.size(); ++i) feedback[i] = springs_[i].feedback();
+        hold_.feel(report, feedback);
     }
     /// For the simulation's next step.
     Orders orders(const World& world, double now) {

@@ -39,7 +39,7 @@ void Hold::let_go(double now) {
     account_.drop_springs();
 }
 
-void Hold::feel(const knurl::Report& report, const Felts& felts) {
+void Hold::feel(const knurl::Report& report, const SpringFeedback& feedback) {
     position_ = knurl::to_eigen(report.position);
     orientation_ = knurl::to_eigen(report.orientation);
     velocity_ = knurl::to_eigen(report.velocity);
@@ -47,13 +47,13 @@ void Hold::feel(const knurl::Report& report, const Felts& felts) {
     account_.spring = remains_ = 0;
     for (std::size_t i = 0; i < springs; ++i) {
         const Vector3d point = position_ + orientation_ * arm(i);
-        const Vector3d told = felts[i] ? knurl::to_eigen(felts[i]->force) : Vector3d::Zero();
+        const Vector3d told = feedback[i] ? knurl::to_eigen(feedback[i]->force) : Vector3d::Zero();
         const Vector3d force = body_ ? told : Vector3d::Zero();
         remains_ = std::max(remains_, told.norm());
         // The trapezium is exact for a spring.
         if (felt_ && body_) account_.put_in(-0.5 * (force + forces_[i]).dot(point - points_[i]));
-        if (felts[i] && felts[i]->stiffness > 0)
-            account_.spring += force.squaredNorm() / (2 * felts[i]->stiffness);
+        if (feedback[i] && feedback[i]->stiffness > 0)
+            account_.spring += force.squaredNorm() / (2 * feedback[i]->stiffness);
         points_[i] = point;
         forces_[i] = force;
     }

@@ -30,7 +30,7 @@ struct HoldOptions {
 class Hold {
   public:
     static constexpr std::size_t springs = 4;
-    using Felts = std::array<std::optional<knurl::Felt>, springs>;
+    using SpringFeedback = std::array<std::optional<knurl::HandFeedback>, springs>;
 
     explicit Hold(const HoldOptions& options) : options_(options) {
         for (auto* vectors : {&on_body_, &ends_, &points_, &forces_}) vectors->fill(Vector3d::Zero());
@@ -45,7 +45,7 @@ class Hold {
     bool slips() const { return slips_; }
 
     /// A cycle of the servo.
-    void feel(const knurl::Report& report, const Felts& felts);
+    void feel(const knurl::Report& report, const SpringFeedback& feedback);
     /// For the simulation's next step.
     std::vector<Pull> pulls(const World& world);
     /// After it. The step is played in `interval` s.

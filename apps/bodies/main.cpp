@@ -20,7 +20,7 @@ namespace {
 
 using knurl::commandline::stop;
 
-struct Wishes {
+struct Options {
     std::string connect = "knurl:default", picture, csv;
     bool demo = false, compare = false;
     int fingers = 1;
@@ -28,7 +28,7 @@ struct Wishes {
     bodies::PlayOptions play;
 };
 
-void describe(knurl::commandline::Command& app, Wishes& w) {
+void describe(knurl::commandline::Command& app, Options& w) {
     auto& touch = w.play.coupled.touch;
     auto& hold = w.play.coupled.hold;
     app.option("--rate", w.play.rate, "Hz of the simulation's frames").shows_default().within(20.0, 500.0);
@@ -121,7 +121,7 @@ int run_compare(double rate) {
 }
 
 /// A servo of its own that does not start says why.
-knurl::Client connect(const Wishes& w, knurl::measure::PrivateServo* servo) {
+knurl::Client connect(const Options& w, knurl::measure::PrivateServo* servo) {
     const double at_once = servo != nullptr ? 0.2 : w.wait;
     const auto wait = std::chrono::milliseconds(static_cast<int>(at_once * 1e3));
     for (double waited = at_once;; waited += at_once) try {
@@ -132,7 +132,7 @@ knurl::Client connect(const Wishes& w, knurl::measure::PrivateServo* servo) {
         }
 }
 
-int run(Wishes& w) {
+int run(Options& w) {
     if (w.compare) return run_compare(w.play.rate);
     if (!w.picture.empty()) knurl::measure::require_writable(w.picture);
     if (!w.csv.empty()) knurl::measure::require_writable(w.csv);
@@ -172,12 +172,12 @@ int run(Wishes& w) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    Wishes wishes;
+    Options options;
     knurl::commandline::Command app("knurl-bodies", "knurl-bodies: a rigid-body scene in the hand.");
-    describe(app, wishes);
+    describe(app, options);
     app.action([&] {
         knurl::commandline::stop_on_signals();
-        return run(wishes);
+        return run(options);
     });
     return knurl::commandline::run(app, argc, argv);
 }

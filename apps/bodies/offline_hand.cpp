@@ -33,22 +33,22 @@ std::uint32_t OfflineHand::send(const Skin& skin) {
 
 const knurl::Report& OfflineHand::step() {
     const knurl::Report& report = servo_.step();
-    felt_ = &claim_->feedback();
+    feedback_ = &claim_->feedback();
     ++cycles_;
     return report;
 }
 
-std::optional<knurl::Felt> OfflineHand::felt(knurl::Handle handle) const {
-    if (!felt_) return {};
-    for (const auto& entry : felt_->entries)
-        if (entry.handle == handle)
-            return knurl::Felt{.force = entry.force,
-                               .torque = entry.torque,
-                               .contact_point = entry.contact_point,
-                               .stiffness = entry.stiffness,
-                               .tangential_stiffness = entry.tangential_stiffness,
-                               .flags = entry.flags,
-                               .cycle = felt_->header.cycle};
+std::optional<knurl::HandFeedback> OfflineHand::feedback(knurl::RepresentationId id) const {
+    if (!feedback_) return {};
+    for (const auto& entry : feedback_->entries)
+        if (entry.id == id)
+            return knurl::HandFeedback{.force = entry.force,
+                                       .torque = entry.torque,
+                                       .contact_point = entry.contact_point,
+                                       .stiffness = entry.stiffness,
+                                       .tangential_stiffness = entry.tangential_stiffness,
+                                       .flags = entry.flags,
+                                       .cycle = feedback_->header.cycle};
     return {};
 }
 

@@ -21,13 +21,13 @@ class OfflineHand {
     template <class R>
     struct There {
         OfflineHand* hand;
-        knurl::Handle handle;
-        void set(const R& params) { hand->claim_->update(handle, params); }
-        std::optional<knurl::Felt> felt() const { return hand->felt(handle); }
+        knurl::RepresentationId id;
+        void set(const R& params) { hand->claim_->update(id, params); }
+        std::optional<knurl::HandFeedback> feedback() const { return hand->feedback(id); }
     };
     template <class R>
-    There<R> add(const R& params, const knurl::Use& use = {}) {
-        return {this, claim_->add(params, use)};
+    There<R> add(const R& params, const knurl::AddOptions& options = {}) {
+        return {this, claim_->add(params, options)};
     }
     std::uint32_t send(const Skin& skin);
     void place_probe(std::uint32_t probe, const knurl::ProbePlacement& placement) {
@@ -41,13 +41,13 @@ class OfflineHand {
     const knurl::drivers::SimState& truth() const { return device_.state(); }
 
   private:
-    std::optional<knurl::Felt> felt(knurl::Handle handle) const;
+    std::optional<knurl::HandFeedback> feedback(knurl::RepresentationId id) const;
 
     knurl::drivers::SimDevice device_;
     std::vector<std::unique_ptr<knurl::Mesh>> meshes_;
     knurl::servo::Offline servo_;
     knurl::servo::OfflineClaim* claim_;
-    const knurl::servo::OfflineClaim::Felt* felt_ = nullptr;
+    const knurl::servo::OfflineClaim::FeedbackSet* feedback_ = nullptr;
     std::uint64_t cycles_ = 0;
 };
 

@@ -29,15 +29,15 @@ Touch::Touch(std::size_t body, std::uint32_t asset, const TouchOptions& options)
     push_.body = body;
 }
 
-void Touch::feel(const Vector3d& finger, const Vector3d& velocity, const std::optional<knurl::Felt>& felt,
-                 double dt) {
+void Touch::feel(const Vector3d& finger, const Vector3d& velocity,
+                 const std::optional<knurl::HandFeedback>& feedback, double dt) {
     Vector3d force = Vector3d::Zero();
     depth_ = 0;
-    if (there() && felt && (felt->flags & knurl::Feedback::touching)) {
-        force = knurl::to_eigen(felt->force);
-        if (felt->stiffness > 0) stiffness_ = felt->stiffness;
+    if (there() && feedback && (feedback->flags & knurl::Feedback::touching)) {
+        force = knurl::to_eigen(feedback->force);
+        if (feedback->stiffness > 0) stiffness_ = feedback->stiffness;
         if (force.squaredNorm() > 0) {
-            contact_ = knurl::to_eigen(felt->contact_point);
+            contact_ = knurl::to_eigen(feedback->contact_point);
             // The nearest point of what is free: with friction the force leans away from it, and where
             // several surfaces are touched at once it is on all of them, and the force tells which is this
             // one.

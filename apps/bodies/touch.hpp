@@ -35,8 +35,8 @@ class Touch {
     Touch(std::size_t body, std::uint32_t asset, const TouchOptions& options);
 
     /// A cycle of the servo, `dt` s after the last one that was seen: the finger, and what it felt.
-    void feel(const Vector3d& finger, const Vector3d& velocity, const std::optional<knurl::Felt>& felt,
-              double dt);
+    void feel(const Vector3d& finger, const Vector3d& velocity,
+              const std::optional<knurl::HandFeedback>& feedback, double dt);
     /// Before the simulation's next step of `dt` s, which will be played in `interval` s.
     Push push(const World& world, double dt);
     /// After it: what the servo is told.

@@ -128,9 +128,9 @@ class Session {
         for (; report; report = hand_.next_report(0ms)) {
             report_ = *report;
             now_ = static_cast<double>(report->deadline_ns - begin_) * 1e-9;
-            const auto felt = spring_.felt();
-            coupling_.feel(*report, felt);
-            record(*report, felt);
+            const auto feedback = spring_.feedback();
+            coupling_.feel(*report, feedback);
+            record(*report, feedback);
         }
         // By the newest report: an older one says where the hand was.
         grip(grip_.button(report_.buttons));
@@ -229,14 +229,14 @@ class Session {
                                   .account = coupling_.account()});
     }
 
-    void record(const knurl::HandReport& report, const std::optional<knurl::Felt>& felt) {
+    void record(const knurl::HandReport& report, const std::optional<knurl::HandFeedback>& feedback) {
         docked_.faults |= report.faults;
         if (report.state != knurl::DeviceState::active) return;
         // The report has the sum of all who share the device; what is the spring's is told of the newest
         // cycle.
-        const bool told = !options_.share || (felt && felt->cycle == report.cycle);
+        const bool told = !options_.share || (feedback && feedback->cycle == report.cycle);
         if (told)
-            own_ = options_.share ? felt->share * knurl::to_eigen(felt->force)
+            own_ = options_.share ? feedback->share * knurl::to_eigen(feedback->force)
                                   : knurl::to_eigen(report.scene_force);
         if (docked_.cycles.size() < most_cycles)
             docked_.cycles.push_back({.number = report.cycle,
@@ -353,7 +353,7 @@ class Session {
     PullBound pull_bound_;
     knurl::Coupling coupling_;
     knurl::Claim hand_;
-    knurl::Representing<knurl::Spring> spring_;
+    knurl::Handle<knurl::Spring> spring_;
     Docked docked_;
     knurl::HandReport report_;
     std::int64_t begin_ = 0, read_ns_ = 0;

@@ -24,7 +24,7 @@ namespace {
 
 using knurl::commandline::stop;
 
-struct Wishes {
+struct Options {
     std::string simulation, connect = "knurl:default", picture, csv, json;
     bool demo = false, no_account = false, kill = false;
     double wait = 5;
@@ -32,7 +32,7 @@ struct Wishes {
     dock::HandPath path;
 };
 
-void describe(knurl::commandline::Command& app, Wishes& w) {
+void describe(knurl::commandline::Command& app, Options& w) {
     dock::DockOptions& o = w.dock;
     app.option("HOST:PORT", w.simulation, "of a simulation that speaks IMD, version 2").required();
     app.option("--atom", o.atom, "to hold, counted from 0 in the simulation's IMD group; else the nearest")
@@ -78,7 +78,7 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
         "  knurl-dock localhost:8889 --demo --picture dock.png without a device\n");
 }
 
-int run(Wishes& w) {
+int run(Options& w) {
     dock::DockOptions& o = w.dock;
     for (const std::string* file : {&w.picture, &w.csv, &w.json})
         if (!file->empty()) knurl::measure::require_writable(*file);
@@ -148,12 +148,12 @@ int run(Wishes& w) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    Wishes wishes;
+    Options options;
     knurl::commandline::Command app("knurl-dock", "knurl-dock: an atom of a running simulation in the hand.");
-    describe(app, wishes);
+    describe(app, options);
     app.action([&] {
         knurl::commandline::stop_on_signals();
-        return run(wishes);
+        return run(options);
     });
     return knurl::commandline::run(app, argc, argv);
 }

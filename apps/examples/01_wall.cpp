@@ -23,7 +23,7 @@ int main(int argc, char** argv) try {
     double strongest = 0, depth = 0;  // N, m
     while (auto frame = hand.newest(50ms)) {
         hand.commit();  // "I am alive": a silent application's force fades
-        if (auto felt = floor.felt()) strongest = std::max(strongest, felt->force.z);
+        if (auto feedback = floor.feedback()) strongest = std::max(strongest, feedback->force.z);
         depth = height - frame->position.z;
         if (std::chrono::steady_clock::now() > end) break;
     }

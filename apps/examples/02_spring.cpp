@@ -28,9 +28,9 @@ int main(int argc, char** argv) try {
             auto params = spring.params();
             params.anchor.x = home.x + (aside ? 0.02 : 0.0);  // m
             spring.set(params);
-            const auto felt = spring.felt();
+            const auto feedback = spring.feedback();
             std::printf("hand at x = %+5.1f mm, spring pulls %+5.2f N, end moves to %+5.1f mm\n",
-                        frame->position.x * 1e3, felt ? felt->force.x : 0.0, params.anchor.x * 1e3);
+                        frame->position.x * 1e3, feedback ? feedback->force.x : 0.0, params.anchor.x * 1e3);
             aside = !aside;
             jump += 1s;
         }

@@ -41,7 +41,8 @@ int main(int argc, char** argv) try {
         floor.follow(ball);
         hand.commit();
         std::this_thread::sleep_for(50ms);  // a slow computation
-        if (auto felt = floor.felt()) strongest = std::max(strongest, knurl::to_eigen(felt->force).norm());
+        if (auto feedback = floor.feedback())
+            strongest = std::max(strongest, knurl::to_eigen(feedback->force).norm());
     }
     const auto timing = hand.timing();
     std::printf("strongest %.2f N; %llu updates, felt %.1f ms after their report was read\n", strongest,

@@ -26,10 +26,10 @@ int main(int argc, char** argv) try {
         hand.commit();  // "I am alive": a silent application's force fades
         const auto now = std::chrono::steady_clock::now();
         if (now > end) break;
-        const auto felt = floor.felt();
-        if (now < next || !felt) continue;
+        const auto feedback = floor.feedback();
+        if (now < next || !feedback) continue;
         next += 1s;
-        std::printf("%.2f N of the floor, %.2f N in all\n", knurl::to_eigen(felt->force).norm(),
+        std::printf("%.2f N of the floor, %.2f N in all\n", knurl::to_eigen(feedback->force).norm(),
                     knurl::to_eigen(frame->scene_force).norm());
     }
 } catch (const std::exception& error) {

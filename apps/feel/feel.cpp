@@ -33,8 +33,8 @@ void wait_until_slow(knurl::Claim& hand, const std::atomic<bool>& stop) {
 
 }  // namespace
 
-Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptions& options,
-          const std::atomic<bool>& stop, const std::function<void(const std::string&)>& told) {
+FeelResult feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptions& options,
+                const std::atomic<bool>& stop, const std::function<void(const std::string&)>& told) {
     knurl::ClaimOptions claim{.update_interval = 20ms};
     // How large the thing is, and how large the device's world must be for it, is known before it is sent.
     const double size = options.send.scale * file.size();
@@ -44,8 +44,8 @@ Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptio
                 size / 2 > 0.9 * device.workspace_radius)
                 claim.workspace_radius = size / 2 / 0.9;
     knurl::Claim hand = client.claim(options.device, claim);
-    Felt felt;
-    if (claim.workspace_radius > 0) felt.scale = claim.workspace_radius / hand.device().workspace_radius;
+    FeelResult result;
+    if (claim.workspace_radius > 0) result.scale = claim.workspace_radius / hand.device().workspace_radius;
 
     const auto begin = Clock::now();
     knurl::Sending sending = hand.begin_sending(file.triangles_of(), options.send);
@@ -57,17 +57,17 @@ Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptio
                                   file.triangles.size(), seconds_since(begin)));
     }
     progress.clear();
-    if (!sent) return felt;
-    felt.sent = *sent;
-    felt.send_seconds = seconds_since(begin);
+    if (!sent) return result;
+    result.sent = *sent;
+    result.send_seconds = seconds_since(begin);
 
     const Eigen::Vector3d centre = claim.workspace_radius > 0
                                        ? Eigen::Vector3d(Eigen::Vector3d::Zero())
                                        : knurl::to_eigen(hand.device().workspace_centre);
-    felt.position = centre - (knurl::to_eigen(sent->low) + knurl::to_eigen(sent->high)) / 2;
+    result.position = centre - (knurl::to_eigen(sent->low) + knurl::to_eigen(sent->high)) / 2;
     knurl::Shape params = options.shape;
     params.asset = sent->asset;
-    params.position = knurl::to_plain(felt.position);
+    params.position = knurl::to_plain(result.position);
     const auto shape = hand.add(params);
     if (options.radius > 0) hand.place_probe(0, {.offset = {}, .radius = options.radius});
     wait_until_slow(hand, stop);
@@ -82,7 +82,7 @@ Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptio
             if (!hand.connected()) throw std::runtime_error("the servo has gone; start it again");
             continue;
         }
-        felt.faults = report->faults;
+        result.faults = report->faults;
         if (report->faults != 0) break;
         if (report->state != knurl::DeviceState::active) {
             if (first == 0 && Clock::now() - armed > patience)
@@ -93,21 +93,21 @@ Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptio
         }
         if (first == 0) first = report->deadline_ns;
         const double t = static_cast<double>(report->deadline_ns - first) * 1e-9;
-        felt.cycles.push_back({.number = report->cycle,
-                               .t = t,
-                               .position = knurl::to_eigen(report->position) - felt.position,
-                               .force = knurl::to_eigen(report->scene_force)});
-        if (felt.cycles.size() % 20 == 0) hand.commit();
+        result.cycles.push_back({.number = report->cycle,
+                                 .t = t,
+                                 .position = knurl::to_eigen(report->position) - result.position,
+                                 .force = knurl::to_eigen(report->scene_force)});
+        if (result.cycles.size() % 20 == 0) hand.commit();
         if (t >= told_at + 1) {
             told_at = t;
             told(fmt::format("{:5.0f} s  {:.2f} N", t, knurl::to_eigen(report->scene_force).norm()));
         }
         if (options.seconds > 0 && t >= options.seconds) break;
     }
-    felt.stiffness = shape.applied_stiffness().value_or(0);
-    felt.unread = hand.missed();
+    result.stiffness = shape.applied_stiffness().value_or(0);
+    result.unread = hand.missed();
     hand.release();
-    return felt;
+    return result;
 }
 
 }  // namespace feel

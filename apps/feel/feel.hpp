@@ -23,7 +23,7 @@ struct FeelOptions {
     double seconds = 0;  // 0: until `stop`
 };
 
-struct Felt {
+struct FeelResult {
     knurl::SentShape sent;
     double send_seconds = 0;                             // from the offer until the servo had it
     double stiffness = 0;                                // N/m as applied
@@ -35,7 +35,7 @@ struct Felt {
 };
 
 /// `told` gets a line now and then. Throws knurl::Error.
-Felt feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptions& options,
-          const std::atomic<bool>& stop, const std::function<void(const std::string&)>& told);
+FeelResult feel(knurl::Client& client, const meshfile::MeshFile& file, const FeelOptions& options,
+                const std::atomic<bool>& stop, const std::function<void(const std::string&)>& told);
 
 }  // namespace feel

@@ -24,7 +24,7 @@ namespace {
 
 using knurl::commandline::stop;
 
-struct Wishes {
+struct Options {
     std::vector<std::string> materials;
     std::string mesh, unit, connect = "knurl:default", picture, csv;
     bool demo = false, smooth = false, no_fit = false, inside = false;
@@ -34,7 +34,7 @@ struct Wishes {
     feel::StrokeOptions stroke;
 };
 
-void describe(knurl::commandline::Command& app, Wishes& w) {
+void describe(knurl::commandline::Command& app, Options& w) {
     w.feel.shape.stiffness = 1000;
     app.option("MESH", w.mesh, "STL, OBJ, PLY, or what else Assimp reads").required();
     app.option("--unit", w.unit, "of the file: mm, cm, m, in, um; left out, it is guessed and said")
@@ -118,7 +118,7 @@ void prepare(meshfile::MeshFile& file, const knurl::SendOptions& send, bool insi
                    turned == 1 ? "it so" : "them so");
 }
 
-int run(Wishes& w) {
+int run(Options& w) {
     if (!w.picture.empty()) knurl::measure::require_writable(w.picture);
     if (!w.csv.empty()) knurl::measure::require_writable(w.csv);
     meshfile::MeshFile file = meshfile::load_mesh(w.mesh);
@@ -164,24 +164,24 @@ int run(Wishes& w) {
     }
     auto client = knurl::Client::connect(
         w.connect, {.name = "knurl-feel", .wait = std::chrono::milliseconds(static_cast<int>(w.wait * 1e3))});
-    feel::Felt felt = feel::feel(client, file, w.feel, stop, [](const std::string& line) {
+    feel::FeelResult result = feel::feel(client, file, w.feel, stop, [](const std::string& line) {
         fmt::print("\r  {}", line);
         std::fflush(stdout);
     });
-    if (felt.sent.asset == 0) return 130;
-    fmt::print("\n  the servo took {:.2f} s and holds {:.1f} MB for {} faces\n", felt.send_seconds,
-               static_cast<double>(felt.sent.bytes) * 1e-6, felt.sent.faces);
-    for (const std::string& line : meshfile::notes_of(felt.sent.notes)) fmt::print("  {}\n", line);
-    if (felt.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", felt.scale);
-    if (felt.faults != 0)
+    if (result.sent.asset == 0) return 130;
+    fmt::print("\n  the servo took {:.2f} s and holds {:.1f} MB for {} faces\n", result.send_seconds,
+               static_cast<double>(result.sent.bytes) * 1e-6, result.sent.faces);
+    for (const std::string& line : meshfile::notes_of(result.sent.notes)) fmt::print("  {}\n", line);
+    if (result.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", result.scale);
+    if (result.faults != 0)
         fmt::print("  the device faulted (mask {:#x}): see `knurl ls`, and leave it with `knurl reset`\n",
-                   felt.faults);
+                   result.faults);
 
     const bool comparable = w.feel.radius == 0 && w.friction == 0 && w.feel.shape.damping == 0 && !w.smooth;
-    feel::expect(felt.cycles, *mesh_here(file, send), felt.stiffness, 1e9);
-    const feel::Judgement judged = feel::judge(felt.cycles);
+    feel::expect(result.cycles, *mesh_here(file, send), result.stiffness, 1e9);
+    const feel::Judgement judged = feel::judge(result.cycles);
     fmt::print("  {} cycles, {} of them touching; mean {:.2f} N, peak {:.2f} N, at {:.0f} N/m\n",
-               judged.cycles, judged.touching, judged.mean_force, judged.peak_force, felt.stiffness);
+               judged.cycles, judged.touching, judged.mean_force, judged.peak_force, result.stiffness);
     const bool touched = judged.touching > 0;
     if (!touched)
         fmt::print("  it was never touched: there is nothing to compare{}\n",
@@ -192,28 +192,28 @@ int run(Wishes& w) {
             "lost, "
             "{} jumps above 0.5 N ({} are the surface's own)\n",
             judged.worst_error, judged.lost, judged.jumps, judged.expected_jumps);
-    if (!w.csv.empty()) feel::write_csv(w.csv, felt.cycles);
+    if (!w.csv.empty()) feel::write_csv(w.csv, result.cycles);
     if (!w.picture.empty()) {
         const knurl::measure::Machine machine = knurl::measure::this_machine();
-        feel::draw(w.picture, file, send.scale, felt.cycles,
-                   fmt::format("{}: {} triangles, {:.3g} m, felt at {:.0f} N/m", file.path, felt.sent.faces,
-                               send.scale * file.size(), felt.stiffness),
+        feel::draw(w.picture, file, send.scale, result.cycles,
+                   fmt::format("{}: {} triangles, {:.3g} m, felt at {:.0f} N/m", file.path, result.sent.faces,
+                               send.scale * file.size(), result.stiffness),
                    fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
         fmt::print("  {}\n", w.picture);
     }
     // A person may come and go; a demonstration of nothing is none.
-    return felt.faults != 0 || (w.demo && !touched && !stop) ? 1 : 0;
+    return result.faults != 0 || (w.demo && !touched && !stop) ? 1 : 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    Wishes wishes;
+    Options options;
     knurl::commandline::Command app("knurl-feel", "knurl-feel: a mesh from a file in the hand.");
-    describe(app, wishes);
+    describe(app, options);
     app.action([&] {
         knurl::commandline::stop_on_signals();
-        return run(wishes);
+        return run(options);
     });
     return knurl::commandline::run(app, argc, argv);
 }

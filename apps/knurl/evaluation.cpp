@@ -52,7 +52,7 @@ std::string called(const SceneFile& scene, const Change& change) {
 class Player {
   public:
     Player(const SceneFile& scene, servo::OfflineClaim& claim, bool limited)
-        : scene_(scene), claim_(claim), limited_(limited), handles_(scene.items) {}
+        : scene_(scene), claim_(claim), limited_(limited), ids_(scene.items) {}
 
     /// Sends what takes effect in the cycle at `t`; `next_t` is the time of the cycle after it.
     void send(bool first, double t, double next_t) {
@@ -78,7 +78,7 @@ class Player {
         // when it changes nothing that is felt.
         for (std::size_t i = next_; i < scene_.changes.size() && due(scene_.changes[i], false, next_t); ++i) {
             const Change& change = scene_.changes[i];
-            if (change.type != Change::Type::remove || handles_[change.item].generation == 0) continue;
+            if (change.type != Change::Type::remove || ids_[change.item].generation == 0) continue;
             const auto params = with_recovery_of(change, params_[change.item]);
             if (params != params_[change.item]) batch = update(change.item, change.kind, params) || batch;
         }
@@ -103,8 +103,7 @@ class Player {
         }
         for (const Change* change : sent_) {
             for (const auto& entry : felt.entries) {
-                if (change->type == Change::Type::remove || !(entry.handle == handles_[change->item]))
-                    continue;
+                if (change->type == Change::Type::remove || !(entry.id == ids_[change->item])) continue;
                 if ((entry.flags & Feedback::stiffness_clamped) != 0 &&
                     clamped_.insert(change->item).second) {
                     remarks.push_back(fmt::format("{}: {:.6g} N/m is applied; {}", called(scene_, *change),
@@ -131,7 +130,7 @@ class Player {
         least_ = {std::min(least_.contacts, scales.contacts), std::min(least_.effects, scales.effects),
                   std::min(least_.damping, scales.damping)};
         for (const auto& entry : felt.entries)
-            if ((entry.flags & Feedback::touching) != 0) scaled_.insert(entry.handle.slot);
+            if ((entry.flags & Feedback::touching) != 0) scaled_.insert(entry.id.slot);
     }
 
     /// One line where it did: how much of what, and which parts together are why.
@@ -147,8 +146,8 @@ class Player {
         constexpr int most = 8;
         int named = 0;
         for (const Change& change : scene_.changes) {
-            if (change.type != Change::Type::add || !scaled_.contains(handles_[change.item].slot)) continue;
-            if (handles_[change.item].generation == 0 || ++named > most) continue;
+            if (change.type != Change::Type::add || !scaled_.contains(ids_[change.item].slot)) continue;
+            if (ids_[change.item].generation == 0 || ++named > most) continue;
             parts +=
                 fmt::format("{}{} '{}'", parts.empty() ? "" : ", ", kinds()[change.kind].name, change.id);
         }
@@ -186,24 +185,24 @@ class Player {
     }
 
     void add(const Change& change) {
-        Handle& handle = handles_[change.item];
+        RepresentationId& id = ids_[change.item];
         if (!free_slots_.empty()) {
-            handle = free_slots_.back();
+            id = free_slots_.back();
             free_slots_.pop_back();
-            ++handle.generation;
+            ++id.generation;
         } else if (slots_ < Scene::max_representations) {
-            handle = {slots_++, 1};
+            id = {slots_++, 1};
         } else {
             throw std::runtime_error(
                 fmt::format("{}: more than {} representations at once; remove some before",
                             called(scene_, change), Scene::max_representations));
         }
-        claim_.add(handle, change.kind, change.params.data(), change.params.size(), change.use);
+        claim_.add(id, change.kind, change.params.data(), change.params.size(), change.options);
         params_[change.item] = change.params;
     }
 
     bool update(std::uint32_t item, Kind kind, const std::vector<std::byte>& params) {
-        claim_.update(handles_[item], kind, params.data(), params.size());
+        claim_.update(ids_[item], kind, params.data(), params.size());
         params_[item] = params;
         return true;
     }
@@ -218,16 +217,16 @@ class Player {
     }
 
     void remove(const Change& change) {
-        claim_.remove(handles_[change.item]);
-        free_slots_.push_back(handles_[change.item]);
-        handles_[change.item] = {};
+        claim_.remove(ids_[change.item]);
+        free_slots_.push_back(ids_[change.item]);
+        ids_[change.item] = {};
     }
 
     const SceneFile& scene_;
     servo::OfflineClaim& claim_;
-    const bool limited_;              // by a device
-    std::vector<Handle> handles_;     // per item; generation 0: not there
-    std::vector<Handle> free_slots_;  // as they were last used
+    const bool limited_;                        // by a device
+    std::vector<RepresentationId> ids_;         // per item; generation 0: not there
+    std::vector<RepresentationId> free_slots_;  // as they were last used
     // in force
     std::vector<std::vector<std::byte>> params_ = std::vector<std::vector<std::byte>>(scene_.items);
     std::vector<const Change*> sent_;               // for this cycle

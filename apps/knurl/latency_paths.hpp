@@ -93,7 +93,7 @@ class LatencyPaths {
     double random() { return std::uniform_real_distribution<double>(0, 1)(generator_); }
 
     Claim& hand_;
-    std::optional<Representing<ConstantForce>> force_;
+    std::optional<Handle<ConstantForce>> force_;
     std::mt19937_64 generator_;
     Nanoseconds period_;
     std::uint64_t updates_ = 0;

@@ -48,7 +48,7 @@ std::int64_t clock_ns(clockid_t clock) {
     return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
 }
 
-/// The memory of one device of a running servo: its reports and its tape.
+/// The memory of one device of a running servo: its reports and its input log.
 class Source {
   public:
     Source(const protocol::ServoAddress& servo, const std::string& wanted)
@@ -64,24 +64,25 @@ class Source {
         request.device = static_cast<std::uint32_t>(device);
         if (!shm::send_message(connection_, std::as_bytes(std::span(&request, 1))))
             throw std::runtime_error("the servo hung up");
-        std::vector<shm::UniqueFd> tape;
-        const auto granted =
-            answer<protocol::Recording>(connection_, protocol::MessageType::recording, answer_time, tape);
-        if (tape.size() != 1) throw std::runtime_error("the servo sent no memory to record from");
-        tape_ = shm::Segment::open(tape.front().get(), servo::tape_bytes, shm::Segment::Access::read_only);
-        inputs_.emplace(tape_.data(), granted.from);
+        std::vector<shm::UniqueFd> input_log;
+        const auto granted = answer<protocol::Recording>(connection_, protocol::MessageType::recording,
+                                                         answer_time, input_log);
+        if (input_log.size() != 1) throw std::runtime_error("the servo sent no memory to record from");
+        input_log_ = shm::Segment::open(input_log.front().get(), servo::input_log_bytes,
+                                        shm::Segment::Access::read_only);
+        inputs_.emplace(input_log_.data(), granted.from);
         reader_.emplace(reports_.data() + protocol::device_layout().reports, protocol::report_slots,
                         sizeof(Report));
-        const servo::TapeHeader header = inputs_->header();
-        if (header.magic != servo::TapeHeader::magic_word || header.layout != servo::tape_layout())
-            throw std::runtime_error("build mismatch: the servo's tape is of another build; restart it");
+        const servo::InputLogHeader header = inputs_->header();
+        if (header.magic != servo::InputLogHeader::magic_word || header.layout != servo::input_log_layout())
+            throw std::runtime_error("build mismatch: the servo's input log is of another build; restart it");
     }
 
     RecordingInfo info() const {
         RecordingInfo info;
         info.version = KNURL_VERSION;
         info.wire = protocol::wire_hash();
-        info.tape = servo::tape_layout();
+        info.input_log_layout = servo::input_log_layout();
         info.figures = inputs_->header().device_figures;
         info.servo = protocol::text_of(device_.servo);
         info.device = protocol::text_of(device_.name);
@@ -119,7 +120,7 @@ class Source {
             sent_[message.digest] = {.source = std::move(received.fds.front()), .bytes = message.bytes};
         }
     }
-    servo::TapeReader& inputs() { return *inputs_; }
+    servo::InputLogReader& inputs() { return *inputs_; }
     shm::BroadcastReader& reports() { return *reader_; }
     int socket() const { return connection_.get(); }
     double rate() const { return device_.rate; }
@@ -133,13 +134,13 @@ class Source {
         return chosen_device(servo, names, wanted);
     }
 
-    static constexpr std::size_t most_unclaimed = 64;  // told of, but not on the tape yet
+    static constexpr std::size_t most_unclaimed = 64;  // told of, but not in the input log yet
     shm::UniqueFd connection_;
     std::map<protocol::AssetDigest, Sent> sent_;
-    shm::Segment reports_, tape_;
+    shm::Segment reports_, input_log_;
     protocol::DeviceInfo device_;
     std::optional<shm::BroadcastReader> reader_;
-    std::optional<servo::TapeReader> inputs_;
+    std::optional<servo::InputLogReader> inputs_;
 };
 
 /// SIGINT and SIGTERM end the recording, not the program.
@@ -163,9 +164,9 @@ class Recorder {
     void drain() {
         // Reports first: the inputs of those that are there are there already.
         drain_reports(true);
-        for (auto next = source_.inputs().next(record_); next != servo::TapeReader::Next::nothing;
+        for (auto next = source_.inputs().next(record_); next != servo::InputLogReader::Next::nothing;
              next = source_.inputs().next(record_)) {
-            next == servo::TapeReader::Next::gap ? gap() : take();
+            next == servo::InputLogReader::Next::gap ? gap() : take();
             if (file_.full()) flush();
         }
     }
@@ -178,7 +179,7 @@ class Recorder {
         say_lost();
     }
     /// Once the servo's first cycle is there: whoever claims the device from now on is in a recording that
-    /// replays, which is not so for who does while the servo has not taken the tape yet.
+    /// replays, which is not so for who does while the servo has not taken the input log yet.
     void say_when_begun(const std::string& text) {
         if (inputs_ > 0 && !std::exchange(begun_, true)) fmt::print(stderr, "knurl record: {}\n", text);
     }
@@ -288,8 +289,8 @@ class Recorder {
         if (first_exact_ == 0) first_exact_ = cycle;
     }
     void take() {
-        if (record_.type == servo::TapeType::keyframe) exact_ = true;
-        if (record_.type == servo::TapeType::cycle) {
+        if (record_.type == servo::InputType::keyframe) exact_ = true;
+        if (record_.type == servo::InputType::cycle) {
             ++inputs_;
             std::uint64_t cycle = 0;
             std::memcpy(&cycle, record_.bytes.data(), sizeof cycle);
@@ -299,13 +300,13 @@ class Recorder {
             else if (exact_)
                 early_.push_back(cycle);
         }
-        if (record_.type == servo::TapeType::asset) take_asset();
+        if (record_.type == servo::InputType::asset) take_asset();
         file_.input(record_);
     }
 
     Source& source_;
     RecordingWriter& file_;
-    servo::TapeRecord record_;
+    servo::InputRecord record_;
     std::uint64_t reports_ = 0, inputs_ = 0, gaps_ = 0, exact_cycles_ = 0, first_exact_ = 0;
     std::uint64_t unwritten_ = 0;       // exact cycles since the last flush
     std::uint64_t first_report_ = 0;    // its cycle

@@ -112,7 +112,7 @@ void each_option(servo::ServoOptions& options, Visit visit) {
 McapMetadata metadata_of(RecordingInfo info) {
     McapMetadata all{{"version", info.version},
                      {"wire", fmt::format("{:016x}", info.wire)},
-                     {"tape", fmt::format("{:016x}", info.tape)},
+                     {"tape", fmt::format("{:016x}", info.input_log_layout)},
                      {"device_figures", fmt::format("{:016x}", info.figures)},
                      {"servo", info.servo},
                      {"device", info.device},
@@ -157,7 +157,7 @@ RecordingInfo info_of(const McapMetadata& all, const std::string& path) {
     info.profile = text("profile");
     if (all.count("cause") > 0) info.cause = text("cause");
     number("wire", info.wire, 16);
-    number("tape", info.tape, 16);
+    number("tape", info.input_log_layout, 16);
     number("device_figures", info.figures, 16);
     number("realtime_offset_ns", info.realtime_offset_ns);
     each_option(info.options, [&](const char* name, auto& value) {
@@ -178,7 +178,7 @@ RecordingInfo info_of(const McapMetadata& all, const std::string& path) {
 
 /// How a message of inputs begins.
 struct InputHead {
-    std::uint16_t type = 0;  // servo::TapeType; 0: a gap
+    std::uint16_t type = 0;  // servo::InputType; 0: a gap
     std::uint16_t reserved[3] = {};
 };
 static_assert(sizeof(InputHead) == 8);
@@ -197,9 +197,10 @@ void RecordingWriter::report(const Report& report) {
                   std::as_bytes(std::span(&report, 1)));
 }
 
-void RecordingWriter::input(const servo::TapeRecord& record) {
-    if (record.type == servo::TapeType::cycle && record.bytes.size() >= offsetof(servo::TapeCycle, write_ns))
-        std::memcpy(&last_, record.bytes.data() + offsetof(servo::TapeCycle, now), sizeof last_);
+void RecordingWriter::input(const servo::InputRecord& record) {
+    if (record.type == servo::InputType::cycle &&
+        record.bytes.size() >= offsetof(servo::CycleInput, write_ns))
+        std::memcpy(&last_, record.bytes.data() + offsetof(servo::CycleInput, now), sizeof last_);
     const InputHead head{.type = static_cast<std::uint16_t>(record.type)};
     file_.message(inputs_, last_ + offset_, std::as_bytes(std::span(&head, 1)), record.bytes);
 }
@@ -277,13 +278,13 @@ void RecordingReader::require_this_build() const {
         throw std::runtime_error(
             path_ + ": a flight record's reports alone, which do not replay; --csv and --scene take them");
     if (info_.version == KNURL_VERSION && info_.wire == protocol::wire_hash() &&
-        info_.tape == servo::tape_layout())
+        info_.input_log_layout == servo::input_log_layout())
         return;
     throw std::runtime_error(fmt::format(
         "{}: made by Knurl {} (layout {:016x}-{:016x}), this is {} ({:016x}-{:016x}); replay it with the "
         "build that made it",
-        path_, info_.version, info_.wire, info_.tape, KNURL_VERSION, protocol::wire_hash(),
-        servo::tape_layout()));
+        path_, info_.version, info_.wire, info_.input_log_layout, KNURL_VERSION, protocol::wire_hash(),
+        servo::input_log_layout()));
 }
 
 RecordingReader::Item RecordingReader::next() {
@@ -305,7 +306,7 @@ RecordingReader::Item RecordingReader::next() {
         if (message.data.size() < sizeof head) throw changed();
         std::memcpy(&head, message.data.data(), sizeof head);
         if (head.type == 0) return Item::gap;
-        input.type = static_cast<servo::TapeType>(head.type);
+        input.type = static_cast<servo::InputType>(head.type);
         input.bytes.assign(message.data.begin() + sizeof head, message.data.end());
         return Item::input;
     }

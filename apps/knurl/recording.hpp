@@ -3,7 +3,7 @@
 //
 //   /knurl/report   every report, as it lies in memory: ros2msg schema, cdr encoding; Foxglove and
 //                   PlotJuggler plot it
-//   /knurl/inputs   every input of Servo::step (knurl/servo/tape.hpp): u16 type, six zero bytes, the record's
+//   /knurl/inputs   every input of Servo::step (knurl/servo/input_log.hpp): u16 type, six zero bytes, the record's
 //                   bytes; type 0: records are missing here. For `knurl replay` alone
 //   attachment "asset-DIGEST"  what an application sent (protocol/asset.hpp), by its SHA-256, once each
 //   metadata "knurl"  build, servo, device, and what the servo was configured with
@@ -21,8 +21,8 @@
 
 #include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/report.hpp>
+#include <knurl/servo/input_log.hpp>
 #include <knurl/servo/servo.hpp>
-#include <knurl/servo/tape.hpp>
 
 #include "mcap.hpp"
 
@@ -30,8 +30,8 @@ namespace knurl::cli {
 
 struct RecordingInfo {
     std::string version;  // of Knurl
-    // protocol::wire_hash, servo::tape_layout, servo::figures_of
-    std::uint64_t wire = 0, tape = 0, figures = 0;
+    // protocol::wire_hash, servo::input_log_layout, servo::figures_of
+    std::uint64_t wire = 0, input_log_layout = 0, figures = 0;
     std::string servo, device, address, profile;
     std::string cause;  // of a salvaged one: why the servo ended
     std::int64_t realtime_offset_ns = 0;
@@ -44,7 +44,7 @@ class RecordingWriter {
     RecordingWriter(const std::string& path, const RecordingInfo& info, Existing existing);
 
     void report(const Report& report);
-    void input(const servo::TapeRecord& record);
+    void input(const servo::InputRecord& record);
     void gap();
     /// An asset of which the next inputs may tell. `between`: called now and then, to read on; it must not
     /// flush. False: the disk is full, it was dropped and counted.
@@ -87,7 +87,7 @@ class RecordingReader {
     /// The next one, in `report` or `input`. Throws std::runtime_error: the file was changed.
     Item next();
     Report report;
-    servo::TapeRecord input;
+    servo::InputRecord input;
 
     std::optional<std::uint64_t> cut_off_at() const noexcept { return file_.cut_off_at(); }
 

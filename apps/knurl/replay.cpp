@@ -119,7 +119,7 @@ class Comparison {
 };
 
 /// What people feel of a run, in four numbers.
-struct Felt {
+struct ForceStatistics {
     double sum = 0, squares = 0, most = 0;  // N
     std::uint64_t cycles = 0, felt = 0;
     void add(const Vec3& force) {
@@ -157,7 +157,7 @@ class Again {
         if (rows_.empty()) throw std::runtime_error("no report says where the hand was: nothing to feel");
         const Evaluation evaluation = evaluate(scene_, drivers::Motion(std::move(rows_), true),
                                                {.rate = rate_, .device = "", .motion_file = ""});
-        Felt other;
+        ForceStatistics other;
         for (const EvaluatedCycle& cycle : evaluation.cycles) other.add(cycle.force);
         fmt::print("recorded: {}\n{}: {}\n", recorded_.text(), path_, other.text());
         for (const std::string& remark : evaluation.remarks) fmt::print(stderr, "knurl replay: {}\n", remark);
@@ -169,7 +169,7 @@ class Again {
     double rate_;
     std::vector<drivers::MotionRow> rows_;
     std::uint64_t first_ = 0, last_ = 0;
-    Felt recorded_;
+    ForceStatistics recorded_;
 };
 
 /// Through the servo's cycle, as far as that is possible.
@@ -184,7 +184,7 @@ class Replaying {
                                try {
                                    source_ = recording.asset(digest);
                                } catch (const std::runtime_error& error) {
-                                   throw servo::TapeError(error.what());
+                                   throw servo::InputLogError(error.what());
                                }
                                return std::span<const std::byte>(source_);
                            });
@@ -201,11 +201,11 @@ class Replaying {
         }
         if (item == RecordingReader::Item::input) {
             ++inputs_;
-            begins_ = begins_ || recording.input.type == servo::TapeType::keyframe;
+            begins_ = begins_ || recording.input.type == servo::InputType::keyframe;
         }
         if (item == RecordingReader::Item::input && again_) try {
                 if (const Report* report = again_->feed(recording.input)) comparison_.replayed(*report);
-            } catch (const servo::TapeError& error) {
+            } catch (const servo::InputLogError& error) {
                 why_not_ = path_ + ": " + error.what();
                 again_.reset();
             }

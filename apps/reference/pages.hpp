@@ -13,7 +13,7 @@ std::string table(const std::vector<std::string_view>& columns,
 
 /// docs/reference/representations.md: every kind with each of its fields.
 std::string representations();
-/// The keys that Use and ProbePlacement have in a scene file, with range and default.
+/// The keys that AddOptions and ProbePlacement have in a scene file, with range and default.
 std::vector<std::vector<std::string>> probe_keys();
 
 }  // namespace knurl::reference

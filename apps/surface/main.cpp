@@ -21,7 +21,7 @@ namespace {
 
 using knurl::commandline::stop;
 
-struct Wishes {
+struct Options {
     std::string model, connect = "knurl:default", device;
     double wait = 2;  // s
     std::string write_stroke, json, csv, relief_file;
@@ -31,7 +31,7 @@ struct Wishes {
     surface::StrokeRun run;
 };
 
-void describe(knurl::commandline::Command& app, Wishes& w) {
+void describe(knurl::commandline::Command& app, Options& w) {
     app.option("MODEL", w.model, "elevation model: 16-bit greyscale PNG, 16-bit PGM, ESRI ASCII grid")
         .required();
     app.servo(
@@ -82,44 +82,44 @@ void describe(knurl::commandline::Command& app, Wishes& w) {
         "Exit code 1: of some way there is no verdict (the hand never touched, did not move, ...).\n");
 }
 
-int run(const Wishes& wishes) {
+int run(const Options& options) {
     std::vector<surface::Way> ways;
-    for (const auto& key : wishes.ways) ways.push_back(surface::way_of(key));
+    for (const auto& key : options.ways) ways.push_back(surface::way_of(key));
 
-    const auto model = surface::load_elevation(wishes.model);
-    for (const auto& line : model.notes) fmt::print(stderr, "knurl-surface: {}: {}\n", wishes.model, line);
-    const auto relief = surface::make_relief(model, wishes.relief);
+    const auto model = surface::load_elevation(options.model);
+    for (const auto& line : model.notes) fmt::print(stderr, "knurl-surface: {}: {}\n", options.model, line);
+    const auto relief = surface::make_relief(model, options.relief);
     const surface::Terrain terrain(relief.grid);
-    const auto path = surface::make_stroke(terrain, wishes.stroke);
-    if (!wishes.relief_file.empty()) surface::write_relief(wishes.relief_file, terrain);
-    if (!wishes.write_stroke.empty()) {
-        surface::write_stroke(path, wishes.write_stroke);
+    const auto path = surface::make_stroke(terrain, options.stroke);
+    if (!options.relief_file.empty()) surface::write_relief(options.relief_file, terrain);
+    if (!options.write_stroke.empty()) {
+        surface::write_stroke(path, options.write_stroke);
         fmt::print("{}: {}\n", model.name, relief.statement);
-        fmt::print("{}: a stroke of {:.1f} s at {:g} m/s\n", wishes.write_stroke, path.end,
-                   wishes.stroke.speed);
+        fmt::print("{}: a stroke of {:.1f} s at {:g} m/s\n", options.write_stroke, path.end,
+                   options.stroke.speed);
         return 0;
     }
 
     // Before a minute of measuring, not after it.
-    if (!wishes.csv.empty()) knurl::measure::require_writable(wishes.csv);
-    if (!wishes.json.empty()) knurl::measure::require_writable(wishes.json);
+    if (!options.csv.empty()) knurl::measure::require_writable(options.csv);
+    if (!options.json.empty()) knurl::measure::require_writable(options.json);
     auto client = knurl::Client::connect(
-        wishes.connect,
-        {.name = "knurl-surface", .wait = std::chrono::milliseconds(static_cast<int>(wishes.wait * 1e3))});
+        options.connect,
+        {.name = "knurl-surface", .wait = std::chrono::milliseconds(static_cast<int>(options.wait * 1e3))});
     surface::RunText text{.model = model.name,
                           .scale = relief.statement,
                           .machine = knurl::measure::this_machine(),
-                          .rate = wishes.run.rate,
-                          .think = wishes.run.think};
+                          .rate = options.run.rate,
+                          .think = options.run.think};
     for (const auto& device : client.devices())
-        if (wishes.device.empty() || device.name == wishes.device) {
+        if (options.device.empty() || device.name == options.device) {
             text.device = fmt::format("{} ({})", device.name, device.address);
             text.servo_rate = device.rate;
             break;
         }
 
-    surface::StrokeRun stroke = wishes.run;
-    stroke.device = wishes.device;
+    surface::StrokeRun stroke = options.run;
+    stroke.device = options.device;
     stroke.span = {
         .rest_at = path.rest_at, .end = path.end, .period = text.servo_rate > 0 ? 1 / text.servo_rate : 1e-3};
     std::vector<surface::Outcome> outcomes;
@@ -133,8 +133,8 @@ int run(const Wishes& wishes) {
     }
     if (outcomes.empty()) return 130;
     fmt::print("\n{}", surface::table(outcomes, text));
-    if (!wishes.csv.empty()) surface::write_csv(wishes.csv, outcomes, terrain);
-    if (!wishes.json.empty()) surface::write_json(wishes.json, outcomes, text);
+    if (!options.csv.empty()) surface::write_csv(options.csv, outcomes, terrain);
+    if (!options.json.empty()) surface::write_json(options.json, outcomes, text);
     if (stop) return 130;
     const bool all_judged = std::all_of(outcomes.begin(), outcomes.end(), [](const surface::Outcome& o) {
         return o.judgement.stable().has_value();
@@ -145,14 +145,14 @@ int run(const Wishes& wishes) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    Wishes wishes;
+    Options options;
     knurl::commandline::Command app(
         "knurl-surface",
         "knurl-surface: a hand strokes a real relief through an application of 20 Hz, in several ways.");
-    describe(app, wishes);
+    describe(app, options);
     app.action([&] {
         knurl::commandline::stop_on_signals();
-        return run(wishes);
+        return run(options);
     });
     return knurl::commandline::run(app, argc, argv);
 }

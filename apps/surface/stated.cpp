@@ -18,13 +18,13 @@ std::vector<Eigen::Vector3d> Stated::force(const Recording& recording, const knu
     knurl::Scene scene({.representations = 8, .probes = 1}, limits);
     scene.set_asset(1, asset);
     std::uint32_t generation = 0;
-    std::vector<knurl::Handle> there;
+    std::vector<knurl::RepresentationId> there;
     auto next = updates_.begin();
     for (std::size_t i = 0; i < recording.cycles.size(); ++i) {
         const Update* newest = nullptr;
         while (next != updates_.end() && next->end <= recording.read_ns[i]) newest = &*next++;
         if (newest != nullptr) {
-            for (const knurl::Handle handle : there) scene.remove(handle);
+            for (const knurl::RepresentationId id : there) scene.remove(id);
             there.clear();
             ++generation;
             for (const Piece& piece : newest->pieces) {

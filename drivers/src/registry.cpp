@@ -29,34 +29,33 @@ namespace {
 constexpr std::string_view debounce_option = "debounce=";
 
 /// An address without what is no driver's own matter.
-struct Wishes {
+struct AddressOptions {
     std::string what;
     double debounce = Debounce::usual;  // s
 };
 
-Wishes wishes_of(std::string_view address, std::size_t at) {
-    Wishes wishes;
+AddressOptions options_of(std::string_view address, std::size_t at) {
+    AddressOptions given;
     for (bool first = true, more = true; more; first = false) {
         const std::size_t end = address.find(',', at);
         more = end != std::string_view::npos;
         const std::string_view item = address.substr(at, more ? end - at : end);
         at = end + 1;
         if (!item.starts_with(debounce_option)) {
-            wishes.what.append(first ? "" : ",").append(item);
+            given.what.append(first ? "" : ",").append(item);
             continue;
         }
         const std::string_view text = item.substr(debounce_option.size());
-        const auto [stopped, error] =
-            std::from_chars(text.data(), text.data() + text.size(), wishes.debounce);
+        const auto [stopped, error] = std::from_chars(text.data(), text.data() + text.size(), given.debounce);
         if (text.empty() || error != std::errc() || stopped != text.data() + text.size() ||
-            !(wishes.debounce >= 0 && wishes.debounce <= Debounce::longest)) {
+            !(given.debounce >= 0 && given.debounce <= Debounce::longest)) {
             std::ostringstream why;
             why << address << ": cannot use " << item << "; give 0 to " << Debounce::longest
                 << " s that a button is left alone after an edge (0: every edge of its contacts is told)";
             throw std::runtime_error(why.str());
         }
     }
-    return wishes;
+    return given;
 }
 
 }  // namespace
@@ -67,9 +66,9 @@ std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions&
     std::string known;
     for (const Driver& driver : drivers()) {
         if (colon != std::string_view::npos && driver.scheme == scheme) {
-            const Wishes wishes = wishes_of(address, colon + 1);
-            std::unique_ptr<Device> device = driver.open(wishes.what, options);
-            return device ? debounced(std::move(device), wishes.debounce) : nullptr;
+            const AddressOptions given = options_of(address, colon + 1);
+            std::unique_ptr<Device> device = driver.open(given.what, options);
+            return device ? debounced(std::move(device), given.debounce) : nullptr;
         }
         known += (known.empty() ? "" : "; ") + driver.scheme + ":" + driver.help;
     }

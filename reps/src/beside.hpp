@@ -1,6 +1,6 @@
 #pragma once
-// How a surface that can be entered and left is asked beside others (proxy_path.hpp). The stages are the same for all
-// such surfaces. What each stage does is the surface's own: `Surface` has a function for each.
+// How a surface that can be entered and left is evaluated beside others (proxy_path.hpp). The stages are the
+// same for all such surfaces. What each stage does is the surface's own: `Surface` has a function for each.
 
 #include <knurl/reps/concepts.hpp>
 #include <knurl/reps/proxy_path.hpp>

@@ -73,7 +73,7 @@ Contact contact(const Box& params, Box::State& state, const Probe& probe, double
     if (params.side == Side::outside) hold = follow(state, seen.y, to_eigen(params.half_size), probe.radius);
     if (probe.path) probe.path->holds = hold.face != 0;
     if (probe.path && dt > 0 && params.side == Side::outside)
-        tell(state, hold, seen.y, to_eigen(params.half_size), *probe.path);
+        report_to_path(state, hold, seen.y, to_eigen(params.half_size), *probe.path);
     const Contact out = params.side == Side::outside
                             ? solid(params, seen, probe.radius, hold)
                             : wall(params, seen, probe, nearest_wall(params, seen, probe));

@@ -150,7 +150,7 @@ class Beside {
     void near() noexcept {
         const Vector3d at = there(path_.to);
         if (state_.face != 0 && !holds(at, slack())) return;  // it is about to leave itself
-        if (!(at.norm() <= half_.norm() + radius_)) return;   // as far as others are asked
+        if (!(at.norm() <= half_.norm() + radius_)) return;   // as far as others are evaluated
         path_.close += distance(at) <= near_in_seams * seam_ + radius_;
     }
 
@@ -258,8 +258,8 @@ class Beside {
     double seam_;
 };
 
-inline void tell(const Box::State& state, const Hold& hold, const Vector3d& y, const Vector3d& half,
-                 ProxyPath& path) noexcept {
+inline void report_to_path(const Box::State& state, const Hold& hold, const Vector3d& y, const Vector3d& half,
+                           ProxyPath& path) noexcept {
     path.entered = path.entered || (state.face == 0 && hold.face != 0);
     path.left = path.left || (hold.slipped && state.slipped == 0);
     if (state.met && state.face == 0 && hold.face == 0)

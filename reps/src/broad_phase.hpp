@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "bounding_tree.hpp"
 #include "kind_ops.hpp"
-#include "reach.hpp"
 #include "scene_state.hpp"
 
 namespace knurl::detail {
@@ -46,10 +46,10 @@ class SurfaceCandidates {
     SurfaceCandidates(std::size_t slots, std::size_t probes);
 
     void place(std::uint32_t slot, const SceneState& state) noexcept;
-    void forget(std::uint32_t slot, const Record& felt) noexcept;  // from where it was placed
+    void forget(std::uint32_t slot, const Record& current) noexcept;  // from where it was placed
     /// One that was always a candidate, and stays there, unless it may be out of reach from now on.
     void place_again(std::uint32_t slot, const SceneState& state) noexcept;
-    void index() { reach_.index(); }
+    void index() { tree_.index(); }
     void reset() noexcept;
 
     /// A probe has moved out of what was collected for it. depth_of(probe): m, how far its proxies may lie from it.
@@ -71,47 +71,50 @@ class SurfaceCandidates {
     }
     /// True: they are others than they were. `deepest` (m): of the present and the fading set.
     bool collect(std::uint32_t probe, SceneState& state, double deepest) noexcept;
-    /// A ball that fades out does not matter to the probe: it is asked again when it may.
+    /// A ball that fades out does not matter to the probe: it is evaluated again when it may.
     bool passes_by(std::uint32_t probe, const Bound& ball, const SceneState& state) noexcept;
 
     std::uint32_t probes() const noexcept { return used_; }  // bit mask: with some that may be out of reach
-    bool may_be_near(std::uint32_t slot) const noexcept { return !slots_[slot].bounded || slots_[slot].near; }
+    bool may_be_near(std::uint32_t slot) const noexcept {
+        return !slots_[slot].bounded || slots_[slot].candidate;
+    }
     bool bounded(std::uint32_t slot) const noexcept { return slots_[slot].bounded; }
     bool any(std::uint32_t probe) const noexcept { return probes_[probe].bounded > 0; }
     std::span<const std::uint32_t> always() const noexcept { return always_; }
-    std::span<const std::uint32_t> near(std::uint32_t probe) const noexcept { return probes_[probe].near; }
+    std::span<const std::uint32_t> of(std::uint32_t probe) const noexcept { return probes_[probe].list; }
     /// How far the probe may move until others may be near (m); 0: that cannot be said.
-    double still_within(std::uint32_t probe, const SceneState& state, double deepest) const noexcept;
-    void lose_sight(std::uint32_t slot) noexcept { slots_[slot].near = false; }
+    double sleep_radius(std::uint32_t probe, const SceneState& state, double deepest) const noexcept;
+    void lose_sight(std::uint32_t slot) noexcept { slots_[slot].candidate = false; }
 
   private:
-    struct Slot {
-        bool bounded = false;  // it may be out of reach: in a set only while near
-        bool near = false;     // ... which it is
-        bool endless = false;  // ... not by a ball: asked how far away it is
+    struct SurfaceSlot {
+        bool bounded = false;    // it may be out of reach: in a set only while a candidate
+        bool candidate = false;  // ... which it is
+        bool endless = false;    // ... not by a ball: it says how far away it is
         std::uint32_t place = 0;
     };
     struct Candidates {
         Coverage coverage;
         double until = 0;  // s, of the scene's time: then others may have come near
         std::uint32_t bounded = 0;
-        Slots near;
+        SlotList list;
     };
     bool may_be_far(const Record& surface, const SceneState& state) const noexcept;
     bool outdated(std::uint32_t probe, const SceneState& state, double deepest) const noexcept;
-    bool too_many(const Candidates& near, double deepest) const noexcept {
-        return near.coverage.margin > near.coverage.wanted && 2 * deepest <= near.coverage.wanted;
+    bool too_many(const Candidates& candidates, double deepest) const noexcept {
+        return candidates.coverage.margin > candidates.coverage.wanted &&
+               2 * deepest <= candidates.coverage.wanted;
     }
     void fetch(std::span<const std::uint32_t> slots, const SceneState& state) const noexcept;
     auto place_of() noexcept {
         return [this](std::uint32_t i) -> std::uint32_t& { return slots_[i].place; };
     }
 
-    std::vector<Slot> slots_;
+    std::vector<SurfaceSlot> slots_;
     std::vector<Candidates> probes_;
     std::uint32_t used_ = 0;
-    Slots always_, endless_;
-    Reach reach_;
+    SlotList always_, endless_;
+    BoundingTree tree_;
     std::vector<std::uint32_t> found_;  // scratch
 };
 
@@ -120,9 +123,9 @@ class EffectCandidates {
   public:
     EffectCandidates(std::size_t slots, std::size_t probes);
 
-    void place(std::uint32_t slot, const Record& felt) noexcept;
-    void forget(std::uint32_t slot, const Record& felt) noexcept;
-    void index() { reach_.index(); }
+    void place(std::uint32_t slot, const Record& current) noexcept;
+    void forget(std::uint32_t slot, const Record& current) noexcept;
+    void index() { tree_.index(); }
     void reset() noexcept;
 
     bool left(const SceneState& state) noexcept;
@@ -133,21 +136,23 @@ class EffectCandidates {
                  std::span<std::uint32_t> scratch, SceneState& state) noexcept;
 
     std::uint32_t probes() const noexcept { return used_; }  // bit mask: with some that have an end
-    bool may_be_near(std::uint32_t slot) const noexcept { return !slots_[slot].bounded || slots_[slot].near; }
-    double still_within(const SceneState& state) const noexcept;
+    bool may_be_near(std::uint32_t slot) const noexcept {
+        return !slots_[slot].bounded || slots_[slot].candidate;
+    }
+    double sleep_radius(const SceneState& state) const noexcept;
 
   private:
-    struct Slot {
-        bool bounded = false, near = false;
+    struct EffectSlot {
+        bool bounded = false, candidate = false;
     };
     struct Candidates {
         Coverage coverage;
         std::uint32_t bounded = 0;
     };
-    std::vector<Slot> slots_;
+    std::vector<EffectSlot> slots_;
     std::vector<Candidates> probes_;
     std::uint32_t used_ = 0;
-    Reach reach_;
+    BoundingTree tree_;
 };
 
 }  // namespace knurl::detail

@@ -31,9 +31,9 @@ Verdict check_parameters(Kind kind, const void* params, std::size_t bytes) noexc
     return kinds()[kind].validate(params);
 }
 
-Verdict check_use(const Use& use, std::uint32_t probes) noexcept {
-    if (use.probe >= probes) return no_such_probe(Verdict::of_use, use.probe, probes);
-    return check_table(use, Verdict::of_use);
+Verdict check_options(const AddOptions& options, std::uint32_t probes) noexcept {
+    if (options.probe >= probes) return no_such_probe(Verdict::of_options, options.probe, probes);
+    return check_table(options, Verdict::of_options);
 }
 
 Verdict check_placement(std::uint32_t probe, const ProbePlacement& placement, std::uint32_t probes) noexcept {
@@ -43,9 +43,9 @@ Verdict check_placement(std::uint32_t probe, const ProbePlacement& placement, st
     return check_table(placement, Verdict::of_placement);
 }
 
-Verdict check_added(Kind kind, const void* params, std::size_t bytes, const Use& use,
+Verdict check_added(Kind kind, const void* params, std::size_t bytes, const AddOptions& options,
                     std::uint32_t probes) noexcept {
-    const Verdict verdict = check_use(use, probes);
+    const Verdict verdict = check_options(options, probes);
     return verdict ? check_parameters(kind, params, bytes) : verdict;
 }
 

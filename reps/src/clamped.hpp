@@ -28,9 +28,9 @@ inline constexpr double hand_rounding = 1e-3;
 inline constexpr double unlimited_stiffness = 1000;
 
 /// What bounds this stiffness (N/m); infinity where nothing does.
-inline double largest_stiffness(double asked, const Limits& limits) noexcept {
+inline double largest_stiffness(double requested, const Limits& limits) noexcept {
     if (std::isfinite(limits.max_stiffness)) return std::max(0.0, limits.max_stiffness);
-    return std::isinf(asked) ? world_stiffness(unlimited_stiffness, limits) : limits.max_stiffness;
+    return std::isinf(requested) ? world_stiffness(unlimited_stiffness, limits) : limits.max_stiffness;
 }
 
 inline double clamped_stiffness(double stiffness, const Limits& limits) noexcept {

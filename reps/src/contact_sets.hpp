@@ -16,7 +16,7 @@
 
 #include <knurl/reps/contact_solver.hpp>
 
-#include "balls.hpp"
+#include "bounding_spheres.hpp"
 #include "broad_phase.hpp"
 #include "scene_state.hpp"
 
@@ -73,7 +73,8 @@ struct Layer {
     double far = 0;                      // m, what lies farther from the probe has had no say
 };
 
-/// Where many planes that stand were last asked, and how far the nearest was away (m); at most 0: ask.
+/// Where many planes that stand were last evaluated, and how far the nearest was away (m); at most 0:
+/// evaluate them.
 struct ClearOfPlanes {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     double distance = 0;
@@ -83,17 +84,17 @@ struct ClearOfPlanes {
 struct ContactSet {
     std::uint32_t begin = 0, count = 0;                // members in the arena, solved together
     std::uint32_t room = 0, moving_room = 0;           // as many members may lie there, of either kind
-    std::uint32_t standing = 0;                        // of those: planes that are not asked
+    std::uint32_t standing = 0;                        // of those: planes that are not evaluated
     std::uint32_t summed = 0;                          // those behind them, whose forces add up
-    std::uint32_t moving_begin = 0, moving_count = 0;  // surfaces that are asked each cycle
-    std::uint32_t inside = 0;                          // of those: asked when they were last looked at
+    std::uint32_t moving_begin = 0, moving_count = 0;  // surfaces that are evaluated each cycle
+    std::uint32_t inside = 0;                          // of those: evaluated when they were last looked at
     std::uint32_t layers = 0;
-    bool rough = false;                   // one of them is
+    bool has_tangential = false;          // one of them is
     bool curved = false;                  // one of several may be
     bool follows = false;                 // one is entered and left: see ProxyPath
     std::array<Vec3, 3> corner{};         // of the softest layer, if joined: the active normals
-    bool left_out = false;                // of the last round of asking: some were out of reach
-    double slack = 0;                     // m, by which their reach is extended: the proxy may get that far
+    bool left_out = false;                // in the last evaluation: some were out of reach
+    double slack = 0;                     // m, by which their bounds are extended: the proxy may get that far
     double scale = 1;                     // the weight, where all members share one
     std::array<Layer, max_layers> layer;  // softest (all members) first
     // Of the last cycle that took time: the proxy from the probe (m), and the only slot that held it there.
@@ -110,10 +111,10 @@ struct ContactSet {
     ClearOfPlanes clear;
 };
 
-/// A surface that is asked each cycle, unless the probe is out of its ball.
+/// A surface that is evaluated each cycle, unless the probe is out of its ball.
 struct Moving {
     std::uint32_t member = 0;  // its first
-    bool inside = false;       // it was asked when it was last looked at
+    bool inside = false;       // it was evaluated when it was last looked at
 };
 
 /// Of two, sets are built in one by turns. They are built from records: of what stood in the other one, only whose it
@@ -122,22 +123,22 @@ struct Arena {
     std::span<double> nx, ny, nz, c, s, b;
     std::vector<Owner> owner;
     std::vector<Moving> moving;
-    Balls* balls = nullptr;  // theirs; reach infinity: always asked
+    BoundingSpheres* bounding_spheres = nullptr;  // theirs; radius infinity: always evaluated
     std::uint32_t used = 0, moving_used = 0;
 };
 
 /// What is felt along the surface: friction, texture, the braking pulse.
 struct TangentialState {
-    bool rough = false;  // there may be something
-    FrictionLaw law;     // last cycle's, of all that pushed
-    Tangent tangent;     // last cycle's
+    bool present = false;  // there may be something
+    FrictionLaw law;       // last cycle's, of all that pushed
+    Tangent tangent;       // last cycle's
     FrictionState friction;
-    Eigen::Vector3d along = Eigen::Vector3d::Zero();   // N, friction in the last cycle
-    Eigen::Vector3d relief = Eigen::Vector3d::Zero();  // N, texture's push in the last cycle
-    double pulse = 0, pulse_left = 0;                  // N, s: braking
-    double apart = 1;                                  // s, since the last touch
+    Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  // N, friction in the last cycle
+    Eigen::Vector3d relief = Eigen::Vector3d::Zero();          // N, texture's push in the last cycle
+    double pulse = 0, pulse_left = 0;                          // N, s: braking
+    double apart = 1;                                          // s, since the last touch
 
-    bool needed() const noexcept { return rough || friction.residual_time > 0; }
+    bool needed() const noexcept { return present || friction.residual_time > 0; }
     /// Nothing is felt, nor remembered, and time makes no difference any more.
     bool rests() const noexcept;
     /// Nothing is touched any more.
@@ -150,7 +151,7 @@ struct TangentialState {
 
 /// The plane that gives the force of an interrupted cross-fade: what the next one goes on from. It rubs as its surfaces
 /// did.
-struct Bridge {
+struct FrozenPlane {
     HalfSpace plane;
     double stiffness = 0;  // N/m; 0: nothing was felt
     FrictionLaw law;
@@ -158,7 +159,7 @@ struct Bridge {
 
 struct CrossFade {
     bool under_way = false;
-    bool bridged = false;          // the fading set is the bridge alone
+    bool frozen = false;           // the fading set is the frozen plane alone
     bool olds_left_out = false;    // old records out of reach are not in it
     bool fresh = false;            // it has not been evaluated yet
     std::uint32_t number = 0;      // of the probe's fades
@@ -170,11 +171,12 @@ struct CrossFade {
 
 /// What changes of a probe's set while changes are taken.
 struct SetChange {
-    bool edited = false;       // its set changes
-    bool fades = false;        // the change is cross-faded, over
-    double time = 0;           // s
-    bool interrupted = false;  // what was felt becomes a bridge (alone: over the time that the fade had)
-    bool replaced = false;     // the probe sits elsewhere on the hand now
+    bool edited = false;  // its set changes
+    bool fades = false;   // the change is cross-faded, over
+    double time = 0;      // s
+    // What was felt becomes a frozen plane (alone: over the time that the fade had).
+    bool interrupted = false;
+    bool replaced = false;  // the probe sits elsewhere on the hand now
 
     void fade_over(double seconds) noexcept {
         edited = fades = true;
@@ -186,7 +188,7 @@ struct SetChange {
 struct ContactState {
     ContactSet now, old;
     CrossFade fade;
-    Bridge bridge;
+    FrozenPlane frozen_plane;
     TangentialState tangential;
     SetChange change;
     Eigen::Vector3d force = Eigen::Vector3d::Zero();     // last cycle's blend, without what rubs
@@ -245,15 +247,16 @@ class ContactSets {
             const ContactSet& old = states_[p].old;
             for (std::uint32_t i = old.begin; i < old.begin + old.count; ++i) {
                 const Owner owner = arena().owner[i];
-                if (owner != bridge_owner && state_.records.fades_out(owner)) visit(state_.records[owner]);
+                if (owner != frozen_plane_owner && state_.records.fades_out(owner))
+                    visit(state_.records[owner]);
             }
         });
     }
     /// Its old record is in a fading set, or will be.
-    bool old_is_felt(std::uint32_t slot) const noexcept;
+    bool old_in_use(std::uint32_t slot) const noexcept;
 
   private:
-    struct Slot {
+    struct SetSlot {
         std::uint32_t place = 0;           // among surfaces_
         std::uint32_t member = 0;          // its first index in the arena, or in_no_set
         std::int32_t old_surface_of = -1;  // the probe whose fading set has its old record
@@ -268,9 +271,9 @@ class ContactSets {
     void replace_old(std::uint32_t probe) noexcept;
 
     void begin_fade(std::uint32_t probe, std::span<const std::uint32_t> renewed) noexcept;
-    void make_bridge(std::uint32_t probe) noexcept;
+    void freeze_fade(std::uint32_t probe) noexcept;
     void forget_ended_olds() noexcept;
-    bool old_fades(const Slot& slot) const noexcept;
+    bool old_fades(const SetSlot& slot) const noexcept;
     bool stands_in_for_old(std::uint32_t slot, std::uint32_t probe) const noexcept;
     std::span<const Owner> list_old(std::uint32_t probe) noexcept;
     std::span<const Owner> list_now(std::uint32_t probe) noexcept;
@@ -298,14 +301,14 @@ class ContactSets {
     SceneState& state_;
     SurfaceCandidates& candidates_;
     std::vector<ContactState> states_;  // by probe
-    std::vector<Slot> slots_;
-    Slots surfaces_;          // that are felt
-    Slots olds_;              // whose old record is in a fading set
-    Slots reshaped_;          // in this cycle
+    std::vector<SetSlot> slots_;
+    SlotList surfaces_;       // that are felt
+    SlotList olds_;           // whose old record is in a fading set
+    SlotList reshaped_;       // in this cycle
     std::uint32_t used_ = 0;  // bit mask: probes with a set, or fading
     bool edited_ = false;
-    std::vector<double> planes_;  // of both arenas
-    Balls balls_;                 // likewise
+    std::vector<double> planes_;        // of both arenas
+    BoundingSpheres bounding_spheres_;  // likewise
     Arena arenas_[2];
     std::uint32_t arena_ = 0;
     std::vector<Owner> scratch_;

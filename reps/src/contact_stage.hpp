@@ -55,7 +55,8 @@ class CurvedStage {
     bool put_planes_alone(Arena& arena, const ContactSet& set, const Probe& probe, std::uint32_t j,
                           PlanesApart& apart) const noexcept;
     static void put_back(Arena& arena, const PlanesApart& apart) noexcept;
-    /// At the end of a cycle: the surfaces learn where they hold. Within it, one that is asked again answers the same.
+    /// At the end of a cycle: the surfaces learn where they hold. Within it, one that is evaluated again
+    /// answers the same.
     void lean(const ContactSet& set, const Probe& probe) noexcept;
 
   private:
@@ -109,12 +110,12 @@ double texture_gain_of(const Record& record, const Texture& texture, const Probe
 struct Lead {
     const ContactState* contact = nullptr;  // of its probe
     bool on = false;                        // it is led at all
-    bool led = false;                       // something else may hold the probe than what is asked
+    bool led = false;                       // something else may hold the probe than what is evaluated
     bool lone = false;                      // there is one surface
     bool fades = false;                     // the set that fades out
     bool solved = false;                    // the proxy is known
-    bool again = false;  // its set has been asked in this cycle before, when it had other candidates
-    ProxyPath::Stage stage = ProxyPath::Stage::answer;  // of what is asked again
+    bool again = false;  // its set has been evaluated in this cycle before, when it had other candidates
+    ProxyPath::Stage stage = ProxyPath::Stage::answer;  // of what is evaluated again
     Eigen::Vector3d before =
         Eigen::Vector3d::Zero();                      // m, world: where the probe was in the last timed cycle
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, from the probe: what is near it counts
@@ -136,10 +137,11 @@ class ContactStage {
     double scan_standing(ContactSet& set, const Eigen::Vector3d& p) noexcept;
     void rest(ContactSet& set, const Probe& probe, double dt) noexcept;
     void stay_clear(ContactState& contact, const Eigen::Vector3d& p) const noexcept;
-    double ask(ContactSet& set, const Probe& probe, double dt, double worst) noexcept;
-    double ask_one(const ContactSet& set, const Probe& probe, double dt, std::uint32_t member) noexcept;
+    double evaluate_moving(ContactSet& set, const Probe& probe, double dt, double worst) noexcept;
+    double evaluate_member(const ContactSet& set, const Probe& probe, double dt,
+                           std::uint32_t member) noexcept;
     std::uint32_t contacts_of(Record& r, const KindOps& ops, const Probe& probe, double step) noexcept;
-    void subtract_relief(const Record& r, Rough& feel, const Probe& probe, double step,
+    void subtract_relief(const Record& r, TangentialRecord& feel, const Probe& probe, double step,
                          std::uint32_t count) noexcept;
     double put_contacts(const ContactSet& set, const Record& r, std::uint32_t room, std::uint32_t count,
                         std::uint32_t member) noexcept;
@@ -182,7 +184,7 @@ class ContactStage {
                             double& worst) noexcept;
     const Layer* solve_or_rest(ContactSet& set, const Probe& probe, double dt, double standing,
                                double& worst) noexcept;
-    void tell_path(const ContactSet& set, std::uint32_t member) noexcept;
+    void fill_path(const ContactSet& set, std::uint32_t member) noexcept;
     void pass_along(ContactSet& set, const Probe& probe, ProxyPath::Stage stage) noexcept;
     std::uint32_t count_close(ContactSet& set, const Probe& probe, const Eigen::Vector3d& place) noexcept;
     const Layer* brush(ContactSet& set, const Probe& probe, double dt, double standing, double& worst,
@@ -193,8 +195,8 @@ class ContactStage {
     ContactSets& sets_;
     SurfaceCandidates& candidates_;
     CurvedStage curved_;
-    std::array<Contact, max_contacts> found_;  // scratch of ask
-    ProxyPath path_;                           // of the surface that is asked
+    std::array<Contact, max_contacts> found_;  // scratch of evaluate_moving
+    ProxyPath path_;                           // of the surface that is evaluated
     Lead lead_;                                // of the set that is evaluated
 };
 

@@ -67,9 +67,9 @@ Blamed blamed(std::uint32_t row, const KindInfo* kind) {
         name = Describe<ProbePlacement>::name;
         fields = Describe<ProbePlacement>::fields;
         row -= Verdict::of_placement;
-    } else if (row != Verdict::no_field && row >= Verdict::of_use) {
-        fields = Describe<Use>::fields;
-        row -= Verdict::of_use;
+    } else if (row != Verdict::no_field && row >= Verdict::of_options) {
+        fields = Describe<AddOptions>::fields;
+        row -= Verdict::of_options;
     }
     if (row >= fields.size()) return {nullptr, name};
     return {&fields[row], name.append(".").append(fields[row].name)};

@@ -40,7 +40,7 @@ class EffectStage {
 
     // While changes are taken.
     /// It is no longer felt as it is.
-    void forget(std::uint32_t slot) noexcept { candidates_.forget(slot, state_.records.felt(slot)); }
+    void forget(std::uint32_t slot) noexcept { candidates_.forget(slot, state_.records.current(slot)); }
     /// What is felt in its place, if `is`. `previous`: what was felt, if anything was; `same`: it is the same effect with
     /// other parameters. True: its old record is what fades out now, whatever it was.
     bool change(std::uint32_t slot, Record* previous, bool is, bool same) noexcept;
@@ -72,14 +72,15 @@ class EffectStage {
     /// At the hand, in shares of what the device stands: of all that are evaluated.
     const Demand& bound() const noexcept { return bound_; }
     Demand bound_of(const Record& effect) const noexcept;
-    double still_within() const noexcept { return candidates_.still_within(state_); }
+    double sleep_radius() const noexcept { return candidates_.sleep_radius(state_); }
 
-    /// One call per kind in the scene: a kind that nobody uses is not even asked. From KindOps::evaluate_all.
+    /// One call per kind in the scene: a kind that nobody uses is not even called. From
+    /// KindOps::evaluate_all.
     template <class Evaluate, class Arrived>
     void evaluate_each(std::span<const std::uint32_t> slots, double dt, Wrench& sum, Evaluate evaluate,
                        Arrived arrived) noexcept {
         for (const std::uint32_t i : slots) {
-            Record& r = state_.records.felt(i);
+            Record& r = state_.records.current(i);
             EffectState& effect = effects_state_[i];
             const ProbeState& probe = state_.probes[r.probe];
             const bool under_way = !arrived(r);
@@ -114,14 +115,14 @@ class EffectStage {
     SceneState& state_;
     EffectCandidates candidates_;
     std::vector<EffectState> effects_state_;  // by slot
-    Slots effects_;                           // that are felt
-    Slots fading_;                            // whose effect fades
+    SlotList effects_;                        // that are felt
+    SlotList fading_;                         // whose effect fades
     bool edited_ = false;
     bool bound_stale_ = false;
     Demand bound_;
     std::vector<CollapsedSprings> springs_;  // by probe
     std::uint32_t collapsed_ = 0;            // bit mask: probes with collapsed springs
-    Slots by_kind_;                          // that are evaluated, but for collapsed springs
+    SlotList by_kind_;                       // that are evaluated, but for collapsed springs
     std::array<std::uint32_t, Representations::size + 1> kind_begin_{};
     std::vector<Kind> active_kinds_;
 };

@@ -1,7 +1,7 @@
 #pragma once
-// Planes that the probe cannot have come to since it was last asked how far they are. A distance to a plane
+// Planes that the probe cannot have come to since their distances were last evaluated. A distance to a plane
 // changes by no more than the probe moves: while it has moved less than the nearest plane was away, none is
-// touched, and none needs to be asked.
+// touched, and none needs to be evaluated.
 
 #include "contact_sets.hpp"
 
@@ -16,8 +16,8 @@ namespace knurl::detail {
 
 /// The worst violation of those that stand; where it is at most 0 it may be that of a place near by, and so may what
 /// the arena says of each.
-[[gnu::always_inline]] inline double ask_standing(ContactSet& set, const Arena& a,
-                                                  const Eigen::Vector3d& p) noexcept {
+[[gnu::always_inline]] inline double evaluate_standing(ContactSet& set, const Arena& a,
+                                                       const Eigen::Vector3d& p) noexcept {
     const std::uint32_t begin = set.begin;
     const bool alone = set.moving_count == 0;
     if (alone && still_clear(set.clear, p)) return -set.clear.distance;

@@ -46,15 +46,17 @@ struct KindOps {
     Differ (*compare_geometry)(const std::byte* raw, const std::byte* sent) noexcept = nullptr;
     // Puts a surface that stands elsewhere: `out` has all but the geometry. If it moves from now on, `out` is to be made anew.
     Reshaped (*reshape)(const std::byte* raw, const Record& now, Record& out) noexcept = nullptr;
-    // Parameters and what follows from them; not state and use. `rough` only where the record says so.
-    void (*install)(const std::byte* prepared, const Limits&, Record& out, Rough& rough) noexcept = nullptr;
+    // Parameters and what follows from them; not state and options. `tangential` only where the record says
+    // so.
+    void (*install)(const std::byte* prepared, const Limits&, Record& out,
+                    TangentialRecord& tangential) noexcept = nullptr;
     void (*adopt)(Record& now, const Record* previous, const Probe&, const Assets&) noexcept = nullptr;
     void (*settle)(Record&) noexcept = nullptr;
-    double (*fade_time)(const std::byte* params) noexcept = nullptr;        // s, or automatic
-    double (*asked_stiffness)(const std::byte* raw) noexcept = nullptr;     // N/m
-    Demand (*load_bound)(const Record&, const Limits&) noexcept = nullptr;  // of an effect
-    HandLoad (*load)(const Record&, const Probe&) noexcept = nullptr;       // of an effect, at the probe
-    bool (*carry)(Record& old, const Record& next) noexcept = nullptr;      // true: the rest is equal too
+    double (*fade_time)(const std::byte* params) noexcept = nullptr;         // s, or automatic
+    double (*requested_stiffness)(const std::byte* raw) noexcept = nullptr;  // N/m
+    Demand (*load_bound)(const Record&, const Limits&) noexcept = nullptr;   // of an effect
+    HandLoad (*load)(const Record&, const Probe&) noexcept = nullptr;        // of an effect, at the probe
+    bool (*carry)(Record& old, const Record& next) noexcept = nullptr;       // true: the rest is equal too
     std::optional<Bound> (*bound)(const Record&) noexcept = nullptr;
     // Of an effect: it gives nothing wherever the probe is; it has nothing more to arrive at by itself.
     bool (*powerless)(const Record&) noexcept = nullptr;

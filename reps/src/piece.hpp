@@ -192,7 +192,7 @@ class Beside {
     void near() noexcept {
         const Vector3d to = q_ + path_.to;
         if (state_.touched != 0 && !holds(to, slack())) return;  // it is about to leave itself
-        if (!outline_.reaches(to, radius_)) return;              // as far as others are asked
+        if (!outline_.reaches(to, radius_)) return;              // as far as others are evaluated
         const double away = holds(to, 0) ? std::abs(outline_.height(to)) : outline_.away(to).norm();
         path_.close += away <= near_in_seams * seam_ + radius_;
     }
@@ -317,7 +317,8 @@ class Beside {
 };
 
 template <class Outline>
-void tell(const PieceState& state, const Step& now, const Outline& outline, ProxyPath& path) noexcept {
+void report_to_path(const PieceState& state, const Step& now, const Outline& outline,
+                    ProxyPath& path) noexcept {
     path.entered = path.entered || (state.touched == 0 && now.touched != 0);
     path.left = path.left || (now.touched == 0 && now.let_go == LetGo::slipped && state.let_go != now.let_go);
     if (!state.met || state.touched != 0 || now.touched != 0 || now.side == state.side) return;
@@ -337,7 +338,7 @@ Contact contact(const Piece& params, const Outline& outline, PieceState& state, 
                               dt);
     Step now = follow(outline, params.sides, state, q, probe.radius);
     if (probe.path) probe.path->holds = now.touched != 0;
-    if (probe.path && dt > 0) tell(state, now, outline, *probe.path);
+    if (probe.path && dt > 0) report_to_path(state, now, outline, *probe.path);
     Vector3d normal = (now.touched != 0 ? now.touched : now.side) * outline.normal();
     double height = now.touched * now.height - probe.radius;
     if (now.touched == 0) {

@@ -25,26 +25,27 @@ Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 
-Verdict Scene::check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
-                         const Use& use) const noexcept {
-    return impl_->model().check_add(handle, kind, params, bytes, use);
+Verdict Scene::check_add(RepresentationId id, Kind kind, const void* params, std::size_t bytes,
+                         const AddOptions& options) const noexcept {
+    return impl_->model().check_add(id, kind, params, bytes, options);
 }
-Verdict Scene::add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) noexcept {
-    return impl_->model().add(handle, kind, params, bytes, use);
+Verdict Scene::add(RepresentationId id, Kind kind, const void* params, std::size_t bytes,
+                   const AddOptions& options) noexcept {
+    return impl_->model().add(id, kind, params, bytes, options);
 }
-Verdict Scene::check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept {
-    return impl_->model().check_update(handle, kind, params, bytes);
+Verdict Scene::check_update(RepresentationId id, Kind kind, const void* params, std::size_t bytes) noexcept {
+    return impl_->model().check_update(id, kind, params, bytes);
 }
-Verdict Scene::update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept {
-    const Verdict verdict = check_update(handle, kind, params, bytes);
-    if (verdict) update_checked(handle, params, bytes);
+Verdict Scene::update(RepresentationId id, Kind kind, const void* params, std::size_t bytes) noexcept {
+    const Verdict verdict = check_update(id, kind, params, bytes);
+    if (verdict) update_checked(id, params, bytes);
     return verdict;
 }
-void Scene::update_checked(Handle handle, const void* params, std::size_t bytes) noexcept {
-    impl_->model().update_checked(handle.slot, params, bytes);
+void Scene::update_checked(RepresentationId id, const void* params, std::size_t bytes) noexcept {
+    impl_->model().update_checked(id.slot, params, bytes);
 }
-Verdict Scene::remove(Handle handle) noexcept {
-    return impl_->model().remove(handle);
+Verdict Scene::remove(RepresentationId id) noexcept {
+    return impl_->model().remove(id);
 }
 Verdict Scene::place_probe(std::uint32_t probe, const ProbePlacement& placement) noexcept {
     return impl_->model().place_probe(probe, placement);
@@ -82,8 +83,8 @@ Wrench Scene::evaluate(const Probe& hand, double dt) noexcept {
     return impl_->evaluate(hand, dt);
 }
 
-double Scene::still_within() const noexcept {
-    return impl_->still_within();
+double Scene::sleep_radius() const noexcept {
+    return impl_->sleep_radius();
 }
 bool Scene::changed() const noexcept {
     return impl_->changed();
@@ -114,10 +115,10 @@ LoadBound Scene::load_bound() const noexcept {
     return impl_->load().bound();
 }
 std::size_t Scene::feedback(std::span<Feedback> out) const noexcept {
-    return std::as_const(*impl_).feedback().tell(out);
+    return std::as_const(*impl_).feedback().write(out);
 }
 std::size_t Scene::feedback(std::span<Feedback> kept, const Rewritten& rewritten) noexcept {
-    return impl_->feedback().tell_changes(kept, rewritten);
+    return impl_->feedback().write_changes(kept, rewritten);
 }
 
 }  // namespace knurl

@@ -16,7 +16,7 @@ void copy(const Record& from, Record& to) noexcept {
 void SceneCore::take_changes() noexcept {
     model_.take_changed([this](std::uint32_t i) {
         ++state_.work.changes;
-        const SceneModel::Slot& slot = model_[i];
+        const SceneModel::ModelSlot& slot = model_[i];
         if (!(state_.slots[i].twins && slot.geometry_alone && slot.present && reshape(i))) take_slot(i);
         return state_.slots[i].renewed;
     });
@@ -44,32 +44,32 @@ void SceneCore::take_placements() noexcept {
 }
 
 void SceneCore::take_slot(std::uint32_t i) noexcept {
-    const SceneModel::Slot& slot = model_[i];
+    const SceneModel::ModelSlot& slot = model_[i];
     SlotState& state = state_.slots[i];
-    const bool was = state.felt, is = slot.present;
+    const bool was = state.active, is = slot.present;
     if (!was && !is) return;
     state_.feedback_edited = true;
     const bool same = was && is && state.generation == slot.generation;
     const Records& records = state_.records;
     // Records that stay as they are stay twins, or strangers; but another recovery may have been noted in one.
     if (change(i, was, is, same)) {
-        state.twins = same && slot.geometry_alone && records.felt(i).stands && records.faded(i).stands &&
-                      !records.felt(i).rough;
+        state.twins = same && slot.geometry_alone && records.current(i).stands && records.old(i).stands &&
+                      !records.current(i).has_tangential;
     } else {
         state.twins = state.twins && slot.geometry_alone;
     }
     if (!is) return;
-    Record& felt = state_.records.felt(i);
-    felt.clamped = kind_ops()[slot.kind].asked_stiffness(model_.params(i)) > felt.stiffness;
+    Record& current = state_.records.current(i);
+    current.clamped = kind_ops()[slot.kind].requested_stiffness(model_.params(i)) > current.stiffness;
 }
 
 bool SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
     const Kind kind = model_[i].kind;
     const KindOps& ops = kind_ops()[kind];
     if (is) ops.prepare(model_.params(i), state_.limits, prepared_.data());
-    if (same && ops.unchanged(prepared_.data(), state_.records.felt(i))) return false;
+    if (same && ops.unchanged(prepared_.data(), state_.records.current(i))) return false;
 
-    const bool was_surface = was && kind_ops()[state_.records.felt(i).kind].surface;
+    const bool was_surface = was && kind_ops()[state_.records.current(i).kind].surface;
     const bool is_surface = is && ops.surface;
     if (was_surface && is && !is_surface) {
         change_surface(i, true, false, false);
@@ -82,7 +82,7 @@ bool SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
     } else {
         change_effect(i, was, is, same);
     }
-    state_.slots[i].felt = is;
+    state_.slots[i].active = is;
     state_.slots[i].generation = model_[i].generation;
     return true;
 }
@@ -90,8 +90,8 @@ bool SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
 // What a moving hand's planes are updated in, a thousand at a time: of the records no more than their first
 // lines is touched. False: it does not stand any more.
 bool SceneCore::reshape(std::uint32_t i) noexcept {
-    const Record& now = state_.records.felt(i);
-    Record& next = state_.records.faded(i);
+    const Record& now = state_.records.current(i);
+    Record& next = state_.records.old(i);
     const Reshaped done = kind_ops()[now.kind].reshape(model_.params(i), now, next);
     if (done == Reshaped::elsewhere) {
         state_.records.swap_roles(i);
@@ -109,35 +109,36 @@ void SceneCore::swap_records(std::uint32_t i, bool same) noexcept {
     Records& records = state_.records;
     records.swap_roles(i);
     if (!same) return;
-    const Record& from = records.faded(i);
-    Record& to = records.felt(i);
+    const Record& from = records.old(i);
+    Record& to = records.current(i);
     static_cast<RecordHead&>(to) = from;
     std::memcpy(to.state, from.state, kind_ops()[from.kind].state_size);
-    if (from.rough) records.rough(records.owner(i, false)) = records.rough(records.owner(i, true));
+    if (from.has_tangential)
+        records.tangential(records.owner(i, false)) = records.tangential(records.owner(i, true));
 }
 
 // Makes the new record of a slot, from prepared_, in place of the present one, which the caller has saved
 // where it is needed.
 void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
-    const SceneModel::Slot& slot = model_[i];
+    const SceneModel::ModelSlot& slot = model_[i];
     Records& records = state_.records;
-    Record& now = records.felt(i);
-    Rough& rough = records.rough(records.owner(i, false));
+    Record& now = records.current(i);
+    TangentialRecord& tangential = records.tangential(records.owner(i, false));
     const Clock& clock = state_.clock;
     const KindOps& ops = kind_ops()[slot.kind];
-    ops.install(prepared_.data(), state_.limits, now, rough);
-    now.use = slot.use;
-    now.probe = static_cast<std::uint8_t>(slot.use.probe);
-    now.reported = slot.use.feedback != 0;
+    ops.install(prepared_.data(), state_.limits, now, tangential);
+    now.options = slot.options;
+    now.probe = static_cast<std::uint8_t>(slot.options.probe);
+    now.reported = slot.options.feedback != 0;
     if (!previous) {
         now.weight = 1;
-        now.asked = clock.last_timed;  // there is nothing before that to catch up with
+        now.evaluated_cycle = clock.last_timed;  // there is nothing before that to catch up with
     }
-    if (now.rough && !(previous && previous->rough)) rough.shift.setZero();
+    if (now.has_tangential && !(previous && previous->has_tangential)) tangential.shift.setZero();
     ops.adopt(now, previous, state_.probes[now.probe].probe, state_.assets);
     // It stands until the end of a cycle that takes time: if this one does not, of the next, a period long.
     if (ops.turns && ops.motion(now)->placed != 0) {
-        const bool holds = now.use.on_silence == OnSilence::hold;
+        const bool holds = now.options.on_silence == OnSilence::hold;
         now.moved =
             clock.now.of(holds) + (clock.step > 0 && !state_.silence.holds(now) ? 0 : state_.limits.period);
     }
@@ -148,19 +149,19 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     Records& records = state_.records;
     const bool listed = same && !candidates_.bounded(i);  // among those that are always candidates
     if (was) {
-        Record& felt = records.felt(i);
+        Record& current = records.current(i);
         // It may be sent to the other side of the probe: then it must know where that was.
-        if (same && !felt.stands && felt.asked < state_.clock.last_timed)
-            catch_up(felt, state_, sets_[felt.probe].now.held);
+        if (same && !current.stands && current.evaluated_cycle < state_.clock.last_timed)
+            catch_up(current, state_, sets_[current.probe].now.held);
         sets_.release_old(i);
         effects_.release_old(i);
-        if (!listed) candidates_.forget(i, felt);
+        if (!listed) candidates_.forget(i, current);
         if (!same) candidates_.lose_sight(i);
         swap_records(i, same);
     }
-    const Record& now = records.felt(i);
+    const Record& now = records.current(i);
     if (is) {
-        renew(i, same ? &records.faded(i) : nullptr);
+        renew(i, same ? &records.old(i) : nullptr);
         state_.any_follows = state_.any_follows || kind_ops()[now.kind].follows;
         sets_.change_of(now.probe).edited = true;
         if (!now.recovers) cross_fade(now);
@@ -171,7 +172,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
         }
     }
     if (was) {
-        const Record& old = records.faded(i);
+        const Record& old = records.old(i);
         // One that brings its own changes in does so in place of the cross-fade; but it cannot bring in its
         // absence.
         const bool stays = is && now.probe == old.probe;
@@ -192,7 +193,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
 void SceneCore::change_effect(std::uint32_t i, bool was, bool is, bool same) noexcept {
     Record previous;
     if (was) {
-        copy(state_.records.felt(i), previous);
+        copy(state_.records.current(i), previous);
         effects_.forget(i);
     }
     if (is) renew(i, same ? &previous : nullptr);

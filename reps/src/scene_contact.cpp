@@ -13,7 +13,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Each widening at least doubles how far is asked, so this many suffice from nanometres to any scene's size.
+// Each widening at least doubles how far surfaces are evaluated, so this many suffice from nanometres to any
+// scene's size.
 constexpr int widenings = 64;
 
 // How far the proxy lies from the probe (m). Not the first layer's alone: one that contradicts itself gives
@@ -33,26 +34,27 @@ constexpr int widenings = 64;
 
 // Surfaces that do not stand still say where they are. In both sets of a fade there may be the same one: its
 // state advances once. Returns the worst violation.
-double ContactStage::ask(ContactSet& set, const Probe& probe, double dt, double worst) noexcept {
+double ContactStage::evaluate_moving(ContactSet& set, const Probe& probe, double dt, double worst) noexcept {
     Arena& a = sets_.arena();
     std::uint32_t near = 0;
-    a.balls->for_near(set.moving_begin, set.moving_count, probe.position, set.slack, [&](std::uint32_t m) {
-        ++near;
-        set.inside += !a.moving[m].inside;
-        a.moving[m].inside = true;
-        worst = std::max(worst, ask_one(set, probe, dt, a.moving[m].member));
-    });
+    a.bounding_spheres->for_each_within(
+        set.moving_begin, set.moving_count, probe.position, set.slack, [&](std::uint32_t m) {
+            ++near;
+            set.inside += !a.moving[m].inside;
+            a.moving[m].inside = true;
+            worst = std::max(worst, evaluate_member(set, probe, dt, a.moving[m].member));
+        });
     set.left_out = near < set.moving_count;
     if (set.inside == near) return worst;
     // Some were inside and are out of reach now. One that holds the probe from however deep has no ball at
     // the moment.
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
         Moving& moving = a.moving[m];
-        if (!moving.inside || a.balls->near(m, probe.position, set.slack)) continue;
+        if (!moving.inside || a.bounding_spheres->within(m, probe.position, set.slack)) continue;
         Record& r = state_.records[a.owner[moving.member]];
         const KindOps& ops = kind_ops()[r.kind];
         if (!ops.bound(r)) {
-            worst = std::max(worst, ask_one(set, probe, dt, moving.member));
+            worst = std::max(worst, evaluate_member(set, probe, dt, moving.member));
             continue;
         }
         std::fill_n(a.s.begin() + moving.member, ops.contacts, -std::numeric_limits<double>::infinity());
@@ -64,19 +66,20 @@ double ContactStage::ask(ContactSet& set, const Probe& probe, double dt, double 
 }
 
 // The surface whose first member is `i`. Returns its worst violation, among those that are solved together.
-double ContactStage::ask_one(const ContactSet& set, const Probe& probe, double dt, std::uint32_t i) noexcept {
+double ContactStage::evaluate_member(const ContactSet& set, const Probe& probe, double dt,
+                                     std::uint32_t i) noexcept {
     const Owner owner = sets_.arena().owner[i];
     Record& r = state_.records[owner];
-    if (r.asked < state_.clock.last_timed) catch_up(r, state_, set.held);
-    const bool first = r.asked != state_.clock.cycle;
+    if (r.evaluated_cycle < state_.clock.last_timed) catch_up(r, state_, set.held);
+    const bool first = r.evaluated_cycle != state_.clock.cycle;
     const double step = first ? dt : 0;
     state_.work.evaluated += first;
-    r.asked = state_.clock.cycle;
+    r.evaluated_cycle = state_.clock.cycle;
     const KindOps& ops = kind_ops()[r.kind];
     if (lead_.on && ops.follows) set_stage(set, i, first);
     const std::uint32_t count = contacts_of(r, ops, probe, step);
-    if (r.rough) state_.records.rough(owner).share = found_[0].friction;
-    if (r.textured) subtract_relief(r, state_.records.rough(owner), probe, step, count);
+    if (r.has_tangential) state_.records.tangential(owner).share = found_[0].friction;
+    if (r.textured) subtract_relief(r, state_.records.tangential(owner), probe, step, count);
     return put_contacts(set, r, ops.contacts, count, i);
 }
 
@@ -91,12 +94,12 @@ std::uint32_t ContactStage::contacts_of(Record& r, const KindOps& ops, const Pro
     if (stays) stays->placed = placed;
     if (ops.turns) {
         r.velocity = found_[0].velocity;
-        if (step > 0 && !held) r.moved = state_.clock.now.of(r.use.on_silence == OnSilence::hold);
+        if (step > 0 && !held) r.moved = state_.clock.now.of(r.options.on_silence == OnSilence::hold);
     }
     return count;
 }
 
-void ContactStage::subtract_relief(const Record& r, Rough& feel, const Probe& probe, double step,
+void ContactStage::subtract_relief(const Record& r, TangentialRecord& feel, const Probe& probe, double step,
                                    std::uint32_t count) noexcept {
     if (!state_.silence.holds(r)) feel.shift += step * r.velocity;
     const double gain = texture_gain_of(r, feel.texture, probe, state_);
@@ -167,7 +170,8 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         }
         const ContactPlanes planes{&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.s[begin], layer.count};
         // How far contradictory planes that stand still give way is found once, but as exactly as distances
-        // round where the probe is then: again where they are half as large. Moving ones are asked afresh.
+        // round where the probe is then: again where they are half as large. Moving ones are evaluated
+        // afresh.
         if (set.moving_count > 0 || worst < layer.given_at / 2) layer.give = 0;
         if (set.curved) {
             if (j > 0 && curved_.put_planes_alone(a, set, probe, j, apart))
@@ -200,7 +204,8 @@ double ContactStage::damped_force(ContactSet& set, const Probe& probe, const Lay
         if (!(b > 0)) continue;
         weighted += b;
         const Owner owner = a.owner[at];
-        if (owner != bridge_owner) closing += b * state_.silence.velocity_of(state_.records[owner]).dot(m);
+        if (owner != frozen_plane_owner)
+            closing += b * state_.silence.velocity_of(state_.records[owner]).dot(m);
     }
     const double felt = std::max(0.0, elastic - (weighted * probe.velocity.dot(m) - closing) / sum);
     set.force = felt * m;
@@ -214,7 +219,7 @@ double ContactStage::damped_force(ContactSet& set, const Probe& probe, const Lay
     double far = proxy_distance(set);
     for (int round = 0; set.left_out && far > set.slack && round < widenings; ++round) {
         set.slack = 2 * far;
-        worst = ask(set, probe, dt, standing);
+        worst = evaluate_moving(set, probe, dt, standing);
         top = solve(set, probe, worst);
         far = proxy_distance(set);
     }
@@ -235,8 +240,8 @@ const Layer* ContactStage::solve_widening(ContactSet& set, const Probe& probe, d
         const std::uint32_t from = set.begin + set.count;
         shift_to_probe(&a.nx[from], &a.ny[from], &a.nz[from], &a.c[from], set.summed, p, &a.s[from]);
     }
-    // Else all of them are asked where they are.
-    return set.standing > 0 ? ask_standing(set, a, p) : -std::numeric_limits<double>::infinity();
+    // Else all of them are evaluated where they are.
+    return set.standing > 0 ? evaluate_standing(set, a, p) : -std::numeric_limits<double>::infinity();
 }
 
 [[gnu::always_inline]] inline void ContactStage::rest(ContactSet& set, const Probe& probe,
@@ -268,7 +273,7 @@ void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, co
     // What is in both sets of a fade answers the fading one as it has answered the other: by the proxy's path.
     lead_.on = set.follows && (!is_alone(set) || &set == &contact.old);
     if (lead_.on) begin_path(contact, set, at.before);
-    if (set.moving_count > 0) worst = ask(set, probe, dt, standing);
+    if (set.moving_count > 0) worst = evaluate_moving(set, probe, dt, standing);
     const Layer* const top = lead_.on    ? lead_proxy(set, probe, dt, standing, worst)
                              : worst > 0 ? widen(set, probe, dt, standing, worst)
                                          : nullptr;

@@ -48,7 +48,7 @@ void SceneCore::clear() noexcept {
     state_.records.reset();
     std::fill(state_.slots.begin(), state_.slots.end(), SlotState{});
     state_.clock.now = state_.clock.before = {};
-    state_.silence.velocity = 1;
+    state_.silence.held_velocity_weight = 1;
     state_.scales = {};
     state_.any_follows = false;
 }
@@ -73,8 +73,8 @@ void SceneCore::set_asset(std::uint32_t number, const Asset* asset) noexcept {
 bool SceneCore::refers_to(const Asset& asset) const noexcept {
     const auto made_of = [&](const Record& r) { return kind_ops()[r.kind].asset(r) == &asset; };
     for (std::uint32_t i = 0; i < state_.slots.size(); ++i) {
-        if (state_.slots[i].felt && made_of(state_.records.felt(i))) return true;
-        if (sets_.old_is_felt(i) && made_of(state_.records.faded(i))) return true;
+        if (state_.slots[i].active && made_of(state_.records.current(i))) return true;
+        if (sets_.old_in_use(i) && made_of(state_.records.old(i))) return true;
     }
     return false;
 }
@@ -104,8 +104,8 @@ struct WeightStep {
     bool all_arrived = true;  // who holds, or has faded, costs nothing more however long it is silent
 
     bool changes(Record& r) noexcept {
-        if (r.use.on_silence == OnSilence::hold) return false;
-        const double delay = r.use.on_silence == OnSilence::move ? r.use.silence_time : 0;
+        if (r.options.on_silence == OnSilence::hold) return false;
+        const double delay = r.options.on_silence == OnSilence::move ? r.options.silence_time : 0;
         const bool fades = silence > delay, will_fade = silence > 0 && !fades;
         const double before = r.weight;
         r.weight = weight_after(r.weight, fades, dt);
@@ -120,11 +120,11 @@ void SceneCore::advance_weights(double dt) noexcept {
     Records& records = state_.records;
     WeightStep step{.silence = state_.silence.seconds, .dt = dt};
     bool surfaces = false;
-    for (const std::uint32_t i : sets_.surfaces()) surfaces |= step.changes(records.felt(i));
+    for (const std::uint32_t i : sets_.surfaces()) surfaces |= step.changes(records.current(i));
     sets_.for_each_old([&](Record& r) { surfaces |= step.changes(r); });
-    for (const std::uint32_t i : effects_.effects()) step.changes(records.felt(i));
+    for (const std::uint32_t i : effects_.effects()) step.changes(records.current(i));
     for (const std::uint32_t i : effects_.fading()) {
-        if (effects_[i].from == FadeFrom::record) step.changes(records.faded(i));
+        if (effects_[i].from == FadeFrom::record) step.changes(records.old(i));
     }
     if (surfaces) sets_.rebuild();
     state_.feedback_edited = true;
@@ -162,7 +162,7 @@ void SceneCore::advance_clock(double dt) noexcept {
     if (!(silence.seconds > 0)) clock.now.held += dt;
     // What holds stays where it is at once. With what velocity it rubs, damps and carries its texture is a force,
     // which must not step.
-    silence.velocity = weight_after(silence.velocity, silence.seconds > 0, dt);
+    silence.held_velocity_weight = weight_after(silence.held_velocity_weight, silence.seconds > 0, dt);
 }
 
 bool SceneCore::has_changed() noexcept {

@@ -48,9 +48,9 @@ class SceneCore {
     const SceneWork& work() const noexcept { return state_.work; }
     const SceneTime& time() const noexcept { return state_.clock.now; }
 
-    // scene_still.cpp
+    // scene_sleep.cpp
     bool changed() const noexcept;
-    double still_within() const noexcept;
+    double sleep_radius() const noexcept;
     void pass(std::uint64_t cycles, const SceneTime& time, const Probe& hand) noexcept;
 
   private:
@@ -58,7 +58,7 @@ class SceneCore {
     void place_probes(const Probe& hand) noexcept;
     bool has_changed() noexcept;
     void advance_weights(double dt) noexcept;
-    double still_contact(std::uint32_t probe) const noexcept;
+    double sleep_radius_of(std::uint32_t probe) const noexcept;
 
     // scene_changes.cpp
     void take_changes() noexcept;

@@ -117,7 +117,7 @@ void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts
 // A texture's relief is that of the probe's foot.
 double CurvedStage::relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept {
     if (!state_.records[owner].textured) return 0;
-    return -sets_.arena().s[member] - state_.records.rough(owner).height[part];
+    return -sets_.arena().s[member] - state_.records.tangential(owner).height[part];
 }
 
 // Is it where the surfaces themselves meet, what their planes at the probe's feet have told?
@@ -166,7 +166,7 @@ std::uint32_t CurvedStage::list_near_surfaces(const ContactSet& set, const Probe
     std::uint32_t size = 0;
     for (std::uint32_t i = set.begin; i < set.begin + layer.count;) {
         const Owner owner = a.owner[i];
-        const bool stands = owner == bridge_owner || state_.records[owner].stands;
+        const bool stands = owner == frozen_plane_owner || state_.records[owner].stands;
         const KindOps* const ops = stands ? nullptr : &kind_ops()[state_.records[owner].kind];
         const std::uint32_t parts = stands ? 1 : ops->contacts;
         bool near = false;
@@ -200,7 +200,7 @@ double CurvedStage::explained(const ContactSet& set, const ContactSolution& to,
     double speed = 0;
     for (std::uint32_t k = 0; k < to.active.count; ++k) {
         const Owner owner = sets_.arena().owner[set.begin + to.active.plane[k]];
-        if (owner != bridge_owner) speed = std::max(speed, state_.records[owner].velocity.norm());
+        if (owner != frozen_plane_owner) speed = std::max(speed, state_.records[owner].velocity.norm());
     }
     return most_per_motion * (motion + speed * state_.limits.period);
 }
@@ -208,7 +208,7 @@ double CurvedStage::explained(const ContactSet& set, const ContactSolution& to,
 bool CurvedStage::any_curved(const ContactSet& set, const ActiveSet& active) const noexcept {
     for (std::uint32_t k = 0; k < active.count; ++k) {
         const Owner owner = sets_.arena().owner[set.begin + active.plane[k]];
-        if (owner == bridge_owner || state_.records[owner].stands) continue;
+        if (owner == frozen_plane_owner || state_.records[owner].stands) continue;
         if (kind_ops()[state_.records[owner].kind].curved) return true;
     }
     return false;
@@ -346,7 +346,7 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
         take_step(near, step, p, descent);
         layer.far = std::max(layer.far, at.dx.norm());
     }
-    layer.far = std::max(layer.far, descent.within);  // all that was listed has been asked, then
+    layer.far = std::max(layer.far, descent.within);  // all that was listed has been evaluated, then
     if (!at.dx.allFinite() || (!descent.done && at.dx.norm() > most)) return feasible;
     if (!descent.done) balance(descent);
     if (descent.warm) slide(set, *start, p, at);
@@ -435,7 +435,7 @@ void CurvedStage::lean_in_layer(const ContactSet& set, const Probe& probe, std::
     }
 }
 
-// At the end of a cycle: within it a surface that is asked again answers the same.
+// At the end of a cycle: within it a surface that is evaluated again answers the same.
 void CurvedStage::lean(const ContactSet& set, const Probe& probe) noexcept {
     for (std::uint32_t j = 0; j < set.layers; ++j) lean_in_layer(set, probe, j);
 }

@@ -39,7 +39,7 @@ bool EffectStage::change(std::uint32_t i, Record* previous, bool is, bool same) 
 
 bool EffectStage::fade_in(std::uint32_t i, Record* previous, bool is, bool same) noexcept {
     EffectState& effect = effects_state_[i];
-    const Record& now = state_.records.felt(i);
+    const Record& now = state_.records.current(i);
     const KindOps& ops = kind_ops()[now.kind];
     bound_stale_ = true;
     if (is) candidates_.place(i, now);
@@ -52,7 +52,7 @@ bool EffectStage::fade_in(std::uint32_t i, Record* previous, bool is, bool same)
 
     if (same && ops.carry(*previous, now)) {
         // All that changed moves by itself. A fade in progress goes on, its old end moving along.
-        if (effect.from == FadeFrom::record && effect.carries) ops.carry(state_.records.faded(i), now);
+        if (effect.from == FadeFrom::record && effect.carries) ops.carry(state_.records.old(i), now);
         return false;
     }
     const double time = state_.settles ? 0 : fade_time(is ? now : *previous, state_.policy);
@@ -60,7 +60,7 @@ bool EffectStage::fade_in(std::uint32_t i, Record* previous, bool is, bool same)
         effect.frozen = effect.last;
         start_fade(i, FadeFrom::frozen, time);
     } else if (previous) {
-        copy(*previous, state_.records.faded(i));
+        copy(*previous, state_.records.old(i));
         effect.carries = same;
         start_fade(i, FadeFrom::record, time);
         return true;
@@ -83,7 +83,7 @@ void EffectStage::replace_probes(std::uint32_t probes) noexcept {
     for_each_bit(probes, [this](std::uint32_t p) { candidates_.expire(p); });
     bound_stale_ = bound_stale_ || !effects_.empty();
     for (const std::uint32_t i : effects_) {
-        Record& r = state_.records.felt(i);
+        Record& r = state_.records.current(i);
         if ((probes >> r.probe & 1) == 0) continue;
         EffectState& effect = effects_state_[i];
         const ProbeState& probe = state_.probes[r.probe];
@@ -125,18 +125,18 @@ void EffectStage::start_fade(std::uint32_t i, FadeFrom from, double time) noexce
 bool EffectStage::is_needed(std::uint32_t i) const noexcept {
     if (effects_state_[i].from != FadeFrom::none) return true;
     if (!candidates_.may_be_near(i)) return false;
-    const Record& r = state_.records.felt(i);
+    const Record& r = state_.records.current(i);
     const KindOps& ops = kind_ops()[r.kind];
     const bool gives_nothing = (r.weight == 0 && !state_.silence.moves) || ops.powerless(r);
     return !(gives_nothing && ops.arrived(r));
 }
 
-// A spring that nobody asks about, that has no state of its own at the moment and that no fade scales, nor a
-// silence.
+// A spring of which nobody wants feedback, that has no state of its own at the moment and that no fade
+// scales, nor a silence.
 bool EffectStage::may_collapse(std::uint32_t i) const noexcept {
-    const Record& r = state_.records.felt(i);
-    if (r.kind != kind_of<Spring> || r.use.feedback != 0 || effects_state_[i].from != FadeFrom::none ||
-        r.weight != 1 || (state_.silence.moves && r.use.on_silence != OnSilence::hold))
+    const Record& r = state_.records.current(i);
+    if (r.kind != kind_of<Spring> || r.options.feedback != 0 || effects_state_[i].from != FadeFrom::none ||
+        r.weight != 1 || (state_.silence.moves && r.options.on_silence != OnSilence::hold))
         return false;
     return CollapsedSprings::takes(*std::launder(reinterpret_cast<const Spring*>(r.params)),
                                    *std::launder(reinterpret_cast<const Spring::State*>(r.state)));
@@ -148,7 +148,7 @@ void EffectStage::list() noexcept {
     collapsed_ = 0;
     std::array<std::uint32_t, Representations::size + 1> next{};
     for (const std::uint32_t i : effects_) {
-        const Record& r = state_.records.felt(i);
+        const Record& r = state_.records.current(i);
         EffectState& effect = effects_state_[i];
         effect.evaluated = is_needed(i);
         effect.collapsed = effect.evaluated && may_collapse(i);
@@ -167,7 +167,7 @@ void EffectStage::list() noexcept {
     by_kind_.resize(next.back());
     for (const std::uint32_t i : effects_) {
         if (effects_state_[i].evaluated && !effects_state_[i].collapsed)
-            by_kind_[next[state_.records.felt(i).kind]++] = i;
+            by_kind_[next[state_.records.current(i).kind]++] = i;
     }
     active_kinds_.clear();
     for (Kind k = 0; k < Representations::size; ++k) {
@@ -190,7 +190,7 @@ void EffectStage::bound_all() noexcept {
     bound_ = {};
     for (const std::uint32_t i : effects_) {
         if (!effects_state_[i].evaluated) continue;
-        const Demand bound = bound_of(state_.records.felt(i));
+        const Demand bound = bound_of(state_.records.current(i));
         bound_.stiffness += bound.stiffness;
         bound_.damping += bound.damping;
     }
@@ -206,7 +206,7 @@ void EffectStage::advance_fades(double dt, Wrench& sum) noexcept {
             effect.from = FadeFrom::none;
             effect.gain = 1;
             effect.remnant = effect.last = Wrench{};
-            edited_ = edited_ || state_.records.felt(i).kind == kind_of<Spring> || !is_needed(i);
+            edited_ = edited_ || state_.records.current(i).kind == kind_of<Spring> || !is_needed(i);
             fading_[f] = fading_.back();
             fading_.pop_back();
             continue;
@@ -214,7 +214,7 @@ void EffectStage::advance_fades(double dt, Wrench& sum) noexcept {
         effect.gain = effect.elapsed / effect.time;
         effect.remnant = Wrench{};
         if (effect.from == FadeFrom::record) {
-            Record& old = state_.records.faded(i);
+            Record& old = state_.records.old(i);
             const ProbeState& probe = state_.probes[old.probe];
             const KindOps& ops = kind_ops()[old.kind];
             const double step = own_step(old, ops.arrived(old), dt);

@@ -39,7 +39,7 @@ PartEnergy energy_of(const ContactState& contact, const Arena& arena, const Scen
                   .freed = freed_by_fade(old, now, contact.fade.time, state.clock.step)};
     }
     const FrictionState& friction = contact.tangential.friction;
-    if (contact.tangential.rough && friction.held && friction.stiffness > 0)
+    if (contact.tangential.present && friction.held && friction.stiffness > 0)
         energy.held += 0.5 * friction.last.squaredNorm() / friction.stiffness;
     return energy;
 }

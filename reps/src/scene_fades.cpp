@@ -8,27 +8,27 @@
 namespace knurl::detail {
 
 void ContactSets::keep_old(std::uint32_t i) noexcept {
-    Slot& slot = slots_[i];
-    slot.old_surface_of = state_.records.faded(i).probe;
+    SetSlot& slot = slots_[i];
+    slot.old_surface_of = state_.records.old(i).probe;
     slot.old_in_fade = 0;
     if (slot.old_listed) return;
     slot.old_listed = true;
     olds_.push_back(i);
 }
 
-bool ContactSets::old_fades(const Slot& slot) const noexcept {
+bool ContactSets::old_fades(const SetSlot& slot) const noexcept {
     if (slot.old_surface_of < 0) return false;
     const CrossFade& fade = states_[static_cast<std::uint32_t>(slot.old_surface_of)].fade;
-    return fade.under_way && !fade.bridged && fade.number == slot.old_in_fade;
+    return fade.under_way && !fade.frozen && fade.number == slot.old_in_fade;
 }
 
-bool ContactSets::old_is_felt(std::uint32_t i) const noexcept {
-    const Slot& slot = slots_[i];
+bool ContactSets::old_in_use(std::uint32_t i) const noexcept {
+    const SetSlot& slot = slots_[i];
     return slot.old_surface_of >= 0 && (slot.old_in_fade == 0 || old_fades(slot));
 }
 
 void ContactSets::release_old(std::uint32_t i) noexcept {
-    Slot& slot = slots_[i];
+    SetSlot& slot = slots_[i];
     if (old_fades(slot)) {
         SetChange& change = states_[static_cast<std::uint32_t>(slot.old_surface_of)].change;
         change.edited = change.interrupted = true;
@@ -48,7 +48,7 @@ void ContactSets::replace_probe(std::uint32_t p) noexcept {
 }
 
 // The plane that gives the present force here. What texture pushed is let go.
-void ContactSets::make_bridge(std::uint32_t p) noexcept {
+void ContactSets::freeze_fade(std::uint32_t p) noexcept {
     ContactState& contact = states_[p];
     const double force = contact.force.norm();
     double k = 0;
@@ -60,14 +60,14 @@ void ContactSets::make_bridge(std::uint32_t p) noexcept {
     if (k == 0 && force > 0)
         k = std::min(world_stiffness(unlimited_stiffness, state_.limits),
                      state_.limits.max_stiffness);  // summed planes: no layer
-    Bridge& bridge = contact.bridge;
-    bridge.stiffness = force > 0 ? k : 0;
-    if (bridge.stiffness <= 0) return;
-    bridge.plane.normal = contact.force / force;
+    FrozenPlane& frozen_plane = contact.frozen_plane;
+    frozen_plane.stiffness = force > 0 ? k : 0;
+    if (frozen_plane.stiffness <= 0) return;
+    frozen_plane.plane.normal = contact.force / force;
     const Eigen::Vector3d& at = contact.change.replaced ? state_.probes[p].probe.position : contact.position;
-    bridge.plane.offset = bridge.plane.normal.dot(at) + force / k;
+    frozen_plane.plane.offset = frozen_plane.plane.normal.dot(at) + force / k;
     TangentialState& tangential = contact.tangential;
-    bridge.law = tangential.law;
+    frozen_plane.law = tangential.law;
     if (tangential.relief == Eigen::Vector3d::Zero()) return;
     FrictionState& friction = tangential.friction;
     friction.released += tangential.relief;
@@ -84,8 +84,8 @@ void ContactSets::begin_fade(std::uint32_t p, std::span<const std::uint32_t> ren
     CrossFade& fade = contact.fade;
     const double time = state_.settles ? 0 : change.fades ? change.time : fade.time;
     const bool overtaken = fade.under_way || change.interrupted;
-    if (overtaken && time > 0) make_bridge(p);
-    fade.bridged = overtaken;
+    if (overtaken && time > 0) freeze_fade(p);
+    fade.frozen = overtaken;
     fade.under_way = fade.fresh = time > 0;
     fade.elapsed = 0;
     fade.time = time;
@@ -95,11 +95,11 @@ void ContactSets::begin_fade(std::uint32_t p, std::span<const std::uint32_t> ren
     contact.old.held_by = contact.now.held_by;
     contact.old.led = contact.now.led;
     for (const std::uint32_t i : renewed) {
-        Slot& slot = slots_[i];
+        SetSlot& slot = slots_[i];
         if (slot.old_in_fade == 0 && slot.old_surface_of == static_cast<std::int32_t>(p))
             slot.old_in_fade = fade.number;
-        const Record& now = state_.records.felt(i);
-        if (state_.slots[i].felt && kind_ops()[now.kind].surface && now.probe == p && !now.recovers)
+        const Record& now = state_.records.current(i);
+        if (state_.slots[i].active && kind_ops()[now.kind].surface && now.probe == p && !now.recovers)
             slot.new_in_fade = fade.number;
     }
 }
@@ -107,12 +107,12 @@ void ContactSets::begin_fade(std::uint32_t p, std::span<const std::uint32_t> ren
 // A plane that stood where one stands now: in the same order, so that no rounding differs from that of a set
 // that is copied (reshape_sets).
 bool ContactSets::stands_in_for_old(std::uint32_t i, std::uint32_t p) const noexcept {
-    const Slot& slot = slots_[i];
+    const SetSlot& slot = slots_[i];
     const std::uint32_t fade = states_[p].fade.number;
-    const Record& now = state_.records.felt(i);
+    const Record& now = state_.records.current(i);
     return slot.new_in_fade == fade && slot.old_in_fade == fade &&
-           slot.old_surface_of == static_cast<std::int32_t>(p) && state_.slots[i].felt && now.probe == p &&
-           now.stands && state_.records.faded(i).stands;
+           slot.old_surface_of == static_cast<std::int32_t>(p) && state_.slots[i].active && now.probe == p &&
+           now.stands && state_.records.old(i).stands;
 }
 
 // The owners of the fading set: what changed as it was, and what did not change as it is. Surfaces that recover
@@ -124,14 +124,14 @@ std::span<const Owner> ContactSets::list_old(std::uint32_t p) noexcept {
     std::uint32_t n = 0;
     const auto listed = [&] { return std::span<const Owner>(scratch_.data(), n); };
     if (!fade.under_way) return listed();
-    if (fade.bridged) {
-        if (states_[p].bridge.stiffness > 0) scratch_[n++] = bridge_owner;
+    if (fade.frozen) {
+        if (states_[p].frozen_plane.stiffness > 0) scratch_[n++] = frozen_plane_owner;
         return listed();
     }
     for (const std::uint32_t i : olds_) {
         if (slots_[i].old_surface_of != static_cast<std::int32_t>(p) || stands_in_for_old(i, p)) continue;
         if (candidates_.any(p)) {
-            const std::optional<Bound> ball = ball_now(records.faded(i), state_.clock);
+            const std::optional<Bound> ball = ball_now(records.old(i), state_.clock);
             if (ball && candidates_.passes_by(p, *ball, state_)) {
                 fade.olds_left_out = true;
                 continue;
@@ -145,11 +145,11 @@ std::span<const Owner> ContactSets::list_old(std::uint32_t p) noexcept {
     for (const std::uint32_t i : candidates_.always()) {
         if (stands_in_for_old(i, p)) {
             scratch_[n++] = records.owner(i, true);
-        } else if (records.felt(i).probe == p) {
+        } else if (records.current(i).probe == p) {
             take(i);
         }
     }
-    for (const std::uint32_t i : candidates_.near(p)) take(i);
+    for (const std::uint32_t i : candidates_.of(p)) take(i);
     return listed();
 }
 
@@ -159,8 +159,8 @@ void ContactSets::end_fade(std::uint32_t p) noexcept {
     old.slack = 0;
     old.count = old.summed = old.layers = old.moving_count = 0;
     CrossFade& fade = contact.fade;
-    fade.under_way = fade.fresh = fade.bridged = false;
-    contact.tangential.rough = contact.now.rough;
+    fade.under_way = fade.fresh = fade.frozen = false;
+    contact.tangential.present = contact.now.has_tangential;
     contact.tangential.leave_anchor();
     if (!contact.empty()) return;
     used_ &= ~(1u << p);
@@ -169,7 +169,7 @@ void ContactSets::end_fade(std::uint32_t p) noexcept {
 
 void ContactSets::forget_ended_olds() noexcept {
     std::erase_if(olds_, [this](std::uint32_t i) {
-        Slot& slot = slots_[i];
+        SetSlot& slot = slots_[i];
         if (old_fades(slot)) return false;
         slot.old_surface_of = -1;
         slot.old_listed = false;

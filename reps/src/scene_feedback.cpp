@@ -33,7 +33,7 @@ double layer_stiffness(const ContactSet& set, std::uint32_t member) noexcept {
 
 /// Neither is touched, so that neither has a wrench.
 bool rests_alike(const Feedback& a, const Feedback& b) noexcept {
-    return ((a.flags | b.flags) & Feedback::touching) == 0 && a.flags == b.flags && a.handle == b.handle &&
+    return ((a.flags | b.flags) & Feedback::touching) == 0 && a.flags == b.flags && a.id == b.id &&
            a.stiffness == b.stiffness && a.tangential_stiffness == b.tangential_stiffness;
 }
 
@@ -64,7 +64,7 @@ Vector3d FeedbackStage::contact_point(std::uint32_t probe) const noexcept {
     return depth > 0 ? Vector3d(p + dx - (state_.probes[probe].probe.radius / depth) * dx) : p;
 }
 
-void FeedbackStage::tell_touch(std::uint32_t i, const Record& r, Feedback& out) const noexcept {
+void FeedbackStage::write_touch(std::uint32_t i, const Record& r, Feedback& out) const noexcept {
     const ContactState& contact = sets_[r.probe];
     const ContactSet& set = contact.now;
     const Arena& a = sets_.arena();
@@ -84,27 +84,27 @@ void FeedbackStage::tell_touch(std::uint32_t i, const Record& r, Feedback& out) 
     out.flags |= Feedback::touching;
     const double whole = contact.force.norm();
     const TangentialState& tangential = contact.tangential;
-    if (tangential.rough && whole > 0)
-        out.wrench.force += (push / whole) * (tangential.along + tangential.relief);
+    if (tangential.present && whole > 0)
+        out.wrench.force += (push / whole) * (tangential.friction_force + tangential.relief);
     const ProbeState& probe = state_.probes[r.probe];
     if (probe.placement.offset != Vec3{}) out.wrench.torque = probe.arm.cross(out.wrench.force);
     out.contact_point = contact_point(r.probe);
 }
 
-void FeedbackStage::tell_surface(std::uint32_t i, const Record& r, Feedback& out) const noexcept {
+void FeedbackStage::write_surface(std::uint32_t i, const Record& r, Feedback& out) const noexcept {
     const ContactState& contact = sets_[r.probe];
     const ContactSet& set = contact.now;
-    if (r.rough)
-        out.tangential_stiffness = state_.records.rough(state_.records.owner(i, false)).law.stiffness;
+    if (r.has_tangential)
+        out.tangential_stiffness = state_.records.tangential(state_.records.owner(i, false)).law.stiffness;
     if (contact.fade.under_way) out.flags |= Feedback::fading;
     if (!candidates_.may_be_near(i) || sets_.member(i) == ContactSets::in_no_set || contact.empty()) return;
     if (set.infeasible) out.flags |= Feedback::infeasible;
     if (!r.summed && (set.scale != 1 || r.weight == 1))
         out.stiffness = layer_stiffness(set, sets_.member(i) - set.begin);
-    if (set.touching) tell_touch(i, r, out);
+    if (set.touching) write_touch(i, r, out);
 }
 
-void FeedbackStage::tell_effect(std::uint32_t i, Feedback& out) const noexcept {
+void FeedbackStage::write_effect(std::uint32_t i, Feedback& out) const noexcept {
     const EffectState& effect = effects_[i];
     out.wrench = effect.last;
     if (effect.last.force != Vector3d::Zero() || effect.last.torque != Vector3d::Zero())
@@ -113,23 +113,23 @@ void FeedbackStage::tell_effect(std::uint32_t i, Feedback& out) const noexcept {
 }
 
 Feedback FeedbackStage::feedback_of(std::uint32_t i, bool surface) const noexcept {
-    const Record& r = state_.records.felt(i);
-    Feedback f{.handle = {i, state_.slots[i].generation},
+    const Record& r = state_.records.current(i);
+    Feedback f{.id = {i, state_.slots[i].generation},
                .wrench = {},
                .contact_point = state_.probes[r.probe].probe.position,
                .stiffness = r.stiffness,
                .flags = state_.silence.seconds > 0 ? Feedback::silent : 0};
     if (surface) {
-        tell_surface(i, r, f);
+        write_surface(i, r, f);
     } else {
-        tell_effect(i, f);
+        write_effect(i, f);
     }
     if (r.clamped || f.stiffness < r.stiffness) f.flags |= Feedback::stiffness_clamped;
     return f;
 }
 
 /// What all surfaces of a probe share changes their flags alike. False: more than that has changed.
-bool FeedbackStage::retell_by_flags(std::span<Feedback> kept, std::span<std::uint64_t> written) noexcept {
+bool FeedbackStage::rewrite_flags(std::span<Feedback> kept, std::span<std::uint64_t> written) noexcept {
     std::uint32_t fading = 0, infeasible = 0;
     for_each_bit(state_.probes_used, [&](std::uint32_t p) {
         fading |= (sets_[p].fade.under_way ? 1u : 0u) << p;
@@ -152,14 +152,14 @@ bool FeedbackStage::retell_by_flags(std::span<Feedback> kept, std::span<std::uin
 }
 
 template <class Put>
-void FeedbackStage::tell_surfaces(std::uint32_t room, Put put) noexcept {
+void FeedbackStage::write_surfaces(std::uint32_t room, Put put) noexcept {
     surface_entries_ = 0;
     touched_.clear();
     for (const std::uint32_t i : sets_.surfaces()) {
-        const Record& r = state_.records.felt(i);
-        const bool told = r.reported && surface_entries_ < room;
-        entry_[i] = told ? surface_entries_++ : untold;
-        if (!told) continue;
+        const Record& r = state_.records.current(i);
+        const bool listed = r.reported && surface_entries_ < room;
+        entry_[i] = listed ? surface_entries_++ : no_entry;
+        if (!listed) continue;
         probe_[entry_[i]] = r.probe;
         if (put(entry_[i], feedback_of(i, true))) touched_.push_back(i);
     }
@@ -167,18 +167,18 @@ void FeedbackStage::tell_surfaces(std::uint32_t room, Put put) noexcept {
 
 /// All effects, or those alone that are evaluated: of the others there is nothing new.
 template <class Put>
-void FeedbackStage::tell_effects(std::uint32_t room, bool all, Put put) noexcept {
+void FeedbackStage::write_effects(std::uint32_t room, bool all, Put put) noexcept {
     if (!all) {
         for (const std::uint32_t i : effects_.evaluated()) {
-            if (entry_[i] != untold) put(entry_[i], feedback_of(i, false));
+            if (entry_[i] != no_entry) put(entry_[i], feedback_of(i, false));
         }
         return;
     }
     std::uint32_t n = surface_entries_;
     for (const std::uint32_t i : effects_.effects()) {
-        const bool told = state_.records.felt(i).reported && n < room;
-        entry_[i] = told ? n++ : untold;
-        if (told) put(entry_[i], feedback_of(i, false));
+        const bool listed = state_.records.current(i).reported && n < room;
+        entry_[i] = listed ? n++ : no_entry;
+        if (listed) put(entry_[i], feedback_of(i, false));
     }
     effect_entries_ = n - surface_entries_;
     state_.feedback_relisted = false;
@@ -186,17 +186,17 @@ void FeedbackStage::tell_effects(std::uint32_t room, bool all, Put put) noexcept
 
 /// Those that are touched, and those that were.
 template <class Put>
-void FeedbackStage::tell_touched(Put put) noexcept {
+void FeedbackStage::write_touched(Put put) noexcept {
     std::size_t kept = 0;
-    const auto tell = [&](std::uint32_t i) {
-        return entry_[i] != untold && put(entry_[i], [&] { return feedback_of(i, true); });
+    const auto write = [&](std::uint32_t i) {
+        return entry_[i] != no_entry && put(entry_[i], [&] { return feedback_of(i, true); });
     };
     for (const std::uint32_t i : touched_) {
-        if (tell(i)) touched_[kept++] = i;
+        if (write(i)) touched_[kept++] = i;
     }
     touched_.resize(kept);
-    const auto tell_owner = [&](Owner owner) {
-        if (tell(owner >> 1)) touched_.push_back(owner >> 1);
+    const auto write_owner = [&](Owner owner) {
+        if (write(owner >> 1)) touched_.push_back(owner >> 1);
     };
     const Arena& a = sets_.arena();
     for_each_bit(sets_.probes(), [&](std::uint32_t p) {
@@ -204,28 +204,29 @@ void FeedbackStage::tell_touched(Put put) noexcept {
         if (!set.touching) return;
         for (std::uint32_t j = 0; j < set.layers; ++j) {
             const ActiveSet& active = set.layer[j].solution.active;
-            for (std::uint32_t c = 0; c < active.count; ++c) tell_owner(a.owner[set.begin + active.plane[c]]);
+            for (std::uint32_t c = 0; c < active.count; ++c)
+                write_owner(a.owner[set.begin + active.plane[c]]);
         }
         const std::uint32_t sums = set.begin + set.count;
         for (std::uint32_t at = sums; at < sums + set.summed; ++at) {
-            if (a.s[at] > 0) tell_owner(a.owner[at]);
+            if (a.s[at] > 0) write_owner(a.owner[at]);
         }
     });
 }
 
-std::size_t FeedbackStage::tell(std::span<Feedback> out) const noexcept {
+std::size_t FeedbackStage::write(std::span<Feedback> out) const noexcept {
     std::size_t n = 0;
-    const auto tell_all = [&](std::span<const std::uint32_t> list, bool surfaces) {
+    const auto write_all = [&](std::span<const std::uint32_t> list, bool surfaces) {
         for (const std::uint32_t i : list) {
-            if (n < out.size() && state_.records.felt(i).reported) out[n++] = feedback_of(i, surfaces);
+            if (n < out.size() && state_.records.current(i).reported) out[n++] = feedback_of(i, surfaces);
         }
     };
-    tell_all(sets_.surfaces(), true);
-    tell_all(effects_.effects(), false);
+    write_all(sets_.surfaces(), true);
+    write_all(effects_.effects(), false);
     return n;
 }
 
-std::size_t FeedbackStage::tell_changes(std::span<Feedback> kept, const Rewritten& rewritten) noexcept {
+std::size_t FeedbackStage::write_changes(std::span<Feedback> kept, const Rewritten& rewritten) noexcept {
     const auto [written, flags] = rewritten;
     std::fill(written.begin(), written.end(), 0);
     std::fill(flags.begin(), flags.end(), 0);
@@ -239,14 +240,14 @@ std::size_t FeedbackStage::tell_changes(std::span<Feedback> kept, const Rewritte
     };
     const bool silence = (silent_ != 0) != (state_.silence.seconds > 0);
     const bool all_effects = state_.feedback_edited || state_.feedback_relisted || silence;
-    if (retell_by_flags(kept, flags)) {
-        tell_touched([&, written = written](std::size_t n, auto feedback) {
+    if (rewrite_flags(kept, flags)) {
+        write_touched([&, written = written](std::size_t n, auto feedback) {
             return (written[n / 64] & bit(n)) == 0 && put(n, feedback());  // one may be named twice
         });
     } else {
-        tell_surfaces(static_cast<std::uint32_t>(room), put);
+        write_surfaces(static_cast<std::uint32_t>(room), put);
     }
-    tell_effects(static_cast<std::uint32_t>(room), all_effects, put);
+    write_effects(static_cast<std::uint32_t>(room), all_effects, put);
     return surface_entries_ + effect_entries_;
 }
 

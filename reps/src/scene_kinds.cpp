@@ -58,22 +58,23 @@ struct Ops {
     // Nothing that is felt: another recovery alone is noted for the change that it will belong to.
     static bool unchanged(std::byte* prepared, Record& now) noexcept {
         if constexpr (requires(R & r) { r.recovery; }) {
-            const double asked = typed(prepared).recovery;
+            const double requested = typed(prepared).recovery;
             typed(prepared).recovery = params_of<R>(now).recovery;
             const bool same = std::memcmp(prepared, now.params, sizeof(R)) == 0;
-            typed(prepared).recovery = asked;
-            if (same) params_of<R>(now).recovery = asked;
+            typed(prepared).recovery = requested;
+            if (same) params_of<R>(now).recovery = requested;
             return same;
         } else {
             return std::memcmp(prepared, now.params, sizeof(R)) == 0;
         }
     }
-    static void install(const std::byte* prepared, const Limits& limits, Record& out, Rough& rough) noexcept {
+    static void install(const std::byte* prepared, const Limits& limits, Record& out,
+                        TangentialRecord& tangential) noexcept {
         const R& params = typed(prepared);
         std::memcpy(out.params, prepared, sizeof params);
         out.kind = kind_of<R>;
         out.stiffness = 0;
-        out.stands = out.recovers = out.summed = out.rough = false;
+        out.stands = out.recovers = out.summed = out.has_tangential = false;
         if constexpr (requires { params.stiffness; }) out.stiffness = params.stiffness;
         if constexpr (requires { params.combine; }) out.summed = params.combine == PlaneCombine::sum;
         if constexpr (requires { recovers_itself(params); }) out.recovers = recovers_itself(params);
@@ -84,12 +85,12 @@ struct Ops {
                               params.snag.k_kinetic > 0;
             // What is finer than two counts of the encoder is noise, in a world of any size.
             out.textured = params.texture.amplitude > 0 && params.texture.wavelength >= 2 * limits.resolution;
-            out.rough = rubs || out.textured || (params.braking > 0 && limits.mass > 0);
-            if (out.rough) {
-                rough.law = rubs ? friction_law(params.friction, params.snag, params.stiffness, limits)
-                                 : FrictionLaw{};
-                rough.texture = params.texture;
-                rough.braking = params.braking;
+            out.has_tangential = rubs || out.textured || (params.braking > 0 && limits.mass > 0);
+            if (out.has_tangential) {
+                tangential.law = rubs ? friction_law(params.friction, params.snag, params.stiffness, limits)
+                                      : FrictionLaw{};
+                tangential.texture = params.texture;
+                tangential.braking = params.braking;
             }
         }
         if constexpr (requires { standing(params); }) {
@@ -127,7 +128,7 @@ struct Ops {
             return Reshaped::moves;
         }
     }
-    // The state of one that stood is that of a new one: nobody has asked it.
+    // The state of one that stood is that of a new one: nobody has evaluated it.
     static void adopt_new(Record& now, const Record* previous, const Probe& probe,
                           [[maybe_unused]] const Assets& assets) noexcept {
         if (!previous || previous->stands) new (now.state) typename R::State{};
@@ -147,7 +148,7 @@ struct Ops {
         if constexpr (requires { p.duration; }) return p.duration;
         return automatic;
     }
-    static double asked_stiffness([[maybe_unused]] const std::byte* raw) noexcept {
+    static double requested_stiffness([[maybe_unused]] const std::byte* raw) noexcept {
         if constexpr (requires(const R& p) { p.stiffness; }) return typed(raw).stiffness;
         return 0;
     }
@@ -192,8 +193,8 @@ struct Ops {
         }
         return std::memcmp(old.params, next.params, sizeof(R)) == 0;
     }
-    // One that moves by itself is asked in every cycle: its ball would have to move along, which that of one
-    // that turns does, but not its texture.
+    // One that moves by itself is evaluated in every cycle: its ball would have to move along, which that of
+    // one that turns does, but not its texture.
     static std::optional<Bound> bound_of(const Record& r) noexcept {
         if constexpr (Effect<R> && requires(const R& p) { bound(p); }) {
             return bound(params_of<R>(r));
@@ -317,7 +318,7 @@ constexpr auto table(TypeList<R...>) {
                 .adopt = &Ops<R>::adopt_new,
                 .settle = &Ops<R>::settle_now,
                 .fade_time = &Ops<R>::fade_time,
-                .asked_stiffness = &Ops<R>::asked_stiffness,
+                .requested_stiffness = &Ops<R>::requested_stiffness,
                 .load_bound = Ops<R>::loads ? &Ops<R>::load_bound_of : nullptr,
                 .load = Ops<R>::loads ? &Ops<R>::load_at : nullptr,
                 .carry = &Ops<R>::carry,

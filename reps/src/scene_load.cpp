@@ -63,7 +63,7 @@ Demand LoadStage::bound_of(std::uint32_t p) const noexcept {
         bound = {std::max(bound.stiffness, old.stiffness), std::max(bound.damping, old.damping)};
     }
     const TangentialState& tangential = contact.tangential;
-    if (tangential.rough && tangential.friction.held) {
+    if (tangential.present && tangential.friction.held) {
         // Friction acts across the force. That is across all planes that hold where they are solved as one.
         const bool across = !contact.fade.under_way && contact.now.summed == 0 && contact.now.layers == 1;
         const auto with = [&](double normal, double along) {
@@ -75,7 +75,7 @@ Demand LoadStage::bound_of(std::uint32_t p) const noexcept {
     const Shares& shares = state_.shares;
     const double turned = 1 + shares.turning * state_.probes[p].arm.squaredNorm();
     return {shares.stiffness * turned * bound.stiffness +
-                bound_of_turning(contact.force + contact.tangential.along, p),
+                bound_of_turning(contact.force + contact.tangential.friction_force, p),
             shares.damping * turned * bound.damping};
 }
 
@@ -114,7 +114,7 @@ HandLoad LoadStage::at_probe(const ContactState& contact) const noexcept {
     add(contact.now, s, load);
     if (contact.fade.under_way) add(contact.old, 1 - s, load);
     const TangentialState& tangential = contact.tangential;
-    if (!tangential.rough || !tangential.friction.held) return load;
+    if (!tangential.present || !tangential.friction.held) return load;
     const Tangent& tangent = tangential.tangent;
     Matrix3d along = Matrix3d::Zero();
     if (tangent.dimensions == 2) along = Matrix3d::Identity() - tangent.normal * tangent.normal.transpose();
@@ -139,7 +139,7 @@ LoadBound LoadStage::bound() const noexcept {
     if (!effects_.effects().empty()) add_effects(effects_.bound());
     if (state_.shares.turning > 0) bound.effects += bound_of_turning_effects();
     for (const std::uint32_t i : effects_.fading()) {
-        if (effects_[i].from == FadeFrom::record) add_effects(effects_.bound_of(state_.records.faded(i)));
+        if (effects_[i].from == FadeFrom::record) add_effects(effects_.bound_of(state_.records.old(i)));
     }
     return bound;
 }
@@ -153,7 +153,7 @@ double LoadStage::bound_of_turning(const Vector3d& force, std::uint32_t p) const
 double LoadStage::bound_of_turning_effects() const noexcept {
     double bound = 0;
     for (const std::uint32_t i : effects_.evaluated())
-        bound += bound_of_turning(effects_[i].last.force, state_.records.felt(i).probe);
+        bound += bound_of_turning(effects_[i].last.force, state_.records.current(i).probe);
     for_each_bit(effects_.collapsed_probes(), [&](std::uint32_t p) {
         if (has_arm(p)) bound += bound_of_turning(effects_.collapsed_wrench(p).force, p);
     });
@@ -179,7 +179,7 @@ HandLoad LoadStage::of_contacts() const noexcept {
     for_each_bit(sets_.probes(), [&](std::uint32_t p) {
         const ContactState& contact = sets_[p];
         move_to_hand(sum, at_probe(contact), p);
-        turn(sum, contact.force + contact.tangential.along, p);
+        turn(sum, contact.force + contact.tangential.friction_force, p);
     });
     return sum;
 }
@@ -198,20 +198,20 @@ HandLoad LoadStage::of_effects() const noexcept {
     const auto add_old = [&](std::uint32_t i, double now) {
         const EffectState& effect = effects_[i];
         if (effect.from != FadeFrom::record) return;
-        const double old = add_effect(records.faded(i), 1 - effect.gain);
+        const double old = add_effect(records.old(i), 1 - effect.gain);
         sum.energy.freed += freed_by_fade(old, now, effect.time, state_.clock.step);
     };
     for (const std::uint32_t i : effects_.effects()) {
         const EffectState& effect = effects_[i];
         if (!effect.evaluated) continue;
-        const Record& r = records.felt(i);
+        const Record& r = records.current(i);
         const double held = add_effect(r, effect.gain);
         if (!effect.collapsed) turn(sum, effect.last.force, r.probe);
         add_old(i, held);
     }
     // Those that are removed are faded out though they are no longer felt.
     for (const std::uint32_t i : effects_.fading()) {
-        if (!state_.slots[i].felt) add_old(i, 0);
+        if (!state_.slots[i].active) add_old(i, 0);
     }
     for_each_bit(effects_.collapsed_probes(),
                  [&](std::uint32_t p) { turn(sum, effects_.collapsed_wrench(p).force, p); });

@@ -14,45 +14,46 @@ SceneModel::SceneModel(Scene::Capacity capacity)
       changed_(empty_list(capacity.representations)),
       placements_(capacity.probes) {}
 
-Verdict SceneModel::check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
-                              const Use& use) const noexcept {
-    const Verdict verdict = check_vacant(handle, slots_);
+Verdict SceneModel::check_add(RepresentationId id, Kind kind, const void* params, std::size_t bytes,
+                              const AddOptions& options) const noexcept {
+    const Verdict verdict = check_vacant(id, slots_);
     const auto probes = static_cast<std::uint32_t>(placements_.size());
-    return verdict ? check_added(kind, params, bytes, use, probes) : verdict;
+    return verdict ? check_added(kind, params, bytes, options, probes) : verdict;
 }
 
-Verdict SceneModel::add(Handle handle, Kind kind, const void* params, std::size_t bytes,
-                        const Use& use) noexcept {
-    if (const Verdict verdict = check_add(handle, kind, params, bytes, use); !verdict) return verdict;
-    Slot& slot = slots_[handle.slot];
+Verdict SceneModel::add(RepresentationId id, Kind kind, const void* params, std::size_t bytes,
+                        const AddOptions& options) noexcept {
+    if (const Verdict verdict = check_add(id, kind, params, bytes, options); !verdict) return verdict;
+    ModelSlot& slot = slots_[id.slot];
     slot.present = true;
-    slot.generation = handle.generation;
+    slot.generation = id.generation;
     slot.kind = kind;
-    slot.use = use;
+    slot.options = options;
     slot.geometry_alone = false;
-    std::memcpy(&raw_[handle.slot * max_parameter_bytes], params, bytes);
-    mark(handle.slot);
-    probes_used_ |= 1u << use.probe;
+    std::memcpy(&raw_[id.slot * max_parameter_bytes], params, bytes);
+    mark(id.slot);
+    probes_used_ |= 1u << options.probe;
     ++size_;
     ++counts_[kind];
     return {};
 }
 
-Verdict SceneModel::check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept {
+Verdict SceneModel::check_update(RepresentationId id, Kind kind, const void* params,
+                                 std::size_t bytes) noexcept {
     if (kind >= Representations::size)
         return {Code::unknown_kind, Verdict::no_field, static_cast<double>(kind)};
-    if (!names_one(handle, slots_) || slots_[handle.slot].kind != kind)
-        return {Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
+    if (!names_one(id, slots_) || slots_[id.slot].kind != kind)
+        return {Code::no_such_slot, Verdict::no_field, static_cast<double>(id.slot)};
     const KindOps& ops = kind_ops()[kind];
     const std::size_t geometry = ops.geometry_bytes;
     if (bytes != ops.params_size && bytes != geometry)
         return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
     // What stands in the slot is legal: where only the geometry differs from it, only that is looked at.
-    const std::byte* raw = &raw_[handle.slot * max_parameter_bytes];
+    const std::byte* raw = &raw_[id.slot * max_parameter_bytes];
     const auto* sent = static_cast<const std::byte*>(params);
     const bool rest_stays = std::memcmp(raw + geometry, sent + geometry, bytes - geometry) == 0;
-    slots_[handle.slot].differ = rest_stays ? ops.compare_geometry(raw, sent) : Differ::anywhere;
-    return slots_[handle.slot].differ != Differ::anywhere ? Verdict{} : validate(kind, raw, sent, bytes);
+    slots_[id.slot].differ = rest_stays ? ops.compare_geometry(raw, sent) : Differ::anywhere;
+    return slots_[id.slot].differ != Differ::anywhere ? Verdict{} : validate(kind, raw, sent, bytes);
 }
 
 // So many bytes of them, over those that are there.
@@ -67,7 +68,7 @@ Verdict SceneModel::validate(Kind kind, const std::byte* raw, const std::byte* s
 // By what the last check has found. A batch may name a slot twice: then that was of the last of them, which
 // is what remains, whatever is copied of the others.
 void SceneModel::update_checked(std::uint32_t i, const void* params, std::size_t bytes) noexcept {
-    Slot& slot = slots_[i];
+    ModelSlot& slot = slots_[i];
     if (slot.differ == Differ::nowhere) return;  // as it was asked for last
     const bool geometry = slot.differ == Differ::in_geometry;
     slot.geometry_alone = slot.geometry_alone && geometry;
@@ -76,11 +77,11 @@ void SceneModel::update_checked(std::uint32_t i, const void* params, std::size_t
     mark(i);
 }
 
-Verdict SceneModel::remove(Handle handle) noexcept {
-    if (const Verdict verdict = check_named(handle, slots_); !verdict) return verdict;
-    Slot& slot = slots_[handle.slot];
+Verdict SceneModel::remove(RepresentationId id) noexcept {
+    if (const Verdict verdict = check_named(id, slots_); !verdict) return verdict;
+    ModelSlot& slot = slots_[id.slot];
     slot.present = false;
-    mark(handle.slot);
+    mark(id.slot);
     --size_;
     --counts_[slot.kind];
     return {};
@@ -112,7 +113,7 @@ void SceneModel::touch_all() noexcept {
 }
 
 void SceneModel::clear() noexcept {
-    std::fill(slots_.begin(), slots_.end(), Slot{});
+    std::fill(slots_.begin(), slots_.end(), ModelSlot{});
     changed_.clear();
     probes_used_ = 1;
     size_ = 0;

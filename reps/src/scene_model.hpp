@@ -16,23 +16,24 @@ namespace knurl::detail {
 
 class SceneModel {
   public:
-    struct Slot {
+    struct ModelSlot {
         bool present = false;
         bool changed = false;
         Differ differ = Differ::anywhere;  // what was checked last
         bool geometry_alone = false;       // since it was taken nothing but its geometry has changed
         std::uint32_t generation = 0;
         Kind kind = 0;
-        Use use;
+        AddOptions options;
     };
 
     explicit SceneModel(Scene::Capacity capacity);
 
-    Verdict check_add(Handle, Kind, const void* params, std::size_t bytes, const Use&) const noexcept;
-    Verdict add(Handle, Kind, const void* params, std::size_t bytes, const Use&) noexcept;
-    Verdict check_update(Handle, Kind, const void* params, std::size_t bytes) noexcept;
+    Verdict check_add(RepresentationId, Kind, const void* params, std::size_t bytes,
+                      const AddOptions&) const noexcept;
+    Verdict add(RepresentationId, Kind, const void* params, std::size_t bytes, const AddOptions&) noexcept;
+    Verdict check_update(RepresentationId, Kind, const void* params, std::size_t bytes) noexcept;
     void update_checked(std::uint32_t slot, const void* params, std::size_t bytes) noexcept;
-    Verdict remove(Handle) noexcept;
+    Verdict remove(RepresentationId) noexcept;
     Verdict place_probe(std::uint32_t probe, const ProbePlacement& placement) noexcept;
     void clear() noexcept;  // the probes stay where they are
     /// All are to be taken anew: what they mean has changed.
@@ -43,7 +44,7 @@ class SceneModel {
     }  // bit mask: the first, and all that were
     std::uint32_t size() const noexcept { return size_; }
     std::uint32_t count(Kind kind) const noexcept { return counts_[kind]; }
-    const Slot& operator[](std::uint32_t slot) const noexcept { return slots_[slot]; }
+    const ModelSlot& operator[](std::uint32_t slot) const noexcept { return slots_[slot]; }
     const std::byte* params(std::uint32_t slot) const noexcept { return &raw_[slot * max_parameter_bytes]; }
 
     bool changed() const noexcept { return !changed_.empty() || placements_changed_; }
@@ -82,11 +83,11 @@ class SceneModel {
         ProbePlacement placement;
         bool changed = false;
     };
-    std::vector<Slot> slots_;
+    std::vector<ModelSlot> slots_;
     std::vector<std::byte> raw_;  // max_parameter_bytes each
     alignas(
         16) std::array<std::byte, max_params> merged_{};  // what is there with what was sent, to be checked
-    Slots changed_;
+    SlotList changed_;
     std::vector<Placement> placements_;  // by probe
     bool placements_changed_ = false;
     std::uint32_t probes_used_ = 1;

@@ -26,11 +26,11 @@ struct RecordLine {
     double weight = 1;     // by silence: 1 in full, 0 faded away
     double stiffness = 0;  // N/m
     Kind kind = 0;
-    std::uint8_t probe = 0;     // that of `use`
-    bool stands : 1 = false;    // one plane until it changes
-    bool recovers : 1 = false;  // brings its own changes in; not cross-faded
-    bool summed : 1 = false;    // its force is added, not solved with the others
-    bool rough : 1 = false;     // there is something to feel along it: see Rough
+    std::uint8_t probe = 0;           // that of `options`
+    bool stands : 1 = false;          // one plane until it changes
+    bool recovers : 1 = false;        // brings its own changes in; not cross-faded
+    bool summed : 1 = false;          // its force is added, not solved with the others
+    bool has_tangential : 1 = false;  // there is something to feel along it: see TangentialRecord
     bool textured : 1 = false;
     bool clamped : 1 = false;   // less stiff than asked for
     bool reported : 1 = false;  // feedback is asked for
@@ -38,15 +38,15 @@ struct RecordLine {
 static_assert(sizeof(RecordLine) == 64);
 
 struct RecordHead : RecordLine {
-    Use use;
-    // The cycle in which it was asked, or as if it had been: again in the same one, it is with dt = 0.
-    std::uint64_t asked = 0;
+    AddOptions options;
+    // The cycle in which it was evaluated, or as if it had been: again in the same one, it is with dt = 0.
+    std::uint64_t evaluated_cycle = 0;
     double moved = 0;  // s, of its scene's time: as far has it moved on, if it turns
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface
 };
 
 /// What a surface feels like along it, beside its record: touched only where there is something.
-struct Rough {
+struct TangentialRecord {
     FrictionLaw law;
     Texture texture;
     double braking = 0;
@@ -60,14 +60,14 @@ struct alignas(64) Record : RecordHead {
     alignas(64) std::byte state[max_state_bytes] = {};
 };
 
-/// Names a record: each slot has two, which change roles whenever its surface changes. A bridge is the plane
-/// that stands for an interrupted fade.
+/// Names a record: each slot has two, which change roles whenever its surface changes. A frozen plane stands
+/// for an interrupted fade.
 using Owner = std::uint32_t;
-inline constexpr Owner bridge_owner = 0xffffffff;
+inline constexpr Owner frozen_plane_owner = 0xffffffff;
 
 class Records {
   public:
-    explicit Records(std::size_t slots) : records_(2 * slots), rough_(2 * slots), current_(slots) {}
+    explicit Records(std::size_t slots) : records_(2 * slots), tangential_(2 * slots), current_(slots) {}
 
     Owner owner(std::uint32_t slot, bool old) const noexcept {
         return slot * 2 + (current_[slot] ^ (old ? 1u : 0u));
@@ -75,21 +75,21 @@ class Records {
     bool fades_out(Owner owner) const noexcept { return (owner & 1) != current_[owner >> 1]; }
     Record& operator[](Owner owner) noexcept { return records_[owner]; }
     const Record& operator[](Owner owner) const noexcept { return records_[owner]; }
-    Record& felt(std::uint32_t slot) noexcept { return records_[owner(slot, false)]; }
-    const Record& felt(std::uint32_t slot) const noexcept { return records_[owner(slot, false)]; }
-    Record& faded(std::uint32_t slot) noexcept { return records_[owner(slot, true)]; }
-    const Record& faded(std::uint32_t slot) const noexcept { return records_[owner(slot, true)]; }
-    Rough& rough(Owner owner) noexcept { return rough_[owner]; }
-    const Rough& rough(Owner owner) const noexcept { return rough_[owner]; }
+    Record& current(std::uint32_t slot) noexcept { return records_[owner(slot, false)]; }
+    const Record& current(std::uint32_t slot) const noexcept { return records_[owner(slot, false)]; }
+    Record& old(std::uint32_t slot) noexcept { return records_[owner(slot, true)]; }
+    const Record& old(std::uint32_t slot) const noexcept { return records_[owner(slot, true)]; }
+    TangentialRecord& tangential(Owner owner) noexcept { return tangential_[owner]; }
+    const TangentialRecord& tangential(Owner owner) const noexcept { return tangential_[owner]; }
 
     /// What is felt becomes what fades out.
     void swap_roles(std::uint32_t slot) noexcept { current_[slot] ^= 1; }
     void reset() noexcept { std::fill(current_.begin(), current_.end(), std::uint8_t{0}); }
 
   private:
-    std::vector<Record> records_;        // by Owner
-    std::vector<Rough> rough_;           // by Owner
-    std::vector<std::uint8_t> current_;  // by slot: which of its two records is felt
+    std::vector<Record> records_;               // by Owner
+    std::vector<TangentialRecord> tangential_;  // by Owner
+    std::vector<std::uint8_t> current_;         // by slot: which of its two records is felt
 };
 
 /// As long as the kind's parameters and state are.

@@ -1,7 +1,7 @@
 // Planes that stand and are put elsewhere, a thousand at a time: their sets keep their members. What was felt
 // is copied whole, and the new places are written over it:
 //
-//   now, edited in place ──copy──> old, in room of its own        (overtaken: the bridge alone is in old)
+//   now, edited in place ──copy──> old, in room of its own        (overtaken: the frozen plane alone is in old)
 
 #include <algorithm>
 
@@ -10,12 +10,13 @@
 namespace knurl::detail {
 
 void ContactSets::reshape(std::uint32_t i, double fade_time) noexcept {
-    const Record& next = state_.records.felt(i);
+    const Record& next = state_.records.current(i);
     ContactState& contact = states_[next.probe];
-    // What still fades from `next` goes on as the bridge: the set is edited, and that interrupts its fade.
+    // What still fades from `next` goes on as the frozen plane: the set is edited, and that interrupts its
+    // fade.
     contact.change.fade_over(fade_time);
     keep_old(i);
-    Slot& slot = slots_[i];
+    SetSlot& slot = slots_[i];
     slot.new_in_fade = slot.old_in_fade = contact.fade.next_number();
     state_.feedback_edited = state_.feedback_edited || edited_;
     reshaped_.push_back(i);
@@ -54,7 +55,7 @@ void ContactSets::copy_to_old(ContactState& contact) noexcept {
     for (std::uint32_t m = 0; m < now.moving_count; ++m) {
         Moving& moving = a.moving[old.moving_begin + m] = a.moving[now.moving_begin + m];
         moving.member += old.begin - now.begin;
-        a.balls->copy(now.moving_begin + m, old.moving_begin + m);
+        a.bounding_spheres->copy(now.moving_begin + m, old.moving_begin + m);
     }
     old.inside = now.inside;
     old.count = now.count;
@@ -62,14 +63,14 @@ void ContactSets::copy_to_old(ContactState& contact) noexcept {
     old.summed = now.summed;
     old.moving_count = now.moving_count;
     old.layers = now.layers;
-    old.rough = now.rough;
+    old.has_tangential = now.has_tangential;
     old.curved = now.curved;
     old.follows = now.follows;
     old.scale = now.scale;
     for (std::uint32_t j = 0; j < now.layers; ++j) old.layer[j] = now.layer[j];
 }
 
-// By the bridge, or nothing.
+// By the frozen plane, or nothing.
 void ContactSets::replace_old(std::uint32_t p) noexcept {
     Arena& a = arena();
     ContactSet& old = states_[p].old;
@@ -96,7 +97,7 @@ bool ContactSets::reshape_sets(std::span<const std::uint32_t> renewed) noexcept 
         const Starts starts = starts_of_probe(p);
         if (contact.change.edited) {
             begin_fade(p, renewed);
-            if (contact.fade.under_way && !contact.fade.bridged) {
+            if (contact.fade.under_way && !contact.fade.frozen) {
                 copy_to_old(contact);
             } else {
                 replace_old(p);

@@ -1,5 +1,5 @@
 // What touches holds the hand like one: the proxy is led along what holds it, and what can be entered and left is
-// so by the proxy's path. proxy_path.hpp says how a surface is asked.
+// so by the proxy's path. proxy_path.hpp says how a surface is evaluated.
 
 #include <cmath>
 #include <utility>
@@ -17,8 +17,8 @@ namespace {
 // Each enters or leaves a surface, which none does twice in a cycle. Where dozens lie in each other the next cycle
 // goes on from where this one came to.
 constexpr int most_rounds = 16;
-// How often in a cycle surfaces that are not flat are asked again because the proxy has come to another place of them.
-// Each time it is nearer to where it rests; the next cycle goes on from there.
+// How often in a cycle surfaces that are not flat are evaluated again because the proxy has come to another
+// place of them. Each time it is nearer to where it rests; the next cycle goes on from there.
 constexpr int most_turns = 16;
 
 }  // namespace
@@ -54,13 +54,13 @@ void ContactStage::set_stage(const ContactSet& set, std::uint32_t member, bool f
     if (path_.passes) {
         path_.to = lead_.contact->now.reached;
     } else if (lead_.solved) {
-        tell_path(set, member);
+        fill_path(set, member);
     } else {
         path_.to = owner >> 1 == set.held_by ? Vector3d::Zero() : set.held;
     }
 }
 
-void ContactStage::tell_path(const ContactSet& set, std::uint32_t member) noexcept {
+void ContactStage::fill_path(const ContactSet& set, std::uint32_t member) noexcept {
     const Arena& a = sets_.arena();
     const ContactSolution& solution = set.layer[0].solution;
     const std::uint32_t contacts = kind_ops()[state_.records[a.owner[member]].kind].contacts;
@@ -84,17 +84,17 @@ void ContactStage::pass_along(ContactSet& set, const Probe& probe, Stage stage) 
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
         const std::uint32_t member = a.moving[m].member;
         const Owner owner = a.owner[member];
-        if (!a.moving[m].inside || owner == bridge_owner) continue;
+        if (!a.moving[m].inside || owner == frozen_plane_owner) continue;
         Record& r = state_.records[owner];
         const KindOps& ops = kind_ops()[r.kind];
-        if (!ops.follows || r.asked != state_.clock.cycle) continue;
-        const bool asks = stage == Stage::look || stage == Stage::near || stage == Stage::overlap;
+        if (!ops.follows || r.evaluated_cycle != state_.clock.cycle) continue;
+        const bool evaluates = stage == Stage::look || stage == Stage::near || stage == Stage::overlap;
         if (stage != Stage::near && lead_.fades && !state_.records.fades_out(owner)) continue;
-        if (!asks) {
-            ask_one(set, probe, 0, member);
+        if (!evaluates) {
+            evaluate_member(set, probe, 0, member);
             continue;
         }
-        tell_path(set, member);
+        fill_path(set, member);
         if (stage == Stage::near) path_.to = lead_.place;
         path_.stage = stage;
         const double deepest = path_.deepest;
@@ -112,7 +112,7 @@ std::uint32_t ContactStage::count_close(ContactSet& set, const Probe& probe, con
     pass_along(set, probe, Stage::near);
     for (std::uint32_t i = set.begin; i < set.begin + set.count; ++i) {
         const Owner owner = a.owner[i];
-        if (owner != bridge_owner && kind_ops()[state_.records[owner].kind].follows) continue;
+        if (owner != frozen_plane_owner && kind_ops()[state_.records[owner].kind].follows) continue;
         const double height = Vector3d(a.nx[i], a.ny[i], a.nz[i]).dot(place) - a.s[i];
         path_.close += std::abs(height) <= path_.hand;
     }
@@ -162,7 +162,7 @@ const Layer* ContactStage::brush(ContactSet& set, const Probe& probe, double dt,
         path_.commits = false;
         if (!(path_.deepest > 0)) break;
         lead_.stage = Stage::brush;
-        ask_one(set, probe, 0, lead_.deepest);
+        evaluate_member(set, probe, 0, lead_.deepest);
         lead_.stage = Stage::answer;
         worst = worst_of(sets_.arena(), set.begin, set.count);
         top = solve_or_rest(set, probe, dt, standing, worst);

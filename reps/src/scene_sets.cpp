@@ -22,7 +22,7 @@ ContactSets::ContactSets(SceneState& state, SurfaceCandidates& candidates)
     const std::size_t n = slots_.size();
     const std::size_t members = 3 * n * max_contacts + Scene::max_probes + 2 * 4 * Scene::max_probes;
     planes_.resize(6 * members);
-    balls_.resize(3 * n);
+    bounding_spheres_.resize(3 * n);
     for (Arena& arena : arenas_) {
         std::span<double> rest(planes_);
         for (std::span<double>* array : {&arena.nx, &arena.ny, &arena.nz, &arena.c, &arena.s, &arena.b}) {
@@ -31,14 +31,14 @@ ContactSets::ContactSets(SceneState& state, SurfaceCandidates& candidates)
         }
         arena.owner.resize(members);
         arena.moving.resize(3 * n);
-        arena.balls = &balls_;
+        arena.bounding_spheres = &bounding_spheres_;
     }
     scratch_.resize(2 * n + 1);
     level_.resize(2 * n + 1);
 }
 
 void ContactSets::reset() noexcept {
-    std::fill(slots_.begin(), slots_.end(), Slot{});
+    std::fill(slots_.begin(), slots_.end(), SetSlot{});
     std::fill(states_.begin(), states_.end(), ContactState{});
     surfaces_.clear();
     olds_.clear();
@@ -64,9 +64,9 @@ void ContactSets::update(std::span<const std::uint32_t> renewed) noexcept {
 std::span<const Owner> ContactSets::list_now(std::uint32_t p) noexcept {
     std::uint32_t n = 0;
     for (const std::uint32_t i : candidates_.always()) {
-        if (state_.records.felt(i).probe == p) scratch_[n++] = state_.records.owner(i, false);
+        if (state_.records.current(i).probe == p) scratch_[n++] = state_.records.owner(i, false);
     }
-    for (const std::uint32_t i : candidates_.near(p)) scratch_[n++] = state_.records.owner(i, false);
+    for (const std::uint32_t i : candidates_.of(p)) scratch_[n++] = state_.records.owner(i, false);
     return {scratch_.data(), n};
 }
 
@@ -100,13 +100,13 @@ struct ContactSets::Levels {
 };
 
 double ContactSets::stiffness_of(Owner o, std::uint32_t p) const noexcept {
-    return o == bridge_owner ? states_[p].bridge.stiffness : state_.records[o].stiffness;
+    return o == frozen_plane_owner ? states_[p].frozen_plane.stiffness : state_.records[o].stiffness;
 }
 double ContactSets::weight_of(Owner o) const noexcept {
-    return o == bridge_owner ? 1 : state_.records[o].weight;
+    return o == frozen_plane_owner ? 1 : state_.records[o].weight;
 }
 bool ContactSets::stands(Owner o) const noexcept {
-    return o == bridge_owner || state_.records[o].stands;
+    return o == frozen_plane_owner || state_.records[o].stands;
 }
 std::uint32_t ContactSets::parts_of(Owner o) const noexcept {
     return stands(o) ? 1 : kind_ops()[state_.records[o].kind].contacts;
@@ -131,13 +131,15 @@ void ContactSets::sort_into_layers(ContactSet& set, std::uint32_t p, std::span<c
         level_[i] = 0;
         if (!(k > 0)) {
             level_[i] = Levels::none;
-        } else if (o != bridge_owner && state_.records[o].summed) {
+        } else if (o != frozen_plane_owner && state_.records[o].summed) {
             level_[i] = Levels::summed;
             ++set.summed;
         } else {
             levels.take(k);
         }
-        set.rough = set.rough || (o == bridge_owner ? states_[p].bridge.law.rubs() : state_.records[o].rough);
+        set.has_tangential =
+            set.has_tangential ||
+            (o == frozen_plane_owner ? states_[p].frozen_plane.law.rubs() : state_.records[o].has_tangential);
     }
     set.layers = levels.count;
     std::array<std::uint32_t, max_layers> members{};
@@ -156,17 +158,18 @@ void ContactSets::sort_into_layers(ContactSet& set, std::uint32_t p, std::span<c
 
 void ContactSets::put_plane(const ContactSet& set, std::uint32_t p, Arena& into, Owner o,
                             std::uint32_t at) const noexcept {
-    const HalfSpace& plane = o == bridge_owner ? states_[p].bridge.plane : state_.records[o].plane;
+    const HalfSpace& plane =
+        o == frozen_plane_owner ? states_[p].frozen_plane.plane : state_.records[o].plane;
     into.owner[at] = o;
     into.nx[at] = plane.normal.x();
     into.ny[at] = plane.normal.y();
     into.nz[at] = plane.normal.z();
-    into.c[at] = plane.offset + (o == bridge_owner ? 0 : state_.probes[p].probe.radius);
+    into.c[at] = plane.offset + (o == frozen_plane_owner ? 0 : state_.probes[p].probe.radius);
     into.s[at] = -std::numeric_limits<double>::infinity();
-    into.b[at] = o == bridge_owner ? 0 : plane.damping * own_weight(set, weight_of(o));
+    into.b[at] = o == frozen_plane_owner ? 0 : plane.damping * own_weight(set, weight_of(o));
 }
 
-// A surface that moves is asked each cycle; until then it is out of reach.
+// A surface that moves is evaluated each cycle; until then it is out of reach.
 void ContactSets::put_moving(std::uint32_t p, Arena& into, Owner o, std::uint32_t at) const noexcept {
     for (std::uint32_t part = at; part < at + parts_of(o); ++part) {
         into.owner[part] = o;
@@ -175,7 +178,7 @@ void ContactSets::put_moving(std::uint32_t p, Arena& into, Owner o, std::uint32_
     }
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     double reach = std::numeric_limits<double>::infinity();
-    // One that moves may come near: it is asked while it is in a set.
+    // One that moves may come near: it is evaluated while it is in a set.
     const Record& r = state_.records[o];
     const std::optional<Bound> ball = kind_ops()[r.kind].bound(r);
     if (ball && ball->velocity.isZero(0)) {
@@ -183,7 +186,7 @@ void ContactSets::put_moving(std::uint32_t p, Arena& into, Owner o, std::uint32_
         reach = ball->radius + state_.probes[p].probe.radius;
         reach += 1e-12 * (reach + center.lpNorm<1>());  // what the rounding of coordinates may hide
     }
-    into.balls->put(into.moving_used, center, reach);
+    into.bounding_spheres->put(into.moving_used, center, reach);
     into.moving[into.moving_used++] = {.member = at};
 }
 
@@ -194,7 +197,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
     set.count = set.standing = set.summed = set.layers = 0;
     set.moving_begin = into.moving_used;
     set.moving_count = set.room = set.moving_room = set.inside = 0;
-    set.infeasible = set.rough = set.curved = set.follows = false;
+    set.infeasible = set.has_tangential = set.curved = set.follows = false;
     if (owners.empty()) {
         set.force.setZero();
         set.held.setZero();
@@ -209,7 +212,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const Owner o = owners[i];
         if (level_[i] == Levels::none) {
-            if (o != bridge_owner && !state_.records.fades_out(o)) slots_[o >> 1].member = in_no_set;
+            if (o != frozen_plane_owner && !state_.records.fades_out(o)) slots_[o >> 1].member = in_no_set;
             continue;
         }
         const bool summed = level_[i] == Levels::summed;
@@ -224,7 +227,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
             set.follows = set.follows || kind_ops()[state_.records[o].kind].follows;
             set.curved = set.curved || (!summed && kind_ops()[state_.records[o].kind].curved);
         }
-        if (o != bridge_owner && is_now) slots_[o >> 1].member = at;
+        if (o != frozen_plane_owner && is_now) slots_[o >> 1].member = at;
     }
     set.curved = set.curved && surfaces_.size() > 1;
     set.moving_count = set.moving_room = into.moving_used - set.moving_begin;
@@ -268,7 +271,7 @@ void ContactSets::rebuild(std::span<const std::uint32_t> renewed) noexcept {
 
 void ContactSets::built(std::uint32_t p) noexcept {
     ContactState& contact = states_[p];
-    contact.tangential.rough = contact.now.rough || contact.old.rough;
+    contact.tangential.present = contact.now.has_tangential || contact.old.has_tangential;
     contact.tangential.leave_anchor();
     if (!contact.empty() || contact.fade.under_way) {
         used_ |= 1u << p;

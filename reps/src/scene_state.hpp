@@ -32,21 +32,23 @@ struct Clock {
 };
 
 struct Silence {
-    double seconds = 0;   // for how long the application has been silent; 0: it is not
-    bool moves = false;   // not all weights are where the silence, or its end, takes them
-    double velocity = 1;  // of what holds: 1 it moves, 0 the silence has brought it to rest
+    double seconds = 0;               // for how long the application has been silent; 0: it is not
+    bool moves = false;               // not all weights are where the silence, or its end, takes them
+    double held_velocity_weight = 1;  // of what holds: 1 it moves, 0 the silence has brought it to rest
 
     /// How much of its velocity counts: what holds in a silence stands still, by and by.
     double velocity_weight(const Record& r) const noexcept {
-        return r.use.on_silence == OnSilence::hold ? velocity : 1;
+        return r.options.on_silence == OnSilence::hold ? held_velocity_weight : 1;
     }
     Eigen::Vector3d velocity_of(const Record& r) const noexcept { return velocity_weight(r) * r.velocity; }
-    bool holds(const Record& r) const noexcept { return r.use.on_silence == OnSilence::hold && seconds > 0; }
+    bool holds(const Record& r) const noexcept {
+        return r.options.on_silence == OnSilence::hold && seconds > 0;
+    }
 };
 
 /// Of a slot, as it is felt.
 struct SlotState {
-    bool felt = false;
+    bool active = false;
     bool twins = false;  // its records differ in nothing but geometry, of a surface that stands: see reshape
     bool renewed = false;  // while changes are taken: this slot's is one of them
     std::uint32_t generation = 0;
@@ -83,9 +85,9 @@ struct SceneState {
     bool any_follows = false;       // a surface that the proxy enters and leaves has been felt: see ProxyPath
     SceneWork work;                 // of this cycle
 
-    // What feedback has to tell anew.
+    // What feedback has to write anew.
     bool feedback_edited = true;    // what is felt, its order, or what follows from its parameters alone
-    bool feedback_relisted = true;  // other effects are asked than were
+    bool feedback_relisted = true;  // other effects are evaluated than were
 };
 
 /// Calls visit(index) for each bit that is set, the lowest first.
@@ -94,24 +96,24 @@ void for_each_bit(std::uint32_t mask, Visit visit) {
     for (; mask != 0; mask &= mask - 1) visit(static_cast<std::uint32_t>(__builtin_ctz(mask)));
 }
 
-using Slots = std::vector<std::uint32_t>;
+using SlotList = std::vector<std::uint32_t>;
 
 /// Puts `slot` at the end of a list that has room for all slots, and notes where.
-inline void join(Slots& list, std::uint32_t slot, std::uint32_t& place) noexcept {
+inline void join(SlotList& list, std::uint32_t slot, std::uint32_t& place) noexcept {
     place = static_cast<std::uint32_t>(list.size());
     list.push_back(slot);
 }
 /// Takes it out; the last one moves to its place. place_of(slot): what `join` noted.
 template <class PlaceOf>
-void leave(Slots& list, std::uint32_t slot, PlaceOf place_of) noexcept {
+void leave(SlotList& list, std::uint32_t slot, PlaceOf place_of) noexcept {
     const std::uint32_t last = list.back();
     list[place_of(slot)] = last;
     place_of(last) = place_of(slot);
     list.pop_back();
 }
 
-inline Slots empty_list(std::size_t capacity) {
-    Slots list;
+inline SlotList empty_list(std::size_t capacity) {
+    SlotList list;
     list.reserve(capacity);
     return list;
 }

@@ -46,11 +46,11 @@ void each_push(const ContactSet& set, const Arena& a, const auto& stiffness_of, 
 }  // namespace
 
 bool TangentialState::rests() const noexcept {
-    return !(friction.residual_time > 0) && !(pulse_left > 0) && (!rough || apart >= rearm_time);
+    return !(friction.residual_time > 0) && !(pulse_left > 0) && (!present || apart >= rearm_time);
 }
 
 void TangentialState::release() noexcept {
-    along.setZero();
+    friction_force.setZero();
     relief.setZero();
     law = FrictionLaw{};
     friction = FrictionState{.generator = friction.generator, .seed = friction.seed};
@@ -118,14 +118,14 @@ class Mixer {
     void add(Mixture& mixture, double& leading, const ContactSet& set, std::uint32_t member, double push,
              double share, double of_set) const noexcept {
         const Owner owner = arena_.owner[member];
-        if (owner == bridge_owner) {
-            mixture.viscous += of_set * contact_.bridge.law.viscous;
-            return add_share(mixture.law, leading, contact_.bridge.law, share);
+        if (owner == frozen_plane_owner) {
+            mixture.viscous += of_set * contact_.frozen_plane.law.viscous;
+            return add_share(mixture.law, leading, contact_.frozen_plane.law, share);
         }
         const Record& r = state_.records[owner];
         mixture.surface_velocity += share * state_.silence.velocity_of(r);
-        if (!r.rough) return add_share(mixture.law, leading, FrictionLaw{}, share);
-        const Rough& feel = state_.records.rough(owner);
+        if (!r.has_tangential) return add_share(mixture.law, leading, FrictionLaw{}, share);
+        const TangentialRecord& feel = state_.records.tangential(owner);
         add_share(mixture.law, leading, feel.share == 1 ? feel.law : scaled(feel.law, feel.share), share);
         mixture.viscous += of_set * feel.share * feel.law.viscous;
         mixture.braking += share * feel.braking;
@@ -185,34 +185,35 @@ double braking_pulse(TangentialState& state, double braking, double entry, doubl
 Vector3d with_tangential(std::uint32_t p, ContactSets& sets, const SceneState& state, const Vector3d& force,
                          double dt) noexcept {
     ContactState& contact = sets[p];
-    TangentialState& felt = contact.tangential;
+    TangentialState& tangential = contact.tangential;
     const Probe& probe = state.probes[p].probe;
     const double normal_force = force.norm();
-    felt.along.setZero();
-    felt.relief.setZero();
+    tangential.friction_force.setZero();
+    tangential.relief.setZero();
     if (!(normal_force > 0)) {
-        felt.law = FrictionLaw{};
-        friction_force(felt.law, felt.friction, {}, {}, state.limits, dt);
-        felt.apart += dt;
-        felt.pulse_left = 0;
+        tangential.law = FrictionLaw{};
+        friction_force(tangential.law, tangential.friction, {}, {}, state.limits, dt);
+        tangential.apart += dt;
+        tangential.pulse_left = 0;
         return force;
     }
-    felt.tangent = tangent_of(contact, sets.arena(), force / normal_force);
+    tangential.tangent = tangent_of(contact, sets.arena(), force / normal_force);
     const Mixture mixture = Mixer(contact, sets.arena(), probe, state).mix();
-    felt.relief = mixture.relief;
+    tangential.relief = mixture.relief;
     FrictionLaw law = mixture.law;
     law.viscous = std::min(mixture.viscous, largest_damping(state.limits));
-    felt.law = law;
+    tangential.law = law;
     law.viscous *= state.scales.damping / state.scales.contacts;
-    felt.along = friction_force(law, felt.friction, felt.tangent,
-                                {.position = probe.position,
-                                 .velocity = probe.smooth_velocity,
-                                 .surface_velocity = mixture.surface_velocity,
-                                 .normal_force = normal_force},
-                                state.limits, dt);
-    const double entry = -(probe.velocity - mixture.surface_velocity).dot(felt.tangent.normal);
-    const double pulse = braking_pulse(felt, mixture.braking, entry, state.limits.mass, dt);
-    return clamped(force + felt.along + felt.relief + pulse * felt.tangent.normal, state.limits.max_force);
+    tangential.friction_force = friction_force(law, tangential.friction, tangential.tangent,
+                                               {.position = probe.position,
+                                                .velocity = probe.smooth_velocity,
+                                                .surface_velocity = mixture.surface_velocity,
+                                                .normal_force = normal_force},
+                                               state.limits, dt);
+    const double entry = -(probe.velocity - mixture.surface_velocity).dot(tangential.tangent.normal);
+    const double pulse = braking_pulse(tangential, mixture.braking, entry, state.limits.mass, dt);
+    return clamped(force + tangential.friction_force + tangential.relief + pulse * tangential.tangent.normal,
+                   state.limits.max_force);
 }
 
 }  // namespace knurl::detail

@@ -101,8 +101,8 @@ Contact felt(const Shape& params, const Shape::State& state, const Pose& pose, c
     return felt(params, state, pose, probe, normal, height);
 }
 
-// Where no time passes and it alone has held the probe, it is asked what it would answer there. Asked again in that
-// cycle, it answers alike.
+// Where no time passes and it alone has held the probe, it is evaluated what it would answer there. Evaluated
+// again in that cycle, it answers alike.
 bool goes_by_proxy(const Shape& params, Shape::State& state, const ProxyPath& path, double dt) noexcept {
     using Stage = ProxyPath::Stage;
     if (path.stage == Stage::free || params.shading != Shading::flat) return false;
@@ -115,8 +115,8 @@ bool goes_by_proxy(const Shape& params, Shape::State& state, const ProxyPath& pa
 }
 
 // What the path of the probe has led to in this cycle.
-[[gnu::cold, gnu::noinline]] void tell(const Shape::State& state, const Vector3d& hand,
-                                       ProxyPath& path) noexcept {
+[[gnu::cold, gnu::noinline]] void report_to_path(const Shape::State& state, const Vector3d& hand,
+                                                 ProxyPath& path) noexcept {
     const bool held = touches(state.was_phase), holds = touches(state.proxy.phase);
     path.entered = path.entered || (!held && holds);
     path.left = path.left || (held && !holds);
@@ -142,7 +142,7 @@ Contact contact(const Shape& params, Shape::State& state, const Probe& probe, do
     std::uint32_t material = state.material;
     const bool fresh = state.proxy.phase == Proxy::Phase::fresh;
     if (dt > 0) shapes::begin_cycle(state);
-    // Asked again within a cycle it answers what it has answered.
+    // Evaluated again within a cycle it answers what it has answered.
     if (dt > 0 || fresh || hand != at(state.proxy.last)) {
         Proxy proxy = state.proxy;
         Foot foot;
@@ -165,7 +165,7 @@ Contact contact(const Shape& params, Shape::State& state, const Probe& probe, do
     }
     if (probe.path) {
         probe.path->holds = touches(state.proxy.phase) && height < -probe.radius;
-        if (probe.path->beside && dt > 0) tell(state, hand, *probe.path);
+        if (probe.path->beside && dt > 0) report_to_path(state, hand, *probe.path);
     }
     normal = pose.turn * normal;
     if (!(height < 0)) return contact_of(params, normal, out);

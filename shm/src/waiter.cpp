@@ -24,9 +24,9 @@ void signal_event(int event_fd) noexcept {
 
 constexpr std::size_t few = 8;  // clients
 
-bool wake_one(const Sleeper& sleeper) noexcept {
-    if (!lower_flag<>(sleeper.flag->waiting)) return false;
-    signal_event(sleeper.event_fd);
+bool wake_one(const WakeTarget& wake_target) noexcept {
+    if (!lower_flag<>(wake_target.flag->waiting)) return false;
+    signal_event(wake_target.event_fd);
     return true;
 }
 
@@ -73,18 +73,18 @@ void Waiter::drain() noexcept {
 struct Waker::Table {
     // Between the waker's thread and the broker only; the servo never takes it.
     std::mutex mutex;
-    std::array<Sleeper, max_entries> entries;
+    std::array<WakeTarget, max_entries> entries;
     std::size_t count = 0;
 };
 
 Waker::Waker() : table_(std::make_unique<Table>()) {}
 Waker::~Waker() = default;
 
-void Waker::add(const Sleeper& sleeper) {
+void Waker::add(const WakeTarget& wake_target) {
     const std::lock_guard lock(table_->mutex);
     if (table_->count == max_entries)
         throw std::runtime_error("waker: " + std::to_string(max_entries) + " waiters; no room for one more");
-    table_->entries[table_->count++] = sleeper;
+    table_->entries[table_->count++] = wake_target;
 }
 
 void Waker::remove(const WaiterFlag* flag) noexcept {
@@ -104,14 +104,14 @@ std::size_t Waker::run_once() noexcept {
     return woken;
 }
 
-std::size_t Waker::wake(std::span<const Sleeper> sleepers) noexcept {
-    const Waiting waiting = who_waits(sleepers);
+std::size_t Waker::wake(std::span<const WakeTarget> wake_targets) noexcept {
+    const Waiting waiting = who_waits(wake_targets);
     if (waiting.count == 0) return 0;
     // The way through the thread costs a sleeper some 9 us, which one alone need not pay. The servo pays them
     // instead, so not where a crowd takes its time already. Should the thread be at it too, from a poke
     // before: only one of the two finds the flag up.
-    const Sleeper& last = sleepers[waiting.last];
-    if (waiting.count == 1 && sleepers.size() <= few && last.event_fd >= 0)
+    const WakeTarget& last = wake_targets[waiting.last];
+    if (waiting.count == 1 && wake_targets.size() <= few && last.event_fd >= 0)
         wake_one(last);
     else
         poke();

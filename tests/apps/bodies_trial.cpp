@@ -195,12 +195,12 @@ TEST(BodiesTrial, WhatRestsInADebtThatItCannotPaySlipsAndIsTakenAnewWithoutOne) 
     hold.take(world, cube);
     EXPECT_EQ(frame(), HoldOptions{}.stiffness);
     // The four springs push the hand up, and give it 40 mJ.
-    Hold::Felts felts;
-    felts.fill(knurl::Felt{});
-    for (auto& felt : felts) felt->force = {0, 0, 1};
-    hold.feel(report, felts);
+    Hold::SpringFeedback feedback;
+    feedback.fill(knurl::HandFeedback{});
+    for (auto& felt : feedback) felt->force = {0, 0, 1};
+    hold.feel(report, feedback);
     report.position.z += 0.01;
-    hold.feel(report, felts);
+    hold.feel(report, feedback);
     world.kick(cube, {0, 0, 0.5});
     EXPECT_EQ(frame(), 0) << "N/m";
     EXPECT_FALSE(hold.slips()) << "it flies";

@@ -95,13 +95,13 @@ class DockShared : public testing::Test {
         std::optional<Part> others() {
             report = hand.next_report(10s);
             hand.commit();
-            const auto felt = plane.felt();
+            const auto felt = plane.feedback();
             if (!report || !felt || felt->cycle != report->cycle) return std::nullopt;
             own = felt->share * to_eigen(felt->force);
             return Part{report->cycle, report->read_ns, to_eigen(report->scene_force) - own};
         }
         knurl::Claim hand;
-        knurl::Representing<knurl::Plane> plane;
+        knurl::Handle<knurl::Plane> plane;
         std::optional<knurl::HandReport> report;
         Vector3d own = Vector3d::Zero();
     };

@@ -95,17 +95,17 @@ TEST(EvalDevice, WhatTheHandFeelsInAllIsBoundedAndTold) {
     EXPECT_GT(stiffness, 3000) << "no more is taken away than must be";
 }
 
-struct Refusal {
+struct RefusedScene {
     const char* name;
     const char* scene;
     const char* motion;
     std::vector<std::string> more;
     const char* says;
 };
-void PrintTo(const Refusal& refusal, std::ostream* out) {
+void PrintTo(const RefusedScene& refusal, std::ostream* out) {
     *out << refusal.name;
 }
-class EvalRefusals : public testing::TestWithParam<Refusal> {};
+class EvalRefusals : public testing::TestWithParam<RefusedScene> {};
 
 TEST_P(EvalRefusals, AreOneLineAndLeaveNoFile) {
     const Folder folder;
@@ -129,22 +129,22 @@ TEST_P(EvalRefusals, AreOneLineAndLeaveNoFile) {
 const char* const a_motion = "t,x,y,z\n0,0,0,0\n1,0,0,0\n";
 INSTANTIATE_TEST_SUITE_P(
     All, EvalRefusals,
-    testing::Values(Refusal{"SceneKey", "[[plane]]\nstifness = 3\n", a_motion, {}, "S.toml:2:1: "},
-                    Refusal{"SceneRange", "[[plane]]\nstiffness = -3\n", a_motion, {}, "S.toml:2:13: "},
-                    Refusal{"SceneToml", "[[plane\n", a_motion, {}, "S.toml:1:8: "},
-                    Refusal{"RateTooLow", "", a_motion, {"--rate", "499"}, "500 to 20000 Hz"},
-                    Refusal{"RateTooHigh", "", a_motion, {"--rate", "20001"}, "500 to 20000 Hz"},
-                    Refusal{"RateIsNoNumber", "", a_motion, {"--rate", "fast"}, "fast"},
-                    Refusal{"RateIsNan", "", a_motion, {"--rate", "nan"}, "nan is no number"},
-                    Refusal{"MotionNumber", "", "t,x,y,z\n0,0,0,zero\n", {}, "M.csv:2: "},
-                    Refusal{"MotionNan", "", "t,x,y,z\n0,0,0,nan\n", {}, "M.csv:2: "},
-                    Refusal{"MotionColumns", "", "t,x,y\n0,0,0\n", {}, "M.csv:1: "},
-                    Refusal{"MotionOrder", "", "0,0,0,0\n0,0,0,0\n", {}, "M.csv:2: "},
-                    Refusal{"MotionEmpty", "", "", {}, "M.csv"},
-                    Refusal{"NoCycle", "", "0.0001,0,0,0\n0.0009,0,0,0\n", {}, "no cycle"},
-                    Refusal{"UnknownProfile", "", a_motion, {"--device", "sim:premium16"}, "premium15"},
-                    Refusal{"NoSimulation", "", a_motion, {"--device", "usb:1"}, "sim:PROFILE"},
-                    Refusal{"UnknownOption", "", a_motion, {"--speed", "3"}, "--speed"}),
+    testing::Values(RefusedScene{"SceneKey", "[[plane]]\nstifness = 3\n", a_motion, {}, "S.toml:2:1: "},
+                    RefusedScene{"SceneRange", "[[plane]]\nstiffness = -3\n", a_motion, {}, "S.toml:2:13: "},
+                    RefusedScene{"SceneToml", "[[plane\n", a_motion, {}, "S.toml:1:8: "},
+                    RefusedScene{"RateTooLow", "", a_motion, {"--rate", "499"}, "500 to 20000 Hz"},
+                    RefusedScene{"RateTooHigh", "", a_motion, {"--rate", "20001"}, "500 to 20000 Hz"},
+                    RefusedScene{"RateIsNoNumber", "", a_motion, {"--rate", "fast"}, "fast"},
+                    RefusedScene{"RateIsNan", "", a_motion, {"--rate", "nan"}, "nan is no number"},
+                    RefusedScene{"MotionNumber", "", "t,x,y,z\n0,0,0,zero\n", {}, "M.csv:2: "},
+                    RefusedScene{"MotionNan", "", "t,x,y,z\n0,0,0,nan\n", {}, "M.csv:2: "},
+                    RefusedScene{"MotionColumns", "", "t,x,y\n0,0,0\n", {}, "M.csv:1: "},
+                    RefusedScene{"MotionOrder", "", "0,0,0,0\n0,0,0,0\n", {}, "M.csv:2: "},
+                    RefusedScene{"MotionEmpty", "", "", {}, "M.csv"},
+                    RefusedScene{"NoCycle", "", "0.0001,0,0,0\n0.0009,0,0,0\n", {}, "no cycle"},
+                    RefusedScene{"UnknownProfile", "", a_motion, {"--device", "sim:premium16"}, "premium15"},
+                    RefusedScene{"NoSimulation", "", a_motion, {"--device", "usb:1"}, "sim:PROFILE"},
+                    RefusedScene{"UnknownOption", "", a_motion, {"--speed", "3"}, "--speed"}),
     [](const auto& each) { return std::string(each.param.name); });
 
 TEST(EvalRefusal, FilesThatAreNotThereAreNamed) {

@@ -28,9 +28,9 @@ silence_time = 0.4
     EXPECT_EQ(change.type, Change::Type::add);
     EXPECT_EQ(change.at, 0);
     EXPECT_EQ(change.id, "floor");
-    EXPECT_EQ(change.use.probe, 3u);
-    EXPECT_EQ(change.use.on_silence, OnSilence::move);
-    EXPECT_EQ(change.use.silence_time, 0.4);
+    EXPECT_EQ(change.options.probe, 3u);
+    EXPECT_EQ(change.options.on_silence, OnSilence::move);
+    EXPECT_EQ(change.options.silence_time, 0.4);
     const auto plane = params_of<Plane>(change);
     EXPECT_EQ(plane.normal, (Vec3{0, 0.5, 2}));
     EXPECT_EQ(plane.offset, -0.25);
@@ -49,7 +49,7 @@ TEST(SceneFile, WhatIsAbsentHasTheDefaultOfTheRepresentation) {
     EXPECT_EQ(params_of<Spring>(scene.changes[1]).duration, 0.2);
     EXPECT_EQ(params_of<Spring>(scene.changes[1]).rest_length, 0);
     EXPECT_EQ(params_of<ConstantForce>(scene.changes[2]).force, Vec3{});
-    EXPECT_EQ(scene.changes[0].use.on_silence, OnSilence::fade);
+    EXPECT_EQ(scene.changes[0].options.on_silence, OnSilence::fade);
     EXPECT_EQ(scene.items, 3u);
 }
 

@@ -97,9 +97,9 @@ TEST(MeshFiles, MaterialsOfAnObjBecomeMaterialsOfItsTriangles) {
     EXPECT_THAT(file.material_names, testing::Contains("soft"));
 }
 
-std::string refused(const std::vector<std::string>& wishes) {
+std::string refused(const std::vector<std::string>& settings) {
     try {
-        feel::materials_of({"hard", "soft"}, wishes);
+        feel::materials_of({"hard", "soft"}, settings);
     } catch (const std::runtime_error& error) {
         return error.what();
     }

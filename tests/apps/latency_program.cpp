@@ -257,7 +257,7 @@ TEST(LatencyOf, AFarServoIsMeasuredToTheEnd) {
     const client_test::BridgeProcess bridge;
     bridge::proxy::Proxy::Options options;
     options.to_port = bridge.port();
-    options.weather.delay = 0.03;  // a block has time for one command and one ping-pong, no more
+    options.profile.delay = 0.03;  // a block has time for one command and one ping-pong, no more
     const bridge::proxy::Proxy far(options);
     const json all =
         measured({"--connect", "knurl://127.0.0.1:" + std::to_string(far.port()), "--updates", "12"});

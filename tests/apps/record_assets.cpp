@@ -87,7 +87,7 @@ class Ball {
     Claim claim_;
     double radius_;
     Shape params_;
-    std::optional<Representing<Shape>> shape_;
+    std::optional<Handle<Shape>> shape_;
 };
 
 int number_before(const std::string& text, const std::string& what) {

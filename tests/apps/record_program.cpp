@@ -50,7 +50,7 @@ class Application {
   private:
     Client client_;
     Claim claim_;
-    Representing<Plane> floor_;
+    Handle<Plane> floor_;
 };
 
 /// A recording of an application, made once for all tests that only read it.

@@ -14,8 +14,8 @@
 #include <knurl/link/error.hpp>
 #include <knurl/shm/segment.hpp>
 
-#include "asset_intake.hpp"
-#include "send_window.hpp"
+#include "asset_receiver.hpp"
+#include "congestion_window.hpp"
 
 namespace knurl::bridge {
 namespace {
@@ -33,7 +33,7 @@ struct Course {
     double used = 0;                    // share of what the link carries
 };
 
-Course send(SendWindow& window, const Path& path, std::size_t pieces) {
+Course send(CongestionWindow& window, const Path& path, std::size_t pieces) {
     struct Flight {
         std::int64_t sent_ns, taken_ns;
     };
@@ -59,7 +59,7 @@ Course send(SendWindow& window, const Path& path, std::size_t pieces) {
 
 constexpr std::int64_t ms = 1'000'000;
 
-TEST(SendWindow, fills_a_link_without_a_queue_before_it) {
+TEST(CongestionWindow, fills_a_link_without_a_queue_before_it) {
     struct {
         Path path;
         double used;
@@ -68,17 +68,17 @@ TEST(SendWindow, fills_a_link_without_a_queue_before_it) {
                        {{.rate = 12.5e6, .round_trip_ns = 10 * ms}, 0.9},
                        {{.rate = 125e6, .round_trip_ns = ms / 2}, 0.9}};
     for (const auto& [path, used] : paths) {
-        SendWindow window;
+        CongestionWindow window;
         const Course course = send(window, path, 4000);
         const double piece_ns = static_cast<double>(asset_piece_bytes) / path.rate * 1e9;
-        EXPECT_LE(static_cast<double>(course.longest_queue_ns), SendWindow::target_ns + 2.5 * piece_ns)
+        EXPECT_LE(static_cast<double>(course.longest_queue_ns), CongestionWindow::target_ns + 2.5 * piece_ns)
             << path.rate;
         EXPECT_GE(course.used, used) << path.rate << " bytes/s, " << path.round_trip_ns << " ns";
     }
 }
 
-TEST(SendWindow, gives_way_to_others_and_comes_to_terms_with_a_longer_path) {
-    SendWindow window;
+TEST(CongestionWindow, gives_way_to_others_and_comes_to_terms_with_a_longer_path) {
+    CongestionWindow window;
     send(window, {.rate = 12.5e6, .round_trip_ns = 10 * ms}, 2000);
     EXPECT_TRUE(window.has_room(10 * asset_piece_bytes));
     for (int i = 0; i < 200 && window.has_room(asset_piece_bytes); ++i)
@@ -89,7 +89,7 @@ TEST(SendWindow, gives_way_to_others_and_comes_to_terms_with_a_longer_path) {
     EXPECT_GE(longer.used, 0.2) << "most of the 256 KiB per round trip";
 }
 
-// ------------------------------------------------------------------------------------------- the intake
+// ------------------------------------------------------------------------------------------- the receiver
 
 struct Offered {
     std::uint32_t number = 0;
@@ -137,26 +137,26 @@ struct FakeDoor final : detail::AssetDoor {
     void forget(std::uint32_t number) override { forgotten.push_back(number); }
 };
 
-struct Intake : testing::Test {
-    Intake() {
+struct AssetReceiving : testing::Test {
+    AssetReceiving() {
         int ends[2];
         EXPECT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends), 0);
         frames.emplace(shm::UniqueFd(ends[0]), true);
         peer.emplace(shm::UniqueFd(ends[1]), false);
         frames->pump();
         peer->pump();
-        intake.emplace(*frames);
+        receiver.emplace(*frames);
     }
     bool offer(std::uint64_t ticket, std::uint32_t number, std::uint64_t bytes, std::uint32_t stream = 1) {
-        return intake->offer(stream, door,
-                             bytes_of(AssetOffer{.ticket = ticket, .bytes = bytes, .number = number}), why);
+        return receiver->offer(stream, door,
+                               bytes_of(AssetOffer{.ticket = ticket, .bytes = bytes, .number = number}), why);
     }
     bool piece(std::uint64_t ticket, std::uint64_t offset, std::span<const std::byte> bytes) {
         std::vector<std::byte> frame(sizeof(AssetPiece) + bytes.size());
         const AssetPiece header{.ticket = ticket, .offset = offset};
         std::memcpy(frame.data(), &header, sizeof header);
         if (!bytes.empty()) std::memcpy(frame.data() + sizeof header, bytes.data(), bytes.size());
-        return intake->piece(frame, why);
+        return receiver->piece(frame, why);
     }
     /// What the peer is told next: the refusal, "taken", "ready"; empty: nothing.
     std::string told() {
@@ -186,32 +186,32 @@ struct Intake : testing::Test {
             EXPECT_EQ(told(), "taken");
         }
         door->last->done();
-        EXPECT_TRUE(intake->answers(why));
+        EXPECT_TRUE(receiver->answers(why));
         return told();
     }
 
     std::optional<FrameStream> frames, peer;
-    std::optional<AssetIntake> intake;
+    std::optional<AssetReceiver> receiver;
     std::shared_ptr<FakeDoor> door = std::make_shared<FakeDoor>();
     std::string why;
     const std::vector<std::byte> some = std::vector<std::byte>(100, std::byte{7});
 };
 
-TEST_F(Intake, what_came_in_pieces_is_offered_whole_and_sealed) {
+TEST_F(AssetReceiving, what_came_in_pieces_is_offered_whole_and_sealed) {
     std::vector<std::byte> bytes(3 * asset_piece_bytes + 5);
     for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i * 7 >> 3);
-    EXPECT_EQ(intake->event(), -1);
+    EXPECT_EQ(receiver->event(), -1);
     EXPECT_EQ(deliver(1, 9, bytes), "ready");
     ASSERT_EQ(door->offered.size(), 1u);
     EXPECT_EQ(door->offered[0].number, 9u);
     EXPECT_EQ(door->offered[0].bytes, bytes);
     EXPECT_TRUE(door->ended);
-    EXPECT_TRUE(intake->forget(1, bytes_of(AssetForget{.number = 9}), why));
+    EXPECT_TRUE(receiver->forget(1, bytes_of(AssetForget{.number = 9}), why));
     EXPECT_EQ(door->forgotten, std::vector<std::uint32_t>{9});
     EXPECT_EQ(deliver(2, 9, bytes), "ready");
 }
 
-TEST_F(Intake, what_the_claim_may_not_have_is_refused_before_a_byte_of_it_is_taken) {
+TEST_F(AssetReceiving, what_the_claim_may_not_have_is_refused_before_a_byte_of_it_is_taken) {
     ASSERT_EQ(deliver(1, 1, some), "ready");
     ASSERT_TRUE(offer(2, 2, 1000));
     const struct {
@@ -240,14 +240,14 @@ TEST_F(Intake, what_the_claim_may_not_have_is_refused_before_a_byte_of_it_is_tak
     EXPECT_EQ(door->offered.size(), 1u);
     door->last = nullptr;
     // Another claim of the same connection has its own numbers; what it may hold is its own, too.
-    intake->drop(1);
+    receiver->drop(1);
     EXPECT_TRUE(offer(++ticket, 1, protocol::max_asset_bytes, 2));
     EXPECT_EQ(told(), "");
 }
 
-TEST_F(Intake, what_makes_no_sense_ends_the_connection) {
+TEST_F(AssetReceiving, what_makes_no_sense_ends_the_connection) {
     const auto fresh = [&] {
-        intake.emplace(*frames);
+        receiver.emplace(*frames);
         EXPECT_TRUE(offer(5, 1, 100));
         why.clear();
     };
@@ -258,47 +258,47 @@ TEST_F(Intake, what_makes_no_sense_ends_the_connection) {
     };
     fresh();
     ends("a ticket of before", offer(5, 2, 100));
-    ends("half an offer", intake->offer(1, door, some, why));
+    ends("half an offer", receiver->offer(1, door, some, why));
     ends("an observer's",
-         intake->offer(1, nullptr, bytes_of(AssetOffer{.ticket = 9, .bytes = 9, .number = 2}), why));
+         receiver->offer(1, nullptr, bytes_of(AssetOffer{.ticket = 9, .bytes = 9, .number = 2}), why));
     ends("of an offer that is still to come", piece(6, 0, some));
     ends("not where the last one ended", piece(5, 1, some));
     ends("beyond the end", piece(5, 0, std::vector<std::byte>(101)));
     ends("of nothing", piece(5, 0, {}));
     ends("a long one", piece(5, 0, std::vector<std::byte>(asset_piece_bytes + 1)));
-    ends("half a piece", intake->piece(std::span(some).first(15), why));
+    ends("half a piece", receiver->piece(std::span(some).first(15), why));
     ends("one more than all", piece(5, 0, some) && piece(5, 100, some));
-    ends("calling off what never was", intake->cancel(bytes_of(AssetTicket{.ticket = 6}), why));
-    ends("forgetting what it does not have", intake->forget(1, bytes_of(AssetForget{.number = 1}), why));
-    ends("half a word", intake->forget(1, std::span(some).first(7), why));
+    ends("calling off what never was", receiver->cancel(bytes_of(AssetTicket{.ticket = 6}), why));
+    ends("forgetting what it does not have", receiver->forget(1, bytes_of(AssetForget{.number = 1}), why));
+    ends("half a word", receiver->forget(1, std::span(some).first(7), why));
 }
 
-TEST_F(Intake, what_is_called_off_is_called_off_at_the_servo) {
+TEST_F(AssetReceiving, what_is_called_off_is_called_off_at_the_servo) {
     ASSERT_TRUE(offer(1, 1, 100));
-    EXPECT_TRUE(intake->cancel(bytes_of(AssetTicket{.ticket = 1}), why));
+    EXPECT_TRUE(receiver->cancel(bytes_of(AssetTicket{.ticket = 1}), why));
     EXPECT_TRUE(piece(1, 0, some)) << "it was on its way already";
     EXPECT_EQ(told(), "taken");
     EXPECT_TRUE(door->offered.empty());
     ASSERT_TRUE(offer(2, 1, 100) && piece(2, 0, some)) << "its number is free";
     EXPECT_EQ(told(), "taken");
     EXPECT_FALSE(door->ended);
-    EXPECT_TRUE(intake->cancel(bytes_of(AssetTicket{.ticket = 2}), why));
+    EXPECT_TRUE(receiver->cancel(bytes_of(AssetTicket{.ticket = 2}), why));
     EXPECT_TRUE(door->ended);
     // And when it is ready already, but its owner has not heard of it.
     ASSERT_EQ(deliver(3, 1, some), "ready");
-    EXPECT_TRUE(intake->cancel(bytes_of(AssetTicket{.ticket = 3}), why));
+    EXPECT_TRUE(receiver->cancel(bytes_of(AssetTicket{.ticket = 3}), why));
     EXPECT_EQ(door->forgotten, std::vector<std::uint32_t>{1});
     ASSERT_TRUE(offer(4, 1, 100) && piece(4, 0, some));
-    intake->drop(1);
+    receiver->drop(1);
     EXPECT_TRUE(door->ended);
 }
 
-TEST_F(Intake, what_the_servo_refuses_its_sender_is_told) {
+TEST_F(AssetReceiving, what_the_servo_refuses_its_sender_is_told) {
     ASSERT_TRUE(offer(1, 1, 100) && piece(1, 0, some));
     EXPECT_EQ(told(), "taken");
     door->last->refusal = "asset: triangle 17";
     door->last->done();
-    EXPECT_TRUE(intake->answers(why));
+    EXPECT_TRUE(receiver->answers(why));
     EXPECT_EQ(told(), "asset: triangle 17");
     EXPECT_EQ(deliver(2, 1, some), "ready") << "the number is free";
 }

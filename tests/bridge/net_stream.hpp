@@ -66,7 +66,7 @@ struct Came {
 struct Stream : testing::Test {
     Stream() {
         pair.open();
-        width.came_through(datagram_bytes);
+        mtu.came_through(datagram_bytes);
     }
 
     detail::Attachment attachment() {
@@ -77,7 +77,7 @@ struct Stream : testing::Test {
     }
     /// Where datagrams go from now on.
     void bind(PeerStream& stream) {
-        Correspondent to;
+        PeerAddress to;
         const sockaddr_in at = loopback(port_of(peer));
         std::memcpy(&to.address, &at, sizeof at);
         to.length = sizeof at;
@@ -126,9 +126,9 @@ struct Stream : testing::Test {
     Pair pair;
     shm::UniqueFd peer = bound(SOCK_DGRAM | SOCK_NONBLOCK), ours = bound(SOCK_DGRAM | SOCK_NONBLOCK);
     OutQueue out{ours.get()};
-    Outbox outbox{1, nullptr};
-    PathWidth width;
-    Way way{.frames = pair.server, .outbox = outbox, .out = out, .width = width};
+    OutgoingDatagrams outgoing{1, nullptr};
+    PathMtu mtu;
+    Way way{.frames = pair.server, .outgoing = outgoing, .out = out, .mtu = mtu};
     Played servo;
     const char* why = "";
 };

@@ -54,7 +54,7 @@ TEST(Assets, a_mesh_is_felt_as_on_one_box) {
     const Vec3 at = read_until(far_hand, is_active).position;
     Shape params{.position = {at.x + 0.003, at.y - 0.007, at.z - 0.105}, .stiffness = 200};
     Claim* const hands[] = {&far_hand, &near_hand};
-    std::vector<Representing<Shape>> balls;
+    std::vector<Handle<Shape>> balls;
     for (Claim* hand : hands) {
         params.asset = hand->send(triangles_of(knurl::test::icosphere(5, 0.1))).asset;
         balls.push_back(hand->add(params));
@@ -72,7 +72,7 @@ TEST(Assets, a_mesh_is_felt_as_on_one_box) {
     read_until(far_hand, [&](const HandReport&) {
         near_hand.commit();
         for (std::size_t i = 0; i < 2; ++i) {
-            const auto now = balls[i].felt();
+            const auto now = balls[i].feedback();
             if (now && now->cycle >= from && (now->flags & Feedback::touching) != 0)
                 felt[i][now->cycle] = now->force;
         }

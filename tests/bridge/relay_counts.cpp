@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "counter_window.hpp"
-#include "path_width.hpp"
-#include "post.hpp"
+#include "datagram_channel.hpp"
+#include "path_mtu.hpp"
 #include "report_tally.hpp"
 #include "seed.hpp"
 
@@ -109,50 +109,51 @@ TEST(Counts, the_newest_report_sent_again_is_neither_late_nor_a_copy) {
 
 TEST(Counts, what_is_forged_counts_as_foreign_whatever_its_counter) {
     const std::array<std::byte, key_bytes> key{};
-    Outbox outbox(1, &key);
-    Inbox inbox(1, &key);
+    OutgoingDatagrams outgoing(1, &key);
+    IncomingDatagrams incoming(1, &key);
     std::array<CounterWindow, max_streams + 1> windows{};
     const auto datagram = [&] {
         std::vector<std::byte> room(64 + tag_bytes);
         write(room, DatagramHeader{.kind = DatagramKind::report, .stream = 1});
-        EXPECT_EQ(outbox.close(room, 64), room.size());
+        EXPECT_EQ(outgoing.close(room, 64), room.size());
         return room;
     };
     const std::vector<std::byte> first = datagram();
     for (std::uint64_t i = 0; i <= CounterWindow::width; ++i) {
         std::vector<std::byte> sent = i == 0 ? first : datagram();
         const std::vector<std::byte> copy = sent;
-        EXPECT_EQ(inbox.open(sent, windows).verdict, Inbox::Verdict::good);
+        EXPECT_EQ(incoming.open(sent, windows).verdict, IncomingDatagrams::Verdict::good);
         sent = copy;
-        EXPECT_EQ(inbox.open(sent, windows).verdict, Inbox::Verdict::already);
+        EXPECT_EQ(incoming.open(sent, windows).verdict, IncomingDatagrams::Verdict::already);
         sent = copy;
         sent.back() ^= std::byte{1};
-        EXPECT_EQ(inbox.open(sent, windows).verdict, Inbox::Verdict::foreign) << "of one that has come";
+        EXPECT_EQ(incoming.open(sent, windows).verdict, IncomingDatagrams::Verdict::foreign)
+            << "of one that has come";
     }
     std::vector<std::byte> old = first;
-    EXPECT_EQ(inbox.open(old, windows).verdict, Inbox::Verdict::too_old);
+    EXPECT_EQ(incoming.open(old, windows).verdict, IncomingDatagrams::Verdict::too_old);
     old = first;
     old.back() ^= std::byte{1};
-    EXPECT_EQ(inbox.open(old, windows).verdict, Inbox::Verdict::foreign) << "of long ago";
+    EXPECT_EQ(incoming.open(old, windows).verdict, IncomingDatagrams::Verdict::foreign) << "of long ago";
 }
 
 TEST(Counts, a_path_is_as_wide_as_what_comes_through) {
-    PathWidth width;
-    EXPECT_EQ(width.bytes(), least_datagram_bytes);
-    width.came_through(datagram_bytes - 1);
-    EXPECT_EQ(width.bytes(), least_datagram_bytes);
-    width.came_through(std::numeric_limits<std::uint64_t>::max());  // whoever lies
-    EXPECT_EQ(width.bytes(), datagram_bytes);
-    width.refused();
-    EXPECT_EQ(width.bytes(), least_datagram_bytes);
-    width.came_through(datagram_bytes);  // before that
-    EXPECT_EQ(width.bytes(), least_datagram_bytes);
-    width.came_through(least_datagram_bytes);  // no longer of before
-    EXPECT_EQ(width.bytes(), least_datagram_bytes);
-    width.came_through(datagram_bytes);
-    EXPECT_EQ(width.bytes(), datagram_bytes);
-    width.came_through(least_datagram_bytes);  // long ones are dropped without a word since then
-    EXPECT_EQ(width.bytes(), least_datagram_bytes);
+    PathMtu mtu;
+    EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
+    mtu.came_through(datagram_bytes - 1);
+    EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
+    mtu.came_through(std::numeric_limits<std::uint64_t>::max());  // whoever lies
+    EXPECT_EQ(mtu.bytes(), datagram_bytes);
+    mtu.refused();
+    EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
+    mtu.came_through(datagram_bytes);  // before that
+    EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
+    mtu.came_through(least_datagram_bytes);  // no longer of before
+    EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
+    mtu.came_through(datagram_bytes);
+    EXPECT_EQ(mtu.bytes(), datagram_bytes);
+    mtu.came_through(least_datagram_bytes);  // long ones are dropped without a word since then
+    EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
 }
 
 TEST(Counts, what_came_through_is_forgotten_when_nothing_of_that_length_comes_for_four_seconds) {

@@ -25,7 +25,8 @@ constexpr std::size_t wide = 1136, narrow = 1104;
 static_assert(sizeof(protocol::BatchHeader) + slots * (sizeof(protocol::EntryHeader) + param_bytes) <=
               max_pieces * narrow);
 
-/// The servo's rule: newer versions win, of handles that are there; what lies behind a geometry that comes alone stays.
+/// The servo's rule: newer versions win, of representations that are there; what lies behind a geometry that
+/// comes alone stays.
 struct Scene {
     std::array<std::uint64_t, slots> version{}, value{}, material{};
     std::uint64_t sequence = 0;
@@ -40,7 +41,7 @@ struct Scene {
             ASSERT_TRUE(take(whole, entry));
             const std::span<const std::byte> params = whole.first(entry.bytes);
             whole = whole.subspan((entry.bytes + 7) / 8 * 8);
-            const std::uint32_t slot = entry.handle.slot;
+            const std::uint32_t slot = entry.id.slot;
             if (entry.version <= version[slot]) continue;
             version[slot] = entry.version;
             std::memcpy(&value[slot], params.data(), sizeof value[slot]);
@@ -110,7 +111,7 @@ TEST(Data, after_any_losses_the_newest_of_everything_is_there) {
             for (std::uint64_t n = random() % 4; n > 0; --n) {
                 const auto slot = static_cast<std::uint32_t>(random() % slots);
                 const bool whole = random() % 3 == 0;
-                const protocol::EntryHeader entry{.handle = {.slot = slot, .generation = 1},
+                const protocol::EntryHeader entry{.id = {.slot = slot, .generation = 1},
                                                   .kind = 1,
                                                   .bytes = whole ? param_bytes : geometry_bytes,
                                                   .version = ++version};
@@ -292,9 +293,9 @@ TEST(Data, commands_keep_within_the_ring_until_their_answers_are_read) {
     Unanswered unanswered(8);
     std::array<std::byte, 2 * shm::cell_bytes> command{};
     protocol::CommandHeader header{.cells = 2, .type = protocol::CommandType::remove, .number = 1};
-    const Handle handle{.slot = 3, .generation = 7};
+    const RepresentationId id{.slot = 3, .generation = 7};
     std::memcpy(command.data(), &header, sizeof header);
-    std::memcpy(command.data() + sizeof header, &handle, sizeof handle);
+    std::memcpy(command.data() + sizeof header, &id, sizeof id);
     for (std::uint64_t n = 1; n <= 4; ++n) {
         header.number = n;
         std::memcpy(command.data(), &header, sizeof header);
@@ -308,7 +309,7 @@ TEST(Data, commands_keep_within_the_ring_until_their_answers_are_read) {
     Unanswered::Answer answer;
     ASSERT_TRUE(unanswered.next(answer));
     EXPECT_TRUE(answer.removed);
-    EXPECT_EQ(answer.handle, handle);
+    EXPECT_EQ(answer.id, id);
     EXPECT_TRUE(unanswered.fits(2));
     ASSERT_TRUE(unanswered.next(answer));
     EXPECT_FALSE(answer.removed) << "refused";
@@ -326,9 +327,9 @@ TEST(Data, a_removal_is_done_when_its_own_answer_says_so) {
     std::array<std::byte, shm::cell_bytes> command{};
     for (const std::uint64_t n : {1u, 2u}) {
         const protocol::CommandHeader header{.cells = 1, .type = protocol::CommandType::remove, .number = n};
-        const Handle handle{.slot = static_cast<std::uint32_t>(n), .generation = 1};
+        const RepresentationId id{.slot = static_cast<std::uint32_t>(n), .generation = 1};
         std::memcpy(command.data(), &header, sizeof header);
-        std::memcpy(command.data() + sizeof header, &handle, sizeof handle);
+        std::memcpy(command.data() + sizeof header, &id, sizeof id);
         unanswered.sent(command.data(), 1);
     }
     const protocol::CommandHeader arm{.cells = 1, .type = protocol::CommandType::arm, .number = 3};
@@ -338,7 +339,7 @@ TEST(Data, a_removal_is_done_when_its_own_answer_says_so) {
     unanswered.answered({.command = 2});
     ASSERT_TRUE(unanswered.next(answer));
     EXPECT_TRUE(answer.removed);
-    EXPECT_EQ(answer.handle.slot, 2u);
+    EXPECT_EQ(answer.id.slot, 2u);
     unanswered.answered({.command = 3});
     ASSERT_TRUE(unanswered.next(answer));
     EXPECT_FALSE(answer.removed) << "nothing of it was a removal";

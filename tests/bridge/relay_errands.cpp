@@ -36,10 +36,10 @@ Attach shared_claim() {
 struct ByRounds : testing::Test {
     const ServoUp servo;
     const std::string name = "default";
-    Pulse pulse{name};
+    ReportNotifier notifier{name};
     shm::UniqueFd datagrams = bound(SOCK_DGRAM);
     OutQueue out{datagrams.get()};
-    Desk desk{.servo = name, .keys = {}, .pulse = pulse, .out = out};
+    PeerContext context{.servo = name, .keys = {}, .notifier = notifier, .out = out};
     std::optional<Peer> peer;
     std::optional<FrameStream> stream;  // its application
     std::uint32_t id = 0;
@@ -59,9 +59,9 @@ struct ByRounds : testing::Test {
         id = await<Attached>(*stream, FrameType::attached).stream;
     }
     void TearDown() override {
-        if (peer) peer->close(desk, Error::Kind::disconnected, "");
+        if (peer) peer->close(context, Error::Kind::disconnected, "");
     }
-    bool round() { return peer->serve(desk, detail::monotonic_ns()); }
+    bool round() { return peer->serve(context, detail::monotonic_ns()); }
     /// How many such answers have come since the last call.
     int answers(FrameType type) {
         int count = 0;

@@ -82,7 +82,7 @@ TEST(Roles, render_joins_a_device_that_is_on_and_never_switches_it_on) {
     says(refusal([&] { mine.arm(); }).what(), "role control");
     says(refusal([&] { mine.reset_fault(); }).what(), "role control");
     says(refusal([&] { master.reset_fault(); }).what(), "on the servo's own host");
-    std::optional<Representing<ConstantForce>> left_out;
+    std::optional<Handle<ConstantForce>> left_out;
     EXPECT_THROW(mine.together([&] {
         left_out = mine.add(at_once({0, 0, 9}));
         mine.arm();

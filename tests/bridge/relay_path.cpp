@@ -119,7 +119,7 @@ TEST(Path, a_batch_of_any_size_arrives_whole) {
     // From one datagram over several to what goes by TCP.
     for (const std::uint32_t count : {1u, 20u, 30u, 400u}) {
         Claim hand = client.claim("", {.shared = true, .representations = count});
-        std::vector<Representing<ConstantForce>> forces;
+        std::vector<Handle<ConstantForce>> forces;
         for (std::uint32_t i = 0; i < count; ++i) forces.push_back(hand.add(at_once({})));
         hand.arm();
         for (int round = 1; round <= 5; ++round) {
@@ -131,8 +131,8 @@ TEST(Path, a_batch_of_any_size_arrives_whole) {
                 return std::abs(report.scene_force.x - 0.1 * round) < 1e-9;
             });
             read_until(hand, [&](const HandReport&) {
-                return std::ranges::all_of(forces, [&](const Representing<ConstantForce>& force) {
-                    const auto felt = force.felt();
+                return std::ranges::all_of(forces, [&](const Handle<ConstantForce>& force) {
+                    const auto felt = force.feedback();
                     return felt && felt->force.x == share;
                 });
             });

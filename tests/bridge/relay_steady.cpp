@@ -45,7 +45,7 @@ void expect_no_allocation(const std::string& key_file, std::vector<Key> keys) {
             force.set(at_once({1e-4 * (i % 100), 0, 0}));
             if (i % 3 == 0) other.set(at_once({0, 1e-4 * (i % 70), 0}));
             hand.commit();
-            ASSERT_TRUE(force.felt() || i < 100);
+            ASSERT_TRUE(force.feedback() || i < 100);
         }
     };
     work(500);

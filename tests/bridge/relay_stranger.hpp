@@ -171,7 +171,7 @@ class Bystander {
 
     Client client_;
     Claim hand_;
-    std::optional<Representing<ConstantForce>> force_;
+    std::optional<Handle<ConstantForce>> force_;
     int count_ = 0;
 };
 

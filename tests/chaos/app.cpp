@@ -193,7 +193,7 @@ int absurd(unsigned seed, const std::string& socket_path) {
         add.header.cells = static_cast<std::uint32_t>(
             (sizeof add.header + sizeof add.body + sizeof far + knurl::shm::cell_bytes - 1) /
             knurl::shm::cell_bytes);
-        add.body = {.handle = {slot, 1}, .kind = knurl::kind_of<Plane>, .use = {}};
+        add.body = {.id = {slot, 1}, .kind = knurl::kind_of<Plane>, .options = {}};
         add.plane = far;
         if (!commands.try_push(&add, add.header.cells)) return 1;
     }
@@ -218,7 +218,7 @@ int absurd(unsigned seed, const std::string& socket_path) {
         batch.header = {.sequence = ++sent, .commands_before = 3, .entries = 2, .bytes = sizeof batch.entry};
         for (std::uint32_t slot = 0; slot < 2; ++slot) {
             batch.entry[slot].header = {
-                .handle = {slot, 1}, .kind = knurl::kind_of<Plane>, .bytes = sizeof far, .version = sent};
+                .id = {slot, 1}, .kind = knurl::kind_of<Plane>, .bytes = sizeof far, .version = sent};
             batch.entry[slot].plane = far;
         }
         // The first would be felt, were the batch taken by halves.

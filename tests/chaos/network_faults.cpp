@@ -21,8 +21,8 @@
 
 namespace knurl::chaos {
 
+using bridge::proxy::NetworkProfile;
 using bridge::proxy::Proxy;
-using bridge::proxy::Weather;
 using bridge::test::dial;
 using test::eventually;
 using test::Program;
@@ -34,14 +34,14 @@ enum class Keyed : bool { no, yes };
 /// The bridge and the network before it; the application that holds the wall is behind both while this lives.
 class Remote {
   public:
-    explicit Remote(Stage& stage, const Weather& weather = {.delay = 0.002}, Keyed keyed = Keyed::yes)
+    explicit Remote(Stage& stage, const NetworkProfile& profile = {.delay = 0.002}, Keyed keyed = Keyed::yes)
         : stage_(stage) {
         if (keyed == Keyed::yes) make_key();
         start_bridge("127.0.0.1:0");
         Proxy::Options options;
         options.to_port = port_;
         options.seed = stage.random();
-        options.weather = weather;
+        options.profile = profile;
         proxy.emplace(options);
         stage.start_wall("knurl://127.0.0.1:" + std::to_string(proxy->port()));
     }
@@ -118,14 +118,14 @@ void demand_idle(Stage& stage) {
 // --------------------------------------------------------------------------------------------- the network
 
 void bad_network(Stage& stage) {
-    const Weather weather{.loss = 0.3 * share(stage),
-                          .duplicate = 0.3 * share(stage),
-                          .reorder = 0.3 * share(stage),
-                          .held = 0.1 * share(stage),
-                          .delay = 0.05 * share(stage),
-                          .jitter = 0.05 * share(stage),
-                          .swing = 0.1 * share(stage)};
-    const Remote remote(stage, weather);
+    const NetworkProfile profile{.loss = 0.3 * share(stage),
+                                 .duplicate = 0.3 * share(stage),
+                                 .reorder = 0.3 * share(stage),
+                                 .held = 0.1 * share(stage),
+                                 .delay = 0.05 * share(stage),
+                                 .jitter = 0.05 * share(stage),
+                                 .swing = 0.1 * share(stage)};
+    const Remote remote(stage, profile);
     const std::int64_t from = Stage::now();
     stage.let_pass(2.0);
     demand_undisturbed(stage, from, "a network that loses, delays, doubles and reorders");

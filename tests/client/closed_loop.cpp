@@ -63,9 +63,9 @@ Model in_world(const Model& model, double metre) {
 }
 
 /// The representations of one follower in the servo's scene, as the library keeps them.
-class Felt {
+class FollowedScene {
   public:
-    explicit Felt(const Run& how)
+    explicit FollowedScene(const Run& how)
         : how_(how),
           scene_({.representations = 4, .probes = 1},
                  {.max_force = how.newton * how.hand.peak_force, .metre = how.metre, .newton = how.newton}) {
@@ -74,14 +74,14 @@ class Felt {
 
     void set(const Faces& faces) {
         for (std::uint32_t i = 0; i < max_faces; ++i) {
-            const Handle handle{i, 1};
+            const RepresentationId id{i, 1};
             if (i >= faces.count) {
-                if (there_[i]) scene_.remove(handle);
+                if (there_[i]) scene_.remove(id);
                 there_[i] = false;
             } else if (how_.rim > 0) {
-                put(handle, Cap{.rim = how_.rim, .stiffness = world_stiffness(how_)}, faces.face[i]);
+                put(id, Cap{.rim = how_.rim, .stiffness = world_stiffness(how_)}, faces.face[i]);
             } else {
-                put(handle, Plane{.stiffness = world_stiffness(how_)}, faces.face[i]);
+                put(id, Plane{.stiffness = world_stiffness(how_)}, faces.face[i]);
             }
         }
     }
@@ -94,13 +94,13 @@ class Felt {
 
   private:
     template <class R>
-    void put(Handle handle, R params, const SurfacePoint& face) {
+    void put(RepresentationId id, R params, const SurfacePoint& face) {
         place(params, face);
-        if (there_[handle.slot])
-            scene_.update(handle, params);
+        if (there_[id.slot])
+            scene_.update(id, params);
         else
-            scene_.add(handle, params);
-        there_[handle.slot] = true;
+            scene_.add(id, params);
+        there_[id.slot] = true;
     }
 
     const Run& how_;
@@ -122,7 +122,7 @@ Outcome run(const Run& how, const Model& model, const Path& path, const Truth& t
     std::deque<Update> on_their_way;
     FollowMemory memory;
     Tip tip(how.hand, path);
-    Felt felt(how);
+    FollowedScene felt(how);
     const Model world = in_world(model, how.metre);
     const auto there = [&](const Vector3d& v) { return to_plain(how.metre * v); };
     felt.set({.face = {world(there(tip.position))}, .count = 1});

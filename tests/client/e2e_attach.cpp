@@ -99,10 +99,10 @@ TEST(Attach, a_released_device_can_be_claimed_again) {
     Client client = connect();
     {
         Claim first = client.claim();
-        auto handle = first.add(ConstantForce{.force = {1, 0, 0}});
+        auto id = first.add(ConstantForce{.force = {1, 0, 0}});
         first.release();
         EXPECT_EQ(refusal([&] { first.commit(); }).kind, Error::Kind::stale_handle);
-        EXPECT_EQ(refusal([&] { handle.set({}); }).kind, Error::Kind::stale_handle);
+        EXPECT_EQ(refusal([&] { id.set({}); }).kind, Error::Kind::stale_handle);
     }
     claim_when_free(client);  // its force fades first
 }

@@ -48,10 +48,10 @@ TEST(Claim, all_representations_of_a_claim_that_states_nothing_fit_into_one_comm
     ServoProcess servo;
     Client client = connect();
     Claim hand = client.claim();
-    std::vector<Representing<Plane>> planes;
+    std::vector<Handle<Plane>> planes;
     for (std::uint32_t i = 0; i < ClaimOptions{}.representations; ++i)
         planes.push_back(hand.add(Plane{.offset = -1, .stiffness = 100}));
-    for (Representing<Plane>& plane : planes) plane.set({.offset = -2, .stiffness = 200});
+    for (Handle<Plane>& plane : planes) plane.set({.offset = -2, .stiffness = 200});
     EXPECT_TRUE(hand.wait_applied(hand.commit(), 10s));
     EXPECT_EQ(hand.timing().refused, 0u);
 }
@@ -60,7 +60,7 @@ TEST(Claim, what_is_committed_together_is_felt_in_one_cycle) {
     ServoProcess servo;
     Client client = connect();
     Claim hand = client.claim();
-    std::optional<Representing<ConstantForce>> x, y, z;
+    std::optional<Handle<ConstantForce>> x, y, z;
     hand.together([&] {
         x = hand.add(at_once({0.1, 0, 0}));
         y = hand.add(at_once({0, 0.1, 0}));
@@ -145,7 +145,7 @@ TEST(Claim, a_full_channel_is_told_and_nothing_is_dropped) {
     Client client = connect();
     Claim hand = client.claim("", {.representations = 1024});
     servo.stop();
-    std::vector<Representing<Spring>> springs;
+    std::vector<Handle<Spring>> springs;
     std::uint64_t tries = 0;
     try {
         // With fewer than 1024 places the ring cannot be filled by adding alone.
@@ -183,9 +183,9 @@ TEST(Claim, felt_force_and_applied_stiffness_come_back) {
                                 .offset = centre.z + 0.001,  // under the hand at rest
                                 .stiffness = std::numeric_limits<double>::infinity()});
     hand.arm();
-    std::optional<Felt> felt;
+    std::optional<HandFeedback> felt;
     read_until(hand, [&](const HandReport& report) {
-        felt = floor.felt();
+        felt = floor.feedback();
         return is_on(report) && felt && felt->force.z > 0;
     });
     EXPECT_EQ(felt->force.x, 0);
@@ -233,7 +233,7 @@ TEST(Claim, follows_a_model_with_the_plane_under_the_hand) {
     EXPECT_EQ(floor.params().normal, (Vec3{0, 0, 1}));
     EXPECT_EQ(floor.params().stiffness, 500) << "the rest stays";
     // A hand that the plane has lifted may be above it for a moment.
-    read_until(hand, [&](const HandReport&) { return floor.felt()->force.z > 0; });
+    read_until(hand, [&](const HandReport&) { return floor.feedback()->force.z > 0; });
 }
 
 TEST(Claim, that_falls_silent_fades_and_comes_back_with_the_next_commit) {

@@ -36,7 +36,7 @@ struct SentField : Sent {
     std::uint64_t set_now(auto& shape, const knurl::Shape& params) {
         shape.set(params);
         EXPECT_TRUE(hand->wait_applied(hand->commit(), 10s));
-        return shape.felt()->cycle;
+        return shape.feedback()->cycle;
     }
     /// What is 1 mm above the asset's origin at its middle comes to lie `deep` m above the hand.
     knurl::Shape under_the_hand(std::uint32_t asset, double deep) const {

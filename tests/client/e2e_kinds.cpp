@@ -39,7 +39,7 @@ TEST(Kinds, are_all_added_changed_felt_and_removed) {
         here.set(second);
         EXPECT_TRUE(same_bytes(here.params(), second));
         ASSERT_TRUE(hand.wait_applied(hand.commit(), 10s));
-        read_until(hand, [&](const HandReport&) { return here.felt().has_value(); });
+        read_until(hand, [&](const HandReport&) { return here.feedback().has_value(); });
         EXPECT_TRUE(here.applied_stiffness().has_value());
 
         const auto& fields = Describe<R>::fields;
@@ -70,10 +70,10 @@ struct Held {
 
     /// Once it is so, with force.
     template <class Wanted>
-    Felt until(const AnyRepresenting& what, Wanted wanted) {
-        std::optional<Felt> felt;
+    HandFeedback until(const AnyHandle& what, Wanted wanted) {
+        std::optional<HandFeedback> felt;
         read_until(hand, [&](const HandReport& report) {
-            felt = what.felt();
+            felt = what.feedback();
             return is_on(report) && felt && wanted(*felt);
         });
         return *felt;
@@ -86,14 +86,14 @@ TEST(Kinds, of_surface_push_along_their_own_normal) {
     auto ball = held.hand.add(Sphere{
         .center = {at.x, at.y, at.z - 0.099}, .radius = 0.1 /* top 1 mm above the hand */, .stiffness = 200});
     held.hand.arm();
-    const Felt up = held.until(ball, [](const Felt& felt) { return felt.force.z > 0.05; });
+    const HandFeedback up = held.until(ball, [](const HandFeedback& felt) { return felt.force.z > 0.05; });
     EXPECT_LT(std::hypot(up.force.x, up.force.y), 0.1 * up.force.z);
     EXPECT_EQ(up.stiffness, 200);
     ball.remove();
     auto bowl = held.hand.add(
         Cap{.foot = {at.x + 0.002, at.y, at.z}, .normal = {-1, 0, 0}, .curvature = 5, .stiffness = 200});
     bowl.set({.foot = {at.x - 0.002, at.y, at.z}, .normal = {-1, 0, 0}, .curvature = 5, .stiffness = 200});
-    const Felt back = held.until(bowl, [](const Felt& felt) { return felt.force.x < -0.05; });
+    const HandFeedback back = held.until(bowl, [](const HandFeedback& felt) { return felt.force.x < -0.05; });
     EXPECT_LT(std::hypot(back.force.y, back.force.z), -0.2 * back.force.x);
 }
 
@@ -102,16 +102,16 @@ TEST(Kinds, that_rub_say_how_stiff_their_friction_is) {
     const double under = held.at.z + 0.001;
     auto plane = held.hand.add(Plane{.offset = under, .stiffness = 150});
     held.hand.arm();
-    const auto touching = [](const Felt& felt) { return (felt.flags & Feedback::touching) != 0; };
+    const auto touching = [](const HandFeedback& felt) { return (felt.flags & Feedback::touching) != 0; };
     EXPECT_EQ(held.until(plane, touching).tangential_stiffness, 0) << "smooth";
     plane.set({.offset = under, .stiffness = 150, .friction = {.dynamic = 0.5}});
-    EXPECT_EQ(held.until(plane, [](const Felt& felt) { return felt.tangential_stiffness > 0; })
+    EXPECT_EQ(held.until(plane, [](const HandFeedback& felt) { return felt.tangential_stiffness > 0; })
                   .tangential_stiffness,
               150)
         << "N/m, as stiff as the surface";
     plane.set(
         {.offset = under, .stiffness = 150, .snag = {.k_kinetic = 0.2, .k_stick = 1e7, .d_snap = 1e-3}});
-    EXPECT_EQ(held.until(plane, [](const Felt& felt) { return felt.tangential_stiffness > 150; })
+    EXPECT_EQ(held.until(plane, [](const HandFeedback& felt) { return felt.tangential_stiffness > 150; })
                   .tangential_stiffness,
               held.hand.limits().max_stiffness)
         << "a snag stiffer than the device allows";
@@ -143,7 +143,7 @@ TEST(Follow, sends_a_cap_that_curves_as_the_model_says) {
     EXPECT_EQ(sent.axis, (Vec3{0, 1, 0}));
     EXPECT_EQ(sent.rim, 0.2) << "the rest stays";
     EXPECT_EQ(sent.stiffness, 200);
-    held.until(bowl, [](const Felt& felt) { return felt.force.z > 0; });
+    held.until(bowl, [](const HandFeedback& felt) { return felt.force.z > 0; });
 }
 
 TEST(Follow, sends_both_sides_of_a_corner_and_takes_them_back) {
@@ -159,26 +159,27 @@ TEST(Follow, sends_both_sides_of_a_corner_and_takes_them_back) {
     };
     const auto follow_until = [&](auto wanted) {
         Followed followed;
-        const Felt felt = held.until(floor, [&](const Felt& now) {
+        const HandFeedback felt = held.until(floor, [&](const HandFeedback& now) {
             followed = floor.follow(corner);
             return wanted(now);
         });
         return std::pair(followed, felt);
     };
-    EXPECT_EQ(follow_until([](const Felt& felt) { return felt.force.z > 0.05; }).first.faces.count, 1u);
+    EXPECT_EQ(follow_until([](const HandFeedback& felt) { return felt.force.z > 0.05; }).first.faces.count,
+              1u);
     wall = -0.006;
     const auto [both, felt] =
-        follow_until([](const Felt& now) { return now.force.z > 0.05 && now.force.x < -0.05; });
+        follow_until([](const HandFeedback& now) { return now.force.z > 0.05 && now.force.x < -0.05; });
     EXPECT_EQ(both.faces.count, 2u);
     EXPECT_NE(felt.flags & Feedback::touching, 0u);
     wall = 0.05;
-    EXPECT_EQ(follow_until([](const Felt& now) { return now.force.x == 0; }).first.faces.count, 1u)
+    EXPECT_EQ(follow_until([](const HandFeedback& now) { return now.force.x == 0; }).first.faces.count, 1u)
         << "the wall has gone";
     wall = -0.006;
-    follow_until([](const Felt& now) { return now.force.x < -0.05; });
+    follow_until([](const HandFeedback& now) { return now.force.x < -0.05; });
     floor.set({.offset = held.at.z + 0.002, .stiffness = 200});
-    held.until(floor, [](const Felt& now) { return now.force.x == 0 && now.force.z > 0; });
-    follow_until([](const Felt& now) { return now.force.x < -0.05; });
+    held.until(floor, [](const HandFeedback& now) { return now.force.x == 0 && now.force.z > 0; });
+    follow_until([](const HandFeedback& now) { return now.force.x < -0.05; });
     floor.remove();
     read_until(held.hand, [](const HandReport& report) {
         return report.scene_force.x == 0 && report.scene_force.z == 0;

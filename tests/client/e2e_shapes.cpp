@@ -23,7 +23,7 @@ using knurl::Claim;
 using knurl::Client;
 using knurl::Error;
 using knurl::Feedback;
-using knurl::Felt;
+using knurl::HandFeedback;
 using knurl::HandReport;
 using knurl::SentShape;
 using knurl::Vec3;
@@ -40,7 +40,7 @@ TEST_F(Sent, a_mesh_is_felt) {
     auto shape = hand->add(params);
     hand->arm();
     press(shape, params, 0.1, 0.001);
-    const Felt felt = until_touched(shape);
+    const HandFeedback felt = until_touched(shape);
     EXPECT_LT(std::hypot(felt.force.x, felt.force.y), 0.1 * felt.force.z);
     EXPECT_EQ(felt.stiffness, 200);
 }

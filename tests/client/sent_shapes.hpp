@@ -42,10 +42,10 @@ struct Sent : testing::Test {
         shape.set(params);
         hand->commit();
     }
-    knurl::Felt until_touched(const auto& shape) {
-        std::optional<knurl::Felt> felt;
+    knurl::HandFeedback until_touched(const auto& shape) {
+        std::optional<knurl::HandFeedback> felt;
         read_until(*hand, [&](const knurl::HandReport& report) {
-            felt = shape.felt();
+            felt = shape.feedback();
             return is_on(report) && felt && (felt->flags & knurl::Feedback::touching) != 0 &&
                    felt->force.z > 0.05;
         });

@@ -127,7 +127,7 @@ class Answers : public ::testing::Test {
 
     /// What `call`, which waits, throws when the servo refuses its command so.
     template <class Call>
-    std::string refused(Call call, protocol::Refusal reason, double value) {
+    std::string refused(Call call, protocol::RefusalReason reason, double value) {
         std::jthread played([&] {
             const auto header = servo.next_command();
             servo.answer({.command = header.number,
@@ -141,16 +141,18 @@ class Answers : public ::testing::Test {
 };
 
 TEST_F(Answers, arm_waits_for_its_own_and_says_why_not) {
-    EXPECT_EQ(refused([&] { hand.arm(); }, protocol::Refusal::in_fault, fault::speed | fault::unplugged),
-              "cannot arm device 'right': the device is in fault (the hand was too fast, the device was "
-              "unplugged); "
-              "mend the cause, then call reset_fault() or run: knurl reset");
-    EXPECT_EQ(refused([&] { hand.arm(); }, protocol::Refusal::hand_too_fast, 0.5),
+    EXPECT_EQ(
+        refused([&] { hand.arm(); }, protocol::RefusalReason::in_fault, fault::speed | fault::unplugged),
+        "cannot arm device 'right': the device is in fault (the hand was too fast, the device was "
+        "unplugged); "
+        "mend the cause, then call reset_fault() or run: knurl reset");
+    EXPECT_EQ(refused([&] { hand.arm(); }, protocol::RefusalReason::hand_too_fast, 0.5),
               "cannot arm device 'right': the hand moves at 0.5 m/s; hold it still and try again");
-    EXPECT_EQ(refused([&] { hand.reset_fault(); }, protocol::Refusal::not_in_fault, 0),
+    EXPECT_EQ(refused([&] { hand.reset_fault(); }, protocol::RefusalReason::not_in_fault, 0),
               "cannot reset device 'right': the device is not in fault; call arm() instead");
-    EXPECT_EQ(refused([&] { hand.together([&] { hand.arm(); }); }, protocol::Refusal::not_calibrated, 0),
-              "cannot arm device 'right': the device is not calibrated; bring it to its home position first");
+    EXPECT_EQ(
+        refused([&] { hand.together([&] { hand.arm(); }); }, protocol::RefusalReason::not_calibrated, 0),
+        "cannot arm device 'right': the device is not calibrated; bring it to its home position first");
 }
 
 TEST_F(Answers, a_servo_that_does_not_is_given_a_second) {
@@ -181,7 +183,7 @@ TEST_F(Answers, of_a_group_the_member_at_fault_is_named_not_the_others) {
     const auto group = [](std::uint64_t number) {
         return protocol::Reply{.command = number,
                                .code = static_cast<std::uint32_t>(Verdict::Code::refused),
-                               .reason = static_cast<std::uint32_t>(protocol::Refusal::group_refused)};
+                               .reason = static_cast<std::uint32_t>(protocol::RefusalReason::group_refused)};
     };
     const auto first = servo.next_command(), second = servo.next_command(), third = servo.next_command();
     EXPECT_EQ(first.flags, 1u);
@@ -249,7 +251,7 @@ TEST_F(Answers, a_contradiction_is_heard_whatever_its_index_also_the_one_that_me
     hand.add(Plane{});
     servo.answer({.command = servo.next_command().number,
                   .code = static_cast<std::uint32_t>(Verdict::Code::contradiction),
-                  .reason = static_cast<std::uint32_t>(protocol::Refusal::group_refused),
+                  .reason = static_cast<std::uint32_t>(protocol::RefusalReason::group_refused),
                   .kind = kind_of<Plane>});
     EXPECT_NE(error_of([&] { hand.commit(); }).find("contradicts"), std::string::npos);
 }

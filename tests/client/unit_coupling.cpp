@@ -24,7 +24,7 @@ Report report_at(const Vec3& hand) {
     return report;
 }
 
-Felt felt_as(const Vec3& force) {
+HandFeedback felt_as(const Vec3& force) {
     return {.force = force, .torque = {}, .contact_point = {}, .stiffness = 200};
 }
 
@@ -107,8 +107,8 @@ Outcome pull(double rate, bool keep_account, unsigned seed, const Handling& hand
     Scene scene({.representations = 1, .probes = 1},
                 {.max_force = 8.5 * newton, .metre = metre, .newton = newton});
     const auto there = [&](const Vector3d& of_the_hand) { return to_plain(metre * of_the_hand); };
-    const Handle handle{0, 1};
-    scene.add(handle, coupling.spring());
+    const RepresentationId id{0, 1};
+    scene.add(id, coupling.spring());
     scene.settle();
     coupling.hold({}, {});
 
@@ -134,7 +134,7 @@ Outcome pull(double rate, bool keep_account, unsigned seed, const Handling& hand
         before = hand.position;
         outcome.step = std::max(outcome.step, (force - last).norm());
         last = force;
-        Felt spring = felt_as(to_plain(felt_there));
+        HandFeedback spring = felt_as(to_plain(felt_there));
         spring.stiffness *= newton / metre;
         coupling.feel(report_at(there(hand.position)), spring);
         if (t >= next) {
@@ -148,7 +148,7 @@ Outcome pull(double rate, bool keep_account, unsigned seed, const Handling& hand
             }
         }
         coupling.watch(t);
-        scene.update(handle, coupling.spring());
+        scene.update(id, coupling.spring());
         atom.advance(acting);
         hand.advance(t, force);
         felt += force.squaredNorm();
@@ -302,7 +302,7 @@ TEST(Coupling, CountsOfAForceWhatReachesTheHand) {
     Coupling coupling({});
     coupling.hold({}, {});
     for (int i = 0; i <= 10; ++i) {
-        Felt felt = felt_as({-0.2 * i, 0, 0});
+        HandFeedback felt = felt_as({-0.2 * i, 0, 0});
         felt.share = 0.5;  // the device cannot be as stiff as this spring and another's wall together
         coupling.feel(report_at({0.001 * i, 0, 0}), felt);
     }

@@ -42,18 +42,18 @@ Plane plane_at(double offset) {
 /// What a world holds: generation and offset of the plane in each slot.
 using World = std::map<std::uint32_t, std::pair<std::uint32_t, double>>;
 
-/// The servo's intake, in its simplest form: adds and removals arrive in order and at once.
+/// The servo's command processor, in its simplest form: adds and removals arrive in order and at once.
 class ServoSide {
   public:
     explicit ServoSide(std::byte* memory)
         : batches_(memory + layout_.batches, layout_.batch_slot_bytes), slot_(layout_.batch_slot_bytes) {}
 
-    void add(Handle handle, double offset) {
-        world[handle.slot] = {handle.generation, offset};
-        planes_[handle.slot] = plane_at(offset);
-        versions_[handle.slot] = 0;
+    void add(RepresentationId id, double offset) {
+        world[id.slot] = {id.generation, offset};
+        planes_[id.slot] = plane_at(offset);
+        versions_[id.slot] = 0;
     }
-    void remove(Handle handle) { world.erase(handle.slot); }
+    void remove(RepresentationId id) { world.erase(id.slot); }
 
     /// The sequence of the batch that it took.
     std::optional<std::uint64_t> take() {
@@ -67,11 +67,11 @@ class ServoSide {
             std::memcpy(&entry, slot_.data() + at, sizeof entry);
             const std::byte* const params = slot_.data() + at + sizeof entry;
             at += sizeof entry + entry.bytes;
-            const auto found = world.find(entry.handle.slot);
-            if (found == world.end() || found->second.first != entry.handle.generation) continue;
-            if (entry.version <= versions_[entry.handle.slot]) continue;
-            versions_[entry.handle.slot] = entry.version;
-            Plane& plane = planes_[entry.handle.slot];  // what is not sent stays as it is
+            const auto found = world.find(entry.id.slot);
+            if (found == world.end() || found->second.first != entry.id.generation) continue;
+            if (entry.version <= versions_[entry.id.slot]) continue;
+            versions_[entry.id.slot] = entry.version;
+            Plane& plane = planes_[entry.id.slot];  // what is not sent stays as it is
             std::memcpy(&plane, params, entry.bytes);
             const Plane want = plane_at(plane.offset);
             const bool whole = std::memcmp(&plane, &want, sizeof plane) == 0;
@@ -128,39 +128,39 @@ struct Pair {
 int wrong_takes(std::uint32_t seed, bool forgetful) {
     std::mt19937 random(seed);
     Pair pair;
-    std::vector<Handle> handles;
+    std::vector<RepresentationId> ids;
     double value = 0;
     int wrong = 0;
     for (int step = 0; step < 400; ++step) {
         switch (random() % 8) {
             case 0:
-                if (handles.size() < capacity.representations) {
-                    const Handle handle = pair.table.add(kind_of<Plane>, bytes_of(plane_at(++value)), {});
-                    handles.push_back(handle);
-                    pair.world[handle.slot] = {handle.generation, value};
-                    pair.servo.add(handle, value);
-                    for (auto& [sequence, world] : pair.committed)
-                        world[handle.slot] = pair.world[handle.slot];
+                if (ids.size() < capacity.representations) {
+                    const RepresentationId id =
+                        pair.table.add(kind_of<Plane>, bytes_of(plane_at(++value)), {});
+                    ids.push_back(id);
+                    pair.world[id.slot] = {id.generation, value};
+                    pair.servo.add(id, value);
+                    for (auto& [sequence, world] : pair.committed) world[id.slot] = pair.world[id.slot];
                 }
                 break;
             case 1:
-                if (!handles.empty() && random() % 2 == 0) {
-                    const std::size_t which = random() % handles.size();
-                    const Handle handle = handles[which];
-                    handles.erase(handles.begin() + static_cast<std::ptrdiff_t>(which));
-                    pair.table.remove(handle);
-                    pair.servo.remove(handle);
-                    pair.world.erase(handle.slot);
-                    for (auto& [sequence, world] : pair.committed) world.erase(handle.slot);
+                if (!ids.empty() && random() % 2 == 0) {
+                    const std::size_t which = random() % ids.size();
+                    const RepresentationId id = ids[which];
+                    ids.erase(ids.begin() + static_cast<std::ptrdiff_t>(which));
+                    pair.table.remove(id);
+                    pair.servo.remove(id);
+                    pair.world.erase(id.slot);
+                    for (auto& [sequence, world] : pair.committed) world.erase(id.slot);
                 }
                 break;
             case 2:
             case 3:
             case 4:
-                if (!handles.empty()) {
-                    const Handle handle = handles[random() % handles.size()];
-                    pair.table.set(handle, bytes_of(plane_at(++value)));
-                    pair.world[handle.slot].second = value;
+                if (!ids.empty()) {
+                    const RepresentationId id = ids[random() % ids.size()];
+                    pair.table.set(id, bytes_of(plane_at(++value)));
+                    pair.world[id.slot].second = value;
                 }
                 break;
             case 5:
@@ -188,8 +188,8 @@ TEST(Pending, this_test_would_see_a_library_that_forgets_what_was_not_taken) {
 
 TEST(Pending, shrinks_to_the_last_change_once_the_batch_before_was_taken) {
     Pair pair;
-    const Handle a = pair.table.add(kind_of<Plane>, bytes_of(plane_at(1)), {});
-    const Handle b = pair.table.add(kind_of<Plane>, bytes_of(plane_at(2)), {});
+    const RepresentationId a = pair.table.add(kind_of<Plane>, bytes_of(plane_at(1)), {});
+    const RepresentationId b = pair.table.add(kind_of<Plane>, bytes_of(plane_at(2)), {});
     pair.table.set(a, bytes_of(plane_at(3)));
     pair.commit();
     pair.table.set(b, bytes_of(plane_at(4)));
@@ -207,16 +207,16 @@ TEST(Pending, a_batch_that_changes_everything_always_fits) {
     // Capacity is checked when something is added, so that commit can never fail for want of room.
     const ClaimCapacity small{.representations = 8, .batch_bytes = 900};
     Table table(small);
-    std::vector<Handle> handles;
+    std::vector<RepresentationId> ids;
     try {
-        for (;;) handles.push_back(table.add(kind_of<Plane>, bytes_of(plane_at(0)), {}));
+        for (;;) ids.push_back(table.add(kind_of<Plane>, bytes_of(plane_at(0)), {}));
     } catch (const Error& error) {
         EXPECT_EQ(error.kind, Error::Kind::bad_parameters);
         EXPECT_NE(std::string(error.what()).find("ClaimOptions::representations"), std::string::npos)
             << error.what();
     }
-    ASSERT_FALSE(handles.empty());
-    for (const Handle handle : handles) table.set(handle, bytes_of(plane_at(1)));
+    ASSERT_FALSE(ids.empty());
+    for (const RepresentationId id : ids) table.set(id, bytes_of(plane_at(1)));
     EXPECT_LE(table.batch().size(), small.batch_bytes);
 }
 
@@ -235,9 +235,9 @@ TEST(Pending, slots_run_out_with_a_line_that_says_what_to_ask_for) {
 
 TEST(Pending, a_handle_of_an_earlier_generation_names_nothing) {
     Table table(capacity);
-    const Handle old = table.add(kind_of<Plane>, bytes_of(plane_at(1)), {});
+    const RepresentationId old = table.add(kind_of<Plane>, bytes_of(plane_at(1)), {});
     table.remove(old);
-    const Handle young = table.add(kind_of<Plane>, bytes_of(plane_at(2)), {});
+    const RepresentationId young = table.add(kind_of<Plane>, bytes_of(plane_at(2)), {});
     EXPECT_EQ(young.slot, old.slot) << "the case that matters";
     EXPECT_EQ(table.find(old), nullptr);
     EXPECT_NE(table.find(young), nullptr);
@@ -266,18 +266,18 @@ void moves_and_changes() {
     R params{};
     const auto changed_geometry = [&] { return bytes_of(params, 0); };
     const auto changed_material = [&] { return bytes_of(params, whole - 1); };
-    const Handle handle = pair.table.add(kind_of<R>, std::as_bytes(std::span(&params, 1)), {});
-    pair.table.set(handle, changed_geometry());
+    const RepresentationId id = pair.table.add(kind_of<R>, std::as_bytes(std::span(&params, 1)), {});
+    pair.table.set(id, changed_geometry());
     EXPECT_EQ(next_bytes(pair), geometry);
-    pair.table.set(handle, changed_material());
-    pair.table.set(handle, changed_geometry());
+    pair.table.set(id, changed_material());
+    pair.table.set(id, changed_geometry());
     EXPECT_EQ(next_bytes(pair), whole);
     pair.commit();
-    pair.table.set(handle, changed_geometry());
+    pair.table.set(id, changed_geometry());
     EXPECT_EQ(next_bytes(pair), whole) << "the batch before is not known to have been taken";
     pair.servo.take();
     pair.commit();
-    pair.table.set(handle, changed_geometry());
+    pair.table.set(id, changed_geometry());
     EXPECT_EQ(next_bytes(pair), geometry) << "the servo has the rest";
     pair.table.refused();
     EXPECT_EQ(next_bytes(pair), whole) << "the servo has refused the rest";
@@ -294,15 +294,15 @@ TEST(Pending, of_any_kind_the_geometry_is_sent_alone_where_the_servo_has_the_res
 
 TEST(Pending, a_new_servo_gets_what_was_committed_and_keeps_what_was_not) {
     Table table(capacity);
-    const Handle handle = table.add(kind_of<Plane>, bytes_of(plane_at(1)), {});
-    table.find(handle)->issued = true;
-    table.set(handle, bytes_of(plane_at(2)));
+    const RepresentationId id = table.add(kind_of<Plane>, bytes_of(plane_at(1)), {});
+    table.find(id)->issued = true;
+    table.set(id, bytes_of(plane_at(2)));
     table.committed_for_replay();
-    table.set(handle, bytes_of(plane_at(3)));
+    table.set(id, bytes_of(plane_at(3)));
     table.restarted();
-    ASSERT_EQ(table.issued(), std::vector{handle});
+    ASSERT_EQ(table.issued(), std::vector{id});
     Plane replayed;
-    std::memcpy(&replayed, table.find(handle)->committed.data(), sizeof replayed);
+    std::memcpy(&replayed, table.find(id)->committed.data(), sizeof replayed);
     EXPECT_EQ(replayed.offset, 2);
     table.batch();
     EXPECT_EQ(table.batch_entries(), 1u) << "the change that no commit has covered yet is still to come";

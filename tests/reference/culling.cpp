@@ -1,4 +1,4 @@
-// Skipping changes nothing: a scene of bounded surfaces against the same scene in which each is asked in
+// Skipping changes nothing: a scene of bounded surfaces against the same scene in which each is evaluated in
 // every cycle. A surface with a velocity has no bound; one of 1e-300 m/s moves it nowhere.
 
 #include <algorithm>
@@ -52,24 +52,24 @@ R placed(Rng& rng, R r, const Vector& p) {
 
 /// The scene as it is, and the one in which nothing is out of reach.
 struct Pair {
-    Scene skipping, asking;
+    Scene skipping, exhaustive;
     explicit Pair(const Scene::Capacity& capacity)
-        : skipping(capacity, limits()), asking(capacity, limits()) {}
+        : skipping(capacity, limits()), exhaustive(capacity, limits()) {}
     static Limits limits() { return {.max_stiffness = 2000, .max_force = 20}; }
 
     template <class R>
-    bool add(Handle h, R surface, std::uint32_t probe) {
+    bool add(RepresentationId h, R surface, std::uint32_t probe) {
         const bool one = bool(skipping.add(h, surface, {.probe = probe}));
         surface.velocity = {1e-300, 0, 0};
-        return one && bool(asking.add(h, surface, {.probe = probe}));
+        return one && bool(exhaustive.add(h, surface, {.probe = probe}));
     }
     template <class R>
-    bool update(Handle h, R surface) {
+    bool update(RepresentationId h, R surface) {
         const bool one = bool(skipping.update(h, surface));
         surface.velocity = {1e-300, 0, 0};
-        return one && bool(asking.update(h, surface));
+        return one && bool(exhaustive.update(h, surface));
     }
-    bool remove(Handle h) { return bool(skipping.remove(h)) && bool(asking.remove(h)); }
+    bool remove(RepresentationId h) { return bool(skipping.remove(h)) && bool(exhaustive.remove(h)); }
 };
 
 struct Slot {
@@ -156,7 +156,7 @@ bool has_flag(const Scene& scene, std::uint32_t flag) {
 }
 
 struct Figures {
-    std::uint64_t cycles = 0, felt = 0, skipped = 0, asked = 0, contradicting = 0;
+    std::uint64_t cycles = 0, felt = 0, skipped = 0, evaluated = 0, contradicting = 0;
 };
 
 /// Of a case that is run again: which surfaces differ.
@@ -165,12 +165,12 @@ void tell(const World& w, int cycle, double dt, const Probe& hand) {
                 hand.position.z());
     std::vector<Feedback> one(w.slots.size()), other(w.slots.size());
     const std::size_t n = w.pair.skipping.feedback(one);
-    w.pair.asking.feedback(other);
+    w.pair.exhaustive.feedback(other);
     for (std::size_t j = 0; j < n; ++j) {
         const Vector f = one[j].wrench.force, g = other[j].wrench.force;
         if (f.isZero(0) && g.isZero(0)) continue;
-        std::printf("  slot %u kind %d: %g %g %g flags %u against %g %g %g flags %u\n", one[j].handle.slot,
-                    w.slots[one[j].handle.slot].kind, f.x(), f.y(), f.z(), one[j].flags, g.x(), g.y(), g.z(),
+        std::printf("  slot %u kind %d: %g %g %g flags %u against %g %g %g flags %u\n", one[j].id.slot,
+                    w.slots[one[j].id.slot].kind, f.x(), f.y(), f.z(), one[j].flags, g.x(), g.y(), g.z(),
                     other[j].flags);
     }
 }
@@ -182,15 +182,15 @@ void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures
         const knurl::ProbePlacement placement{
             .offset = knurl::to_plain(i == 0 ? Vector(0, 0, 0) : Vector(0.03 * rng.direction())),
             .radius = rng.one_in(2) ? 0 : rng.uniform(0, 0.008)};
-        c.require(
-            bool(w.pair.skipping.place_probe(i, placement)) && bool(w.pair.asking.place_probe(i, placement)),
-            "placed");
+        c.require(bool(w.pair.skipping.place_probe(i, placement)) &&
+                      bool(w.pair.exhaustive.place_probe(i, placement)),
+                  "placed");
     }
     for (std::uint32_t i = 0; i < surfaces; ++i) {
         if (!rng.one_in(5)) c.require(w.put(i, w.anywhere()), "added");
     }
     w.pair.skipping.settle();
-    w.pair.asking.settle();
+    w.pair.exhaustive.settle();
     if (rng.one_in(2)) w.pair.skipping.index();
 
     Probe hand = at(w.anywhere());
@@ -218,13 +218,13 @@ void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures
             c.require(rng.one_in(4) ? w.take(which) : w.put(which, p), "changed");
         }
         if (rng.one_in(2000)) w.pair.skipping.index();
-        const Wrench want = w.pair.asking.evaluate(hand, dt), got = w.pair.skipping.evaluate(hand, dt);
+        const Wrench want = w.pair.exhaustive.evaluate(hand, dt), got = w.pair.skipping.evaluate(hand, dt);
         ++figures.cycles;
         figures.felt += want.force.norm() > 0;
         figures.skipped += w.pair.skipping.evaluated();
-        figures.asked += w.pair.asking.evaluated();
+        figures.evaluated += w.pair.exhaustive.evaluated();
         c.require(finite(got), "finite");
-        figures.contradicting += has_flag(w.pair.asking, Feedback::infeasible);
+        figures.contradicting += has_flag(w.pair.exhaustive, Feedback::infeasible);
         constexpr Real force = 2000 * 0.3L, size = 0.3L;  // N, of the stiffest over the world; m
         if (c.replayed() && (got.force - want.force).norm() > 1e-9) tell(w, i, dt, hand);
         c.require(!(want.force.norm() > 1e-3) || got.force.norm() > 0, "no contact is missed");
@@ -237,7 +237,7 @@ void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures
 
 }  // namespace
 
-TEST(Culling, AnswersAsIfEverySurfaceWereAsked) {
+TEST(Culling, AnswersAsIfEverySurfaceWereEvaluated) {
     Figures figures;
     // A million cycles in the long form.
     run(
@@ -247,13 +247,13 @@ TEST(Culling, AnswersAsIfEverySurfaceWereAsked) {
     run(
         "culling, 2000 surfaces", 3, [&](Case& c) { judge_culling(c, 2000, 500, figures); }, bound, 100);
     std::printf(
-        "%llu cycles, felt in %llu, contradicting in %llu; asked %.1f a cycle instead of %.1f\n",
+        "%llu cycles, felt in %llu, contradicting in %llu; evaluated %.1f a cycle instead of %.1f\n",
         static_cast<unsigned long long>(figures.cycles), static_cast<unsigned long long>(figures.felt),
         static_cast<unsigned long long>(figures.contradicting),
-        double(figures.skipped) / double(figures.cycles), double(figures.asked) / double(figures.cycles));
+        double(figures.skipped) / double(figures.cycles), double(figures.evaluated) / double(figures.cycles));
     if (figures.cycles > 10'000) {
         EXPECT_GT(figures.felt * 10, figures.cycles) << "a test that hardly touches anything";
-        EXPECT_LT(figures.skipped * 5, figures.asked) << "a test in which hardly anything is skipped";
+        EXPECT_LT(figures.skipped * 5, figures.evaluated) << "a test in which hardly anything is skipped";
     }
 }
 

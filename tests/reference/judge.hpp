@@ -22,9 +22,9 @@
 namespace judge {
 
 using exact::Real;
-using knurl::Handle;
 using knurl::Limits;
 using knurl::Probe;
+using knurl::RepresentationId;
 using knurl::Scene;
 using knurl::Vec3;
 using knurl::Wrench;

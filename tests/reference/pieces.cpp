@@ -25,7 +25,7 @@ void follow(Case& c, R& surface, Touch& touch, const Shape& shape, const Vector&
     const Limits limits = any_limits(rng);
     const Real k = any_material(rng, surface, limits);
     surface.velocity = {1e-300, 0,
-                        0};  // asked in every cycle; culling.cpp judges whether skipping changes anything
+                        0};  // evaluated in every cycle; culling.cpp judges whether skipping changes anything
     if (rng.one_in(3)) surface.velocity = knurl::to_plain(rng.scale(1e-3, 1) * size * rng.direction());
     Scene scene({2, 1}, limits);
     c.require(bool(scene.place_probe(0, {.offset = {}, .radius = radius})), "placed");

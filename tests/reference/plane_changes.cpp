@@ -52,11 +52,11 @@ struct Change {
     }
 };
 
-struct Felt {
+struct ExpectedForce {
     exact::V force;
     Real depth, scale, sharpness, give;
 };
-Felt felt(const std::vector<Plane>& planes, const Vector& probe, const Limits& limits) {
+ExpectedForce felt(const std::vector<Plane>& planes, const Vector& probe, const Limits& limits) {
     const exact::V p = real(probe);
     const exact::Push push = exact::push(touches_of(planes, p, 0, 0, limits.max_stiffness), {});
     return {exact::capped(push.force, limits.max_force), exact::length(push.dx),
@@ -89,8 +89,8 @@ TEST(Planes, AnyChangeIsFadedFromTheOldSetToTheNew) {
         Real T = change.time, elapsed = 0;
         for (int i = 0; i < 5; ++i) {
             s.probe += (i == 0 ? 0 : rng.scale(1e-6, 0.1)) * s.size * rng.direction();
-            const Felt before = felt(change.before, s.probe, limits),
-                       after = felt(change.after, s.probe, limits);
+            const ExpectedForce before = felt(change.before, s.probe, limits),
+                                after = felt(change.after, s.probe, limits);
             if (before.give != 0 || after.give != 0)
                 return c.skip();  // contradictions have a test of their own
             if (i == 0 && rises && T > 0) T = std::max(T, (after.depth - before.depth) / 0.1L);
@@ -119,13 +119,13 @@ TEST(Planes, AChangeInTheMiddleOfAnotherGoesOnFromThePresentForce) {
         scene.evaluate(at(s.probe), 1e-3);
         std::vector<Plane> planes = s.planes;
         for (std::uint32_t i = 0; i < 3; ++i) {  // the hand stands still: then the old set's force does, too
-            const Felt before = felt(planes, s.probe, {});
+            const ExpectedForce before = felt(planes, s.probe, {});
             planes.push_back(
                 {.normal = knurl::to_plain(rng.direction()), .stiffness = 1000, .recovery = 0.01});
             planes.back().offset =
                 knurl::to_eigen(planes.back().normal).dot(s.probe) + s.size * rng.uniform(-1, 0.5);
             c.require(bool(scene.add({12 + i, 1}, planes.back())), "added");
-            const Felt after = felt(planes, s.probe, {});
+            const ExpectedForce after = felt(planes, s.probe, {});
             if (before.give != 0 || after.give != 0) return c.skip();
             scale = std::max({scale, after.scale, before.scale});
             sharpness = std::min({sharpness, before.sharpness, after.sharpness});

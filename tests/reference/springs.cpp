@@ -154,8 +154,8 @@ TEST(Springs, ManyOnSeveralProbesActAsTheirSum) {
             const exact::V arm = exact::turned(real(hand.orientation), offset[on]);
             Spring s = any_spring(rng, hand);
             if (rng.one_in(2)) s.rest_length = 0;  // those that ask for no feedback collapse
-            const knurl::Use use{.probe = on, .feedback = rng.one_in(3) ? 1u : 0u};
-            c.require(bool(scene.add({static_cast<std::uint32_t>(i), 1}, s, use)), "added");
+            const knurl::AddOptions options{.probe = on, .feedback = rng.one_in(3) ? 1u : 0u};
+            c.require(bool(scene.add({static_cast<std::uint32_t>(i), 1}, s, options)), "added");
             // On a probe of the hand: as a spring with a longer arm.
             const exact::V attach = real(s.attach) + offset[on];
             exact::Tip tip = tip_of(hand);

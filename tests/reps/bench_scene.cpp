@@ -122,12 +122,12 @@ void meshes_apart(benchmark::State& state, double spin) {
         return at({0.05 * std::sin(t), 0.05 * std::cos(t), 0}, {0.1 * std::cos(t), -0.1 * std::sin(t), 0});
     };
     scene.evaluate(next(), dt);
-    std::uint64_t asked = 0;
+    std::uint64_t evaluated = 0;
     for (auto _ : state) {
         benchmark::DoNotOptimize(scene.evaluate(next(), dt));
-        asked += scene.evaluated();
+        evaluated += scene.evaluated();
     }
-    state.counters["asked"] = static_cast<double>(asked) / static_cast<double>(state.iterations());
+    state.counters["evaluated"] = static_cast<double>(evaluated) / static_cast<double>(state.iterations());
 }
 void meshes_out_of_reach(benchmark::State& state) {
     meshes_apart(state, 0);
@@ -164,15 +164,15 @@ void carried_meshes_out_of_reach(benchmark::State& state) {
     };
     for (std::uint32_t i = 0; i < n; ++i) (void)scene.add({i, 1}, shape(i));
     scene.settle();
-    std::uint64_t cycle = 0, asked = 0;
+    std::uint64_t cycle = 0, evaluated = 0;
     for (auto _ : state) {
         t += dt;
         if (++cycle % every == 0)
             for (std::uint32_t i = 0; i < n; ++i) (void)scene.update({i, 1}, shape(i));
         benchmark::DoNotOptimize(scene.evaluate(at({0.05 * std::sin(2 * t), 0.05 * std::cos(2 * t), 0}), dt));
-        asked += scene.evaluated();
+        evaluated += scene.evaluated();
     }
-    state.counters["asked"] = static_cast<double>(asked) / static_cast<double>(state.iterations());
+    state.counters["evaluated"] = static_cast<double>(evaluated) / static_cast<double>(state.iterations());
 }
 
 void springs(benchmark::State& state) {
@@ -315,21 +315,21 @@ void spheres(benchmark::State& state) {
         return std::chrono::duration<double, std::nano>(Clock::now() - begin).count();
     };
     double t = 0;
-    std::uint64_t asked = 0;
+    std::uint64_t evaluated = 0;
     for (auto _ : state) {
         t += dt;
         const Probe probe =
             at({0.06 * std::sin(t), 0.06 * std::sin(1.3 * t + 1), 0.06 * std::sin(0.7 * t + 2)});
         taken.push_back(between_readings([&] { benchmark::DoNotOptimize(scene.evaluate(probe, dt)); }));
         empty_pair.push_back(between_readings([] {}));
-        asked += scene.evaluated();
+        evaluated += scene.evaluated();
     }
     std::sort(taken.begin(), taken.end());
     std::sort(empty_pair.begin(), empty_pair.end());
     const double clock = empty_pair[empty_pair.size() / 2];
     state.counters["median_ns"] = taken[taken.size() / 2] - clock;
     state.counters["p99_ns"] = taken[taken.size() * 99 / 100] - clock;
-    state.counters["asked"] = static_cast<double>(asked) / static_cast<double>(taken.size());
+    state.counters["evaluated"] = static_cast<double>(evaluated) / static_cast<double>(taken.size());
 }
 
 BENCHMARK(empty);

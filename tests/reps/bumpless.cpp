@@ -163,24 +163,24 @@ TEST(Bumpless, SlotsThatChangeTheirKindAndProbe) {
                     ASSERT_TRUE(scene.remove({0, generation}));
                 }
                 present = between(rng, 0, 3) > 0;
-                const Use use{.probe = static_cast<std::uint32_t>(between(rng, 0, 1))};
+                const AddOptions options{.probe = static_cast<std::uint32_t>(between(rng, 0, 1))};
                 if (present) {
                     ++generation;
                     const int kind = between(rng, 0, 2);
                     if (kind == 0) {
-                        ASSERT_TRUE(scene.add({0, generation}, random_plane(rng, time), use));
+                        ASSERT_TRUE(scene.add({0, generation}, random_plane(rng, time), options));
                     }
                     if (kind == 1) {
                         ASSERT_TRUE(scene.add({0, generation},
                                               Spring{.anchor = to_plain(0.02 * direction(rng)),
                                                      .stiffness = 200,
                                                      .duration = time},
-                                              use));
+                                              options));
                     }
                     if (kind == 2) {
                         ASSERT_TRUE(scene.add(
                             {0, generation},
-                            ConstantForce{.force = to_plain(3 * direction(rng)), .recovery = time}, use));
+                            ConstantForce{.force = to_plain(3 * direction(rng)), .recovery = time}, options));
                     }
                 }
             }

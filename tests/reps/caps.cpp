@@ -83,7 +83,7 @@ TEST(Cap, HeightAndNormalAreThoseOfTheSurfaceItDescribesWithinAndBeyondItsRim) {
         if (straight && std::abs(height) > std::abs(u) / 4) continue;
         const Placed placed =
             two ? over_torus(cap, u, v, height) : over_sphere(rng, cap, std::abs(u), height);
-        Asked<Cap> surface(cap);
+        Evaluated<Cap> surface(cap);
         const Contact c = surface(placed.p.cast<double>());
         const double entering =
             std::max({to_eigen(cap.foot).norm(), static_cast<double>(placed.p.norm()), 1 / strongest});
@@ -118,7 +118,7 @@ TEST(Cap, IsTheOsculatingSphereWithinTheRimAndTheRimsTangentPlaneBeyond) {
             const Long g = c + std::cos(most) * from + std::sin(most) * std::abs(R) * side;
             height = ((c - g) / R).dot(p.cast<long double>() - g);
         }
-        ASSERT_NEAR(Asked<Cap>(cap)(p).height, static_cast<double>(height),
+        ASSERT_NEAR(Evaluated<Cap>(cap)(p).height, static_cast<double>(height),
                     1e-12 * std::max(0.1, static_cast<double>(std::abs(R))))
             << "seed " << seed << " round " << round;
     }
@@ -130,11 +130,11 @@ TEST(Cap, FollowsTheSurfaceThatItWasFittedToUpToTheFourthOrder) {
     for (int round = 0; round < 2000; ++round) {
         const double k1 = uniform(rng, -30, 30), k2 = uniform(rng, -30, 30);
         const Vector n = direction(rng), a = n.cross(direction(rng)).normalized(), b = n.cross(a);
-        Asked<Cap> cap({.normal = to_plain(n),
-                        .curvature = k1,
-                        .curvature2 = k2,
-                        .axis = to_plain(Vector(3 * a + 0.5 * n)),
-                        .rim = 0.5});
+        Evaluated<Cap> cap({.normal = to_plain(n),
+                            .curvature = k1,
+                            .curvature2 = k2,
+                            .axis = to_plain(Vector(3 * a + 0.5 * n)),
+                            .rim = 0.5});
         const double k = std::max(std::abs(k1), std::abs(k2));
         for (const double d : {1e-4, 1e-3}) {
             const double t = uniform(rng, 0, 2 * M_PI), x = d * std::cos(t), y = d * std::sin(t);
@@ -151,18 +151,19 @@ TEST(Cap, WithoutCurvatureIsAPlaneAndGoesOverIntoOneWithoutAStep) {
         const Vector p = foot + 0.03 * uniform(rng, 0, 1) * direction(rng);
         Cap cap{.foot = to_plain(foot), .normal = to_plain(n)};
         const double plane = n.dot(p - foot);
-        EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-16);
+        EXPECT_NEAR(Evaluated<Cap>(cap)(p).height, plane, 1e-16);
         for (const double k : {1e-9, -1e-9, 1e-300, -5e-324}) {
             cap.curvature = k;
-            EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-12) << k;
-            EXPECT_LE((Asked<Cap>(cap)(p).normal - n).norm(), 1e-10) << k;
+            EXPECT_NEAR(Evaluated<Cap>(cap)(p).height, plane, 1e-12) << k;
+            EXPECT_LE((Evaluated<Cap>(cap)(p).normal - n).norm(), 1e-10) << k;
         }
         cap.curvature = 25;
         cap.rim = 0;  // nothing is followed but the tangent plane
-        EXPECT_EQ(Asked<Cap>({.curvature = 25, .rim = 0})({0, 0, 0.2}).height, 0.2) << "beyond the centre";
-        EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-16);
+        EXPECT_EQ(Evaluated<Cap>({.curvature = 25, .rim = 0})({0, 0, 0.2}).height, 0.2)
+            << "beyond the centre";
+        EXPECT_NEAR(Evaluated<Cap>(cap)(p).height, plane, 1e-16);
         cap.axis = to_plain(n.unitOrthogonal());
-        EXPECT_NEAR(Asked<Cap>(cap)(p).height, plane, 1e-16);
+        EXPECT_NEAR(Evaluated<Cap>(cap)(p).height, plane, 1e-16);
     }
 }
 
@@ -171,7 +172,7 @@ TEST(Cap, IsSmoothAcrossItsRim) {
     for (int round = 0; round < 500; ++round) {
         const bool two = round % 2;
         const Cap params = random_cap(rng, 0.01, two);
-        Asked<Cap> cap(params);
+        Evaluated<Cap> cap(params);
         const double strongest = std::max(std::abs(params.curvature), std::abs(params.curvature2));
         const double rim = std::asin(params.rim) / strongest, depth = -0.2 / strongest;
         Rng same(99);
@@ -197,7 +198,7 @@ TEST(Cap, TheNormalIsTheHeightsGradient) {
     Rng rng(4206);
     for (int round = 0; round < 2000; ++round) {
         const Cap params = random_cap(rng, 0.01, round % 2);
-        Asked<Cap> cap(params);
+        Evaluated<Cap> cap(params);
         const Vector p = 0.004 * direction(rng);
         const Vector n = cap(p).normal, g = gradient_of(cap, p, 1e-7);
         // Except where two parts of it are equally near: there the normals on both sides differ.
@@ -213,7 +214,7 @@ TEST(Cap, GivesBackTheWorkOfEveryClosedLoop) {
     for (int round = 0; round < 40; ++round) {
         Cap params = random_cap(rng, 0.02, round % 2);
         params.rim = round % 4 < 2 ? 0.15 : 0.05;  // the loop crosses it
-        Asked<Cap> cap(params);
+        Evaluated<Cap> cap(params);
         const SmallLoop loop(rng, -0.001 * to_eigen(params.normal));
         const double sum = work_along(loop, 20'000, [&](const Vector& p) { return force_of(cap(p)); });
         EXPECT_LE(std::abs(sum), 1e-8) << "J; seed " << seed << " round " << round;
@@ -226,7 +227,7 @@ TEST(Cap, AtAndBeyondItsCentreItIsStillASurface) {
         for (const bool two : {false, true}) {
             Cap params{.normal = {0, 0, 1}, .curvature = k};
             if (two) params.axis = {1, 0, 0}, params.curvature2 = k * 0.5;
-            Asked<Cap> cap(params);
+            Evaluated<Cap> cap(params);
             const Contact c = cap({0, 0, 1 / k});
             EXPECT_NEAR(c.height, 1 / k, 1e-12 / std::abs(k));
             EXPECT_NEAR(c.normal.z(), 1, 1e-12);
@@ -252,7 +253,7 @@ TEST(Cap, ItDoesNotMatterWhichCurvatureIsNamedFirst) {
         std::swap(other.curvature, other.curvature2);
         other.axis = to_plain(to_eigen(one.normal).cross(to_eigen(one.axis)));
         const Vector p = 0.01 * direction(rng);
-        EXPECT_NEAR(Asked<Cap>(one)(p).height, Asked<Cap>(other)(p).height, 1e-15);
+        EXPECT_NEAR(Evaluated<Cap>(one)(p).height, Evaluated<Cap>(other)(p).height, 1e-15);
     }
 }
 
@@ -285,7 +286,7 @@ TEST(Cap, AProbeWithARadiusTouchesThatMuchEarlier) {
         Cap params = random_cap(rng, 0.01, round % 2);
         params.curvature = std::min(params.curvature, 90.0),
         params.curvature2 = std::min(params.curvature2, 90.0);
-        Asked<Cap> cap(params);
+        Evaluated<Cap> cap(params);
         const Vector p = 0.01 * direction(rng);
         EXPECT_NEAR(cap(p, 0.005).height, cap(p).height - 0.005, 1e-16);
         EXPECT_EQ(cap(p, 0.005).normal, cap(p).normal);
@@ -293,7 +294,7 @@ TEST(Cap, AProbeWithARadiusTouchesThatMuchEarlier) {
 }
 
 TEST(Cap, AHollowTighterThanTheProbeDoesNotTurnTheNormalRound) {
-    Asked<Cap> cap({.normal = {0, 0, 1}, .curvature = 1000});  // 1 mm, probed with 8 mm
+    Evaluated<Cap> cap({.normal = {0, 0, 1}, .curvature = 1000});  // 1 mm, probed with 8 mm
     for (const double x : {-0.001, -1e-9, 0.0, 1e-9, 0.001}) {
         const Contact c = cap({x, 0, 0.0079}, 0.008);
         EXPECT_LT(c.height, 0);
@@ -303,7 +304,7 @@ TEST(Cap, AHollowTighterThanTheProbeDoesNotTurnTheNormalRound) {
 
 TEST(Cap, MovesOnWithItsVelocityUntilItIsPlacedAgain) {
     Cap params{.curvature = -20, .velocity = {0, 0, 0.1}};
-    Asked<Cap> cap(params);
+    Evaluated<Cap> cap(params);
     EXPECT_EQ(cap({0, 0, 0.002}).height, 0.002) << "the cycle that places it";
     EXPECT_EQ(cap({0, 0, 0.002}, 0, 0).height, 0.002);
     for (int i = 1; i <= 10; ++i) {

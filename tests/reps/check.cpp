@@ -17,8 +17,8 @@ using Code = Verdict::Code;
 
 namespace {
 
-std::string refusal(const Use& use) {
-    return describe(check_use(use), kind_of<Plane>, "floor");
+std::string refusal(const AddOptions& options) {
+    return describe(check_options(options), kind_of<Plane>, "floor");
 }
 std::string refusal(std::uint32_t probe, const ProbePlacement& placement) {
     return describe(check_placement(probe, placement), kind_of<Plane>, "");
@@ -30,14 +30,15 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 }  // namespace
 
 TEST(Check, ARefusedUseIsNamedAsAFieldIs) {
-    EXPECT_EQ(refusal(Use{.probe = 16}), "floor: plane.probe = 16: there is no such probe; give 0 to 15");
-    EXPECT_EQ(refusal(Use{.on_silence = static_cast<OnSilence>(7)}),
+    EXPECT_EQ(refusal(AddOptions{.probe = 16}),
+              "floor: plane.probe = 16: there is no such probe; give 0 to 15");
+    EXPECT_EQ(refusal(AddOptions{.on_silence = static_cast<OnSilence>(7)}),
               "floor: plane.on_silence = 7 is none of its choices; give one of fade hold move");
-    EXPECT_EQ(refusal(Use{.silence_time = -1}),
+    EXPECT_EQ(refusal(AddOptions{.silence_time = -1}),
               "floor: plane.silence_time = -1 s is out of range; give a value of 0 s or more");
-    EXPECT_EQ(refusal(Use{.silence_time = not_a_number}),
+    EXPECT_EQ(refusal(AddOptions{.silence_time = not_a_number}),
               "floor: plane.silence_time = nan is not a finite number; give a value of 0 s or more");
-    EXPECT_EQ(describe(check_use({.probe = 2}, 2), Representations::size, ""),
+    EXPECT_EQ(describe(check_options({.probe = 2}, 2), Representations::size, ""),
               "representation.probe = 2: there is no such probe; give 0 to 1");
 }
 
@@ -54,8 +55,8 @@ TEST(Check, ARefusedPlacementIsOfTheProbe) {
 
 TEST(Check, WhatIsAddedIsCheckedWhole) {
     Plane plane{.stiffness = 100};
-    const auto check = [&](Kind kind, std::size_t bytes, const Use& use) {
-        return check_added(kind, &plane, bytes, use);
+    const auto check = [&](Kind kind, std::size_t bytes, const AddOptions& options) {
+        return check_added(kind, &plane, bytes, options);
     };
     EXPECT_TRUE(check(kind_of<Plane>, sizeof plane, {}));
     EXPECT_EQ(check(kind_of<Plane>, sizeof plane, {.silence_time = -1}).code, Code::out_of_range);
@@ -85,14 +86,15 @@ TEST(Check, IsTheRuleSpelledOut) {
     Scene scene({.representations = 1, .probes = 5}, {});
     int accepted = 0;
     for (int i = 0; i < 20'000; ++i) {
-        const Use use{.probe = static_cast<std::uint32_t>(random() % 7),
-                      .on_silence = static_cast<OnSilence>(random() % 4),
-                      .silence_time = any()};
-        Code code = use.probe >= 5                                    ? Code::no_such_probe
-                    : static_cast<std::uint32_t>(use.on_silence) >= 3 ? Code::no_such_choice
-                                                                      : within(use.silence_time, 0, inf);
-        ASSERT_EQ(check_use(use, 5).code, code) << use.silence_time;
-        const Verdict added = scene.add({0, 1}, Plane{}, use);
+        const AddOptions options{.probe = static_cast<std::uint32_t>(random() % 7),
+                                 .on_silence = static_cast<OnSilence>(random() % 4),
+                                 .silence_time = any()};
+        Code code = options.probe >= 5 ? Code::no_such_probe
+                    : static_cast<std::uint32_t>(options.on_silence) >= 3
+                        ? Code::no_such_choice
+                        : within(options.silence_time, 0, inf);
+        ASSERT_EQ(check_options(options, 5).code, code) << options.silence_time;
+        const Verdict added = scene.add({0, 1}, Plane{}, options);
         ASSERT_EQ(added.code, code);
         if (added) {
             ASSERT_TRUE(scene.remove({0, 1}));
@@ -119,13 +121,13 @@ TEST(Check, ASlotIsVacantOrNamedOrNeither) {
     const std::array<Slot, 3> slots{Slot{true, 4}, Slot{false, 4}, Slot{true, 1}};
     for (std::uint32_t slot = 0; slot < 5; ++slot)
         for (std::uint32_t generation = 0; generation < 6; ++generation) {
-            const Handle handle{slot, generation};
+            const RepresentationId id{slot, generation};
             const bool inside = slot < 3;
-            EXPECT_EQ(check_vacant(handle, slots).code, !inside               ? Code::too_many
-                                                        : slots[slot].present ? Code::slot_in_use
-                                                                              : Code::ok);
+            EXPECT_EQ(check_vacant(id, slots).code, !inside               ? Code::too_many
+                                                    : slots[slot].present ? Code::slot_in_use
+                                                                          : Code::ok);
             const bool named = inside && slots[slot].present && slots[slot].generation == generation;
-            EXPECT_EQ(check_named(handle, slots).code, named ? Code::ok : Code::no_such_slot);
+            EXPECT_EQ(check_named(id, slots).code, named ? Code::ok : Code::no_such_slot);
         }
     EXPECT_EQ(check_vacant({7, 1}, slots).value, 3) << "so many there are";
 }

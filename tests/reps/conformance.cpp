@@ -26,7 +26,7 @@ template <class R>
 struct Conformance : testing::Test {
     static constexpr std::uint64_t seed = 12345;
     Rng rng{seed};
-    static constexpr Handle handle{3, 9};
+    static constexpr RepresentationId id{3, 9};
 };
 TYPED_TEST_SUITE(Conformance, Enrol<Representations>::Types);
 
@@ -81,7 +81,7 @@ TYPED_TEST(Conformance, ItsDefaultsAreLegal) {
 TYPED_TEST(Conformance, EveryIllegalValueIsRefusedByFieldAndChangesNothing) {
     Scene scene = make_scene();
     const TypeParam good = random_params<TypeParam>(this->rng, false);
-    ASSERT_TRUE(scene.add(this->handle, good));
+    ASSERT_TRUE(scene.add(this->id, good));
     const Probe probe = at({0.001, 0.002, -0.003});
     settled(scene, probe);
     const Wrench before = scene.evaluate(probe, 0);
@@ -89,7 +89,7 @@ TYPED_TEST(Conformance, EveryIllegalValueIsRefusedByFieldAndChangesNothing) {
     for (std::uint32_t f = 0; f < std::size(Describe<TypeParam>::fields); ++f) {
         const Field& field = Describe<TypeParam>::fields[f];
         const auto refused = [&](const TypeParam& params, const auto& value) {
-            const Verdict verdict = scene.update(this->handle, params);
+            const Verdict verdict = scene.update(this->id, params);
             EXPECT_FALSE(verdict) << field.name << " = " << value;
             EXPECT_EQ(verdict.field, f) << field.name << " = " << value;
             EXPECT_FALSE(scene.add({7, 1}, params)) << field.name << " = " << value;
@@ -137,11 +137,11 @@ TYPED_TEST(Conformance, AChangeIsJudgedAsAllOfItWouldBe) {
     const std::array<double, 8> odd = {
         std::numeric_limits<double>::quiet_NaN(), infinity, 1e300, -1, 0, 1e-9, 0.5, 5};
     Scene scene = make_scene();
-    ASSERT_TRUE(scene.add(this->handle, random_params<TypeParam>(this->rng, false)));
+    ASSERT_TRUE(scene.add(this->id, random_params<TypeParam>(this->rng, false)));
     int refused = 0;
     for (int round = 0; round < 5000; ++round) {
         TypeParam params = random_params<TypeParam>(this->rng, false);
-        ASSERT_TRUE(scene.update(this->handle, params));
+        ASSERT_TRUE(scene.update(this->id, params));
         const TypeParam there = params, other = random_params<TypeParam>(this->rng, true);
         for (int changes = 0; changes < 1 + round % 3; ++changes) {
             const std::size_t word = this->rng() % (sizeof(TypeParam) / 8);
@@ -150,13 +150,13 @@ TYPED_TEST(Conformance, AChangeIsJudgedAsAllOfItWouldBe) {
             std::memcpy(reinterpret_cast<std::byte*>(&params) + 8 * word, from, 8);
         }
         const Verdict whole = kind.validate(&params),
-                      change = scene.check_update(this->handle, kind_of<TypeParam>, &params, sizeof params);
+                      change = scene.check_update(this->id, kind_of<TypeParam>, &params, sizeof params);
         ASSERT_EQ(whole.code, change.code) << "seed " << this->seed << ", round " << round;
         ASSERT_EQ(whole.field, change.field);
         TypeParam moved = there;
         std::memcpy(static_cast<void*>(&moved), &params, geometry_bytes<TypeParam>());
         const Verdict moved_whole = kind.validate(&moved),
-                      alone = scene.check_update(this->handle, kind_of<TypeParam>, &params,
+                      alone = scene.check_update(this->id, kind_of<TypeParam>, &params,
                                                  geometry_bytes<TypeParam>());
         ASSERT_EQ(moved_whole.code, alone.code) << "seed " << this->seed << ", round " << round;
         ASSERT_EQ(moved_whole.field, alone.field);
@@ -173,7 +173,7 @@ TYPED_TEST(Conformance, AGeometrySentAloneIsFeltAsAllOfItWouldBe) {
     for (int round = 0; round < 100; ++round) {
         Scene whole = make_scene(), part = make_scene();
         TypeParam params = random_params<TypeParam>(this->rng, false);
-        for (Scene* scene : {&whole, &part}) ASSERT_TRUE(scene->add(this->handle, params));
+        for (Scene* scene : {&whole, &part}) ASSERT_TRUE(scene->add(this->id, params));
         for (int i = 0; i < 60; ++i) {
             const TypeParam other = random_params<TypeParam>(this->rng, false);
             if (i % 4 == 0) std::memcpy(static_cast<void*>(&params), &other, geometry);
@@ -187,8 +187,8 @@ TYPED_TEST(Conformance, AGeometrySentAloneIsFeltAsAllOfItWouldBe) {
             }
             TypeParam anew = params;
             if constexpr (Surface<TypeParam>) anew.texture.reserved = static_cast<std::uint32_t>(i + 1);
-            ASSERT_TRUE(whole.update(this->handle, anew));
-            ASSERT_TRUE(part.update(this->handle, kind_of<TypeParam>, &params, bytes));
+            ASSERT_TRUE(whole.update(this->id, anew));
+            ASSERT_TRUE(part.update(this->id, kind_of<TypeParam>, &params, bytes));
             const Probe probe = wander(this->rng);
             const Wrench want = whole.evaluate(probe, dt), got = part.evaluate(probe, dt);
             ASSERT_TRUE(same_bits(want, got))
@@ -204,11 +204,11 @@ TYPED_TEST(Conformance, AGeometrySentAloneIsFeltAsAllOfItWouldBe) {
 TYPED_TEST(Conformance, ItsGeometryMayNotBeCut) {
     Scene scene = make_scene();
     const TypeParam params = random_params<TypeParam>(this->rng, false);
-    ASSERT_TRUE(scene.add(this->handle, params));
+    ASSERT_TRUE(scene.add(this->id, params));
     std::string said;
     for (std::size_t bytes = 0; bytes <= sizeof params; bytes += 4) {
         const bool known = bytes == geometry_bytes<TypeParam>() || bytes == sizeof params;
-        const Verdict verdict = scene.check_update(this->handle, kind_of<TypeParam>, &params, bytes);
+        const Verdict verdict = scene.check_update(this->id, kind_of<TypeParam>, &params, bytes);
         ASSERT_EQ(verdict.code, known ? Verdict::Code::ok : Verdict::Code::wrong_size) << bytes << " bytes";
         if (!verdict) said = describe(verdict, kind_of<TypeParam>, "");
     }
@@ -229,13 +229,13 @@ TYPED_TEST(Conformance, TheSameParametersSentAgainChangeNothingToTheBit) {
     for (int round = 0; round < 200; ++round) {
         Scene once = make_scene(), again = make_scene();
         TypeParam params = random_params<TypeParam>(this->rng, false);
-        for (Scene* scene : {&once, &again}) ASSERT_TRUE(scene->add(this->handle, params));
+        for (Scene* scene : {&once, &again}) ASSERT_TRUE(scene->add(this->id, params));
         for (int i = 0; i < 60; ++i) {
             if (i == 20) {  // also while a real change is still arriving
                 params = random_params<TypeParam>(this->rng, false);
-                for (Scene* scene : {&once, &again}) ASSERT_TRUE(scene->update(this->handle, params));
+                for (Scene* scene : {&once, &again}) ASSERT_TRUE(scene->update(this->id, params));
             }
-            ASSERT_TRUE(again.update(this->handle, params));
+            ASSERT_TRUE(again.update(this->id, params));
             const Probe probe = wander(this->rng);
             ASSERT_TRUE(same_bits(once.evaluate(probe, dt), again.evaluate(probe, dt)))
                 << "seed " << this->seed << " round " << round << " cycle " << i;
@@ -248,12 +248,12 @@ TYPED_TEST(Conformance, WithNoTimePassedTheWrenchIsTheSameAndNothingAdvances) {
         Scene plain = make_scene(), stopped = make_scene();
         for (Scene* scene : {&plain, &stopped}) {
             Rng same(this->seed + static_cast<std::uint64_t>(round));
-            ASSERT_TRUE(scene->add(this->handle, random_params<TypeParam>(same, false)));
+            ASSERT_TRUE(scene->add(this->id, random_params<TypeParam>(same, false)));
         }
         for (int i = 0; i < 40; ++i) {
             if (i == 15) {
                 const TypeParam params = random_params<TypeParam>(this->rng, false);
-                for (Scene* scene : {&plain, &stopped}) ASSERT_TRUE(scene->update(this->handle, params));
+                for (Scene* scene : {&plain, &stopped}) ASSERT_TRUE(scene->update(this->id, params));
             }
             const Probe probe = wander(this->rng);
             const Wrench w = stopped.evaluate(probe, dt);
@@ -271,11 +271,11 @@ TYPED_TEST(Conformance, NoFiniteParametersGiveAnythingButAFiniteBoundedWrench) {
         const bool limited = between(this->rng, 0, 1);
         if (limited) limits = {.max_stiffness = 3000, .max_force = 8.5, .max_torque = 0.4};
         Scene scene = make_scene(limits);
-        ASSERT_TRUE(scene.add(this->handle, random_params<TypeParam>(this->rng, true), {.probe = 1}));
+        ASSERT_TRUE(scene.add(this->id, random_params<TypeParam>(this->rng, true), {.probe = 1}));
         ASSERT_TRUE(scene.place_probe(1, {.offset = {0.01, 0, 0}, .radius = round % 3 ? 0 : 0.005}));
         for (int i = 0; i < 12; ++i) {
             if (i % 4 == 3) {
-                ASSERT_TRUE(scene.update(this->handle, random_params<TypeParam>(this->rng, true)));
+                ASSERT_TRUE(scene.update(this->id, random_params<TypeParam>(this->rng, true)));
             }
             Probe probe = wander(this->rng, between(this->rng, 0, 3) ? 0.02 : scale(this->rng, 1e-12, 1e11));
             const double step =
@@ -294,7 +294,7 @@ TYPED_TEST(Conformance, NoFiniteParametersGiveAnythingButAFiniteBoundedWrench) {
 TYPED_TEST(Conformance, AProbeThatIsNowhereFeelsNothingAndLeavesNoTrace) {
     Scene scene = make_scene(), twin = make_scene();
     const TypeParam params = random_params<TypeParam>(this->rng, false);
-    for (Scene* s : {&scene, &twin}) ASSERT_TRUE(s->add(this->handle, params));
+    for (Scene* s : {&scene, &twin}) ASSERT_TRUE(s->add(this->id, params));
     const Probe probe = at({0.001, 0, -0.001});
     for (int i = 0; i < 30; ++i) {
         ASSERT_TRUE(same_bits(scene.evaluate(probe, dt), twin.evaluate(probe, dt)));
@@ -310,10 +310,10 @@ TYPED_TEST(Conformance, TheSameHistoryGivesTheSameBits) {
         Rng random(start);
         Scene scene = make_scene();
         std::vector<Wrench> out;
-        EXPECT_TRUE(scene.add(this->handle, random_params<TypeParam>(random, false)));
+        EXPECT_TRUE(scene.add(this->id, random_params<TypeParam>(random, false)));
         for (int i = 0; i < 300; ++i) {
             if (i % 37 == 0) {
-                EXPECT_TRUE(scene.update(this->handle, random_params<TypeParam>(random, false)));
+                EXPECT_TRUE(scene.update(this->id, random_params<TypeParam>(random, false)));
             }
             out.push_back(scene.evaluate(wander(random), dt));
         }
@@ -328,12 +328,13 @@ TYPED_TEST(Conformance, ComesAndGoesWithoutAJolt) {
     for (int round = 0; round < 300; ++round) {
         TypeParam params = random_params<TypeParam>(this->rng, false);
         set_times(params, time);
-        // A moving surface drags what holds the tip to it: a force of its own history, tested in along.cpp.
+        // A moving surface drags what holds the tip to it: a force of its own history, tested in
+        // tangential.cpp.
         if constexpr (requires { params.velocity; }) params.velocity = {};
         const Probe probe = wander(this->rng);  // held still
         // the same, there from the start: what moves by itself moves there too
         Scene reference = make_scene();
-        ASSERT_TRUE(reference.add(this->handle, params));
+        ASSERT_TRUE(reference.add(this->id, params));
         reference.settle();
         Scene scene = make_scene();
         Vector last = Vector::Zero(), last_full = Vector::Zero();
@@ -343,10 +344,10 @@ TYPED_TEST(Conformance, ComesAndGoesWithoutAJolt) {
             const double allowed = (full.norm() * dt / time + motion) * (1 + 1e-9) + 1e-12;
             last_full = full;
             if (i == 0) {
-                ASSERT_TRUE(scene.add(this->handle, params));
+                ASSERT_TRUE(scene.add(this->id, params));
             }
             if (i == 30) {
-                ASSERT_TRUE(scene.remove(this->handle));
+                ASSERT_TRUE(scene.remove(this->id));
             }
             const Vector force = scene.evaluate(probe, dt).force;
             ASSERT_LE((force - last).norm(), allowed)
@@ -393,7 +394,7 @@ TYPED_TEST(EffectConformance, DoesNotGrowWhileItsApplicationIsSilent) {
         const Probe probe = wander(this->rng);  // held still
         Scene speaking = make_scene(), fades = make_scene(), moves = make_scene(), holds = make_scene();
         const auto add = [&](Scene& scene, OnSilence on_silence) {
-            ASSERT_TRUE(scene.add(this->handle, params, {.on_silence = on_silence, .silence_time = wait}));
+            ASSERT_TRUE(scene.add(this->id, params, {.on_silence = on_silence, .silence_time = wait}));
             scene.settle();
         };
         add(speaking, OnSilence::fade);

@@ -270,11 +270,11 @@ TEST(ContactScene, MoreThanEightStiffnessesAreRoundedDownAndTheOwnerIsTold) {
     ASSERT_EQ(scene.feedback(feedback), 12u);
     int rounded = 0;
     for (std::uint32_t i = 0; i < 12; ++i) {
-        const double asked = 100.0 * (1 + feedback[i].handle.slot);
-        EXPECT_LE(feedback[i].stiffness, asked);
-        EXPECT_GT(feedback[i].stiffness, 0.6 * asked);
-        EXPECT_EQ((feedback[i].flags & Feedback::stiffness_clamped) != 0, feedback[i].stiffness < asked);
-        rounded += feedback[i].stiffness < asked;
+        const double requested = 100.0 * (1 + feedback[i].id.slot);
+        EXPECT_LE(feedback[i].stiffness, requested);
+        EXPECT_GT(feedback[i].stiffness, 0.6 * requested);
+        EXPECT_EQ((feedback[i].flags & Feedback::stiffness_clamped) != 0, feedback[i].stiffness < requested);
+        rounded += feedback[i].stiffness < requested;
     }
     EXPECT_EQ(rounded, 4) << "twelve stiffnesses, eight kept";
 }

@@ -46,7 +46,7 @@ struct Groove {
 
 template <class R>
 void expect_bend_is_the_normals_derivative(Rng& rng, const R& raw) {
-    Asked<R> surface(raw);
+    Evaluated<R> surface(raw);
     for (int i = 0; i < 40; ++i) {
         const Vector p = 0.02 * Vector(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1));
         const auto there = [&](const Vector& x) {

@@ -89,7 +89,7 @@ TEST(DistanceSurface, MovesOnAndAnswersItsTangentPlaneAtTheFoot) {
         EXPECT_LE((found.normal - want.normal).norm(), 1e-12);
         EXPECT_EQ(found.velocity, to_eigen(cone.velocity));
         EXPECT_EQ(found.stiffness, 500);
-        // Asked again within a cycle it answers the same.
+        // Evaluated again within a cycle it answers the same.
         EXPECT_EQ(contact(cone, state, probe, 0).height, found.height);
     }
 }

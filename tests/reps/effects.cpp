@@ -105,13 +105,12 @@ TEST(Effects, ManySpringsInRandomOrderOfComingAndGoingSumAsIfCountedAnew) {
             ASSERT_TRUE(scene.remove({slot, generation[slot]}));
         } else {
             pull[slot] = uniform(rng, -0.1, 0.1);
-            const Handle handle{slot, ++generation[slot]};
+            const RepresentationId id{slot, ++generation[slot]};
             if (slot % 2) {
                 ASSERT_TRUE(
-                    scene.add(handle, Spring{.anchor = {pull[slot], 0, 0}, .stiffness = 100, .duration = 0}));
+                    scene.add(id, Spring{.anchor = {pull[slot], 0, 0}, .stiffness = 100, .duration = 0}));
             } else {
-                ASSERT_TRUE(
-                    scene.add(handle, ConstantForce{.force = {100 * pull[slot], 0, 0}, .recovery = 0}));
+                ASSERT_TRUE(scene.add(id, ConstantForce{.force = {100 * pull[slot], 0, 0}, .recovery = 0}));
             }
         }
         present[slot] = !present[slot];

@@ -1,4 +1,5 @@
-// Many planes are not asked while the probe cannot have come to them: nothing that is felt may tell the difference.
+// Many planes are not evaluated while the probe cannot have come to them: nothing that is felt may tell the
+// difference.
 
 #include <vector>
 
@@ -42,7 +43,7 @@ struct Both {
     }
 };
 
-TEST(FarPlanes, ThoseThatAreNotAskedAreNotMissed) {
+TEST(FarPlanes, ThoseThatAreNotEvaluatedAreNotMissed) {
     const std::uint64_t seed = 2611;
     Rng rng(seed);
     int touched = 0, free = 0;
@@ -93,7 +94,7 @@ TEST(FarPlanes, TheCycleInWhichOneIsReachedIsTheSame) {
     }
 }
 
-TEST(FarPlanes, AStillSceneKnowsHowFarTheHandHasMovedSinceTheyWereAsked) {
+TEST(FarPlanes, AStillSceneKnowsHowFarTheHandHasMovedSinceTheyWereEvaluated) {
     Scene scene = make_scene();
     for (std::uint32_t i = 0; i < 40; ++i)
         ASSERT_TRUE(scene.add({i, 1}, Plane{.normal = {0, 0, 1}, .offset = -1, .stiffness = 1000}));
@@ -103,8 +104,8 @@ TEST(FarPlanes, AStillSceneKnowsHowFarTheHandHasMovedSinceTheyWereAsked) {
     for (const double z : {0.0, -0.4, -0.9}) {
         scene.evaluate(at({0, 0, z}), dt);
         scene.feedback(entries, {.wholly = wholly, .flags = flags});
-        EXPECT_LE(scene.still_within(), 1 + z) << z;
-        EXPECT_GT(scene.still_within(), 0.9 * (1 + z)) << z;
+        EXPECT_LE(scene.sleep_radius(), 1 + z) << z;
+        EXPECT_GT(scene.sleep_radius(), 0.9 * (1 + z)) << z;
     }
 }
 

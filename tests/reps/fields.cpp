@@ -164,8 +164,8 @@ TEST(Fields, EveryVerdictOfEveryKindIsOneLine) {
     for (Kind kind = 0; kind <= kinds().size(); ++kind) {
         for (std::uint32_t code = 0; code <= static_cast<std::uint32_t>(Verdict::Code::count); ++code) {
             for (const std::uint32_t field :
-                 {0u, 1u, Verdict::of_use, Verdict::of_use + 2, Verdict::of_use + 3, Verdict::of_placement,
-                  Verdict::of_placement + 2, Verdict::no_field}) {
+                 {0u, 1u, Verdict::of_options, Verdict::of_options + 2, Verdict::of_options + 3,
+                  Verdict::of_placement, Verdict::of_placement + 2, Verdict::no_field}) {
                 const std::string text = describe({static_cast<Verdict::Code>(code), field, 3}, kind, "");
                 EXPECT_FALSE(text.empty());
                 EXPECT_EQ(text.find('\n'), std::string::npos) << text;

@@ -315,7 +315,7 @@ TEST(Friction, IsFiniteAndBoundedForAnyLegalParameters) {
             const Vector again = friction_force(tip.law, tip.state, tip.tangent, rubbing, limits, 0);
             if (dt > 0) {
                 ASSERT_EQ(again, force)
-                    << "asked again in the same cycle: seed " << seed << " run " << run << " " << i;
+                    << "evaluated again in the same cycle: seed " << seed << " run " << run << " " << i;
             }
             ASSERT_TRUE(same_bytes(before, tip.state)) << "dt = 0 advanced something";
         }

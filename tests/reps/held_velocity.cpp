@@ -44,7 +44,7 @@ const HeightField& plain() {  // 8 cm, flat
 /// A surface with its top at `top`, moving with `velocity`.
 struct Named {
     std::string name;
-    std::function<Verdict(Scene&, const Vec3& top, const Vec3& velocity, const Use&)> add;
+    std::function<Verdict(Scene&, const Vec3& top, const Vec3& velocity, const AddOptions&)> add;
 };
 
 /// `put(params, top)` puts it there.
@@ -59,8 +59,9 @@ Named named(std::string name, const R& params, Put put) {
         there.friction.viscous = 3;
         return there;
     };
-    return {std::move(name), [=](Scene& scene, const Vec3& top, const Vec3& velocity, const Use& use) {
-                return scene.add({0, 1}, at(top, velocity), use);
+    return {std::move(name),
+            [=](Scene& scene, const Vec3& top, const Vec3& velocity, const AddOptions& options) {
+                return scene.add({0, 1}, at(top, velocity), options);
             }};
 }
 

@@ -33,7 +33,7 @@ struct Kept {
 };
 
 void expect_same(const Feedback& kept, const Feedback& anew) {
-    ASSERT_EQ(kept.handle, anew.handle);
+    ASSERT_EQ(kept.id, anew.id);
     ASSERT_EQ(kept.flags, anew.flags);
     ASSERT_EQ(kept.stiffness, anew.stiffness);
     ASSERT_EQ(kept.tangential_stiffness, anew.tangential_stiffness);

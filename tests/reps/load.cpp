@@ -87,8 +87,9 @@ TEST(HandLoad, IsTheDerivativeOfTheWrenchWhereThatIsLinear) {
             ASSERT_TRUE(scene.place_probe(p, {.offset = to_plain(0.02 * direction(rng))}));
         const int parts = between(rng, 1, 6);
         for (std::uint32_t s = 0; s < static_cast<std::uint32_t>(parts); ++s) {
-            const Use use{.probe = static_cast<std::uint32_t>(between(rng, 0, static_cast<int>(probes) - 1)),
-                          .feedback = static_cast<std::uint32_t>(between(rng, 0, 1))};
+            const AddOptions options{
+                .probe = static_cast<std::uint32_t>(between(rng, 0, static_cast<int>(probes) - 1)),
+                .feedback = static_cast<std::uint32_t>(between(rng, 0, 1))};
             const double k = scale(rng, 10, 3000), b = between(rng, 0, 1) ? scale(rng, 0.1, 100) : 0;
             switch (between(rng, 0, 3)) {
                 case 0:
@@ -97,7 +98,7 @@ TEST(HandLoad, IsTheDerivativeOfTheWrenchWhereThatIsLinear) {
                                                  .attach = to_plain(uniform(rng, 0, 0.03) * direction(rng)),
                                                  .stiffness = k,
                                                  .damping = b},
-                                          use));
+                                          options));
                     break;
                 case 1: {
                     Constraint c{.origin = to_plain(0.01 * direction(rng)),
@@ -105,18 +106,18 @@ TEST(HandLoad, IsTheDerivativeOfTheWrenchWhereThatIsLinear) {
                     c.shape = static_cast<ConstraintShape>(between(rng, 0, 2));
                     c.stiffness = k;
                     c.damping = b;
-                    ASSERT_TRUE(scene.add({s, 1}, c, use));
+                    ASSERT_TRUE(scene.add({s, 1}, c, options));
                     break;
                 }
                 case 2:
                     ASSERT_TRUE(scene.add(
-                        {s, 1}, Viscosity{.damping = b, .angular_damping = scale(rng, 1e-4, 1)}, use));
+                        {s, 1}, Viscosity{.damping = b, .angular_damping = scale(rng, 1e-4, 1)}, options));
                     break;
                 case 3: {  // one that holds: deep enough for its damping not to let go of it
                     Plane plane{
                         .normal = to_plain(direction(rng)), .offset = 0.05, .stiffness = k, .damping = b};
                     plane.combine = PlaneCombine::sum;
-                    ASSERT_TRUE(scene.add({s, 1}, plane, use));
+                    ASSERT_TRUE(scene.add({s, 1}, plane, options));
                     break;
                 }
             }
@@ -183,7 +184,7 @@ TEST(HandLoad, StaysWithinItsBound) {
         for (std::uint32_t p = 1; p < 3; ++p)
             ASSERT_TRUE(scene.place_probe(p, {.offset = to_plain(0.02 * direction(rng))}));
         for (std::uint32_t s = 0; s < 6; ++s) {
-            const Use use{.probe = static_cast<std::uint32_t>(between(rng, 0, 2))};
+            const AddOptions options{.probe = static_cast<std::uint32_t>(between(rng, 0, 2))};
             const double k = scale(rng, 10, 1e4), b = between(rng, 0, 1) ? scale(rng, 0.1, 100) : 0;
             if (between(rng, 0, 1)) {
                 Plane plane{.normal = to_plain((direction(rng) + 2 * Vector::UnitZ()).eval()),
@@ -191,16 +192,16 @@ TEST(HandLoad, StaysWithinItsBound) {
                             .damping = b};
                 plane.friction.dynamic = between(rng, 0, 1);
                 if (between(rng, 0, 3) == 0) plane.combine = PlaneCombine::sum;
-                ASSERT_TRUE(scene.add({s, 1}, plane, use));
+                ASSERT_TRUE(scene.add({s, 1}, plane, options));
             } else if (between(rng, 0, 1)) {
                 ASSERT_TRUE(scene.add({s, 1},
                                       Spring{.anchor = to_plain(0.01 * direction(rng)),
                                              .rest_length = between(rng, 0, 1) * 0.01,
                                              .stiffness = k,
                                              .damping = b},
-                                      use));
+                                      options));
             } else {
-                ASSERT_TRUE(scene.add({s, 1}, Viscosity{.damping = b, .angular_damping = b / 1000}, use));
+                ASSERT_TRUE(scene.add({s, 1}, Viscosity{.damping = b, .angular_damping = b / 1000}, options));
             }
         }
         for (int cycle = 0; cycle < 30; ++cycle) {

@@ -99,7 +99,7 @@ TEST(Polygon, IsOutOfReachOutsideOfItsBallUnlessItHoldsTheProbe) {
             ASSERT_EQ(ball.has_value(), piece.state.touched == 0);
             if (!ball) continue;
             const double radius = uniform(rng, 0, 0.01);
-            auto state = piece.state;  // as it is asked once more in this cycle
+            auto state = piece.state;  // as it is evaluated once more in this cycle
             const Vector out = ball->center + (ball->radius * (1 + 1e-9) + radius) * direction(rng);
             state.met = 0;
             ASSERT_GT(contact(piece.params, state, probe_at(out, radius), 0).height, 0);

@@ -57,7 +57,7 @@ TEST(PiecesInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
     const int rounds = long_form() ? 400 : 6;
     long felt_at_all = 0;
     for (int round = 0; round < rounds; ++round) {
-        // the twin's pieces move, by nothing: they are always asked
+        // the twin's pieces move, by nothing: they are always evaluated
         Scene scene = make_scene(), twin = make_scene();
         for (std::uint32_t i = 0; i < 40; ++i) {
             const auto add = [&](auto piece) {

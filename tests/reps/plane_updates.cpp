@@ -10,7 +10,7 @@ using namespace knurl::test;
 
 namespace {
 
-constexpr Handle floor_handle{0, 1};
+constexpr RepresentationId floor_id{0, 1};
 
 Plane floor_at(double z, double recovery = automatic, PlaneUpdate update = PlaneUpdate::fade) {
     return {.normal = {0, 0, 1}, .offset = z, .stiffness = 1000, .recovery = recovery, .update = update};
@@ -19,7 +19,7 @@ Plane floor_at(double z, double recovery = automatic, PlaneUpdate update = Plane
 Scene scene_with(const Plane& plane, const Probe& probe,
                  const FadePolicy& policy = {.automatic = 0.01, .rise_speed = infinity}) {
     Scene scene = make_scene({}, policy);
-    EXPECT_TRUE(scene.add(floor_handle, plane));
+    EXPECT_TRUE(scene.add(floor_id, plane));
     settled(scene, probe);
     return scene;
 }
@@ -29,7 +29,7 @@ Scene scene_with(const Plane& plane, const Probe& probe,
 TEST(CrossFade, GoesLinearlyFromTheOldForceToTheNewStartingInTheFirstCycle) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0), probe);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.002, 0.01)));
     for (int i = 1; i <= 15; ++i) {
         const double s = std::min(1.0, i / 10.0);
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), (1 - s) * 1 + s * 3, 1e-12) << "cycle " << i;
@@ -41,7 +41,7 @@ TEST(CrossFade, AtAnyAngle) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0), probe);
     ASSERT_TRUE(scene.update(
-        floor_handle, Plane{.normal = {0, 0, -1}, .offset = 0.002, .stiffness = 1000, .recovery = 0.01}));
+        floor_id, Plane{.normal = {0, 0, -1}, .offset = 0.002, .stiffness = 1000, .recovery = 0.01}));
     for (int i = 1; i <= 15; ++i) {
         const double s = std::min(1.0, i / 10.0);
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), (1 - s) * 1 - s * 1, 1e-12) << "cycle " << i;
@@ -50,7 +50,7 @@ TEST(CrossFade, AtAnyAngle) {
 
 TEST(CrossFade, TheOldSetIsReallyFeltWhileItFades) {
     Scene scene = scene_with(floor_at(0), at({0, 0, -0.001}));
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.002, 0.01)));
     for (int i = 1; i <= 10; ++i) {  // the hand goes deeper meanwhile
         const double z = -0.001 - 1e-4 * i, s = i / 10.0;
         EXPECT_NEAR(scene.evaluate(at({0, 0, z}), dt).force.z(), 1000 * ((1 - s) * -z + s * (0.002 - z)),
@@ -61,10 +61,10 @@ TEST(CrossFade, TheOldSetIsReallyFeltWhileItFades) {
 TEST(CrossFade, AddingAndRemovingAreTheSameCase) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = make_scene();
-    ASSERT_TRUE(scene.add(floor_handle, floor_at(0, 0.005)));
+    ASSERT_TRUE(scene.add(floor_id, floor_at(0, 0.005)));
     for (int i = 1; i <= 8; ++i)
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), std::min(1.0, i / 5.0), 1e-12);
-    ASSERT_TRUE(scene.remove(floor_handle));
+    ASSERT_TRUE(scene.remove(floor_id));
     for (int i = 1; i <= 8; ++i)
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), std::max(0.0, 1 - i / 5.0), 1e-12);
 }
@@ -92,28 +92,28 @@ TEST(CrossFade, ACornersThreePlanesChangeInOneFadeAsLongAsTheSlowest) {
 TEST(CrossFade, ZeroRecoveryIsAtOnceAlsoInTheMiddleOfAnother) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0), probe, {.automatic = 0.01, .rise_speed = 0.1});
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.05)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.002, 0.05)));
     scene.evaluate(probe, dt);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.005, 0)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.005, 0)));
     EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 6, 1e-12);
 }
 
 TEST(CrossFade, AutomaticRecoveryIsThePolicys) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0), probe, {.automatic = 0.02, .rise_speed = infinity});
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.001)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.001)));
     EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1 + 1.0 / 20, 1e-12);
 }
 
 TEST(CrossFade, ASurfaceThatRisesUnderTheHandDoesItNoFasterThanTheRiseSpeed) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0), probe, {.automatic = 0.01, .rise_speed = 0.1});
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.005)));  // 5 mm up: 50 ms instead of 10
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.005)));  // 5 mm up: 50 ms instead of 10
     for (int i = 1; i <= 60; ++i) {
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1 + 5 * std::min(1.0, i / 50.0), 1e-11)
             << "cycle " << i;
     }
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0)));  // down: no such rule
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0)));  // down: no such rule
     for (int i = 1; i <= 12; ++i) {
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 6 - 5 * std::min(1.0, i / 10.0), 1e-11)
             << "cycle " << i;
@@ -123,19 +123,19 @@ TEST(CrossFade, ASurfaceThatRisesUnderTheHandDoesItNoFasterThanTheRiseSpeed) {
 TEST(CrossFade, WhereNothingIsFeltBeforeNorAfterNothingIsFeltBetween) {
     const Probe probe = at({0, 0, 0.01});
     Scene scene = scene_with(floor_at(0), probe);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.002)));
     for (int i = 0; i < 12; ++i) EXPECT_EQ(scene.evaluate(probe, dt).force.norm(), 0.0);
 }
 
 TEST(CrossFade, AnOvertakenFadeGoesOnFromThePresentForce) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0), probe);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.002, 0.01)));
     Vector present;
     for (int i = 0; i < 5; ++i) present = scene.evaluate(probe, dt).force;
     EXPECT_NEAR(present.z(), 2, 1e-12);
     ASSERT_TRUE(scene.update(
-        floor_handle, Plane{.normal = {1, 0, 0}, .offset = 0.001, .stiffness = 1000, .recovery = 0.01}));
+        floor_id, Plane{.normal = {1, 0, 0}, .offset = 0.001, .stiffness = 1000, .recovery = 0.01}));
     for (int i = 1; i <= 12; ++i) {
         const double s = std::min(1.0, i / 10.0);
         const Vector want = (1 - s) * Vector(0, 0, 2) + s * Vector(1, 0, 0);
@@ -145,7 +145,7 @@ TEST(CrossFade, AnOvertakenFadeGoesOnFromThePresentForce) {
 
 TEST(CrossFade, SettledChangesAreThereFromTheStart) {
     Scene scene = make_scene();
-    ASSERT_TRUE(scene.add(floor_handle, floor_at(0, 0.05)));
+    ASSERT_TRUE(scene.add(floor_id, floor_at(0, 0.05)));
     ASSERT_TRUE(scene.add({1, 1}, floor_at(0.001, 0.05, PlaneUpdate::paper)));
     scene.settle();
     EXPECT_NEAR(scene.evaluate(at({0, 0, -0.001}), dt).force.z(), 2, 1e-12);
@@ -154,7 +154,7 @@ TEST(CrossFade, SettledChangesAreThereFromTheStart) {
 TEST(PaperRecovery, LowersThePlaneToTheProbeAndRaisesItLinearly) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::paper), probe);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01, PlaneUpdate::paper)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.002, 0.01, PlaneUpdate::paper)));
     // Depth in the new plane 3 mm; it starts at the probe, without force, whatever was felt before (figure
     // 7).
     for (int i = 1; i <= 13; ++i) {
@@ -165,14 +165,14 @@ TEST(PaperRecovery, LowersThePlaneToTheProbeAndRaisesItLinearly) {
 TEST(PaperRecovery, OfAnUnchangedPlaneIsNone) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::paper), probe);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0, 0.01, PlaneUpdate::paper)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0, 0.01, PlaneUpdate::paper)));
     EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1, 1e-12);
 }
 
 TEST(PaperRecovery, DropsAtOnceWhenItLeavesTheProbeOutside) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::paper), probe);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(-0.002, 0.01, PlaneUpdate::paper)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(-0.002, 0.01, PlaneUpdate::paper)));
     EXPECT_EQ(scene.evaluate(probe, dt).force.norm(), 0.0);
     EXPECT_NEAR(scene.evaluate(at({0, 0, -0.003}), dt).force.z(), 1, 1e-12) << "and stands at its new place";
 }
@@ -180,7 +180,7 @@ TEST(PaperRecovery, DropsAtOnceWhenItLeavesTheProbeOutside) {
 TEST(PaperRecovery, AutomaticIsThePapersFiftyMilliseconds) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = make_scene();
-    ASSERT_TRUE(scene.add(floor_handle, floor_at(0, automatic, PlaneUpdate::paper)));
+    ASSERT_TRUE(scene.add(floor_id, floor_at(0, automatic, PlaneUpdate::paper)));
     for (int i = 1; i <= 55; ++i) {
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), std::min(1.0, i / 50.0), 1e-12) << "cycle " << i;
     }
@@ -188,7 +188,7 @@ TEST(PaperRecovery, AutomaticIsThePapersFiftyMilliseconds) {
 
 TEST(PaperRecovery, TheDepthFollowsTheHandWhileItRecovers) {
     Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::paper), at({0, 0, -0.001}));
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01, PlaneUpdate::paper)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.002, 0.01, PlaneUpdate::paper)));
     for (int i = 1; i <= 12;
          ++i) {  // lowered to where the hand is when it takes effect, by nothing after 10 ms
         const double z = -0.001 + 2e-4 * i, lowered = 0.0028 * std::max(0.0, 1 - i / 10.0);
@@ -200,22 +200,22 @@ TEST(PaperRecovery, TheDepthFollowsTheHandWhileItRecovers) {
 TEST(LastDepth, StartsWithTheDepthThatWasFelt) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::last_depth), probe);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.01, PlaneUpdate::last_depth)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.002, 0.01, PlaneUpdate::last_depth)));
     for (int i = 1; i <= 13; ++i) {
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1 + 2 * std::min(1.0, i / 10.0), 1e-12)
             << "cycle " << i;
     }
     // Again in the middle of a recovery: what is felt counts, not where the plane was going.
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.004, 0.01, PlaneUpdate::last_depth)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.004, 0.01, PlaneUpdate::last_depth)));
     for (int i = 1; i <= 5; ++i) scene.evaluate(probe, dt);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.006, 0.01, PlaneUpdate::last_depth)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.006, 0.01, PlaneUpdate::last_depth)));
     EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 4 + 3.0 / 10, 1e-12);
 }
 
 TEST(LastDepth, FromOutsideStartsFromNothing) {
     const Probe probe = at({0, 0, 0.001});
     Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::last_depth), probe);
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.003, 0.01, PlaneUpdate::last_depth)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.003, 0.01, PlaneUpdate::last_depth)));
     for (int i = 1; i <= 12; ++i) {
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 2 * std::min(1.0, i / 10.0), 1e-12);
     }
@@ -226,7 +226,7 @@ TEST(LastDepth, LeavesTheCrossFadeOfOtherPlanesAlone) {
     const Probe probe = at({-0.001, 0, -0.001});
     Scene scene = scene_with(floor_at(0, 0.005, PlaneUpdate::last_depth), probe);
     ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {1, 0, 0}, .stiffness = 1000, .recovery = 0.01}));
-    ASSERT_TRUE(scene.update(floor_handle, floor_at(0.002, 0.005, PlaneUpdate::last_depth)));
+    ASSERT_TRUE(scene.update(floor_id, floor_at(0.002, 0.005, PlaneUpdate::last_depth)));
     for (int i = 1; i <= 14; ++i) {
         const Vector want(std::min(1.0, i / 10.0), 0, 1 + 2 * std::min(1.0, i / 5.0));
         EXPECT_LE((scene.evaluate(probe, dt).force - want).norm(), 1e-11) << "cycle " << i;
@@ -238,7 +238,7 @@ TEST(LastDepth, LeavesTheCrossFadeOfOtherPlanesAlone) {
 TEST(PlaneUpdates, FrictionThatHasGoneComesBackAfterUpdatesThatChangedNothing) {
     Plane plane{.stiffness = 1000, .recovery = 0.005, .friction = {.dynamic = 0.3}};
     Scene scene = make_scene();
-    ASSERT_TRUE(scene.add(floor_handle, plane));
+    ASSERT_TRUE(scene.add(floor_id, plane));
     double x = 0;
     const auto drag = [&] {
         Vector force = Vector::Zero();
@@ -249,16 +249,16 @@ TEST(PlaneUpdates, FrictionThatHasGoneComesBackAfterUpdatesThatChangedNothing) {
     const double rough = drag();
     EXPECT_LT(rough, -0.2);
     plane.friction = {};
-    ASSERT_TRUE(scene.update(floor_handle, plane));
+    ASSERT_TRUE(scene.update(floor_id, plane));
     EXPECT_EQ(drag(), 0);
     plane.recovery = 0.004;
-    ASSERT_TRUE(scene.update(floor_handle, plane));
+    ASSERT_TRUE(scene.update(floor_id, plane));
     drag();
     plane.offset = 1e-6;
-    ASSERT_TRUE(scene.update(floor_handle, plane));
+    ASSERT_TRUE(scene.update(floor_id, plane));
     drag();
     plane.friction = {.dynamic = 0.3};
-    ASSERT_TRUE(scene.update(floor_handle, plane));
+    ASSERT_TRUE(scene.update(floor_id, plane));
     EXPECT_NEAR(drag(), rough, 1e-3);  // 1 um deeper
 }
 
@@ -321,10 +321,10 @@ TEST(PlaneUpdates, APlaneThatIsPutElsewhereIsFeltAsOneThatIsDescribedAnew) {
                     plane = {};
                     shape(plane);
                     ++generation[k];
-                    const Use use{.probe = between(rng, 0, 1) == 0 ? 0u : 1u};
+                    const AddOptions options{.probe = between(rng, 0, 1) == 0 ? 0u : 1u};
                     each([&](Scene& scene, std::uint32_t s) {
                         plane.snag.seed = s;
-                        ASSERT_TRUE(scene.add({k, generation[k]}, plane, use));
+                        ASSERT_TRUE(scene.add({k, generation[k]}, plane, options));
                     });
                     continue;
                 }
@@ -357,7 +357,7 @@ TEST(PlaneUpdates, APlaneThatIsPutElsewhereIsFeltAsOneThatIsDescribedAnew) {
             const std::size_t count = described.feedback(other);
             ASSERT_EQ(put.feedback(one), count);
             for (std::size_t f = 0; f < count; ++f) {
-                ASSERT_EQ(one[f].handle, other[f].handle);
+                ASSERT_EQ(one[f].id, other[f].id);
                 ASSERT_EQ(one[f].flags, other[f].flags) << "seed " << seed << " cycle " << i;
                 ASSERT_EQ(one[f].stiffness, other[f].stiffness);
                 ASSERT_EQ(one[f].wrench.force, other[f].wrench.force);

@@ -128,7 +128,7 @@ struct Expected {
     enum { no, slipped, from_behind } let_go = no;
     Real clear = INFINITY;
 
-    struct Felt {
+    struct ExpectedContact {
         bool none = false;
         Vec normal;
         Real height = 0;
@@ -139,7 +139,7 @@ struct Expected {
         clear = std::min(clear, std::abs(over));
         return over > 0;
     }
-    Felt at(const Vec& p, Real radius) {
+    ExpectedContact at(const Vec& p, Real radius) {
         const Real h = piece.height(p), in = piece.inside(p);
         clear = std::min({std::abs(h), std::abs(in), std::abs((p - piece.nearest(p)).norm() - radius)});
         const int side = h > 0 ? 1 : -1;

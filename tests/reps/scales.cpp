@@ -134,17 +134,18 @@ R some_params(Rng& rng, const std::vector<Scale>& scales) {
     }
 }
 
-using Send = std::function<bool(World&, Handle, const Use&)>;
+using Send = std::function<bool(World&, RepresentationId, const AddOptions&)>;
 
 template <class... R>
 Send some_change(TypeList<R...>, Rng& rng, Kind kind, bool update, const std::vector<Scale>& scales) {
     Send send;
     const auto make = [&]<class One>(One*) {
         if (kind != kind_of<One>) return;
-        send = [params = some_params<One>(rng, scales), update](World& world, Handle handle, const Use& use) {
+        send = [params = some_params<One>(rng, scales), update](World& world, RepresentationId id,
+                                                                const AddOptions& options) {
             const One there = scaled(params, world.scale);
-            return static_cast<bool>(update ? world.scene.update(handle, there)
-                                            : world.scene.add(handle, there, use));
+            return static_cast<bool>(update ? world.scene.update(id, there)
+                                            : world.scene.add(id, there, options));
         };
     };
     (make(static_cast<R*>(nullptr)), ...);
@@ -191,11 +192,11 @@ void compare(std::uint64_t seed, int cycles, std::uint64_t& touched) {
                 at.kind = static_cast<Kind>(between(rng, 0, static_cast<int>(Representations::size) - 1));
             }
             at.present = true;
-            const Use use{.probe = static_cast<std::uint32_t>(between(rng, 0, 3) == 0),
-                          .on_silence = static_cast<OnSilence>(between(rng, 0, 2))};
+            const AddOptions options{.probe = static_cast<std::uint32_t>(between(rng, 0, 3) == 0),
+                                     .on_silence = static_cast<OnSilence>(between(rng, 0, 2))};
             const Send send = some_change(Representations{}, rng, at.kind, update, scales);
             for (World& world : worlds)
-                ASSERT_TRUE(send(world, {slot, at.generation}, use)) << "seed " << seed << " cycle " << i;
+                ASSERT_TRUE(send(world, {slot, at.generation}, options)) << "seed " << seed << " cycle " << i;
         }
         if (between(rng, 0, 100) == 0) {
             const double radius = between(rng, 0, 1) ? 0 : scale(rng, 1e-3, 1e-2);

@@ -1,4 +1,4 @@
-// Handles and generations; refusals that change nothing; a batch that takes effect as one.
+// Ids and generations; refusals that change nothing; a batch that takes effect as one.
 
 #include <gtest/gtest.h>
 
@@ -71,8 +71,8 @@ TEST(SceneSlots, ARecoverySentByItselfIsThatOfTheNextMove) {
     EXPECT_LT(feel(scene), 0.9) << "1 N after 100 ms";
 }
 
-// A thousand planes that are put elsewhere keep their place in the sets, beside what is asked in each cycle;
-// so often, and so mixed with other changes, that the room for the sets that fade out runs full.
+// A thousand planes that are put elsewhere keep their place in the sets, beside what is evaluated in each
+// cycle; so often, and so mixed with other changes, that the room for the sets that fade out runs full.
 TEST(SceneSlots, PlanesPutElsewhereInBatchesAreFeltAsThoseDescribedAnew) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
         Rng rng(seed);
@@ -115,20 +115,20 @@ TEST(SceneSlots, CheckingSaysWhatDoingWillSay) {
     Scene scene({.representations = 8, .probes = 1}, {});
     Rng rng(81);
     for (int i = 0; i < 5000; ++i) {
-        const Handle handle{static_cast<std::uint32_t>(between(rng, 0, 9)),
-                            static_cast<std::uint32_t>(between(rng, 1, 3))};
+        const RepresentationId id{static_cast<std::uint32_t>(between(rng, 0, 9)),
+                                  static_cast<std::uint32_t>(between(rng, 1, 3))};
         const Plane plane{.stiffness = uniform(rng, -10, 100)};
-        const Use use{.probe = static_cast<std::uint32_t>(between(rng, 0, 1))};
+        const AddOptions options{.probe = static_cast<std::uint32_t>(between(rng, 0, 1))};
         if (between(rng, 0, 1)) {
-            const Verdict before = scene.check_add(handle, kind_of<Plane>, &plane, sizeof plane, use);
-            const Verdict done = scene.add(handle, plane, use);
+            const Verdict before = scene.check_add(id, kind_of<Plane>, &plane, sizeof plane, options);
+            const Verdict done = scene.add(id, plane, options);
             ASSERT_EQ(before.code, done.code);
             ASSERT_EQ(before.field, done.field);
         } else {
-            const Verdict before = scene.check_update(handle, kind_of<Plane>, &plane, sizeof plane);
-            ASSERT_EQ(before.code, scene.update(handle, plane).code);
+            const Verdict before = scene.check_update(id, kind_of<Plane>, &plane, sizeof plane);
+            ASSERT_EQ(before.code, scene.update(id, plane).code);
         }
-        if (between(rng, 0, 3) == 0) scene.remove(handle);
+        if (between(rng, 0, 3) == 0) scene.remove(id);
     }
 }
 
@@ -219,8 +219,8 @@ TEST(SceneSlots, FeedbackIsForThoseWhoAskAndStopsAtTheRoomGiven) {
     Feedback feedback[8];
     ASSERT_EQ(scene.feedback(feedback), 3u);
     for (std::size_t i = 0; i < 3; ++i) {
-        EXPECT_EQ(feedback[i].handle.slot % 2, 1u);
-        EXPECT_EQ(feedback[i].handle.generation, 7u);
+        EXPECT_EQ(feedback[i].id.slot % 2, 1u);
+        EXPECT_EQ(feedback[i].id.generation, 7u);
         EXPECT_TRUE(feedback[i].flags & Feedback::fading);
     }
     EXPECT_EQ(scene.feedback(std::span(feedback, 2)), 2u);

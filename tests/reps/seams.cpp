@@ -116,8 +116,9 @@ TEST(Seams, ABallSlidesOnToWhatTouches) {
     std::cout << "farthest beyond the bound " << worst << " N, KNURL_SEED=" << seed() << '\n';
 }
 
-// While a neighbour fades out a surface is in two sets, the one with the neighbour and the one without. Both must feel it
-// alike: else its force, and with a texture even whether that is a number, would depend on which set asked last.
+// While a neighbour fades out a surface is in two sets, the one with the neighbour and the one without. Both
+// must feel it alike: else its force, and with a texture even whether that is a number, would depend on which
+// set was evaluated last.
 TEST(Seams, WhatStaysIsFeltAsItWasWhileItsNeighbourFadesOut) {
     Scene scene({.representations = 4, .probes = 1}, {});
     ASSERT_TRUE(scene.place_probe(0, {.offset = {}, .radius = 3e-3}));

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of curved surfaces share: one surface asked by hand, without a scene.
+// What the tests of curved surfaces share: one surface evaluated by hand, without a scene.
 
 #include <gtest/gtest.h>
 
@@ -13,13 +13,13 @@ inline Long exact(const Vec3& v) {
     return to_eigen(v).cast<long double>();
 }
 
-/// A surface as the servo has it: prepared, adopted, asked once a cycle.
+/// A surface as the servo has it: prepared, adopted, evaluated once a cycle.
 template <class R>
-struct Asked {
+struct Evaluated {
     R params;
     typename R::State state{};
 
-    explicit Asked(const R& raw, const Limits& limits = {}) : params(prepared(raw, limits)) {
+    explicit Evaluated(const R& raw, const Limits& limits = {}) : params(prepared(raw, limits)) {
         const Verdict verdict = kinds()[kind_of<R>].validate(&raw);
         EXPECT_TRUE(verdict) << "field " << verdict.field;
         adopt(params, nullptr, state, Probe{});
@@ -71,7 +71,7 @@ double work_along(const SmallLoop& loop, int steps, Force&& force) {
 
 /// Central differences of the height, for comparison with the normal.
 template <class R>
-Vector gradient_of(Asked<R>& surface, const Vector& p, double step) {
+Vector gradient_of(Evaluated<R>& surface, const Vector& p, double step) {
     Vector g;
     for (int i = 0; i < 3; ++i) {
         const Vector e = step * Vector::Unit(i);

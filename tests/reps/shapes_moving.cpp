@@ -1,6 +1,6 @@
-// Meshes that move and are out of reach are not asked, and nothing else changes: against the same scene in
-// which each is asked in every cycle. One with a texture that moves has no bound; a relief of 1e-300 m is
-// nothing.
+// Meshes that move and are out of reach are not evaluated, and nothing else changes: against the same scene
+// in which each is evaluated in every cycle. One with a texture that moves has no bound; a relief of 1e-300 m
+// is nothing.
 
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@
 
 #include <knurl/geometry/mesh.hpp>
 
-#include "../../reps/src/reach.hpp"
+#include "../../reps/src/bounding_tree.hpp"
 #include "scene_tools.hpp"
 
 using namespace knurl;
@@ -32,27 +32,28 @@ std::unique_ptr<Mesh> mesh_at(MadeMesh shape, const Vector& middle) {
 
 /// The scene as it is, and the one in which nothing is out of reach.
 struct Pair {
-    Scene skipping = make_scene({.max_force = 20}), asking = make_scene({.max_force = 20});
+    Scene skipping = make_scene({.max_force = 20}), exhaustive = make_scene({.max_force = 20});
 
-    static Shape asked_always(Shape shape) {
+    static Shape always_evaluated(Shape shape) {
         shape.texture.amplitude = 1e-300;
         shape.velocity.x += 1e-300;
         return shape;
     }
     void set_asset(std::uint32_t number, const Asset* asset) {
-        for (Scene* scene : {&skipping, &asking}) scene->set_asset(number, asset);
+        for (Scene* scene : {&skipping, &exhaustive}) scene->set_asset(number, asset);
     }
-    bool add(Handle h, const Shape& shape, const Use& use) {
-        return bool(skipping.add(h, shape, use)) && bool(asking.add(h, asked_always(shape), use));
+    bool add(RepresentationId h, const Shape& shape, const AddOptions& options) {
+        return bool(skipping.add(h, shape, options)) &&
+               bool(exhaustive.add(h, always_evaluated(shape), options));
     }
-    bool update(Handle h, const Shape& shape) {
-        return bool(skipping.update(h, shape)) && bool(asking.update(h, asked_always(shape)));
+    bool update(RepresentationId h, const Shape& shape) {
+        return bool(skipping.update(h, shape)) && bool(exhaustive.update(h, always_evaluated(shape)));
     }
-    bool remove(Handle h) { return bool(skipping.remove(h)) && bool(asking.remove(h)); }
+    bool remove(RepresentationId h) { return bool(skipping.remove(h)) && bool(exhaustive.remove(h)); }
 };
 
 struct Seen {
-    std::uint64_t cycles = 0, felt = 0, begun = 0, asked = 0, instead_of = 0;
+    std::uint64_t cycles = 0, felt = 0, begun = 0, evaluated = 0, instead_of = 0;
 };
 
 /// Some shapes of 1 to 10 cm that come from everywhere, most of them towards the hand, told anew now and then
@@ -72,7 +73,7 @@ class Flight {
         if (between(rng_, 0, 1)) {
             const ProbePlacement finger{.offset = {}, .radius = uniform(rng_, 0, 0.008)};
             (void)pair_.skipping.place_probe(0, finger);
-            (void)pair_.asking.place_probe(0, finger);
+            (void)pair_.exhaustive.place_probe(0, finger);
         }
         hand_ = at(origin_);
         for (std::uint32_t i = 0; i < slots; ++i) add(i);
@@ -89,7 +90,7 @@ class Flight {
             const bool other = between(rng_, 0, 30) == 0 && step > 0 && !silent && silent_ <= 0;
             silent = silent_ > 0;
             step = !other ? dt : between(rng_, 0, 1) ? 0 : uniform(rng_, 0, 0.01);
-            const Vector want = pair_.asking.evaluate(hand_, step).force,
+            const Vector want = pair_.exhaustive.evaluate(hand_, step).force,
                          got = pair_.skipping.evaluate(hand_, step).force;
             // Where one is 1000 km away, 1e-10 m is one bit.
             ASSERT_LE((got - want).norm(), (far_ ? 1e-5 : 1e-9) * (1 + want.norm()))
@@ -101,8 +102,8 @@ class Flight {
             seen.felt += felt;
             seen.begun += felt && !before;
             before = felt;
-            seen.asked += pair_.skipping.evaluated();
-            seen.instead_of += pair_.asking.evaluated();
+            seen.evaluated += pair_.skipping.evaluated();
+            seen.instead_of += pair_.exhaustive.evaluated();
         }
     }
 
@@ -138,8 +139,8 @@ class Flight {
         told_[i] = any();
         since_[i] = 0;
         holds_[i] = between(rng_, 0, 1) != 0;
-        // None that fades away in a silence: what a bridge stands for depends on who is weighed beside it,
-        // and one that has faded away forgets its path only where it may be out of reach.
+        // None that fades away in a silence: what a frozen plane stands for depends on who is weighed beside
+        // it, and one that has faded away forgets its path only where it may be out of reach.
         ASSERT_TRUE(
             pair_.add({i, ++generation_[i]}, told_[i],
                       {.on_silence = holds_[i] ? OnSilence::hold : OnSilence::move, .silence_time = 10}));
@@ -148,7 +149,7 @@ class Flight {
     void change() {
         if (between(rng_, 0, 400) == 0) silent_ = silent_ > 0 ? 0 : 1e-3;
         if (silent_ > 0) silent_ += dt;
-        for (Scene* scene : {&pair_.skipping, &pair_.asking}) scene->set_silence(silent_);
+        for (Scene* scene : {&pair_.skipping, &pair_.exhaustive}) scene->set_silence(silent_);
         if (between(rng_, 0, 15) != 0) return;
         const auto i = static_cast<std::uint32_t>(between(rng_, 0, static_cast<int>(slots) - 1));
         if (!there_[i]) return add(i);
@@ -238,7 +239,7 @@ TEST(MovingShapes, APoseSentAloneIsFeltAsIfAllWereSent) {
     EXPECT_GT(touched, 500);
 }
 
-TEST(MovingShapes, AnswerAsIfEachWereAskedInEveryCycle) {
+TEST(MovingShapes, AnswerAsIfEachWereEvaluatedInEveryCycle) {
     Seen seen;
     // 119: one that a softer one lifts the proxy off; 394: a cycle without time, where one fades.
     std::vector<std::uint64_t> seeds(201, 394);
@@ -249,16 +250,16 @@ TEST(MovingShapes, AnswerAsIfEachWereAskedInEveryCycle) {
         ASSERT_NO_FATAL_FAILURE(flight.fly(2000, seen));
         if (HasFailure()) return;
     }
-    std::printf("%llu cycles, felt in %llu, contacts begun %llu; asked %.2f a cycle instead of %.2f\n",
+    std::printf("%llu cycles, felt in %llu, contacts begun %llu; evaluated %.2f a cycle instead of %.2f\n",
                 static_cast<unsigned long long>(seen.cycles), static_cast<unsigned long long>(seen.felt),
-                static_cast<unsigned long long>(seen.begun), double(seen.asked) / double(seen.cycles),
+                static_cast<unsigned long long>(seen.begun), double(seen.evaluated) / double(seen.cycles),
                 double(seen.instead_of) / double(seen.cycles));
     EXPECT_GT(seen.felt * 20, seen.cycles) << "a test that hardly touches anything";
     EXPECT_GT(seen.begun, 200u);
-    EXPECT_LT(seen.asked * 2, seen.instead_of) << "a test in which hardly anything is skipped";
+    EXPECT_LT(seen.evaluated * 2, seen.instead_of) << "a test in which hardly anything is skipped";
 }
 
-TEST(MovingShapes, OutOfReachTheyAreNotAskedNorWhileTheyFade) {
+TEST(MovingShapes, OutOfReachTheyAreNotEvaluatedNorWhileTheyFade) {
     const std::unique_ptr<Mesh> mesh = mesh_at(icosphere(2, 0.02), {0.01, 0, 0});
     Scene scene = make_scene();
     scene.set_asset(1, mesh.get());
@@ -272,15 +273,15 @@ TEST(MovingShapes, OutOfReachTheyAreNotAskedNorWhileTheyFade) {
                      .recovery = 0.02};
     };
     for (std::uint32_t i = 0; i < 64; ++i) ASSERT_TRUE(scene.add({i, 1}, shape()));
-    std::uint64_t asked = 0;
+    std::uint64_t evaluated = 0;
     for (int cycle = 0; cycle < 4000; ++cycle) {
         for (std::uint32_t i = 0; i < 64 && cycle % 17 == 0; ++i) {
             ASSERT_TRUE(scene.update({i, 1}, shape()));
         }
         scene.evaluate(at({0.03 * std::sin(cycle * 1e-3), 0, 0}), dt);
-        asked += scene.evaluated();
+        evaluated += scene.evaluated();
     }
-    EXPECT_EQ(asked, 0u);
+    EXPECT_EQ(evaluated, 0u);
 }
 
 // 0.5 m away at 1 m/s: not asked for four tenths of a second, and then there in the cycle that it should be.
@@ -325,13 +326,13 @@ TEST(MovingShapes, WhatIsHeldInASilenceGoesOnFromThereAfterIt) {
     FAIL() << "it never came";
 }
 
-TEST(Reach, UntilItSaysNothingThatMovesComesNearerUnseen) {
+TEST(BoundingTree, UntilItSaysNothingThatMovesComesNearerUnseen) {
     const std::uint64_t seed = 78;
     knurl::test::Rng rng(seed);
     std::uint64_t seen = 0, unseen = 0;
     for (int round = 0; round < 300; ++round) {
         constexpr std::uint32_t n = 40;
-        detail::Reach reach(n);
+        detail::BoundingTree reach(n);
         struct Ball {
             Vector center, velocity;
             double radius, since;
@@ -360,7 +361,7 @@ TEST(Reach, UntilItSaysNothingThatMovesComesNearerUnseen) {
         const Vector p = origin + 0.1 * direction(rng);
         const double within = scale(rng, 1e-6, 0.05);
         std::array<std::uint32_t, n> found;
-        const detail::Reach::Coming coming = reach.collect_moving(p, within, now, found);
+        const detail::BoundingTree::Coming coming = reach.collect_moving(p, within, now, found);
         ASSERT_GT(coming.lasts, 0) << "seed " << seed << " round " << round;
         for (std::uint32_t s = 0; s < n; ++s) {
             if (!balls[s].there) continue;

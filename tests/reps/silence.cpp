@@ -161,7 +161,7 @@ TEST(Silence, IsReportedToTheOwner) {
 
 TEST(Silence, HeldEffectsStandStillAndASpringArrivesWhereItWasTold) {
     Scene scene = make_scene();
-    const Use holds{.on_silence = OnSilence::hold};
+    const AddOptions holds{.on_silence = OnSilence::hold};
     ASSERT_TRUE(scene.add({0, 1}, Vibration{.direction = {1, 0, 0}, .amplitude = 2, .frequency = 20}, holds));
     ASSERT_TRUE(scene.add({1, 1}, Spring{.anchor = {0, 0, 0.01}, .stiffness = 100, .duration = 0.1}, holds));
     settled(scene, at({0, 0, 0}));

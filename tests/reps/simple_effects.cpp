@@ -13,7 +13,7 @@ using namespace knurl;
 using namespace knurl::test;
 
 namespace {
-constexpr Handle handle{0, 1};
+constexpr RepresentationId id{0, 1};
 }
 
 TEST(Viscosity, IsAgainstVelocityAndAngularVelocityAlone) {
@@ -42,7 +42,7 @@ TEST(Gravity, IsMassTimesAccelerationAndFadesInOverATenthOfASecond) {
     EXPECT_LE((felt(Gravity{.acceleration = {1, 2, 3}, .mass = 2}, {}).force - Vector(2, 4, 6)).norm(),
               1e-15);
     Scene scene = make_scene();
-    ASSERT_TRUE(scene.add(handle, Gravity{.mass = 1}));
+    ASSERT_TRUE(scene.add(id, Gravity{.mass = 1}));
     for (int i = 1; i <= 120; ++i)
         ASSERT_NEAR(scene.evaluate({}, dt).force.z(), -9.81 * std::min(1.0, i / 100.0), 1e-12) << i;
 }
@@ -124,13 +124,13 @@ TEST(Vibration, IsASineOfTheTimeThatTheServoHasRun) {
 TEST(Vibration, BendsAndDoesNotBreakWhenItsFrequencyChanges) {
     Scene scene = make_scene();
     Vibration buzz{.amplitude = 1, .frequency = 30, .recovery = 0};
-    ASSERT_TRUE(scene.add(handle, buzz));
+    ASSERT_TRUE(scene.add(id, buzz));
     Rng rng(323);
     double last = 0;
     for (int i = 0; i < 5000; ++i) {
         if (i % 7 == 3) {
             buzz.frequency = uniform(rng, 1, 100);
-            ASSERT_TRUE(scene.update(handle, buzz));
+            ASSERT_TRUE(scene.update(id, buzz));
         }
         const double force = scene.evaluate({}, dt).force.z();
         ASSERT_LE(std::abs(force - last), 2 * M_PI * 100 * dt * (1 + 1e-9)) << i;

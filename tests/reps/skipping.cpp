@@ -60,35 +60,35 @@ TEST(Skipping, NothingIsAllocatedAfterConstruction) {
     std::array<Feedback, 64> feedback;
     for (int i = 0; i < 20'000; ++i) {
         const auto slot = static_cast<std::uint32_t>(between(rng, 0, 63));
-        const Use use{.probe = static_cast<std::uint32_t>(between(rng, 0, 3))};
-        const Handle handle{slot, generation[slot]};
+        const AddOptions options{.probe = static_cast<std::uint32_t>(between(rng, 0, 3))};
+        const RepresentationId id{slot, generation[slot]};
         switch (between(rng, 0, 9)) {
             case 0:
                 generation[slot] += static_cast<bool>(
-                    scene.add({slot, generation[slot] + 1}, random_params<Plane>(rng, false), use));
+                    scene.add({slot, generation[slot] + 1}, random_params<Plane>(rng, false), options));
                 break;
             case 1:
                 generation[slot] += static_cast<bool>(
-                    scene.add({slot, generation[slot] + 1}, random_params<Spring>(rng, false), use));
+                    scene.add({slot, generation[slot] + 1}, random_params<Spring>(rng, false), options));
                 break;
             case 2:
-                generation[slot] += static_cast<bool>(
-                    scene.add({slot, generation[slot] + 1}, random_params<ConstantForce>(rng, false), use));
+                generation[slot] += static_cast<bool>(scene.add(
+                    {slot, generation[slot] + 1}, random_params<ConstantForce>(rng, false), options));
                 break;
             case 3:
-                (void)scene.update(handle, random_params<Plane>(rng, false));
+                (void)scene.update(id, random_params<Plane>(rng, false));
                 break;
             case 4:
-                (void)scene.update(handle, random_params<Spring>(rng, false));
+                (void)scene.update(id, random_params<Spring>(rng, false));
                 break;
             case 5:
-                (void)scene.remove(handle);
+                (void)scene.remove(id);
                 break;
             case 6:
                 scene.set_silence(between(rng, 0, 3) ? 0 : 1);
                 break;
             case 7:
-                (void)scene.place_probe(use.probe, {.offset = {0.01 * between(rng, 0, 3), 0, 0}});
+                (void)scene.place_probe(options.probe, {.offset = {0.01 * between(rng, 0, 3), 0, 0}});
                 break;
             case 8:
                 (void)scene.feedback(feedback);

@@ -19,7 +19,7 @@ TYPED_TEST(Solids, HeightAndNormalAreThoseOfTheNearestPointOfTheSurface) {
         const Nearest want = reference(s, p.cast<long double>(), probe);
         const double core = inside ? least_radius(s) - probe : least_radius(s) + probe;
         if (want.deep || (!inside && want.height < -core / 2)) continue;  // kept from there on: below
-        const Contact c = Asked<TypeParam>(s)(p, probe);
+        const Contact c = Evaluated<TypeParam>(s)(p, probe);
         const double entering = std::max({to_eigen(s.center).norm(), p.norm(), largest(s)});
         ASSERT_NEAR(c.height, static_cast<double>(want.height), 1e-14 * entering)
             << "seed " << this->seed << " round " << round;
@@ -39,8 +39,8 @@ TYPED_TEST(Solids, TheNormalIsTheHeightsGradient) {
         if (round % 3 == 0) s.side = Side::inside;
         const double probe = round % 2 ? 0 : 0.3 * least_radius(s);
         const Vector p = some_point(rng, s);
-        Asked<TypeParam> surface(s);
-        const auto height = [&](const Vector& at) { return Asked<TypeParam>(s)(at, probe).height; };
+        Evaluated<TypeParam> surface(s);
+        const auto height = [&](const Vector& at) { return Evaluated<TypeParam>(s)(at, probe).height; };
         const double h = height(p);
         if (std::abs(h) < 2e-6 || h < -0.4 * (least_radius(s) + (s.side == Side::inside ? -probe : probe)))
             continue;
@@ -75,7 +75,7 @@ TYPED_TEST(Solids, PressedDeeperThanHalfWayToItsCoreItKeepsTheNormalAndHoldsHowe
         // Until a cylinder's face holds by itself it is the edge's.
         if (!straight_in(s, surface, n, std::is_same_v<TypeParam, Cylinder> ? probe + 1e-4 : half, probe))
             continue;
-        Asked<TypeParam> solid(s);
+        Evaluated<TypeParam> solid(s);
         solid(p, probe);
         const double last = 2 * (largest(s) + probe) + half;
         for (double depth = 0; depth < last; depth += half / 100) {
@@ -98,7 +98,7 @@ TYPED_TEST(Solids, TheWayBackOutOfTheDepthIsTheWayIn) {
         const Nearest start = reference(s, p.cast<long double>(), 0);
         const Vector n = start.normal.cast<double>(), surface = p - static_cast<double>(start.height) * n;
         if (!straight_in(s, surface, n, half, 0)) continue;
-        Asked<TypeParam> solid(s);
+        Evaluated<TypeParam> solid(s);
         std::vector<double> in;
         for (int i = 0; i <= 100; ++i) in.push_back(solid(surface - deepest * i / 100 * n).height);
         for (int i = 100; i >= 0; --i)
@@ -111,7 +111,7 @@ TYPED_TEST(Solids, NoWayThroughItGivesTheHandMoreThanItPutIn) {
     Rng& rng = this->random;
     for (int round = 0; round < 60; ++round) {
         const TypeParam s = random_solid<TypeParam>(rng, 0.02);
-        Asked<TypeParam> solid(s);
+        Evaluated<TypeParam> solid(s);
         SmallLoop loop(rng, to_eigen(s.center), 0.02);
         double sum = 0, gained = 0;
         Vector p = loop.at(0);
@@ -150,7 +150,7 @@ TYPED_TEST(Solids, GivesBackTheWorkOfEveryClosedLoopInItsSurface) {
         } while (std::abs(on.height) > 0.02 || (inside && on.height > 0.007));
         p -= static_cast<double>(on.height + 0.001L) * on.normal.cast<double>();
         if (reference(s, p.cast<long double>(), probe).height > 0) continue;
-        Asked<TypeParam> solid(s);
+        Evaluated<TypeParam> solid(s);
         const SmallLoop loop(rng, p, 0.0008);
         const double sum = work_along(loop, 40'000, [&](const Vector& at) -> Vector {
             if constexpr (requires { TypeParam::max_contacts; }) {

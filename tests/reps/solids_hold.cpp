@@ -80,7 +80,7 @@ TYPED_TEST(ThinSolids, HoldTheHandFromWhereItCameHoweverDeepAndGiveItBackThere) 
         const WayIn<TypeParam> way(rng, s, 0);
         if (way.rounded) continue;
         const double step = scale(rng, 1e-5, 3e-3);  // up to 3 m/s: right through it in one cycle
-        Asked<TypeParam> solid(s);
+        Evaluated<TypeParam> solid(s);
         const std::string where = "seed " + std::to_string(seed) + " round " + std::to_string(round);
         solid(way.from, way.probe);
         double depth = -1e-4;
@@ -118,7 +118,7 @@ TYPED_TEST(ThinSolids, PressedBesideTheirMiddleHoldOrSlipOffSidewaysWithoutAStep
         // A probe that is pressed over an edge by its radius turns there as fast as it passes.
         if (std::is_same_v<TypeParam, Cylinder>) way.from -= way.probe * way.normal, way.probe = 0;
         const double step = scale(rng, 1e-6, 1e-4);
-        Asked<TypeParam> solid(s);
+        Evaluated<TypeParam> solid(s);
         const std::string where = "seed " + std::to_string(seed) + " round " + std::to_string(round);
         Contact last = solid(way.from, way.probe);
         for (double gone = 0; gone < deepest; gone += step) {
@@ -149,7 +149,7 @@ TYPED_TEST(ThinSolids, NeverMakeAStepAndNeverGiveMoreThanWasPutIn) {
     for (int round = 0; round < (long_form() ? 4000 : 60); ++round) {
         const TypeParam s = thin_solid<TypeParam>(rng);
         const double probe = round % 2 ? 0 : uniform(rng, 0, 1.5) * least_radius(s);
-        Asked<TypeParam> solid(s);
+        Evaluated<TypeParam> solid(s);
         Vector about = to_eigen(s.center);
         if constexpr (requires { s.tube; })
             about += s.radius * to_eigen(s.axis).normalized().unitOrthogonal();

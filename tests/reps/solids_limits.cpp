@@ -6,7 +6,7 @@ using namespace knurl;
 using namespace knurl::test;
 
 TEST(Sphere, OfNoRadiusIsAPointThatAProbeWithARadiusFeels) {
-    Asked<Sphere> point({.center = {0.1, 0, 0}, .radius = 0});
+    Evaluated<Sphere> point({.center = {0.1, 0, 0}, .radius = 0});
     EXPECT_NEAR(point({0.1, 0, 0.004}, 0.005).height, -0.001, 1e-16);
     EXPECT_EQ(point({0.1, 0, 0}, 0).height, 0) << "one without does not";
 }
@@ -15,11 +15,11 @@ TEST(Capsule, OfNoLengthIsASphereAndOfNoRadiusANeedle) {
     Rng rng(8102);
     for (int round = 0; round < 1000; ++round) {
         const Vector p = 0.02 * direction(rng);
-        Asked<Capsule> capsule({.axis = {1, 2, 3}, .half_length = 0, .radius = 0.01});
-        Asked<Sphere> sphere({.radius = 0.01});
+        Evaluated<Capsule> capsule({.axis = {1, 2, 3}, .half_length = 0, .radius = 0.01});
+        Evaluated<Sphere> sphere({.radius = 0.01});
         EXPECT_EQ(capsule(p).height, sphere(p).height);
     }
-    Asked<Capsule> needle({.half_length = 0.02, .radius = 0});
+    Evaluated<Capsule> needle({.half_length = 0.02, .radius = 0});
     EXPECT_NEAR(needle({0.004, 0, 0.01}, 0.005).height, -0.001, 1e-16);
     EXPECT_EQ(needle({0, 0, 0.01}, 0).height, 0);
 }
@@ -32,21 +32,21 @@ TEST(Cylinder, WithoutEndsIsTheSameAllAlongItsAxis) {
         EXPECT_FALSE(bound(prepared(endless, {}), {}));
         for (int round = 0; round < 1000; ++round) {
             const Vector p = 0.015 * direction(rng);
-            Asked<Cylinder> a(endless), b(finite);
+            Evaluated<Cylinder> a(endless), b(finite);
             const double probe = round % 2 ? 0.002 : 0;
             EXPECT_EQ(a(p, probe).height, b(p, probe).height);
             const Vector along = uniform(rng, -1000, 1000) * Vector(1, 1, 0).normalized();
             EXPECT_NEAR(a(p + along, probe).height, b(p, probe).height, 1e-12);
         }
         Contact out[2];
-        Asked<Cylinder> a(endless);
+        Evaluated<Cylinder> a(endless);
         EXPECT_EQ(contacts(a.params, a.state, at({0, 0.1, 0}), dt, out), 1u);
     }
 }
 
 TEST(Cylinder, OfNoLengthIsADiscThatAProbeWithARadiusFeelsFromEitherSide) {
     for (const double side : {1.0, -1.0}) {
-        Asked<Cylinder> disc({.radius = 0.02, .half_length = 0});
+        Evaluated<Cylinder> disc({.radius = 0.02, .half_length = 0});
         for (double z = 0.006; z > -0.0199; z -= 0.0001) {
             const Contact c = disc({0.003, 0, side * z}, 0.005);
             EXPECT_NEAR(c.height, z - 0.005, 1e-15);
@@ -56,7 +56,7 @@ TEST(Cylinder, OfNoLengthIsADiscThatAProbeWithARadiusFeelsFromEitherSide) {
 }
 
 TEST(Cylinder, TheHollowHoldsAtWallAndEndAtOnce) {
-    Asked<Cylinder> tin({.radius = 0.03, .half_length = 0.05, .side = Side::inside});
+    Evaluated<Cylinder> tin({.radius = 0.03, .half_length = 0.05, .side = Side::inside});
     Contact out[2];
     Probe probe = at({0.029, 0, -0.048});
     probe.radius = 0.004;
@@ -84,7 +84,7 @@ TEST(Torus, AProbeThatPlugsTheHoleIsDrawnBackToItsSeatOnTheAxis) {
     const double seat = std::sqrt(0.012 * 0.012 - 0.01 * 0.01);
     for (const double side : {1.0, -1.0}) {
         for (const double x : {-1e-3, -1e-12, 0.0, 1e-12, 1e-3}) {
-            Asked<Torus> ring({.radius = 0.01, .tube = 0.002});
+            Evaluated<Torus> ring({.radius = 0.01, .tube = 0.002});
             const Vector p(x, 0, side * 0.005), to = Vector(0, 0, side * seat) - p;
             const Contact c = ring({x, 0, side * 0.02}, 0.01), in = ring(p, 0.01);
             EXPECT_GT(c.height, 0);
@@ -92,12 +92,12 @@ TEST(Torus, AProbeThatPlugsTheHoleIsDrawnBackToItsSeatOnTheAxis) {
             EXPECT_LE((in.normal - to.normalized()).norm(), 1e-12);
         }
     }
-    EXPECT_GT(Asked<Torus>({.radius = 0.01, .tube = 0.002})({0, 0, 0}, 0.007).height, 0)
+    EXPECT_GT(Evaluated<Torus>({.radius = 0.01, .tube = 0.002})({0, 0, 0}, 0.007).height, 0)
         << "a smaller one goes through";
 }
 
 TEST(Torus, AProbeThatIsPushedThroughTheHoleThatItPlugsIsHeldFromHalfWayOn) {
-    Asked<Torus> ring({.radius = 0.01, .tube = 0.002});
+    Evaluated<Torus> ring({.radius = 0.01, .tube = 0.002});
     const double seat = std::sqrt(0.012 * 0.012 - 0.01 * 0.01);
     ring({1e-6, 0, 0.01}, 0.01);
     for (double z = seat - 1e-4; z > -2 * seat; z -= 1e-4) {

@@ -11,7 +11,7 @@ TYPED_TEST(Solids, AskedAgainInTheSameCycleItGivesTheSameBitsAndKeepsNoTraceOfIt
         TypeParam s = random_solid<TypeParam>(rng, 0.02);
         s.velocity = to_plain(Vector(0.01 * direction(rng)));
         if (round % 4 == 0) s.side = Side::inside;
-        Asked<TypeParam> once(s), again(s);
+        Evaluated<TypeParam> once(s), again(s);
         Vector p = some_point(rng, s);
         for (int i = 0; i < 200; ++i) {
             p = between(rng, 0, 9) == 0 ? some_point(rng, s) : p + 0.001 * direction(rng);
@@ -32,7 +32,7 @@ TYPED_TEST(Solids, OutOfItsBoundItIsNotTouchedAndRemembersNothing) {
     for (int round = 0; round < 200; ++round) {
         TypeParam s = random_solid<TypeParam>(rng, 0.02);
         if (round % 2) s.velocity = to_plain(Vector(0.05 * direction(rng)));
-        Asked<TypeParam> always(s), sometimes(s);
+        Evaluated<TypeParam> always(s), sometimes(s);
         for (int i = 0; i < 200; ++i) {
             Vector p = to_eigen(s.center);
             if (between(rng, 0, 4) != 0)  // else right into the core
@@ -44,7 +44,7 @@ TYPED_TEST(Solids, OutOfItsBoundItIsNotTouchedAndRemembersNothing) {
             EXPECT_LE(ball ? (ball->center - moved).norm() : 0, 1e-15);
             if (ball && (p - ball->center).norm() > ball->radius) {
                 ASSERT_GT(a.height, 0) << "round " << round;
-                // Asked again it learns where the probe was.
+                // Evaluated again it learns where the probe was.
                 out_of_reach(sometimes.params, sometimes.state);
                 sometimes.state.motion = {.time = always.state.motion.time, .placed = 1};
                 sometimes(p);
@@ -76,7 +76,7 @@ TYPED_TEST(Solids, OnItsCoreTheNormalIsTheLastOneOrAnyButNeverNothing) {
             for (const double probe : {0.0, 0.01, 10.0}) {
                 for (const Vector& core :
                      {Vector(to_eigen(s.center) + along * axis), Vector(to_eigen(s.center) + off)}) {
-                    Asked<TypeParam> surface(s);
+                    Evaluated<TypeParam> surface(s);
                     for (int i = 0; i < 3; ++i) {
                         const Contact c = surface(core, probe);
                         ASSERT_TRUE(std::isfinite(c.height));
@@ -98,7 +98,7 @@ TYPED_TEST(Solids, JumpedRightIntoItsCoreItKeepsTheNormalOfLastCycle) {
     Vector core = Vector::Zero();
     if constexpr (requires { s.tube; }) core.x() = s.radius;
     for (const Vector& normal : {Vector(1, 0, 0), Vector(-1, 0, 0)}) {
-        Asked<TypeParam> solid(s);
+        Evaluated<TypeParam> solid(s);
         solid(core + 0.9 * least_radius(s) * normal);
         const Contact c = solid(core);
         EXPECT_LE((c.normal - normal).norm(), 1e-13);
@@ -116,7 +116,8 @@ TYPED_TEST(Solids, AProbeWithARadiusMakesTheSolidLargerAndTheHollowSmaller) {
             probe = std::min(probe, 0.9 * (s.radius - s.tube));  // passes the hole
         const Vector p = some_point(rng, s);
         if (reference(s, p.cast<long double>(), 0).height < 0) continue;
-        EXPECT_NEAR(Asked<TypeParam>(s)(p, probe).height, Asked<TypeParam>(s)(p).height - probe, 1e-16);
+        EXPECT_NEAR(Evaluated<TypeParam>(s)(p, probe).height, Evaluated<TypeParam>(s)(p).height - probe,
+                    1e-16);
     }
 }
 
@@ -126,7 +127,7 @@ TYPED_TEST(Solids, AProbeLargerThanTheHollowIsHeldInItsMiddle) {
     s.side = Side::inside;
     Vector core = to_eigen(s.center);
     if constexpr (requires { s.tube; }) core += s.radius * to_eigen(s.axis).normalized().unitOrthogonal();
-    Asked<TypeParam> surface(s);
+    Evaluated<TypeParam> surface(s);
     EXPECT_NEAR(surface(core, 1.0).height, 0, 1e-15);
     for (int i = 0; i < 1000; ++i) {
         const double away = scale(rng, 1e-9, 1e-3);
@@ -137,7 +138,7 @@ TYPED_TEST(Solids, AProbeLargerThanTheHollowIsHeldInItsMiddle) {
 
 TYPED_TEST(Solids, MovesOnWithItsVelocityUntilItIsPlacedAgain) {
     TypeParam s{.velocity = {0.1, 0, 0}};
-    Asked<TypeParam> solid(s), still(TypeParam{});
+    Evaluated<TypeParam> solid(s), still(TypeParam{});
     const Vector p(0.04, 0.001, 0.002);
     EXPECT_EQ(solid(p).height, still(p).height) << "the cycle that places it";
     for (int i = 1; i <= 5; i += 2) {  // two calls, two cycles
@@ -158,7 +159,7 @@ TYPED_TEST(Solids, AKeptNormalStaysWithTheSolidThatMovesAndIsForgottenByOneTurne
     TypeParam s{};
     Vector core = Vector::Zero();
     if constexpr (requires { s.tube; }) core.x() = s.radius;
-    Asked<TypeParam> solid(s);
+    Evaluated<TypeParam> solid(s);
     const double r = least_radius(s);
     for (double depth = -0.1 * r; depth < 0.8 * r; depth += 0.01 * r)
         solid(core + (r - depth) * Vector::UnitX());

@@ -36,11 +36,11 @@ TEST(SolidsInAScene, AFingertipThatPlugsARingIsCentredWithoutAJump) {
 
 TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
     // A hand that jumps and creeps among solids of all kinds, and that they hold wherever it goes: against the
-    // same solids asked in every cycle, since they move, if only by nothing that matters.
+    // same solids evaluated in every cycle, since they move, if only by nothing that matters.
     const std::uint64_t seed = 8201;
     Rng rng(seed);
     for (int round = 0; round < (long_form() ? 200 : 5); ++round) {
-        Scene skipping = make_scene(), asking = make_scene();
+        Scene skipping = make_scene(), exhaustive = make_scene();
         std::vector<Vector> centers;
         for (std::uint32_t i = 0; i < 60; ++i) {
             centers.push_back(0.05 * Vector(i % 4, i / 4 % 4, i / 16));
@@ -48,7 +48,7 @@ TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
             const auto add = [&](auto solid) {
                 ASSERT_TRUE(skipping.add({i, 1}, solid));
                 solid.velocity = {1e-30, 0, 0};
-                ASSERT_TRUE(asking.add({i, 1}, solid));
+                ASSERT_TRUE(exhaustive.add({i, 1}, solid));
             };
             const double r = uniform(rng, 0.004, 0.01), k = i % 3 == 0 ? 1000.0 : 500.0;
             if (i % 4 == 0) add(Sphere{.center = center, .radius = r, .stiffness = k});
@@ -60,9 +60,9 @@ TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
                 add(Torus{.center = center, .axis = axis, .radius = r, .tube = 0.6 * r, .stiffness = k});
         }
         skipping.settle();
-        asking.settle();
+        exhaustive.settle();
         Vector p = Vector::Zero();
-        std::uint64_t asked = 0;
+        std::uint64_t evaluated = 0;
         int felt = 0;
         for (int i = 0; i < 4000; ++i) {
             const int move = between(rng, 0, 40);
@@ -70,67 +70,67 @@ TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
             if (move == 1)  // right into a core, but not where it has no direction
                 p = centers[static_cast<std::size_t>(between(rng, 0, 59))] + 1e-5 * direction(rng);
             if (move > 1) p += 0.0015 * direction(rng);
-            const Vector want = asking.evaluate(at(p), dt).force;
+            const Vector want = exhaustive.evaluate(at(p), dt).force;
             ASSERT_LE((skipping.evaluate(at(p), dt).force - want).norm(), 1e-9)
                 << "seed " << seed << " round " << round << " cycle " << i;
             felt += want.norm() > 0;
-            asked += skipping.evaluated();
+            evaluated += skipping.evaluated();
         }
         EXPECT_GT(felt, 500);
-        EXPECT_LT(asked, 4000u * 30) << "not all of them in every cycle";
+        EXPECT_LT(evaluated, 4000u * 30) << "not all of them in every cycle";
     }
 }
 
 TEST(SolidsInAScene, OfSpheresThatOverlapWhatIsSkippedWouldNotHaveBeenFelt) {
     // Where several push at once, one that the hand has left must no longer do: against the same spheres
-    // asked in every cycle, since they move, if only by nothing that matters.
+    // evaluated in every cycle, since they move, if only by nothing that matters.
     const std::uint64_t seed = 8202;
     Rng rng(seed);
     const int rounds = long_form() ? 200 : 10;
     int several = 0;
     for (int round = 0; round < rounds; ++round) {
-        Scene skipping = make_scene(), asking = make_scene();
+        Scene skipping = make_scene(), exhaustive = make_scene();
         for (std::uint32_t i = 0; i < 60; ++i) {
             Sphere sphere{.center = {uniform(rng, 0, 0.05), uniform(rng, 0, 0.05), uniform(rng, 0, 0.05)},
                           .radius = uniform(rng, 0.004, 0.01),
                           .stiffness = i % 3 == 0 ? 1000.0 : 500.0};
             ASSERT_TRUE(skipping.add({i, 1}, sphere));
             sphere.velocity = {1e-30, 0, 0};
-            ASSERT_TRUE(asking.add({i, 1}, sphere));
+            ASSERT_TRUE(exhaustive.add({i, 1}, sphere));
         }
         skipping.settle();
-        asking.settle();
+        exhaustive.settle();
         if (round % 2 == 0) skipping.index();
         Vector p = Vector::Zero();
-        std::uint64_t asked = 0;
+        std::uint64_t evaluated = 0;
         for (int i = 0; i < 2000; ++i) {
             if (between(rng, 0, 100) == 0)
                 p = 0.05 * Vector(uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1));
             p += 0.0005 * direction(rng);
-            const Vector want = asking.evaluate(at(p), dt).force;
+            const Vector want = exhaustive.evaluate(at(p), dt).force;
             ASSERT_LE((skipping.evaluate(at(p), dt).force - want).norm(), 1e-9)
                 << "seed " << seed << " round " << round << " cycle " << i;
             several += want.norm() > 0 && skipping.evaluated() > 1;
-            asked += skipping.evaluated();
+            evaluated += skipping.evaluated();
         }
-        EXPECT_LT(asked, 2000u * 40) << "not all of them in every cycle";
+        EXPECT_LT(evaluated, 2000u * 40) << "not all of them in every cycle";
     }
     EXPECT_GT(several, 100 * rounds);
 }
 
-// What holds the hand has no end, so it is always asked; sent away it is out of reach again.
-TEST(SolidsInAScene, OneThatIsSentAwayWhileItHoldsTheHandAndBackMeetsItAsIfItHadBeenAskedAllTheTime) {
-    Scene skipping = make_scene(), asking = make_scene();
+// What holds the hand has no end, so it is always evaluated; sent away it is out of reach again.
+TEST(SolidsInAScene, OneThatIsSentAwayWhileItHoldsTheHandAndBackMeetsItAsIfItHadBeenEvaluatedAllTheTime) {
+    Scene skipping = make_scene(), exhaustive = make_scene();
     const auto send = [&](double x) {
         Box box{.center = {x, 0, 0}, .half_size = {0.01, 0.01, 0.01}, .stiffness = 500, .recovery = 0};
         EXPECT_TRUE(skipping.update({0, 1}, box));
         box.velocity = {1e-300, 0, 0};  // no bound, so never out of reach
-        EXPECT_TRUE(asking.update({0, 1}, box));
+        EXPECT_TRUE(exhaustive.update({0, 1}, box));
     };
     ASSERT_TRUE(skipping.add({0, 1}, Box{}));
-    ASSERT_TRUE(asking.add({0, 1}, Box{}));
+    ASSERT_TRUE(exhaustive.add({0, 1}, Box{}));
     const auto judge = [&](const Vector& hand) {
-        const Vector want = asking.evaluate(at(hand), dt).force;
+        const Vector want = exhaustive.evaluate(at(hand), dt).force;
         EXPECT_EQ(skipping.evaluate(at(hand), dt).force, want) << hand.transpose();
         return want;
     };
@@ -139,7 +139,8 @@ TEST(SolidsInAScene, OneThatIsSentAwayWhileItHoldsTheHandAndBackMeetsItAsIfItHad
     EXPECT_NEAR(judge({0, 0, 0.009}).z(), 0.5, 1e-12) << "held";
     send(1);
     judge({0, 0.009, 0.009});
-    for (Scene* scene : {&skipping, &asking})  // whatever else changes: who is to be asked is listed anew
+    for (Scene* scene :
+         {&skipping, &exhaustive})  // whatever else changes: who is to be evaluated is listed anew
         ASSERT_TRUE(scene->add({1, 1}, Plane{.offset = -1, .stiffness = 500}));
     for (int i = 1; i < 5; ++i) judge({0, 0.009 + 0.001 * i, 0.009 - 0.002 * i});
     send(0);

@@ -37,7 +37,7 @@ Reference reference(const Spring& spring, const Probe& probe, Real max_stiffness
     return {force, arm.cross(force), k * reach + Real(spring.damping) * v.norm()};
 }
 
-constexpr Handle handle{0, 1};
+constexpr RepresentationId id{0, 1};
 
 }  // namespace
 
@@ -122,9 +122,9 @@ TEST(Spring, ItsAnchorAndRestLengthMoveLinearlyAndArriveExactly) {
     Spring second = first;
     second.anchor = {0.1, 0.02, -0.03};
     second.rest_length = 0.04;
-    ASSERT_TRUE(scene.add(handle, first));
+    ASSERT_TRUE(scene.add(id, first));
     settled(scene, {});
-    ASSERT_TRUE(scene.update(handle, second));
+    ASSERT_TRUE(scene.update(id, second));
     for (int i = 1; i <= 60; ++i) {
         const Real s = std::min(Real(1), Real(i) / 50);
         Spring between_them = first;
@@ -138,13 +138,13 @@ TEST(Spring, ItsAnchorAndRestLengthMoveLinearlyAndArriveExactly) {
 TEST(Spring, ANewTargetBeforeTheEndStartsFromThePresentPoint) {
     Scene scene = make_scene();
     Spring spring{.anchor = {0, 0, 0}, .stiffness = 100, .duration = 0.01};
-    ASSERT_TRUE(scene.add(handle, spring));
+    ASSERT_TRUE(scene.add(id, spring));
     settled(scene, {});
     spring.anchor.x = 0.1;
-    ASSERT_TRUE(scene.update(handle, spring));
+    ASSERT_TRUE(scene.update(id, spring));
     for (int i = 0; i < 5; ++i) scene.evaluate({}, dt);  // at 0.05
     spring.anchor.x = -0.05;
-    ASSERT_TRUE(scene.update(handle, spring));
+    ASSERT_TRUE(scene.update(id, spring));
     for (int i = 1; i <= 12; ++i) {
         EXPECT_NEAR(scene.evaluate({}, dt).force.x(), 100 * (0.05 - 0.1 * std::min(1.0, i / 10.0)), 1e-11);
     }
@@ -154,10 +154,10 @@ TEST(Spring, MovesAtTheSameSpeedAtEveryRate) {
     for (const double step : {1e-4, 5e-4, 1e-3, 3e-3}) {
         Scene scene = make_scene();
         Spring spring{.anchor = {0, 0, 0}, .stiffness = 100, .duration = 0.05};
-        ASSERT_TRUE(scene.add(handle, spring));
+        ASSERT_TRUE(scene.add(id, spring));
         settled(scene, {});
         spring.anchor.x = 0.1;
-        ASSERT_TRUE(scene.update(handle, spring));
+        ASSERT_TRUE(scene.update(id, spring));
         double t = 0;
         while (t < 0.06) {
             t += step;
@@ -169,9 +169,9 @@ TEST(Spring, MovesAtTheSameSpeedAtEveryRate) {
 
 TEST(Spring, StiffnessFadesWhileTheAnchorMoves) {
     Scene scene = make_scene();
-    ASSERT_TRUE(scene.add(handle, Spring{.anchor = {0.1, 0, 0}, .stiffness = 100, .duration = 0.02}));
+    ASSERT_TRUE(scene.add(id, Spring{.anchor = {0.1, 0, 0}, .stiffness = 100, .duration = 0.02}));
     settled(scene, {});
-    ASSERT_TRUE(scene.update(handle, Spring{.anchor = {0.2, 0, 0}, .stiffness = 300, .duration = 0.02}));
+    ASSERT_TRUE(scene.update(id, Spring{.anchor = {0.2, 0, 0}, .stiffness = 300, .duration = 0.02}));
     for (int i = 1; i <= 25; ++i) {
         const double s = std::min(1.0, i / 20.0);
         EXPECT_NEAR(scene.evaluate({}, dt).force.x(), (100 + 200 * s) * (0.1 + 0.1 * s), 1e-11)
@@ -182,10 +182,10 @@ TEST(Spring, StiffnessFadesWhileTheAnchorMoves) {
 TEST(Spring, AnAnchorThatMovesOnDuringTheFadeInDoesNotRestartIt) {
     Scene scene = make_scene();
     Spring spring{.anchor = {0.1, 0, 0}, .stiffness = 100, .duration = 0.02};
-    ASSERT_TRUE(scene.add(handle, spring));
+    ASSERT_TRUE(scene.add(id, spring));
     for (int i = 1; i <= 10; ++i) EXPECT_NEAR(scene.evaluate({}, dt).force.x(), 10 * i / 20.0, 1e-12);
     spring.anchor.y = 0.1;
-    ASSERT_TRUE(scene.update(handle, spring));
+    ASSERT_TRUE(scene.update(id, spring));
     for (int i = 1; i <= 25; ++i) {
         const Vector force = scene.evaluate({}, dt).force;
         EXPECT_NEAR(force.x(), 10 * std::min(1.0, 0.5 + i / 20.0), 1e-12);
@@ -195,7 +195,7 @@ TEST(Spring, AnAnchorThatMovesOnDuringTheFadeInDoesNotRestartIt) {
 
 TEST(Spring, ItsStiffnessIsClampedAndItsOwnerTold) {
     Scene scene = make_scene({.max_stiffness = 150});
-    ASSERT_TRUE(scene.add(handle, Spring{.anchor = {0.01, 0, 0}, .stiffness = 1000}));
+    ASSERT_TRUE(scene.add(id, Spring{.anchor = {0.01, 0, 0}, .stiffness = 1000}));
     EXPECT_NEAR(settled(scene, {}).force.x(), 1.5, 1e-12);
     Feedback feedback[1];
     ASSERT_EQ(scene.feedback(feedback), 1u);

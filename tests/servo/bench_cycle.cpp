@@ -14,8 +14,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include <knurl/servo/input_log.hpp>
 #include <knurl/servo/offline.hpp>
-#include <knurl/servo/tape.hpp>
 
 #include "table_arm.hpp"
 
@@ -78,18 +78,18 @@ void cycle_without_claims(benchmark::State& state) {
 }
 BENCHMARK(cycle_without_claims);
 
-/// What recording costs: two servos, one of them with a tape, turn by turn in blocks of 50 cycles, each in
-/// contact with a plane that is changed before every block (20 Hz at 1 kHz). CPU time of this thread;
+/// What recording costs: two servos, one of them with an input log, turn by turn in blocks of 50 cycles, each
+/// in contact with a plane that is changed before every block (20 Hz at 1 kHz). CPU time of this thread;
 /// `more_percent` is by how much the medians of all blocks differ.
 void cycle_that_is_recorded(benchmark::State& state) {
-    OfflineMemory memory(tape_bytes);
-    Tape tape(memory.data(), {});
+    OfflineMemory memory(input_log_bytes);
+    InputLog input_log(memory.data(), {});
     Rig plain(1), recorded(1);
-    recorded.servo.record(&tape);
+    recorded.servo.record(&input_log);
     Plane plane{.offset = 1.0, .stiffness = 20, .recovery = 0.05};
     struct Side {
         Rig& rig;
-        Handle handle;
+        RepresentationId id;
         std::vector<double> blocks = {};  // ns a cycle
     } sides[] = {{plain, plain.claims[0]->add(plane)}, {recorded, recorded.claims[0]->add(plane)}};
     const auto cpu_ns = [] {
@@ -100,7 +100,7 @@ void cycle_that_is_recorded(benchmark::State& state) {
     for (auto _ : state) {
         plane.offset = plane.offset > 1 ? 1 : 1 + 1e-4;
         for (Side& side : sides) {
-            side.rig.claims[0]->update(side.handle, plane);
+            side.rig.claims[0]->update(side.id, plane);
             side.rig.claims[0]->commit();
             const double begin = cpu_ns();
             for (int i = 0; i < 50; ++i) side.rig.step();
@@ -116,7 +116,7 @@ void cycle_that_is_recorded(benchmark::State& state) {
     state.counters["plain_ns"] = without;
     state.counters["recorded_ns"] = with;
     state.counters["more_percent"] = 100 * (with / without - 1);
-    if (Tape::written(memory.data()) < 50 * static_cast<std::uint64_t>(state.iterations()))
+    if (InputLog::written(memory.data()) < 50 * static_cast<std::uint64_t>(state.iterations()))
         state.SkipWithError("nothing was recorded");
 }
 BENCHMARK(cycle_that_is_recorded)->Iterations(4000);
@@ -126,7 +126,7 @@ void cycle_with_a_plane_that_fades(benchmark::State& state) {
     Rig rig(1);
     OfflineClaim& claim = *rig.claims[0];
     const Plane plane{.offset = 1.0, .stiffness = 20, .recovery = 0.01};
-    const Handle handle = claim.add(plane);
+    const RepresentationId id = claim.add(plane);
     rig.step();
     std::uint64_t n = 0;
     for (auto _ : state) {
@@ -134,7 +134,7 @@ void cycle_with_a_plane_that_fades(benchmark::State& state) {
             state.PauseTiming();  // the client's work
             Plane changed = plane;
             changed.offset += n % 20 == 0 ? 1e-4 : 0;
-            claim.update(handle, changed);
+            claim.update(id, changed);
             claim.commit();
             state.ResumeTiming();
         }
@@ -177,7 +177,7 @@ void cycle_with_all_features(benchmark::State& state) {
     claim.place_probe(1, {.offset = {0.02, 0, 0}, .radius = 0.005});
     const Snag snag{.k_kinetic = 0.3, .k_stick = 500, .d_snap = 1e-3, .d_mean = 2e-3, .d_spread = 1e-3};
     Plane floor{.normal = {0, 0, 1}, .offset = 1, .stiffness = 5, .recovery = 0.05, .snag = snag};
-    const Handle handle = claim.add(floor);
+    const RepresentationId id = claim.add(floor);
     claim.add(Plane{.normal = {1, 0, 0.2}, .offset = 1, .stiffness = 5, .snag = snag}, {.probe = 1});
     claim.add(Plane{.normal = {0, 1, 0.2}, .offset = 1, .stiffness = 5, .snag = snag});
     for (std::uint32_t i = 0; i < 4; ++i) {
@@ -190,7 +190,7 @@ void cycle_with_all_features(benchmark::State& state) {
     percentiles(state, [&] {
         if (++n % 50 == 0) {  // 20 Hz: one cycle in fifty takes an update, all of them fade it
             floor.offset += n % 100 == 0 ? 1e-4 : -1e-4;
-            claim.update(handle, floor);
+            claim.update(id, floor);
             claim.commit();
         }
         rig.step();
@@ -203,9 +203,9 @@ BENCHMARK(cycle_with_all_features)->Iterations(100'000);
 void cycle_that_takes_updates(benchmark::State& state) {
     Rig rig(1, "premium15", 1024);
     OfflineClaim& claim = *rig.claims[0];
-    std::vector<Handle> handles;
+    std::vector<RepresentationId> ids;
     for (int i = 0; i < state.range(0); ++i) {
-        handles.push_back(claim.add(Plane{.offset = -1, .stiffness = 20}));
+        ids.push_back(claim.add(Plane{.offset = -1, .stiffness = 20}));
         if (i % 32 == 31) rig.step();
     }
     for (int i = 0; i < 100; ++i) rig.step();
@@ -213,7 +213,7 @@ void cycle_that_takes_updates(benchmark::State& state) {
     double offset = -1;
     for (auto _ : state) {
         offset = offset < -1 ? -1 : -1.001;
-        for (const Handle handle : handles) claim.update(handle, Plane{.offset = offset, .stiffness = 20});
+        for (const RepresentationId id : ids) claim.update(id, Plane{.offset = offset, .stiffness = 20});
         claim.commit();
         const Nanoseconds begin = rig.clock.now();
         rig.step();

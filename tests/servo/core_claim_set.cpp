@@ -1,4 +1,4 @@
-// Claims awake and at rest, against a plain model: one vector of structs, in which each claim is looked at in
+// Claims awake and asleep, against a plain model: one vector of structs, in which each claim is looked at in
 // every cycle.
 
 #include <algorithm>
@@ -21,39 +21,39 @@ namespace {
 struct Attached {
     OfflineMemory memory{protocol::claim_layout({}).total};
     Claim claim{ClaimTerms{}, memory.data(), nullptr};
-    shm::SentCount sent{claim.impl->sleeper.flag};
-    std::uint64_t sent_so_far() const { return shm::sent_so_far<>(claim.impl->sleeper.flag->sent); }
+    shm::SentCount sent{claim.impl->wake_target.flag};
+    std::uint64_t sent_so_far() const { return shm::sent_so_far<>(claim.impl->wake_target.flag->sent); }
 };
 
 struct PlainClaim {
     Claim* claim = nullptr;
     std::uint64_t sent = 0, seen = 0;
-    bool resting = false, is_awake = false;
-    Rest rest = {};
-    StillScene still = {};
-    StillClock clock = {};
+    bool sleeping = false, is_awake = false;
+    Sleep sleep = {};
+    SleepingScene scene = {};
+    SleepingClock clock = {};
 };
 
 struct PlainSet {
     std::vector<PlainClaim> claims;
-    ClaimSet::Resting resting;
+    ClaimSet::Sleeping sleeping;
     std::uint64_t passed = 0;
 
     void look(const Eigen::Vector3d* hand, Nanoseconds now) {
-        resting = {};
+        sleeping = {};
         for (PlainClaim& c : claims) {
-            const bool near = c.rest.present > 0 && (hand == nullptr || !c.still.holds(*hand));
-            if (c.resting && !near && c.sent == c.seen && now < c.rest.until) {
+            const bool near = c.sleep.present > 0 && (hand == nullptr || !c.scene.holds(*hand));
+            if (c.sleeping && !near && c.sent == c.seen && now < c.sleep.until) {
                 c.is_awake = false;
-                resting.armed += c.rest.armed;
-                resting.keep_on |= c.rest.keeps_on;
-                resting.surfaces |= c.rest.surfaces;
-                resting.present += c.rest.present;
+                sleeping.armed += c.sleep.armed;
+                sleeping.keep_on |= c.sleep.keeps_on;
+                sleeping.surfaces |= c.sleep.surfaces;
+                sleeping.present += c.sleep.present;
                 continue;
             }
-            if (c.resting && !near) c.seen = c.sent;
+            if (c.sleeping && !near) c.seen = c.sent;
             c.is_awake = true;
-            c.resting = false;
+            c.sleeping = false;
         }
     }
     void pass_time(std::uint64_t cycle, double dt) {
@@ -67,32 +67,32 @@ struct PlainSet {
 
 void expect_same(ClaimSet& set, const PlainSet& plain, bool looked) {
     ASSERT_EQ(set.size(), plain.claims.size());
-    ASSERT_EQ(set.sleepers().size(), plain.claims.size());
+    ASSERT_EQ(set.wake_targets().size(), plain.claims.size());
     std::vector<std::size_t> awake;
     for (std::size_t i = 0; i < plain.claims.size(); ++i) {
         const PlainClaim& c = plain.claims[i];
         ASSERT_EQ(&set.claim(i), c.claim);
         ASSERT_EQ(&set[i], c.claim->impl.get());
-        ASSERT_EQ(set.sleepers()[i].flag, c.claim->impl->sleeper.flag);
-        ASSERT_EQ(set.rests_unarmed(i), c.resting && !c.rest.armed);
-        ASSERT_EQ(set.still(i).at, c.still.at);
-        ASSERT_EQ(set.still(i).since, c.still.since);
-        ASSERT_EQ(set.cycles_owed(i), plain.passed - c.still.since);
+        ASSERT_EQ(set.wake_targets()[i].flag, c.claim->impl->wake_target.flag);
+        ASSERT_EQ(set.sleeps_unarmed(i), c.sleeping && !c.sleep.armed);
+        ASSERT_EQ(set.sleeping_scene(i).at, c.scene.at);
+        ASSERT_EQ(set.sleeping_scene(i).since, c.scene.since);
+        ASSERT_EQ(set.cycles_owed(i), plain.passed - c.scene.since);
         ASSERT_EQ(set.time(i).all, c.clock.time.all);
         ASSERT_EQ(set.time(i).held, c.clock.time.held);
         if (c.is_awake) awake.push_back(i);
     }
     if (!looked) return;
     ASSERT_EQ(std::vector<std::size_t>(set.awake().begin(), set.awake().end()), awake);
-    ASSERT_EQ(set.resting().armed, plain.resting.armed);
-    ASSERT_EQ(set.resting().keep_on, plain.resting.keep_on);
-    ASSERT_EQ(set.resting().surfaces, plain.resting.surfaces);
-    ASSERT_EQ(set.resting().present, plain.resting.present);
+    ASSERT_EQ(set.sleeping().armed, plain.sleeping.armed);
+    ASSERT_EQ(set.sleeping().keep_on, plain.sleeping.keep_on);
+    ASSERT_EQ(set.sleeping().surfaces, plain.sleeping.surfaces);
+    ASSERT_EQ(set.sleeping().present, plain.sleeping.present);
 }
 
 /// Cycles as the servo makes them, with everything that may happen in one at random.
 TEST(ClaimSet, DoesWhatAPlainOneDoes) {
-    std::size_t rested = 0, woken_by_hand = 0, fullest = 0;
+    std::size_t slept_in_all = 0, woken_by_hand = 0, fullest = 0;
     std::vector<std::unique_ptr<Attached>> outside;
     for (int i = 0; i < 200; ++i) outside.push_back(std::make_unique<Attached>());
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -130,7 +130,7 @@ TEST(ClaimSet, DoesWhatAPlainOneDoes) {
             if (below(40) == 0) {
                 const std::size_t i = place();
                 set.wake(i);
-                plain.claims[i].resting = false;
+                plain.claims[i].sleeping = false;
             }
             for (auto& o : outside)
                 if (below(400) == 0) {
@@ -138,21 +138,21 @@ TEST(ClaimSet, DoesWhatAPlainOneDoes) {
                     for (PlainClaim& c : plain.claims) c.sent += c.claim == &o->claim;
                 }
 
-            const std::size_t slept = plain.resting.present;
+            const std::size_t slept = plain.sleeping.present;
             set.look(seen_hand, now);
             plain.look(seen_hand, now);
-            woken_by_hand += plain.resting.present < slept;
+            woken_by_hand += plain.sleeping.present < slept;
             expect_same(set, plain, true);
 
             if (below(100) == 0) {
                 std::vector<Claim::Impl*> woken, expected;
                 set.wake_all([&](Claim::Impl& c) { woken.push_back(&c); });
                 for (PlainClaim& c : plain.claims) {
-                    if (c.resting) expected.push_back(c.claim->impl.get());
-                    c.resting = false;
+                    if (c.sleeping) expected.push_back(c.claim->impl.get());
+                    c.sleeping = false;
                     c.is_awake = true;
                 }
-                plain.resting = {};
+                plain.sleeping = {};
                 ASSERT_EQ(woken, expected);
                 expect_same(set, plain, true);
             }
@@ -160,9 +160,9 @@ TEST(ClaimSet, DoesWhatAPlainOneDoes) {
             for (const std::size_t i : set.awake()) {
                 if (seen_hand == nullptr || below(4) != 0) continue;
                 PlainClaim& c = plain.claims[i];
-                c.still = {.at = hand, .within = 2e-3 * (1 + part()) + 1e-4, .since = cycle};
+                c.scene = {.at = hand, .within = 2e-3 * (1 + part()) + 1e-4, .since = cycle};
                 c.clock = {.time = {.all = part(), .held = part()}, .held_share = below(2) == 0 ? 0.0 : 1.0};
-                set.becomes_still(i, c.still, c.clock);
+                set.put_scene_to_sleep(i, c.scene, c.clock);
             }
             const double dt = 1e-3 * (1 + 0.1 * part());
             set.pass_time(cycle, dt);
@@ -171,16 +171,16 @@ TEST(ClaimSet, DoesWhatAPlainOneDoes) {
             for (const std::size_t i : set.awake()) {
                 if (below(2) == 0) continue;
                 PlainClaim& c = plain.claims[i];
-                const bool still = c.still.since == cycle;
-                c.rest = {.until = below(2) == 0 ? Rest::for_ever
-                                                 : now + static_cast<Nanoseconds>(below(300'000'000)),
-                          .present = still ? static_cast<std::uint32_t>(below(3)) : 0,
-                          .armed = below(3) == 0,
-                          .keeps_on = below(20) == 0,
-                          .surfaces = below(20) == 0};
-                c.resting = true;
-                set.put_to_rest(i, c.rest);
-                ++rested;
+                const bool asleep = c.scene.since == cycle;
+                c.sleep = {.until = below(2) == 0 ? Sleep::for_ever
+                                                  : now + static_cast<Nanoseconds>(below(300'000'000)),
+                           .present = asleep ? static_cast<std::uint32_t>(below(3)) : 0,
+                           .armed = below(3) == 0,
+                           .keeps_on = below(20) == 0,
+                           .surfaces = below(20) == 0};
+                c.sleeping = true;
+                set.put_to_sleep(i, c.sleep);
+                ++slept_in_all;
             }
 
             if (below(20) == 0) {
@@ -205,7 +205,7 @@ TEST(ClaimSet, DoesWhatAPlainOneDoes) {
             ASSERT_FALSE(::testing::Test::HasFatalFailure());
         }
     }
-    EXPECT_GT(rested, 10'000u);
+    EXPECT_GT(slept_in_all, 10'000u);
     EXPECT_GT(woken_by_hand, 1000u);
     EXPECT_EQ(fullest, protocol::max_clients);
 }

@@ -176,21 +176,21 @@ TEST(Gains, WhoObservesAndResetsLeavesTheFaultAndDoesNothingElse) {
         const protocol::Reply reply = other.replies().at(0);
         EXPECT_EQ(reply.code,
                   static_cast<std::uint32_t>(reply.reason != 0 ? Verdict::Code::refused : Verdict::Code::ok));
-        return static_cast<protocol::Refusal>(reply.reason);
+        return static_cast<protocol::RefusalReason>(reply.reason);
     };
     other.arm();
-    EXPECT_EQ(answer(), protocol::Refusal::forbidden);
+    EXPECT_EQ(answer(), protocol::RefusalReason::forbidden);
     other.disarm();
-    EXPECT_EQ(answer(), protocol::Refusal::forbidden);
+    EXPECT_EQ(answer(), protocol::RefusalReason::forbidden);
     other.add(ConstantForce{.force = {0, 0, 5}});
-    EXPECT_EQ(answer(), protocol::Refusal::forbidden);
+    EXPECT_EQ(answer(), protocol::RefusalReason::forbidden);
     other.reset_fault();
-    EXPECT_EQ(answer(), protocol::Refusal::not_in_fault);
+    EXPECT_EQ(answer(), protocol::RefusalReason::not_in_fault);
     EXPECT_NEAR(sent_z(servo), 1, 1e-9) << "nobody noticed";
     servo.servo().clock_jumped();
     servo.step();
     other.reset_fault();
-    EXPECT_EQ(answer(), protocol::Refusal::none);
+    EXPECT_EQ(answer(), protocol::RefusalReason::none);
     run(servo, 1000);
     EXPECT_EQ(servo.servo().last().state, DeviceState::idle);
     EXPECT_TRUE(device.force().isZero(0));
@@ -398,7 +398,7 @@ TEST(Sharing, WhatIsRemovedLeavesItsShareToTheOthersAtOnce) {
     options.silence = false;
     Offline servo(device, options);
     OfflineClaim& hand = servo.claim();
-    std::vector<Handle> fingers;
+    std::vector<RepresentationId> fingers;
     for (std::uint32_t finger = 0; finger < 5; ++finger) {
         hand.place_probe(finger, {.offset = {0.01 * finger, 0, 0}});
         fingers.push_back(hand.add(Plane{.stiffness = 1000}, {.probe = finger}));
@@ -411,7 +411,7 @@ TEST(Sharing, WhatIsRemovedLeavesItsShareToTheOthersAtOnce) {
     EXPECT_NEAR(sent_z(servo), 0.1, 1e-9);
 }
 
-// ... nor on whether whoever has the surface is at rest, out of the hand's reach.
+// ... nor on whether whoever has the surface is asleep, out of the hand's reach.
 TEST(Sharing, SurfacesOfAClaimAtRestKeepTheirShare) {
     PuppetDevice device;
     const double k_max = max_stiffness(device.link(), 1000);
@@ -427,7 +427,7 @@ TEST(Sharing, SurfacesOfAClaimAtRestKeepTheirShare) {
     desk.arm();
     run(servo, 600);
     EXPECT_NEAR(protocol::scales_of(springs.feedback().header).effects, 0.5, 1e-6);
-    EXPECT_LT(desk.feedback().header.cycle, servo.servo().last().cycle) << "it is at rest";
+    EXPECT_LT(desk.feedback().header.cycle, servo.servo().last().cycle) << "it sleeps";
 }
 
 // A spring's force does not depend on whether a surface is touched: else the hand would never rest.

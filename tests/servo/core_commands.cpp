@@ -5,14 +5,14 @@
 
 #include <knurl/reps/describe.hpp>
 
-#include "core_desk.hpp"
+#include "core_claim_fixture.hpp"
 
 namespace knurl::servo {
 namespace {
 
 using namespace testing;
 using protocol::Count;
-using protocol::Refusal;
+using protocol::RefusalReason;
 using protocol::Reply;
 using Code = Verdict::Code;
 
@@ -39,107 +39,107 @@ TEST(Commands, EachIsAnsweredInOrderWithWhatIsApplied) {
 }
 
 TEST(Commands, ABadParameterIsNamedByFieldAndValue) {
-    Desk desk;
-    desk.claim.add(Plane{.stiffness = -5});
-    desk.servo.step();
-    const Reply reply = desk.claim.replies().at(0);
+    ClaimFixture fixture;
+    fixture.claim.add(Plane{.stiffness = -5});
+    fixture.servo.step();
+    const Reply reply = fixture.claim.replies().at(0);
     EXPECT_EQ(reply.code, static_cast<std::uint32_t>(Code::out_of_range));
     EXPECT_EQ(Describe<Plane>::fields[reply.field].name, "stiffness");
     EXPECT_EQ(reply.value, -5);
     EXPECT_EQ(reply.kind, kind_of<Plane>);
-    EXPECT_EQ(desk.servo.count(Count::commands_refused), 1u);
+    EXPECT_EQ(fixture.servo.count(Count::commands_refused), 1u);
 }
 
 TEST(Commands, AGroupTakesEffectInOneCycleOrNotAtAll) {
-    Desk desk;
-    desk.claim.begin_group();
-    desk.claim.add(Desk::plane(100));
-    desk.claim.add(Plane{.stiffness = nan});
-    desk.claim.add(Desk::plane(100));
-    desk.claim.end_group();
-    EXPECT_EQ(desk.force(), 0);
-    const std::vector<Reply> replies = desk.claim.replies();
+    ClaimFixture fixture;
+    fixture.claim.begin_group();
+    fixture.claim.add(ClaimFixture::plane(100));
+    fixture.claim.add(Plane{.stiffness = nan});
+    fixture.claim.add(ClaimFixture::plane(100));
+    fixture.claim.end_group();
+    EXPECT_EQ(fixture.force(), 0);
+    const std::vector<Reply> replies = fixture.claim.replies();
     ASSERT_EQ(replies.size(), 3u);
-    EXPECT_EQ(replies[0].reason, static_cast<std::uint32_t>(Refusal::group_refused));
+    EXPECT_EQ(replies[0].reason, static_cast<std::uint32_t>(RefusalReason::group_refused));
     EXPECT_EQ(replies[1].code, static_cast<std::uint32_t>(Code::not_finite));
-    EXPECT_EQ(replies[2].reason, static_cast<std::uint32_t>(Refusal::group_refused));
+    EXPECT_EQ(replies[2].reason, static_cast<std::uint32_t>(RefusalReason::group_refused));
 
     // The slots are free again: the same group without the mistake.
-    desk.claim.begin_group();
-    const Plane good = Desk::plane(100);
+    fixture.claim.begin_group();
+    const Plane good = ClaimFixture::plane(100);
     for (std::uint32_t slot = 0; slot < 3; ++slot)
-        desk.claim.add({slot, 1}, kind_of<Plane>, &good, sizeof good);
-    desk.claim.end_group();
-    desk.force();
-    for (const Reply& reply : desk.claim.replies()) EXPECT_EQ(reply.code, 0u);
-    EXPECT_NEAR(desk.force(), 0.1, 1e-12);
+        fixture.claim.add({slot, 1}, kind_of<Plane>, &good, sizeof good);
+    fixture.claim.end_group();
+    fixture.force();
+    for (const Reply& reply : fixture.claim.replies()) EXPECT_EQ(reply.code, 0u);
+    EXPECT_NEAR(fixture.force(), 0.1, 1e-12);
 }
 
 TEST(Commands, ALaterCommandOfAGroupMayBuildOnAnEarlierOne) {
-    Desk desk;
-    const Handle first = desk.claim.add(Desk::plane(100));
-    desk.force();
-    const Plane stiffer = Desk::plane(300), stiffest = Desk::plane(500);
-    desk.claim.begin_group();
-    desk.claim.remove(first);  // frees the slot
-    desk.claim.add({first.slot, 2}, kind_of<Plane>, &stiffer, sizeof stiffer);
-    desk.claim.remove({first.slot, 2});  // what the group itself has added
-    desk.claim.add({first.slot, 3}, kind_of<Plane>, &stiffest, sizeof stiffest);
-    desk.claim.end_group();
-    EXPECT_NEAR(desk.force(), 0.5, 1e-12);
-    for (const Reply& reply : desk.claim.replies()) EXPECT_EQ(reply.code, 0u);
+    ClaimFixture fixture;
+    const RepresentationId first = fixture.claim.add(ClaimFixture::plane(100));
+    fixture.force();
+    const Plane stiffer = ClaimFixture::plane(300), stiffest = ClaimFixture::plane(500);
+    fixture.claim.begin_group();
+    fixture.claim.remove(first);  // frees the slot
+    fixture.claim.add({first.slot, 2}, kind_of<Plane>, &stiffer, sizeof stiffer);
+    fixture.claim.remove({first.slot, 2});  // what the group itself has added
+    fixture.claim.add({first.slot, 3}, kind_of<Plane>, &stiffest, sizeof stiffest);
+    fixture.claim.end_group();
+    EXPECT_NEAR(fixture.force(), 0.5, 1e-12);
+    for (const Reply& reply : fixture.claim.replies()) EXPECT_EQ(reply.code, 0u);
 }
 
 TEST(Commands, ARefusedGroupLeavesWhatItMeantToRemove) {
-    Desk desk;
-    const Handle first = desk.claim.add(Desk::plane(100));
-    desk.force();
-    desk.claim.begin_group();
-    desk.claim.remove(first);
-    desk.claim.remove(first);  // a second time: refused, and with it the first
-    desk.claim.end_group();
-    EXPECT_NEAR(desk.force(), 0.1, 1e-12);
-    EXPECT_NEAR(desk.force(), 0.1, 1e-12);
-    desk.claim.remove(first);
-    desk.claim.replies();
-    desk.force();
-    EXPECT_EQ(desk.code(), Code::ok) << "it is still there to be removed";
+    ClaimFixture fixture;
+    const RepresentationId first = fixture.claim.add(ClaimFixture::plane(100));
+    fixture.force();
+    fixture.claim.begin_group();
+    fixture.claim.remove(first);
+    fixture.claim.remove(first);  // a second time: refused, and with it the first
+    fixture.claim.end_group();
+    EXPECT_NEAR(fixture.force(), 0.1, 1e-12);
+    EXPECT_NEAR(fixture.force(), 0.1, 1e-12);
+    fixture.claim.remove(first);
+    fixture.claim.replies();
+    fixture.force();
+    EXPECT_EQ(fixture.code(), Code::ok) << "it is still there to be removed";
 }
 
 TEST(Commands, ParametersAreCheckedEvenInASlotThatTheGroupFrees) {
-    Desk desk;
-    const Handle first = desk.claim.add(Desk::plane(100));
-    desk.force();
+    ClaimFixture fixture;
+    const RepresentationId first = fixture.claim.add(ClaimFixture::plane(100));
+    fixture.force();
     const Plane bad{.stiffness = infinity * 0};
-    desk.claim.begin_group();
-    desk.claim.remove(first);
-    desk.claim.add({first.slot, 2}, kind_of<Plane>, &bad, sizeof bad);
-    desk.claim.end_group();
-    EXPECT_NEAR(desk.force(), 0.1, 1e-12);
-    const std::vector<Reply> replies = desk.claim.replies();
+    fixture.claim.begin_group();
+    fixture.claim.remove(first);
+    fixture.claim.add({first.slot, 2}, kind_of<Plane>, &bad, sizeof bad);
+    fixture.claim.end_group();
+    EXPECT_NEAR(fixture.force(), 0.1, 1e-12);
+    const std::vector<Reply> replies = fixture.claim.replies();
     EXPECT_EQ(replies.back().code, static_cast<std::uint32_t>(Code::not_finite));
 }
 
 TEST(Commands, SlotsAndProbesAreChecked) {
-    Desk desk;
-    const Plane plane = Desk::plane(1);
-    desk.claim.add({0, 1}, kind_of<Plane>, &plane, sizeof plane);
-    desk.claim.add({0, 2}, kind_of<Plane>, &plane, sizeof plane);        // in use
-    desk.claim.add({100'000, 1}, kind_of<Plane>, &plane, sizeof plane);  // beyond the capacity
-    desk.claim.add({1, 1}, 77, &plane, sizeof plane);                    // no such kind
-    desk.claim.add({1, 1}, kind_of<Plane>, &plane, 8);                   // too short
-    desk.claim.add({1, 1}, kind_of<Plane>, &plane, sizeof plane, {.probe = 16});
-    desk.claim.remove({5, 1});
-    desk.claim.remove({0, 9});  // another generation
-    desk.claim.place_probe(16, {});
-    desk.claim.place_probe(1, {.offset = {}, .radius = -1});
-    desk.claim.place_probe(1, {.offset = {nan, 0, 0}, .radius = 0});
-    desk.servo.step();
+    ClaimFixture fixture;
+    const Plane plane = ClaimFixture::plane(1);
+    fixture.claim.add({0, 1}, kind_of<Plane>, &plane, sizeof plane);
+    fixture.claim.add({0, 2}, kind_of<Plane>, &plane, sizeof plane);        // in use
+    fixture.claim.add({100'000, 1}, kind_of<Plane>, &plane, sizeof plane);  // beyond the capacity
+    fixture.claim.add({1, 1}, 77, &plane, sizeof plane);                    // no such kind
+    fixture.claim.add({1, 1}, kind_of<Plane>, &plane, 8);                   // too short
+    fixture.claim.add({1, 1}, kind_of<Plane>, &plane, sizeof plane, {.probe = 16});
+    fixture.claim.remove({5, 1});
+    fixture.claim.remove({0, 9});  // another generation
+    fixture.claim.place_probe(16, {});
+    fixture.claim.place_probe(1, {.offset = {}, .radius = -1});
+    fixture.claim.place_probe(1, {.offset = {nan, 0, 0}, .radius = 0});
+    fixture.servo.step();
     const Code expected[] = {Code::ok,           Code::slot_in_use,  Code::too_many,
                              Code::unknown_kind, Code::wrong_size,   Code::no_such_probe,
                              Code::no_such_slot, Code::no_such_slot, Code::no_such_probe,
                              Code::out_of_range, Code::not_finite};
-    const std::vector<Reply> replies = desk.claim.replies();
+    const std::vector<Reply> replies = fixture.claim.replies();
     ASSERT_EQ(replies.size(), std::size(expected));
     for (std::size_t i = 0; i < replies.size(); ++i)
         EXPECT_EQ(replies[i].code, static_cast<std::uint32_t>(expected[i])) << "command " << i + 1;
@@ -160,54 +160,56 @@ TEST(Commands, TheDevicesStateRefusesWithAReason) {
         servo.step();
         const Reply reply = claim.replies().at(0);
         EXPECT_EQ(reply.code, static_cast<std::uint32_t>(reply.reason != 0 ? Code::refused : Code::ok));
-        return static_cast<Refusal>(reply.reason);
+        return static_cast<RefusalReason>(reply.reason);
     };
     device.calibrated = false;
     claim.arm();
-    EXPECT_EQ(reason(), Refusal::not_calibrated);
+    EXPECT_EQ(reason(), RefusalReason::not_calibrated);
     device.calibrated = true;
     claim.reset_fault();
-    EXPECT_EQ(reason(), Refusal::not_in_fault);
+    EXPECT_EQ(reason(), RefusalReason::not_in_fault);
     servo.servo().clock_jumped();
     claim.arm();
-    EXPECT_EQ(reason(), Refusal::in_fault);
+    EXPECT_EQ(reason(), RefusalReason::in_fault);
     claim.begin_group();
     claim.reset_fault();
     claim.arm();
     claim.end_group();
-    EXPECT_EQ(reason(), Refusal::none) << "reset, then armed, in one group";
+    EXPECT_EQ(reason(), RefusalReason::none) << "reset, then armed, in one group";
     servo.step();
     EXPECT_EQ(servo.servo().last().state, DeviceState::ramp_up);
 }
 
 TEST(Commands, UnreadRepliesHoldBackCommandsAndNothingIsLost) {
-    Desk desk;
+    ClaimFixture fixture;
     const std::uint32_t issued = protocol::reply_cells + 100;
-    for (std::uint32_t i = 0; i < issued; ++i) desk.claim.place_probe(1, {});
-    run(desk.servo, 50);
-    EXPECT_EQ(desk.servo.count(Count::commands_done), protocol::reply_cells);
-    EXPECT_EQ(desk.claim.replies().size(), protocol::reply_cells);
-    run(desk.servo, 50);
-    const std::vector<Reply> rest = desk.claim.replies();
+    for (std::uint32_t i = 0; i < issued; ++i) fixture.claim.place_probe(1, {});
+    run(fixture.servo, 50);
+    EXPECT_EQ(fixture.servo.count(Count::commands_done), protocol::reply_cells);
+    EXPECT_EQ(fixture.claim.replies().size(), protocol::reply_cells);
+    run(fixture.servo, 50);
+    const std::vector<Reply> rest = fixture.claim.replies();
     ASSERT_EQ(rest.size(), 100u);
     EXPECT_EQ(rest.back().command, issued);
 }
 
 TEST(Commands, ACycleDoesABoundedNumberButFinishesTheGroupThatItHasBegun) {
-    Desk desk;
-    desk.servo.step();
-    for (std::uint32_t i = 0; i < 2 * protocol::command_cells_per_cycle; ++i) desk.claim.place_probe(1, {});
-    desk.servo.step();
-    EXPECT_EQ(desk.servo.count(Count::commands_done), protocol::command_cells_per_cycle);
-    desk.servo.step();
-    EXPECT_EQ(desk.servo.count(Count::commands_done), 2 * protocol::command_cells_per_cycle);
-    desk.claim.replies();
+    ClaimFixture fixture;
+    fixture.servo.step();
+    for (std::uint32_t i = 0; i < 2 * protocol::command_cells_per_cycle; ++i)
+        fixture.claim.place_probe(1, {});
+    fixture.servo.step();
+    EXPECT_EQ(fixture.servo.count(Count::commands_done), protocol::command_cells_per_cycle);
+    fixture.servo.step();
+    EXPECT_EQ(fixture.servo.count(Count::commands_done), 2 * protocol::command_cells_per_cycle);
+    fixture.claim.replies();
 
-    desk.claim.begin_group();
-    for (std::uint32_t i = 0; i < 2 * protocol::command_cells_per_cycle; ++i) desk.claim.place_probe(1, {});
-    desk.claim.end_group();
-    desk.servo.step();
-    EXPECT_EQ(desk.servo.count(Count::commands_done), 4 * protocol::command_cells_per_cycle);
+    fixture.claim.begin_group();
+    for (std::uint32_t i = 0; i < 2 * protocol::command_cells_per_cycle; ++i)
+        fixture.claim.place_probe(1, {});
+    fixture.claim.end_group();
+    fixture.servo.step();
+    EXPECT_EQ(fixture.servo.count(Count::commands_done), 4 * protocol::command_cells_per_cycle);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ TEST(Cycle, OfflineALaterChangeIsFadedOverTenMilliseconds) {
     device.tip = {0, 0, -1e-3};
     Offline servo(device);
     OfflineClaim& claim = servo.claim();
-    const Handle plane = claim.add(Plane{.stiffness = 800});
+    const RepresentationId plane = claim.add(Plane{.stiffness = 800});
     run(servo, 3);
 
     claim.update(plane, Plane{.stiffness = 400});
@@ -96,8 +96,8 @@ Trace stroke(std::uint64_t seed) {
     Offline servo(device, options);
     OfflineClaim& first = servo.claim();
     OfflineClaim& second = servo.claim();
-    const Handle plane = first.add(Plane{.offset = -0.01, .stiffness = 800, .damping = 1});
-    const Handle spring = second.add(Spring{.stiffness = 40});
+    const RepresentationId plane = first.add(Plane{.offset = -0.01, .stiffness = 800, .damping = 1});
+    const RepresentationId spring = second.add(Spring{.stiffness = 40});
     first.arm();
     second.arm();
     Trace trace;

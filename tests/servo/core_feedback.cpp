@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "core_desk.hpp"
+#include "core_claim_fixture.hpp"
 
 namespace knurl::servo {
 namespace {
@@ -16,7 +16,7 @@ TEST(KeptFeedback, WhoeverLooksSeldomOrOftenFindsWhatIsFeltInThatCycle) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         std::mt19937 rng(seed);
         const auto draw = [&](int below) { return static_cast<int>(rng() % static_cast<unsigned>(below)); };
-        Desk desk;
+        ClaimFixture fixture;
         Scene same({.representations = 128, .probes = 16}, {.period = 1e-3});
         std::array<std::uint32_t, most> generation{};
         std::array<bool, most> there{};
@@ -29,27 +29,27 @@ TEST(KeptFeedback, WhoeverLooksSeldomOrOftenFindsWhatIsFeltInThatCycle) {
                                   .recovery = 0,
                                   .combine = PlaneCombine::sum};
                 if (there[slot]) {
-                    desk.claim.remove({slot, generation[slot]});
+                    fixture.claim.remove({slot, generation[slot]});
                     ASSERT_TRUE(same.remove({slot, generation[slot]}));
                 } else {
-                    const Handle handle{slot, ++generation[slot]};
-                    desk.claim.add(handle, kind_of<Plane>, &plane, sizeof plane, {});
-                    ASSERT_TRUE(same.add(handle, plane));
+                    const RepresentationId id{slot, ++generation[slot]};
+                    fixture.claim.add(id, kind_of<Plane>, &plane, sizeof plane, {});
+                    ASSERT_TRUE(same.add(id, plane));
                 }
                 there[slot] = !there[slot];
             }
-            if (draw(3) == 0) desk.device.tip.z() = 1e-4 * draw(60) - 3e-3;
-            desk.servo.step();
-            desk.claim.replies();
+            if (draw(3) == 0) fixture.device.tip.z() = 1e-4 * draw(60) - 3e-3;
+            fixture.servo.step();
+            fixture.claim.replies();
             Probe hand;
-            hand.position = desk.device.tip;
+            hand.position = fixture.device.tip;
             same.evaluate(hand, 1e-3);
             if (draw(4) != 0) continue;
-            const auto& felt = desk.claim.feedback().entries;
+            const auto& felt = fixture.claim.feedback().entries;
             std::array<Feedback, most> expected;
             ASSERT_EQ(felt.size(), same.feedback(expected)) << "cycle " << cycle;
             for (std::size_t i = 0; i < felt.size(); ++i) {
-                ASSERT_EQ(felt[i].handle, expected[i].handle);
+                ASSERT_EQ(felt[i].id, expected[i].id);
                 ASSERT_EQ(felt[i].flags, expected[i].flags) << "cycle " << cycle << " entry " << i;
                 ASSERT_EQ(vec(felt[i].force), expected[i].wrench.force)
                     << "cycle " << cycle << " entry " << i;

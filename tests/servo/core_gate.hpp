@@ -37,7 +37,7 @@ struct Gate {
     }
     /// Active, with that force reached within the slew gate.
     void activate(const Eigen::Vector3d& force = Eigen::Vector3d::Zero()) {
-        ASSERT_EQ(supervisor.arm(true, 0), protocol::Refusal::none);
+        ASSERT_EQ(supervisor.arm(true, 0), protocol::RefusalReason::none);
         until(DeviceState::active, force);
     }
 };

@@ -18,7 +18,7 @@ struct Honest {
     PuppetDevice device;
     Offline servo;
     OfflineClaim& claim;
-    Handle spring;
+    RepresentationId spring;
     int cycle = 0;
 
     Honest() : servo(device, options()), claim(servo.claim()) {
@@ -97,7 +97,7 @@ TEST(Hostile, RandomWordsHereAndThere) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         std::mt19937_64 random(seed);
-        Handle plane;
+        RepresentationId plane;
         const auto spoil = [&](OfflineClaim& claim, int cycle) {
             // It works as an application should, far away from the hand, while single words change.
             const Plane far{.normal = {0, 0, 1}, .offset = -10, .stiffness = 100};
@@ -157,18 +157,18 @@ TEST(Hostile, MessagesThatAreAlmostRight) {
             const std::size_t bytes = random() % 3 == 0 || kind >= Representations::size
                                           ? random() % (protocol::max_parameter_bytes / 8 + 1) * 8
                                           : kinds()[kind].size;
-            const Handle handle{static_cast<std::uint32_t>(random() % 10),
-                                static_cast<std::uint32_t>(random() % 3)};
+            const RepresentationId id{static_cast<std::uint32_t>(random() % 10),
+                                      static_cast<std::uint32_t>(random() % 3)};
             switch (random() % 6) {
                 case 0:
-                    claim.add(handle, kind, params, bytes,
+                    claim.add(id, kind, params, bytes,
                               {.probe = static_cast<std::uint32_t>(random() % 20),
                                .on_silence = static_cast<OnSilence>(random() % 5),
                                .silence_time = number(),
                                .feedback = static_cast<std::uint32_t>(random())});
                     break;
                 case 1:
-                    claim.remove(handle);
+                    claim.remove(id);
                     break;
                 case 2: {
                     const ProbePlacement placement{.offset = {number(), number(), number()},
@@ -183,7 +183,7 @@ TEST(Hostile, MessagesThatAreAlmostRight) {
                                                  .commit_ns = static_cast<std::int64_t>(random()),
                                                  .entries = static_cast<std::uint32_t>(random() % 4),
                                                  .bytes = static_cast<std::uint32_t>(random() % 40 * 8)};
-                    protocol::EntryHeader entry{.handle = handle,
+                    protocol::EntryHeader entry{.id = id,
                                                 .kind = kind,
                                                 .bytes = static_cast<std::uint32_t>(bytes),
                                                 .version = random() % 100};
@@ -226,7 +226,7 @@ TEST(Hostile, AMalformedCommandEndsTheClaimAndItsForceFades) {
     commands.try_push(cell, 1);
     honest.step();
     const std::vector<protocol::Reply> replies = honest.claim.replies();
-    EXPECT_EQ(replies.back().reason, static_cast<std::uint32_t>(protocol::Refusal::malformed));
+    EXPECT_EQ(replies.back().reason, static_cast<std::uint32_t>(protocol::RefusalReason::malformed));
     for (int i = 0; i < 50; ++i) honest.step();
     EXPECT_TRUE(honest.device.force().isZero(0));
     EXPECT_EQ(honest.servo.servo().last().faults, 0u) << "the device is not to blame";

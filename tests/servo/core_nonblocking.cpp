@@ -22,7 +22,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <knurl/servo/tape.hpp>
+#include <knurl/servo/input_log.hpp>
 #include <knurl/shm/counters.hpp>
 
 #include "../rights.hpp"
@@ -162,17 +162,17 @@ struct RawClient {
         while (replies.available() > 0) replies.pop(replies.available());
     }
     template <class R>
-    void add(Handle handle, const R& params) {
-        const protocol::AddBody body{.handle = handle, .kind = kind_of<R>, .reserved = 0, .use = {}};
+    void add(RepresentationId id, const R& params) {
+        const protocol::AddBody body{.id = id, .kind = kind_of<R>, .reserved = 0, .options = {}};
         command(protocol::CommandType::add, body, params, sizeof params, sizeof body);
     }
-    void remove(Handle handle) {
-        const protocol::RemoveBody body{handle};
+    void remove(RepresentationId id) {
+        const protocol::RemoveBody body{id};
         command(protocol::CommandType::remove, body, body, 0, sizeof body);
     }
     void state(protocol::CommandType type) { command(type, 0, 0, 0, 0); }
     template <class R>
-    void commit(Handle handle, const R& params) {
+    void commit(RepresentationId id, const R& params) {
         struct {
             protocol::BatchHeader header;
             protocol::EntryHeader entry;
@@ -181,7 +181,7 @@ struct RawClient {
                  .commands_before = issued,
                  .entries = 1,
                  .bytes = sizeof(protocol::EntryHeader) + sizeof(R)},
-                {.handle = handle, .kind = kind_of<R>, .bytes = sizeof(R), .version = ++version},
+                {.id = id, .kind = kind_of<R>, .bytes = sizeof(R), .version = ++version},
                 params};
         batches.publish(&batch, sizeof batch, issued);
         sent.add();
@@ -193,8 +193,8 @@ struct Everything {
     static constexpr int cycles = 12'000;
     PuppetDevice device{6};
     MonotonicClock clock;
-    OfflineMemory segment{protocol::device_layout().total}, tape_memory{tape_bytes};
-    Tape tape{tape_memory.data(), {}};
+    OfflineMemory segment{protocol::device_layout().total}, input_log_memory{input_log_bytes};
+    InputLog input_log{input_log_memory.data(), {}};
     Servo servo{device, clock, segment.data(), live_options()};
     RawClient first{limits_for(device.link(), 1000, {})};
     RawClient second{limits_for(device.link(), 1000, {})};
@@ -208,25 +208,25 @@ struct Everything {
     void cycle(int i, Around around) {
         device.tip = 0.01 * Eigen::Vector3d(std::sin(i * 0.003), std::cos(i * 0.002), std::sin(i * 0.01));
         now += i == 7000 ? 30'000'000 : 1'000'000;  // a stall
-        if (i == 5) first.add(Handle{0, 1}, Plane{.stiffness = 500, .damping = 1});
-        if (i == 6) first.add(Handle{1, 1}, Spring{.attach = {0.01, 0, 0}, .stiffness = 20});
+        if (i == 5) first.add(RepresentationId{0, 1}, Plane{.stiffness = 500, .damping = 1});
+        if (i == 6) first.add(RepresentationId{1, 1}, Spring{.attach = {0.01, 0, 0}, .stiffness = 20});
         if (i % 2000 == 10) {
             first.state(protocol::CommandType::reset_fault);
             first.state(protocol::CommandType::arm);
         }
         const bool silent = i > 4000 && i < 5000;
         if (i % 20 == 0 && !silent)
-            first.commit(Handle{0, 1}, Plane{.normal = {0.1 * std::sin(i), 0, 1},
-                                             .offset = 1e-3 * std::cos(i),
-                                             .stiffness = 500,
-                                             .damping = 1});
-        if (i % 333 == 0) first.commit(Handle{0, 1}, Plane{.stiffness = -1});  // refused
+            first.commit(RepresentationId{0, 1}, Plane{.normal = {0.1 * std::sin(i), 0, 1},
+                                                       .offset = 1e-3 * std::cos(i),
+                                                       .stiffness = 500,
+                                                       .damping = 1});
+        if (i % 333 == 0) first.commit(RepresentationId{0, 1}, Plane{.stiffness = -1});  // refused
         if (i % 50 == 25) {
-            first.add(Handle{2, generation}, ConstantForce{.force = {0.3, 0, 0}});
+            first.add(RepresentationId{2, generation}, ConstantForce{.force = {0.3, 0, 0}});
         } else if (i % 50 == 45) {
-            first.remove(Handle{2, generation++});
+            first.remove(RepresentationId{2, generation++});
         }
-        if (i == 1) servo.record(&tape);
+        if (i == 1) servo.record(&input_log);
         if (i == 11'500) servo.record(nullptr);
         if (i % 3000 == 1000) servo.adopt(&second.claim);
         if (i % 3000 == 1010) second.state(protocol::CommandType::arm);
@@ -258,7 +258,7 @@ struct Everything {
         EXPECT_EQ(count(Count::stalls), 1u);
         EXPECT_GE(count(Count::bad_samples), 1u);
         EXPECT_GE(count(Count::kinematics_failures), 1u);
-        EXPECT_GT(Tape::written(tape_memory.data()), 12'000u);
+        EXPECT_GT(InputLog::written(input_log_memory.data()), 12'000u);
     }
 };
 

@@ -54,7 +54,7 @@ TEST(Samples, AFaultIsNotResetWhileItsCauseGoesOn) {
     active.claim.reset_fault();
     run(active.servo, 1);
     const protocol::Reply refused = active.claim.replies().at(0);
-    EXPECT_EQ(refused.reason, static_cast<std::uint32_t>(protocol::Refusal::cause_persists));
+    EXPECT_EQ(refused.reason, static_cast<std::uint32_t>(protocol::RefusalReason::cause_persists));
     EXPECT_EQ(refused.value, fault::bad_samples) << "and says what goes on";
     EXPECT_EQ(active.state(), DeviceState::fault);
     active.device.status = ReadStatus::ok;

@@ -162,7 +162,7 @@ TEST(Silence, TheMeasuredIntervalSetsWhatAutomaticRecoveryMeans) {
         ServoOptions options = live_options();
         options.rise_speed = 1e9;
         Held held(0, OnSilence::fade, options);
-        const Handle plane{0, 1};
+        const RepresentationId plane{0, 1};
         held.commit_every(interval, 160);  // the mean forgets how it began
         held.claim->update(plane, Plane{.stiffness = 250});
         held.claim->commit();

@@ -8,7 +8,7 @@ namespace knurl::servo {
 namespace {
 
 using namespace testing;
-using protocol::Refusal;
+using protocol::RefusalReason;
 
 const Eigen::Vector3d push{0, 0, 1};  // N
 
@@ -22,7 +22,7 @@ TEST(States, BeginIdleWithoutForce) {
 TEST(States, ArmingWaitsInArmedForASlowHand) {
     Gate gate;
     gate.velocity = {0.3, 0, 0};  // above arm_speed
-    EXPECT_EQ(gate.supervisor.arm(true, 0.3), Refusal::none);
+    EXPECT_EQ(gate.supervisor.arm(true, 0.3), RefusalReason::none);
     EXPECT_EQ(gate.supervisor.state(), DeviceState::armed);
     gate.steps(1000, push);
     EXPECT_EQ(gate.supervisor.state(), DeviceState::armed);
@@ -91,7 +91,7 @@ TEST(States, ArmedAgainDuringTheRampDownItGoesThroughZero) {
     gate.activate(push);
     gate.supervisor.disarm();
     gate.steps(10, push);
-    EXPECT_EQ(gate.supervisor.arm(true, 0), Refusal::none);
+    EXPECT_EQ(gate.supervisor.arm(true, 0), RefusalReason::none);
     gate.until(DeviceState::armed, push);
     EXPECT_TRUE(zero(gate.last));
     EXPECT_EQ(gate.supervisor.gain(), 0);
@@ -101,7 +101,7 @@ TEST(States, ArmedAgainDuringTheRampDownItGoesThroughZero) {
 TEST(States, ArmingAgainWhileActiveChangesNothing) {
     Gate gate;
     gate.activate(push);
-    EXPECT_EQ(gate.supervisor.arm(true, 0), Refusal::none);
+    EXPECT_EQ(gate.supervisor.arm(true, 0), RefusalReason::none);
     gate.step(push);
     EXPECT_EQ(gate.supervisor.state(), DeviceState::active);
     EXPECT_EQ(gate.last.sent.force.z(), 1.0);
@@ -134,13 +134,13 @@ TEST(States, AFaultIsLatchedUntilItIsResetWithASlowHand) {
     gate.supervisor.raise(fault::speed);
     gate.steps(5000, push);
     EXPECT_EQ(gate.supervisor.state(), DeviceState::fault);
-    EXPECT_EQ(gate.supervisor.arm(true, 0), Refusal::in_fault);
+    EXPECT_EQ(gate.supervisor.arm(true, 0), RefusalReason::in_fault);
     gate.supervisor.disarm();
     EXPECT_EQ(gate.supervisor.state(), DeviceState::fault);
-    EXPECT_EQ(gate.supervisor.reset_fault(0.25), Refusal::hand_too_fast);
+    EXPECT_EQ(gate.supervisor.reset_fault(0.25), RefusalReason::hand_too_fast);
     EXPECT_EQ(gate.supervisor.state(), DeviceState::fault);
 
-    EXPECT_EQ(gate.supervisor.reset_fault(0.1), Refusal::none);
+    EXPECT_EQ(gate.supervisor.reset_fault(0.1), RefusalReason::none);
     EXPECT_EQ(gate.supervisor.state(), DeviceState::idle);
     EXPECT_EQ(gate.supervisor.faults(), 0u);
     gate.steps(1000, push);
@@ -158,13 +158,13 @@ TEST(States, CausesAddUpWhileInFault) {
 
 TEST(States, RefusalsSayWhy) {
     Gate gate;
-    EXPECT_EQ(gate.supervisor.arm(false, 0), Refusal::not_calibrated);
-    EXPECT_EQ(gate.supervisor.arm(true, 1.6), Refusal::hand_too_fast);
-    EXPECT_EQ(gate.supervisor.reset_fault(0), Refusal::not_in_fault);
+    EXPECT_EQ(gate.supervisor.arm(false, 0), RefusalReason::not_calibrated);
+    EXPECT_EQ(gate.supervisor.arm(true, 1.6), RefusalReason::hand_too_fast);
+    EXPECT_EQ(gate.supervisor.reset_fault(0), RefusalReason::not_in_fault);
     gate.supervisor.raise(fault::unplugged);
     gate.supervisor.disconnected();
-    EXPECT_EQ(gate.supervisor.arm(true, 0), Refusal::disconnected);
-    EXPECT_EQ(gate.supervisor.reset_fault(0), Refusal::disconnected);
+    EXPECT_EQ(gate.supervisor.arm(true, 0), RefusalReason::disconnected);
+    EXPECT_EQ(gate.supervisor.reset_fault(0), RefusalReason::disconnected);
 }
 
 TEST(States, ReconnectedIsIdleAndNeverArmed) {

@@ -23,11 +23,11 @@ TEST(Time, TheFirstCycleIsOnePeriodLong) {
         Offline servo(device, offline_options(rate));
         OfflineClaim& claim = servo.claim();
         const Spring spring{.stiffness = 1, .duration = 1};
-        const Handle handle = claim.add(spring);
+        const RepresentationId id = claim.add(spring);
         servo.step();
         Spring moved = spring;
         moved.anchor = {1, 0, 0};
-        claim.update(handle, moved);
+        claim.update(id, moved);
         claim.commit();
         for (int i = 0; i < 10; ++i) servo.step();
         EXPECT_NEAR(servo.servo().last().scene_force.x, 10 / rate, 1.5 / rate) << rate;
@@ -40,9 +40,9 @@ TEST(Time, RepresentationsNeverSeeAGapLongerThanTwoMilliseconds) {
     PuppetDevice device;
     Offline servo(device);
     OfflineClaim& claim = servo.claim();
-    const Handle handle = claim.add(Spring{.stiffness = 1, .duration = 1});
+    const RepresentationId id = claim.add(Spring{.stiffness = 1, .duration = 1});
     servo.step();
-    claim.update(handle, Spring{.anchor = {1, 0, 0}, .stiffness = 1, .duration = 1});
+    claim.update(id, Spring{.anchor = {1, 0, 0}, .stiffness = 1, .duration = 1});
     claim.commit();
     servo.step();
     const double before = servo.step().scene_force.x;

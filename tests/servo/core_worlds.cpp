@@ -30,13 +30,13 @@ Lift lift(double metre) {
     terms.limits = limits_for(device.link(), options.rate, terms.frame);
     OfflineClaim& claim = servo.claim(std::move(terms));
     Plane plane{.offset = -0.005 * metre, .stiffness = 800 / metre};
-    const Handle handle = claim.add(plane);
+    const RepresentationId id = claim.add(plane);
     claim.arm();
     Lift lift;
     for (int i = 0; i < 1000; ++i) servo.step();
     const double from = device.state().position.z();
     plane.offset = 0.015 * metre;
-    claim.update(handle, plane);
+    claim.update(id, plane);
     claim.commit();
     std::vector<double> way;
     double last = servo.servo().last().scene_force.z;

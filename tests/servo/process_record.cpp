@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 
-#include <knurl/servo/tape.hpp>
+#include <knurl/servo/input_log.hpp>
 
 #include "process_knurld.hpp"
 
@@ -17,8 +17,8 @@ namespace {
 
 using testing::HasSubstr;
 
-std::uint64_t written(const shm::Segment& tape) {
-    return servo::Tape::written(tape.data());
+std::uint64_t written(const shm::Segment& input_log) {
+    return servo::InputLog::written(input_log.data());
 }
 
 Answer record(RawClient& client, std::uint32_t device = 0) {
@@ -26,7 +26,7 @@ Answer record(RawClient& client, std::uint32_t device = 0) {
     return client.answer();
 }
 
-TEST(Recording, TheTapeIsWrittenWhileSomebodyListensAndNoLonger) {
+TEST(Recording, TheInputLogIsWrittenWhileSomebodyListensAndNoLonger) {
     const Home home;
     const Knurld knurld(home);
     auto first = std::make_unique<RawClient>(home), second = std::make_unique<RawClient>(home);
@@ -35,28 +35,28 @@ TEST(Recording, TheTapeIsWrittenWhileSomebodyListensAndNoLonger) {
     const Answer answer = record(*first);
     ASSERT_TRUE(answer.recording);
     ASSERT_EQ(answer.fds.size(), 1u);
-    const shm::Segment tape =
-        shm::Segment::open(answer.fds[0].get(), servo::tape_bytes, shm::Segment::Access::read_only);
-    ASSERT_TRUE(eventually([&] { return written(tape) > answer.recording->from + 10; }));
+    const shm::Segment input_log =
+        shm::Segment::open(answer.fds[0].get(), servo::input_log_bytes, shm::Segment::Access::read_only);
+    ASSERT_TRUE(eventually([&] { return written(input_log) > answer.recording->from + 10; }));
 
     ASSERT_TRUE(record(*second).recording);
     first.reset();
-    const std::uint64_t with_one = written(tape);
-    EXPECT_TRUE(eventually([&] { return written(tape) > with_one + 10; })) << "the second still listens";
+    const std::uint64_t with_one = written(input_log);
+    EXPECT_TRUE(eventually([&] { return written(input_log) > with_one + 10; })) << "the second still listens";
 
     RawClient looks_on(home);
     const Answer welcome = looks_on.greet();
     const DeviceView view(welcome.fds.at(0).get());
     second.reset();
-    // Nobody: the tape stands still, however many cycles there are.
+    // Nobody: the input log does not grow, however many cycles there are.
     EXPECT_TRUE(eventually([&] {
-        const std::uint64_t tape_was = written(tape), cycles = view.count(protocol::Count::cycles);
+        const std::uint64_t input_log_was = written(input_log), cycles = view.count(protocol::Count::cycles);
         if (!eventually([&] { return view.count(protocol::Count::cycles) > cycles + 20; })) return true;
-        return written(tape) == tape_was;
+        return written(input_log) == input_log_was;
     }));
 }
 
-TEST(Recording, TheTapeCannotBeMappedForWriting) {
+TEST(Recording, TheInputLogCannotBeMappedForWriting) {
     const Home home;
     const Knurld knurld(home);
     RawClient client(home);
@@ -64,7 +64,7 @@ TEST(Recording, TheTapeCannotBeMappedForWriting) {
     const Answer answer = record(client);
     ASSERT_TRUE(answer.recording);
     const int fd = answer.fds.at(0).get();
-    EXPECT_EQ(mmap(nullptr, servo::tape_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0), MAP_FAILED);
+    EXPECT_EQ(mmap(nullptr, servo::input_log_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0), MAP_FAILED);
     EXPECT_EQ(pwrite(fd, "x", 1, 0), -1);
     EXPECT_NE(ftruncate(fd, 0), 0);
 }
@@ -99,7 +99,7 @@ TEST(Recording, WhoComesAndGoesLeavesNothing) {
     const Home home;
     const Knurld knurld(home);
     {
-        RawClient client(home);  // the tape is made once, and kept
+        RawClient client(home);  // the input log is made once, and kept
         ASSERT_TRUE(client.greet().welcome);
         ASSERT_TRUE(record(client).recording);
     }
@@ -129,9 +129,9 @@ TEST(Recording, WhoComesAndGoesLeavesNothing) {
     ASSERT_TRUE(last.greet().welcome);
     const Answer answer = record(last);
     ASSERT_TRUE(answer.recording);
-    const shm::Segment tape =
-        shm::Segment::open(answer.fds.at(0).get(), servo::tape_bytes, shm::Segment::Access::read_only);
-    EXPECT_TRUE(eventually([&] { return written(tape) > answer.recording->from + 10; }));
+    const shm::Segment input_log =
+        shm::Segment::open(answer.fds.at(0).get(), servo::input_log_bytes, shm::Segment::Access::read_only);
+    EXPECT_TRUE(eventually([&] { return written(input_log) > answer.recording->from + 10; }));
 }
 
 }  // namespace

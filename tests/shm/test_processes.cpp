@@ -83,17 +83,17 @@ TEST_F(Processes, ASleepingClientGetsEveryReportWhole) {
     constexpr std::uint64_t count = 3000;
     start("reports", count);
     BroadcastWriter writer(reports_.data(), report_slots, sizeof(Report));
-    const Sleeper sleepers[] = {{.flag = flag_, .event_fd = event_.get()}};
+    const WakeTarget wake_targets[] = {{.flag = flag_, .event_fd = event_.get()}};
     for (std::uint64_t n = 0; n < count; ++n) {
         const Report report = Report::numbered(n);
         writer.publish(&report);
         // By turns, as it is for one that sleeps alone, and for several.
         if (n % 2 == 0)
-            waker_.wake(sleepers);
-        else if (who_waits(sleepers).count > 0)
+            waker_.wake(wake_targets);
+        else if (who_waits(wake_targets).count > 0)
             waker_.poke();
         if (n % 128 == 0)  // until the client has caught up and sleeps
-            while (alive() && who_waits(sleepers).count == 0) std::this_thread::yield();
+            while (alive() && who_waits(wake_targets).count == 0) std::this_thread::yield();
     }
     EXPECT_EQ(exit_code(), 0);
 }

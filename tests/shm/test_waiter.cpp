@@ -32,24 +32,24 @@ class Waiting : public testing::Test {
     }
 
     void start_waker() {
-        waker_.add(sleeper());
+        waker_.add(wake_target());
         thread_ = std::thread([this] { waker_.run(); });
     }
     /// What the servo does at the end of its cycle.
     void publish() {
         const std::uint64_t report = writer_.published();
         writer_.publish(&report);
-        const Sleeper sleepers[] = {sleeper()};
-        if (who_waits(sleepers).count > 0) waker_.poke();
+        const WakeTarget wake_targets[] = {wake_target()};
+        if (who_waits(wake_targets).count > 0) waker_.poke();
     }
-    Sleeper sleeper() { return {.flag = &flag_, .event_fd = event_.get()}; }
+    WakeTarget wake_target() { return {.flag = &flag_, .event_fd = event_.get()}; }
     bool readable() const {
         pollfd event{.fd = event_.get(), .events = POLLIN, .revents = 0};
         return ::poll(&event, 1, 0) == 1;
     }
     bool anyone() {
-        const Sleeper sleepers[] = {sleeper()};
-        return who_waits(sleepers).count > 0;
+        const WakeTarget wake_targets[] = {wake_target()};
+        return who_waits(wake_targets).count > 0;
     }
 
     Memory memory_;
@@ -103,7 +103,7 @@ TEST_F(Waiting, NoReportIsSleptThrough) {
 TEST_F(Waiting, TheDescriptorIsReadableWhenAReportHasCome) {
     // The waker's sweeps are made here, one for each poke: a thread's first sweep could come at any moment,
     // and find this waiter before there is a report.
-    waker_.add(sleeper());
+    waker_.add(wake_target());
     waiter_.rearm();
     EXPECT_FALSE(readable());
     EXPECT_TRUE(anyone());
@@ -125,21 +125,21 @@ TEST_F(Waiting, WhoeverPollsTheDescriptorIsWokenByTheWakersThread) {
 }
 
 TEST_F(Waiting, OneThatSleepsAloneIsWokenWithoutTheWakersThread) {
-    const Sleeper sleepers[] = {sleeper()};
-    EXPECT_EQ(waker_.wake(sleepers), 0u);
+    const WakeTarget wake_targets[] = {wake_target()};
+    EXPECT_EQ(waker_.wake(wake_targets), 0u);
     EXPECT_FALSE(readable());
     waiter_.rearm();
-    EXPECT_EQ(waker_.wake(sleepers), 1u);
+    EXPECT_EQ(waker_.wake(wake_targets), 1u);
     EXPECT_TRUE(readable());
     EXPECT_FALSE(anyone());  // it is woken once
-    EXPECT_EQ(waker_.wake(sleepers), 0u);
+    EXPECT_EQ(waker_.wake(wake_targets), 0u);
 }
 
 TEST_F(Waiting, OneWhoseDescriptorIsNotForTheServoIsLeftToTheWakersThread) {
-    waker_.add(sleeper());
+    waker_.add(wake_target());
     waiter_.rearm();
-    const Sleeper sleepers[] = {{.flag = &flag_}};
-    EXPECT_EQ(waker_.wake(sleepers), 1u);
+    const WakeTarget wake_targets[] = {{.flag = &flag_}};
+    EXPECT_EQ(waker_.wake(wake_targets), 1u);
     EXPECT_FALSE(readable());
     EXPECT_EQ(waker_.run_once(), 1u);
     EXPECT_TRUE(readable());
@@ -148,24 +148,24 @@ TEST_F(Waiting, OneWhoseDescriptorIsNotForTheServoIsLeftToTheWakersThread) {
 TEST_F(Waiting, OneThatSleepsInACrowdIsLeftToTheWakersThread) {
     waiter_.rearm();
     std::vector<WaiterFlag> awake(8);
-    std::vector<Sleeper> sleepers{sleeper()};
-    for (WaiterFlag& flag : awake) sleepers.push_back({.flag = &flag, .event_fd = event_.get()});
-    EXPECT_EQ(waker_.wake(sleepers), 1u);
+    std::vector<WakeTarget> wake_targets{wake_target()};
+    for (WaiterFlag& flag : awake) wake_targets.push_back({.flag = &flag, .event_fd = event_.get()});
+    EXPECT_EQ(waker_.wake(wake_targets), 1u);
     EXPECT_FALSE(readable());
-    sleepers.pop_back();
-    EXPECT_EQ(waker_.wake(sleepers), 1u);
+    wake_targets.pop_back();
+    EXPECT_EQ(waker_.wake(wake_targets), 1u);
     EXPECT_TRUE(readable());
 }
 
 TEST_F(Waiting, SeveralAreLeftToTheWakersThread) {
     WaiterFlag other;
     const UniqueFd others_event = make_event();
-    const Sleeper sleepers[] = {sleeper(), {.flag = &other, .event_fd = others_event.get()}};
-    for (const Sleeper& each : sleepers) {
+    const WakeTarget wake_targets[] = {wake_target(), {.flag = &other, .event_fd = others_event.get()}};
+    for (const WakeTarget& each : wake_targets) {
         waker_.add(each);
         each.flag->waiting = 1;
     }
-    EXPECT_EQ(waker_.wake(sleepers), 2u);
+    EXPECT_EQ(waker_.wake(wake_targets), 2u);
     EXPECT_FALSE(readable());
     EXPECT_EQ(waker_.run_once(), 2u);
     EXPECT_TRUE(readable());
@@ -183,7 +183,7 @@ TEST_F(Waiting, AReportThatCameBeforeRearmingMakesTheDescriptorReadableAtOnce) {
 }
 
 TEST_F(Waiting, ASleeperIsWokenOnceHoweverLongItTakesToWakeUp) {
-    waker_.add(sleeper());
+    waker_.add(wake_target());
     waiter_.rearm();
     publish();
     EXPECT_EQ(waker_.run_once(), 1u);
@@ -234,11 +234,11 @@ TEST_F(Waiting, EveryWaiterOfManyIsWoken) {
     constexpr std::uint64_t reports = 200;
     std::vector<WaiterFlag> flags(clients);
     std::vector<UniqueFd> events;
-    std::vector<Sleeper> sleepers;
+    std::vector<WakeTarget> wake_targets;
     for (WaiterFlag& flag : flags) {
         events.push_back(make_event());
-        sleepers.push_back({.flag = &flag, .event_fd = events.back().get()});
-        waker_.add(sleepers.back());
+        wake_targets.push_back({.flag = &flag, .event_fd = events.back().get()});
+        waker_.add(wake_targets.back());
     }
     thread_ = std::thread([this] { waker_.run(); });
     std::atomic<std::uint64_t> seen = 0;
@@ -256,7 +256,7 @@ TEST_F(Waiting, EveryWaiterOfManyIsWoken) {
         });
     for (std::uint64_t n = 0; n < reports && !lost; ++n) {
         writer_.publish(&n);
-        waker_.wake(sleepers);
+        waker_.wake(wake_targets);
         while (seen.load() < (n + 1) * clients && !lost) std::this_thread::yield();
     }
     for (std::thread& thread : threads) thread.join();

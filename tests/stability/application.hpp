@@ -22,9 +22,9 @@ using Representation = std::variant<knurl::Plane, knurl::Cap, knurl::ConstantFor
 /// needed stays, where nobody is.
 using Answer = std::vector<Representation>;
 
-/// Puts an answer in place of the last: `add` returns the handle of what is new, `update` takes one.
+/// Puts an answer in place of the last: `add` returns the id of what is new, `update` takes one.
 template <class Add, class Update>
-void put(const Answer& answer, std::vector<knurl::Handle>& there, Add&& add, Update&& update) {
+void put(const Answer& answer, std::vector<knurl::RepresentationId>& there, Add&& add, Update&& update) {
     for (std::size_t i = 0; i < answer.size(); ++i) {
         if (i < there.size())
             std::visit([&](const auto& params) { update(there[i], params); }, answer[i]);

@@ -112,7 +112,7 @@ Vec3 near_rest(Rng& rng, double within) {
 
 /// One part; its name.
 std::string add_part(Rng& rng, servo::OfflineClaim& claim, std::uint32_t probes, const Options& options) {
-    const Use use{.probe = static_cast<std::uint32_t>(between(rng, 0, static_cast<int>(probes) - 1))};
+    const AddOptions use{.probe = static_cast<std::uint32_t>(between(rng, 0, static_cast<int>(probes) - 1))};
     switch (between(rng, 0, options.curved ? 11 : 8)) {
         case 0:
         case 1:

@@ -7,8 +7,8 @@
 
 #include <knurl/reps/plane.hpp>
 
+#include "network_profile.hpp"
 #include "ridge.hpp"
-#include "weather.hpp"
 
 namespace stability {
 
@@ -56,7 +56,7 @@ struct Conditions {
     double update_rate = 20;  // Hz
     double answer = 25e-3;    // s, from reading the hand to its update
     bool remote = false;      // on another host; between it and the servo:
-    knurl::bridge::proxy::Weather network;
+    knurl::bridge::proxy::NetworkProfile network;
     // What is stroked, and how fast.
     Ridge ridge = gentle_ridge;
     double speed = 0.15;  // m/s; 0: the hand drops on the surface and rests

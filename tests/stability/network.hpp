@@ -1,13 +1,14 @@
 #pragma once
-// The network between the servo and a remote application, in virtual time: the weather of tests/bridge/proxy
-// and the bridge's rule (newest wins; what was not acknowledged is sent again every 10 ms).
+// The network between the servo and a remote application, in virtual time: the network profiles of
+// tests/bridge/proxy and the bridge's rule (newest wins; what was not acknowledged is sent again every 10
+// ms).
 
 #include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "weather.hpp"
+#include "network_profile.hpp"
 
 namespace stability {
 
@@ -18,11 +19,11 @@ template <class Thing>
 class Newest {
   public:
     /// Under way from now on. `again`: sent again until it arrives, else lost when its datagram is.
-    void send(const knurl::bridge::proxy::Weather& weather, std::uint64_t seed, knurl::bridge::proxy::Way way,
-              double now, const Thing& thing, bool again) {
+    void send(const knurl::bridge::proxy::NetworkProfile& profile, std::uint64_t seed,
+              knurl::bridge::proxy::Way way, double now, const Thing& thing, bool again) {
         constexpr int most_tries = 100;
         for (int i = 0; i < (again ? most_tries : 1); ++i) {
-            const auto fate = fate_of(weather, seed, way, 0, sent_++, now + i * resend);
+            const auto fate = fate_of(profile, seed, way, 0, sent_++, now + i * resend);
             for (int copy = 0; copy < fate.copies; ++copy)
                 under_way_.push_back({number_, now + i * resend + fate.delays[copy], thing});
             if (fate.copies > 0) break;

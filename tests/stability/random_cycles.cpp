@@ -176,7 +176,7 @@ class Life {
             (void)scene_.update({slot, present.generation}, present.kind, params.bytes.data(), params.size);
         } else if (what < 80) {
             const Params params = make(kind);
-            const Use use{
+            const AddOptions use{
                 .probe = static_cast<std::uint32_t>(between(rng_, 0, static_cast<int>(probes_) - 1)),
                 .on_silence = static_cast<OnSilence>(between(rng_, 0, 2))};
             if (scene_.add({slot, present.generation + 1}, kind, params.bytes.data(), params.size, use))
@@ -237,7 +237,7 @@ class Life {
                     return fmt::format(
                         "cycle {}: the feedback of a {} is not finite: force {:g} {:g} {:g}, contact point "
                         "{:g} {:g} {:g}, stiffness {:g}",
-                        cycle, kinds()[present_[feedback_[i].handle.slot].kind].name,
+                        cycle, kinds()[present_[feedback_[i].id.slot].kind].name,
                         feedback_[i].wrench.force.x(), feedback_[i].wrench.force.y(),
                         feedback_[i].wrench.force.z(), feedback_[i].contact_point.x(),
                         feedback_[i].contact_point.y(), feedback_[i].contact_point.z(),

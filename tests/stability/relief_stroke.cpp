@@ -59,9 +59,9 @@ surface::Judgement relief_stroke(const ReliefStroke& stroke, const Conditions& c
     const knurl::SurfaceModel model = model_of(stroke.terrain);
     Application application(c, stiffness, phase,
                             c.method.kind == Method::Kind::cap ? knurl::curved(model) : model);
-    std::vector<knurl::Handle> there;
+    std::vector<knurl::RepresentationId> there;
     const auto add = [&](const auto& params) { return claim.add(params); };
-    const auto update = [&](knurl::Handle handle, const auto& params) { claim.update(handle, params); };
+    const auto update = [&](knurl::RepresentationId id, const auto& params) { claim.update(id, params); };
     put(application.first(stroke.path.rows.front().position), there, add, update);
     claim.arm();
     const surface::Span span{.rest_at = stroke.path.rest_at, .end = stroke.path.end, .period = c.period()};

@@ -70,9 +70,9 @@ Figures servo_stroke(const std::string& name, const Conditions& conditions, doub
     knurl::servo::OfflineClaim& claim = servo.claim(std::move(terms));
 
     Application application(c, stiffness, chance.phase, seed);
-    std::vector<knurl::Handle> there;
+    std::vector<knurl::RepresentationId> there;
     const auto add = [&](const auto& params) { return claim.add(params); };
-    const auto update = [&](knurl::Handle handle, const auto& params) { claim.update(handle, params); };
+    const auto update = [&](knurl::RepresentationId id, const auto& params) { claim.update(id, params); };
     put(application.first(start), there, add, update);
     claim.arm();
     Judge judge(c, stiffness, measure);

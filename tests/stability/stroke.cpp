@@ -102,13 +102,13 @@ Figures stroke(const Conditions& conditions, double stiffness, unsigned seed, un
     knurl::Scene scene({.representations = 4, .probes = 1},
                        {.max_force = c.peak_force, .period = c.period(), .metre = c.world});
     scene.set_fade({.automatic = automatic, .rise_speed = 0.1});
-    std::vector<knurl::Handle> there;
+    std::vector<knurl::RepresentationId> there;
     const auto add = [&](const auto& params) {
-        const knurl::Handle handle{static_cast<std::uint32_t>(there.size()), 1};
-        scene.add(handle, params);
-        return handle;
+        const knurl::RepresentationId id{static_cast<std::uint32_t>(there.size()), 1};
+        scene.add(id, params);
+        return id;
     };
-    const auto update = [&](knurl::Handle handle, const auto& params) { scene.update(handle, params); };
+    const auto update = [&](knurl::RepresentationId id, const auto& params) { scene.update(id, params); };
     put(application.first(start), there, add, update);
     scene.settle();
 

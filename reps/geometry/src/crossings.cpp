@@ -65,7 +65,7 @@ class Finder {
         : nodes_(data.nodes),
           faces_(faces),
           touch_(touch),
-          reach_(std::max(touch, 5e-5 * data.size)),
+          tree_(std::max(touch, 5e-5 * data.size)),
           slices_(slices) {}
 
     void find(std::vector<std::uint8_t>& flags) {
@@ -222,7 +222,7 @@ class Finder {
         const Heights of_b(b, a, a_normal);
         if (of_b.clear(touch_)) return false;
         const double longest = std::min(measures_[f].longest, measures_[g].longest);
-        const double touch = std::min(touch_, 1e-4 * longest), reach = std::min(reach_, 1e-2 * longest);
+        const double touch = std::min(touch_, 1e-4 * longest), reach = std::min(tree_, 1e-2 * longest);
         // In the way of a hand is what has free space before it on both: not what hangs behind the other.
         // Level with the other it is only if they overlap.
         if (of_b.high <= reach && of_b.low < -reach) return false;
@@ -267,7 +267,7 @@ class Finder {
 
     std::span<const MeshNode> nodes_;
     const Faces& faces_;
-    const double touch_, reach_;
+    const double touch_, tree_;
     Slices& slices_;
     std::vector<Measures> measures_;
     std::vector<bool> done_;  // of faces

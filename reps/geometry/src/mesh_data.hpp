@@ -28,7 +28,8 @@ inline constexpr std::uint32_t edge_of(Link link) noexcept {
 // Edge i of a face goes from corner i to corner i + 1 (mod 3); its neighbour's goes the other way.
 enum FaceFlag : std::uint8_t {
     face_crossed = 1,  // another face passes through it: the walk alone might pass under that
-    face_rim = 2,  // an edge or a vertex of it has no neighbour: where the walk rests there the tree is asked
+    face_rim =
+        2,  // an edge or a vertex of it has no neighbour: where the walk rests there the tree is queried
     face_knot = 4,  // faces around a vertex of it pass through each other, and the walk goes around that
 };
 

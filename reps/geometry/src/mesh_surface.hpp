@@ -1,5 +1,5 @@
 #pragma once
-// The mesh as the walk sees it: faces and what lies over their edges, and the tree that is asked where
+// The mesh as the walk sees it: faces and what lies over their edges, and the tree that is queried where
 // contact is made and left. What HeightField has instead is of the same shape.
 
 #include <bit>

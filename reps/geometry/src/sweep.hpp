@@ -1,6 +1,6 @@
 #pragma once
-// Where a segment first meets the front of a face. In short pieces, each of which asks the tree with its box:
-// of so short ones that is as tight as slabs, without a division, and conservative without an epsilon.
+// Where a segment first meets the front of a face. In short pieces, each of which queries the tree with its
+// box: of so short ones that is as tight as slabs, without a division, and conservative without an epsilon.
 
 #include <algorithm>
 #include <cmath>

@@ -11,8 +11,8 @@
 #include <knurl/protocol/asset.hpp>
 #include <knurl/shm/fd.hpp>
 
+#include "congestion_window.hpp"
 #include "frame_stream.hpp"
-#include "send_window.hpp"
 #include "wire.hpp"
 
 namespace knurl::bridge {
@@ -64,7 +64,7 @@ class AssetSender {
     std::uint64_t last_ticket_ = 0;
     std::deque<Flight> flights_;  // pieces that the bridge has not taken yet
     std::size_t on_their_way_ = 0;
-    SendWindow window_;
+    CongestionWindow window_;
 };
 
 }  // namespace knurl::bridge

@@ -24,7 +24,7 @@ namespace {
 constexpr std::int64_t flush_tick_ns = 10'000'000;
 constexpr std::int64_t quick_ping_ns = 10'000'000, ping_ns = 100'000'000;
 constexpr std::int64_t quick_for_ns = 200'000'000;
-// Between two long ones (path_width.hpp).
+// Between two long ones (path_mtu.hpp).
 constexpr std::int64_t probe_ns = 500'000'000;
 constexpr std::string_view no_sense =
     "it says what no knurl-bridge of this version does; build the application and the bridge from the same "
@@ -125,22 +125,23 @@ void Connection::ping(std::int64_t now, std::size_t length) noexcept {
     alignas(8) std::array<std::byte, datagram_bytes> room{};
     const DatagramHeader header{.kind = DatagramKind::ping};
     const PingBody body{.sent_ns = now, .longest = longest_.bytes(now)};
-    const std::size_t tag = outbox_.overhead() - sizeof header;
+    const std::size_t tag = outgoing_.overhead() - sizeof header;
     post(clock_socket_.get(), room, std::max(write(room, header, body), length - std::min(length, tag)));
     next_ping_ns_ = now + (now - started_ns_ < quick_for_ns ? quick_ping_ns : ping_ns);
 }
 
 void Connection::serve_clock() noexcept {
-    const std::size_t count = mailbag_.receive(clock_socket_.get());
+    const std::size_t count = receive_batch_.receive(clock_socket_.get());
     const std::int64_t now = detail::monotonic_ns();
     for (std::size_t i = 0; i < count; ++i) {
-        const Inbox::Opened opened = open(mailbag_.datagram(i));
-        if (opened.verdict != Inbox::Verdict::good || opened.header.kind != DatagramKind::pong) continue;
+        const IncomingDatagrams::Opened opened = open(receive_batch_.datagram(i));
+        if (opened.verdict != IncomingDatagrams::Verdict::good || opened.header.kind != DatagramKind::pong)
+            continue;
         std::span<const std::byte> body = opened.body;
         PongBody pong;
         if (!take(body, pong)) continue;
         clock_.add(pong.ping_sent_ns, pong.received_ns, pong.sent_ns, now);
-        width_.came_through(pong.longest);
+        mtu_.came_through(pong.longest);
     }
 }
 
@@ -317,18 +318,18 @@ bool Connection::send(FrameType type, std::uint32_t stream,
 }
 
 bool Connection::post(int socket, std::span<std::byte> room, std::size_t bytes) noexcept {
-    const std::size_t length = outbox_.close(room, bytes);
+    const std::size_t length = outgoing_.close(room, bytes);
     if (length == 0) return false;
     // Lost here or lost on the way is the same, but for one thing.
     if (::send(socket, room.data(), length, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || errno != EMSGSIZE)
         return true;
-    width_.refused();
+    mtu_.refused();
     return false;
 }
 
-Inbox::Opened Connection::open(std::span<std::byte> datagram) noexcept {
-    const Inbox::Opened opened = inbox_.open(datagram, windows_);
-    if (opened.verdict != Inbox::Verdict::good) return opened;
+IncomingDatagrams::Opened Connection::open(std::span<std::byte> datagram) noexcept {
+    const IncomingDatagrams::Opened opened = incoming_.open(datagram, windows_);
+    if (opened.verdict != IncomingDatagrams::Verdict::good) return opened;
     heard_ns_ = detail::monotonic_ns();
     longest_.came(datagram.size(), heard_ns_);
     return opened;

@@ -21,10 +21,10 @@
 
 #include "asset_sender.hpp"
 #include "clock_estimate.hpp"
+#include "datagram_channel.hpp"
 #include "frame_stream.hpp"
-#include "mailbag.hpp"
-#include "path_width.hpp"
-#include "post.hpp"
+#include "path_mtu.hpp"
+#include "receive_batch.hpp"
 
 namespace knurl::bridge {
 
@@ -75,12 +75,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
     /// narrow.
     bool post(int socket, std::span<std::byte> room, std::size_t bytes) noexcept;
     /// Opens what came in; it counts as a word from the other end.
-    Inbox::Opened open(std::span<std::byte> datagram) noexcept;
-    std::size_t overhead() const noexcept { return outbox_.overhead(); }
-    const PathWidth& width() const noexcept { return width_; }
+    IncomingDatagrams::Opened open(std::span<std::byte> datagram) noexcept;
+    std::size_t overhead() const noexcept { return outgoing_.overhead(); }
+    const PathMtu& mtu() const noexcept { return mtu_; }
     const ClockEstimate& clock() const noexcept { return clock_; }
     bool encrypted() const noexcept { return frames_.encrypted(); }
-    Mailbag& mailbag() noexcept { return mailbag_; }
+    ReceiveBatch& receive_batch() noexcept { return receive_batch_; }
     shm::UniqueFd datagram_socket() const;  // connected to the bridge; throws Error
 
   private:
@@ -123,13 +123,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
     pthread_t thread_{};
     bool running_ = false;
 
-    Outbox outbox_;
-    Inbox inbox_;
-    Mailbag mailbag_;
+    OutgoingDatagrams outgoing_;
+    IncomingDatagrams incoming_;
+    ReceiveBatch receive_batch_;
     std::array<CounterWindow, max_streams + 1>
         windows_{};  // per stream, for all that use its number one after another
     ClockEstimate clock_;
-    PathWidth width_;
+    PathMtu mtu_;
     LongestLately longest_;  // of what has come from there
     std::int64_t started_ns_ = 0, next_ping_ns_ = 0, next_probe_ns_ = 0, heard_ns_ = 0, last_tick_ns_ = 0;
 

@@ -67,7 +67,7 @@ Connection::Connection(const Endpoint& bridge, const RemoteOptions& options)
       answer_time_(options.answer_time),
       report_rate_(options.report_rate),
       frames_(begin_to_connect(bridge), false, key_of(options.key_file),
-              {.payload = max_frame_bytes, .outgoing = 2 * max_frame_bytes + SendWindow::most}),
+              {.payload = max_frame_bytes, .outgoing = 2 * max_frame_bytes + CongestionWindow::most}),
       frames_lost_in_child_(std::in_place, frames_.fd()),
       stop_(shm::make_event()) {
     const shm::Deadline deadline = shm::deadline_after(answer_time_);
@@ -160,8 +160,8 @@ void Connection::welcome(std::span<const std::byte> payload) {
     }
     servo_pid_ = static_cast<pid_t>(welcome.servo_pid);
     const std::optional<DirectionKeys> keys = frames_.export_keys(exporter_label);
-    outbox_ = Outbox(welcome.session, keys ? &keys->send : nullptr);
-    inbox_ = Inbox(welcome.session, keys ? &keys->receive : nullptr);
+    outgoing_ = OutgoingDatagrams(welcome.session, keys ? &keys->send : nullptr);
+    incoming_ = IncomingDatagrams(welcome.session, keys ? &keys->receive : nullptr);
 }
 
 shm::UniqueFd Connection::datagram_socket() const {

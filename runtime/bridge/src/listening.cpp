@@ -33,7 +33,7 @@ std::optional<Listening> listen_once(const Endpoint& endpoint, const std::string
         .datagrams = make_datagram_socket(endpoint.family())};
     const int on = 1;
     ::setsockopt(result.callers.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    // Each datagram says which of this host's addresses it came to (correspondent.hpp).
+    // Each datagram says which of this host's addresses it came to (peer_address.hpp).
     if (endpoint.family() == AF_INET)
         ::setsockopt(result.datagrams.get(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
     else

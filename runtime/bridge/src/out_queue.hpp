@@ -8,8 +8,8 @@
 
 #include <sys/socket.h>
 
-#include "correspondent.hpp"
-#include "path_width.hpp"
+#include "path_mtu.hpp"
+#include "peer_address.hpp"
 
 namespace knurl::bridge {
 
@@ -26,15 +26,15 @@ class OutQueue {
         if (size_ == most) flush();
         return buffers_[size_];
     }
-    /// It is `bytes` long now. `width` hears of it if the path to that peer carries less; it must live until
+    /// It is `bytes` long now. `mtu` hears of it if the path to that peer carries less; it must live until
     /// flush(). None: that much was tried, and not counted on.
-    void put(std::size_t bytes, const Correspondent& to, PathWidth* width) noexcept {
+    void put(std::size_t bytes, const PeerAddress& to, PathMtu* mtu) noexcept {
         pieces_[size_] = {.iov_base = buffers_[size_].data(), .iov_len = bytes};
         messages_[size_].msg_hdr = {};
         to.address_to(messages_[size_].msg_hdr, to_[size_], from_[size_]);
         messages_[size_].msg_hdr.msg_iov = &pieces_[size_];
         messages_[size_].msg_hdr.msg_iovlen = 1;
-        widths_[size_++] = width;
+        mtus_[size_++] = mtu;
     }
 
     /// What the kernel does not take is lost, as on any network.
@@ -46,7 +46,7 @@ class OutQueue {
                 done += static_cast<std::size_t>(sent);
                 continue;
             }
-            if (errno == EMSGSIZE && widths_[done] != nullptr) widths_[done]->refused();
+            if (errno == EMSGSIZE && mtus_[done] != nullptr) mtus_[done]->refused();
             ++done;  // one peer's trouble is not the next one's
         }
         size_ = 0;
@@ -60,7 +60,7 @@ class OutQueue {
     std::array<PacketInfo, most> from_;
     std::array<iovec, most> pieces_;
     std::array<mmsghdr, most> messages_;
-    std::array<PathWidth*, most> widths_;
+    std::array<PathMtu*, most> mtus_;
 };
 
 }  // namespace knurl::bridge

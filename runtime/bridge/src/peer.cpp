@@ -70,13 +70,13 @@ PeerStream* Peer::stream_of(std::uint32_t id) noexcept {
     return id >= 1 && id <= streams_.size() ? streams_[id - 1].get() : nullptr;
 }
 
-bool Peer::serve(Desk& desk, std::int64_t now) {
+bool Peer::serve(PeerContext& context, std::int64_t now) {
     frames_.pump();
     unfinished_ = false;
     while (const Frame* frame = frames_.next()) {
         heard_ns_ = now;
         asked_servo_ = false;
-        if (!take_frame(*frame, desk)) return false;
+        if (!take_frame(*frame, context)) return false;
         unfinished_ = assets_.asked_servo() || asked_servo_;
         if (unfinished_) break;
     }
@@ -85,11 +85,11 @@ bool Peer::serve(Desk& desk, std::int64_t now) {
     return true;
 }
 
-bool Peer::take_frame(const Frame& frame, Desk& desk) {
+bool Peer::take_frame(const Frame& frame, PeerContext& context) {
     const auto type = static_cast<FrameType>(frame.type);
     if (!greeted())
-        return type == FrameType::hello ? greet(frame.payload, desk) : fail("it did not say hello first");
-    if (type == FrameType::attach) return attach(frame.payload, desk);
+        return type == FrameType::hello ? greet(frame.payload, context) : fail("it did not say hello first");
+    if (type == FrameType::attach) return attach(frame.payload, context);
     PeerStream* stream = stream_of(frame.stream);
     if (type == FrameType::asset_piece) return assets_.piece(frame.payload, why_);  // each is answered
     // Of one that was released meanwhile, or that never was: nobody is harmed by leaving it alone.
@@ -97,7 +97,7 @@ bool Peer::take_frame(const Frame& frame, Desk& desk) {
     const char* why = "";
     switch (type) {
         case FrameType::release:
-            release(frame.stream, desk);
+            release(frame.stream, context);
             return true;
         case FrameType::commands:
             return stream->commands(frame.payload, role(), why) || fail(why);
@@ -124,7 +124,7 @@ bool Peer::refuse(const Error& error) noexcept {
     return frames_.send(static_cast<std::uint16_t>(FrameType::refused), 0, bytes_of(refused));
 }
 
-bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
+bool Peer::greet(std::span<const std::byte> payload, PeerContext& context) {
     Hello hello;
     const bool whole = take(payload, hello);
     if (!whole || hello.magic != wire_magic || hello.version != wire_version || hello.layout != wire_hash()) {
@@ -135,28 +135,28 @@ bool Peer::greet(std::span<const std::byte> payload, Desk& desk) {
         return fail("it is of another version");
     }
     name_ = name_at(protocol::printable(hello.client), from_);
-    if (!desk.keys.empty()) {
-        const Key* key = find_key(desk.keys, frames_.peer_identity());
+    if (!context.keys.empty()) {
+        const Key* key = find_key(context.keys, frames_.peer_identity());
         if (key == nullptr) return fail("its key is not in the file");  // TLS has let nobody else in
         key_ = *key;
         name_ = name_at(key->name, from_);
     }
-    if (desk.sessions >= max_sessions) {
+    if (context.sessions >= max_sessions) {
         refuse(Error(
             Error::Kind::refused,
             detail::format("the bridge has {} sessions, which is all it takes; end one", max_sessions)));
         return fail("there are too many");
     }
     try {
-        desk.pulse.open();
-        link_ = detail::connect_local(desk.servo, name_, servo_answer_time);
+        context.notifier.open();
+        link_ = detail::connect_local(context.servo, name_, servo_answer_time);
     } catch (const Error& error) {
         refuse(Error(error.kind, detail::format("the bridge is there, but {}", error.what())));
         return fail(error.what());
     }
     const std::optional<DirectionKeys> keys = frames_.export_keys(exporter_label);
-    outbox_ = Outbox(session_, keys ? &keys->send : nullptr);
-    inbox_ = Inbox(session_, keys ? &keys->receive : nullptr);
+    outgoing_ = OutgoingDatagrams(session_, keys ? &keys->send : nullptr);
+    incoming_ = IncomingDatagrams(session_, keys ? &keys->receive : nullptr);
     frames_.limit_payload(max_frame_bytes);
 
     const Welcome welcome{.session = session_,
@@ -185,7 +185,7 @@ std::optional<std::string> Peer::forbidden(const protocol::ClaimRequest& request
     return std::nullopt;
 }
 
-bool Peer::attach(std::span<const std::byte> payload, Desk& desk) {
+bool Peer::attach(std::span<const std::byte> payload, PeerContext& context) {
     Attach message;
     if (!take(payload, message)) return fail("an attach that is none");
     // The next number, not the lowest: what is late on its way to a stream that has ended finds no other one
@@ -217,8 +217,8 @@ bool Peer::attach(std::span<const std::byte> payload, Desk& desk) {
         const Attached attached{.terms = attachment.terms, .device = attachment.device_index, .stream = id};
         next_stream_ = id;  // the place after this one
         *free = std::make_unique<PeerStream>(id, std::move(attachment), message.report_rate);
-        desk.pulse.join(attached.device);
-        if (const Report* last = desk.pulse.last(attached.device)) (*free)->note(*last);
+        context.notifier.join(attached.device);
+        if (const Report* last = context.notifier.last(attached.device)) (*free)->note(*last);
         return frames_.send(static_cast<std::uint16_t>(FrameType::attached), 0, bytes_of(attached)) ||
                fail("it does not read");
     } catch (const Error& error) {
@@ -226,18 +226,18 @@ bool Peer::attach(std::span<const std::byte> payload, Desk& desk) {
     }
 }
 
-void Peer::release(std::uint32_t id, Desk& desk) noexcept {
+void Peer::release(std::uint32_t id, PeerContext& context) noexcept {
     PeerStream* stream = stream_of(id);
     if (stream == nullptr) return;
-    desk.out.flush();  // what waits there points into it
-    desk.pulse.leave(stream->device());
+    context.out.flush();  // what waits there points into it
+    context.notifier.leave(stream->device());
     assets_.drop(id);
     link_->release(stream->attachment());
     streams_[id - 1].reset();
 }
 
-void Peer::close(Desk& desk, Error::Kind kind, const std::string& text) noexcept {
-    for (std::uint32_t id = 1; id <= streams_.size(); ++id) release(id, desk);
+void Peer::close(PeerContext& context, Error::Kind kind, const std::string& text) noexcept {
+    for (std::uint32_t id = 1; id <= streams_.size(); ++id) release(id, context);
     if (frames_.state() == FrameStream::State::open && !text.empty()) refuse(Error(kind, text));
     frames_.close();
 }
@@ -256,11 +256,11 @@ std::string Peer::dropped() const {
 // ------------------------------------------------------------------------------------------- the data path
 
 bool Peer::cycle(std::uint32_t device, const Report& report, std::uint64_t unseen, std::int64_t now,
-                 Desk& desk) noexcept {
+                 PeerContext& context) noexcept {
     for (const auto& stream : streams_) {
         if (!stream || stream->device() != device) continue;
         const char* why = "";
-        if (!stream->cycle(report, unseen, now, way(desk), why)) {
+        if (!stream->cycle(report, unseen, now, way(context), why)) {
             why_ = why;
             return false;
         }
@@ -268,12 +268,12 @@ bool Peer::cycle(std::uint32_t device, const Report& report, std::uint64_t unsee
     return true;
 }
 
-void Peer::datagram(std::span<std::byte> datagram, const Correspondent& from, std::int64_t now,
-                    Desk& desk) noexcept {
+void Peer::datagram(std::span<std::byte> datagram, const PeerAddress& from, std::int64_t now,
+                    PeerContext& context) noexcept {
     if (!greeted()) return;
-    const Inbox::Opened opened = inbox_.open(datagram, windows_);
-    if (opened.verdict != Inbox::Verdict::good) {
-        ++(opened.verdict == Inbox::Verdict::foreign ? forged_ : replayed_);
+    const IncomingDatagrams::Opened opened = incoming_.open(datagram, windows_);
+    if (opened.verdict != IncomingDatagrams::Verdict::good) {
+        ++(opened.verdict == IncomingDatagrams::Verdict::foreign ? forged_ : replayed_);
         return;
     }
     heard_ns_ = now;
@@ -282,8 +282,8 @@ void Peer::datagram(std::span<std::byte> datagram, const Correspondent& from, st
     if (opened.header.kind == DatagramKind::ping) {
         PingBody ping;
         if (!take(body, ping)) return;
-        width_.came_through(ping.longest);
-        const std::span<std::byte> room = desk.out.room();
+        mtu_.came_through(ping.longest);
+        const std::span<std::byte> room = context.out.room();
         const DatagramHeader header{.kind = DatagramKind::pong};
         const PongBody pong{.ping_sent_ns = ping.sent_ns,
                             .received_ns = now,
@@ -295,7 +295,7 @@ void Peer::datagram(std::span<std::byte> datagram, const Correspondent& from, st
         const std::size_t bytes =
             std::clamp(sizeof header + opened.body.size(), least, room.size() - tag_bytes);
         std::memset(room.data() + least, 0, bytes - least);
-        if (const std::size_t length = outbox_.close(room, bytes)) desk.out.put(length, from, nullptr);
+        if (const std::size_t length = outgoing_.close(room, bytes)) context.out.put(length, from, nullptr);
         return;
     }
     PeerStream* stream = stream_of(opened.header.stream);
@@ -305,7 +305,7 @@ void Peer::datagram(std::span<std::byte> datagram, const Correspondent& from, st
         stream->batch_piece(opened.header, body);
     } else if (opened.header.kind == DatagramKind::hello && take(body, hello)) {
         stream->bind(from);
-        if (hello.received == 0) stream->repeat(way(desk));
+        if (hello.received == 0) stream->repeat(way(context));
     }
 }
 

@@ -9,17 +9,17 @@
 #include <knurl/bridge/endpoint.hpp>
 #include <knurl/link/transport.hpp>
 
-#include "asset_intake.hpp"
+#include "asset_receiver.hpp"
 #include "peer_stream.hpp"
-#include "pulse.hpp"
+#include "report_notifier.hpp"
 
 namespace knurl::bridge {
 
 /// What a peer needs of the program that it is a part of.
-struct Desk {
+struct PeerContext {
     const std::string& servo;
     std::span<const Key> keys;  // none: whoever comes may do all
-    Pulse& pulse;
+    ReportNotifier& notifier;
     OutQueue& out;
     std::size_t sessions = 0;  // open now
 };
@@ -50,33 +50,33 @@ class Peer {
     // Each false: it is to be closed, for why().
     /// Its connection has something, or room. As far as the first frame for which the servo has to be asked:
     /// the others wait for no second one of the same peer.
-    bool serve(Desk& desk, std::int64_t now);
+    bool serve(PeerContext& context, std::int64_t now);
     /// Frames may be left for the next round.
     bool unfinished() const noexcept { return unfinished_; }
     bool serve_assets() { return assets_.answers(why_); }
     bool cycle(std::uint32_t device, const Report& report, std::uint64_t unseen, std::int64_t now,
-               Desk& desk) noexcept;
-    void datagram(std::span<std::byte> datagram, const Correspondent& from, std::int64_t now,
-                  Desk& desk) noexcept;
+               PeerContext& context) noexcept;
+    void datagram(std::span<std::byte> datagram, const PeerAddress& from, std::int64_t now,
+                  PeerContext& context) noexcept;
 
     const std::string& why() const noexcept { return why_; }
-    /// What was sent in its name and dropped, for the journal; empty: nothing.
+    /// What was sent in its name and dropped, for the log; empty: nothing.
     std::string dropped() const;
     /// Says why, if the peer can understand it, and closes.
-    void close(Desk& desk, Error::Kind kind, const std::string& text) noexcept;
+    void close(PeerContext& context, Error::Kind kind, const std::string& text) noexcept;
     void say_gone(const std::string& text) noexcept;
 
   private:
-    bool take_frame(const Frame& frame, Desk& desk);
-    bool greet(std::span<const std::byte> payload, Desk& desk);
-    bool attach(std::span<const std::byte> payload, Desk& desk);
-    void release(std::uint32_t stream, Desk& desk) noexcept;
+    bool take_frame(const Frame& frame, PeerContext& context);
+    bool greet(std::span<const std::byte> payload, PeerContext& context);
+    bool attach(std::span<const std::byte> payload, PeerContext& context);
+    void release(std::uint32_t stream, PeerContext& context) noexcept;
     bool refuse(const Error& error) noexcept;
     std::optional<std::string> forbidden(const protocol::ClaimRequest& request) const;
     bool fail(std::string why);
     PeerStream* stream_of(std::uint32_t id) noexcept;
-    Way way(Desk& desk) noexcept {
-        return {.frames = frames_, .outbox = outbox_, .out = desk.out, .width = width_};
+    Way way(PeerContext& context) noexcept {
+        return {.frames = frames_, .outgoing = outgoing_, .out = context.out, .mtu = mtu_};
     }
 
     FrameStream frames_;
@@ -85,13 +85,13 @@ class Peer {
     std::string name_;
     std::optional<Key> key_;
     std::unique_ptr<detail::Link> link_;  // null: not greeted yet
-    Outbox outbox_;
-    Inbox inbox_;
+    OutgoingDatagrams outgoing_;
+    IncomingDatagrams incoming_;
     std::array<CounterWindow, max_streams + 1> windows_{};
-    PathWidth width_;
+    PathMtu mtu_;
     LongestLately longest_;  // of its datagrams
     std::array<std::unique_ptr<PeerStream>, max_streams> streams_;
-    AssetIntake assets_{frames_};
+    AssetReceiver assets_{frames_};
     std::size_t next_stream_ = 0;
     std::int64_t heard_ns_;
     bool asked_servo_ = false, unfinished_ = false;

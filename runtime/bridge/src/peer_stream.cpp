@@ -11,8 +11,8 @@ namespace knurl::bridge {
 
 namespace {
 
-constexpr std::int64_t felt_interval_ns = 20'000'000;  // of feedback that is too large for datagrams
-constexpr std::size_t felt_backlog = 64 * 1024;        // bytes on their way already: none then
+constexpr std::int64_t feedback_interval_ns = 20'000'000;  // of feedback that is too large for datagrams
+constexpr std::size_t feedback_backlog = 64 * 1024;        // bytes on their way already: none then
 constexpr std::size_t entry_bytes = sizeof(protocol::FeedbackEntry);
 
 /// Whole messages, and the last of them ends its group. The servo counts cells as we do here, so that what is
@@ -147,7 +147,7 @@ bool PeerStream::cycle(const Report& report, std::uint64_t unseen, std::int64_t 
         told_batch_ = feedback_.batch;
         told_refused_ = feedback_.refused_batch;
         why = "it does not read what it is sent";
-        if (!send_felt(now, way)) return false;
+        if (!send_feedback(now, way)) return false;
     }
     const std::uint64_t numbers = due(report, unseen);
     const bool is_due = numbers > 0;
@@ -197,7 +197,7 @@ bool PeerStream::answer(const Way& way, const char*& why) noexcept {
 
 /// Datagrams that all of it takes; more than max_pieces: it goes by TCP.
 std::size_t PeerStream::pieces(const Way& way, bool report) const noexcept {
-    const std::size_t room = way.width.bytes() - way.outbox.overhead() - sizeof(ReportPiece);
+    const std::size_t room = way.mtu.bytes() - way.outgoing.overhead() - sizeof(ReportPiece);
     const std::size_t first = room - (report ? sizeof(Report) : 0) - sizeof(protocol::FeedbackHeader);
     if (entries_.size() <= first / entry_bytes) return 1;
     const std::size_t left = entries_.size() - first / entry_bytes, each = room / entry_bytes;
@@ -206,11 +206,11 @@ std::size_t PeerStream::pieces(const Way& way, bool report) const noexcept {
 
 void PeerStream::send(const Report* report, const Way& way) noexcept {
     // What is sent may end in finding the path narrower: one length for all pieces.
-    const std::size_t overhead = way.outbox.overhead(), limit = way.width.bytes();
+    const std::size_t overhead = way.outgoing.overhead(), limit = way.mtu.bytes();
     const bool claim = attachment_.channel != nullptr;
     std::size_t count = claim && !entries_.empty() ? pieces(way, report != nullptr) : 1;
-    const bool felt = claim && !entries_.empty() && count <= max_pieces;
-    if (!felt) count = 1;
+    const bool with_feedback = claim && !entries_.empty() && count <= max_pieces;
+    if (!with_feedback) count = 1;
     std::size_t entry = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const std::span<std::byte> room = way.out.room();
@@ -232,9 +232,9 @@ void PeerStream::send(const Report* report, const Way& way) noexcept {
             piece.flags |= piece_flags::feedback;
             put(&feedback_, sizeof feedback_);
         }
-        if (felt) {
+        if (with_feedback) {
             const std::size_t tag = overhead - sizeof header;
-            piece.flags |= piece_flags::felt;
+            piece.flags |= piece_flags::entries;
             piece.first_entry = static_cast<std::uint32_t>(entry);
             piece.entries = static_cast<std::uint32_t>(
                 std::min((limit - at - tag) / entry_bytes, entries_.size() - entry));
@@ -243,17 +243,18 @@ void PeerStream::send(const Report* report, const Way& way) noexcept {
         }
         std::memcpy(room.data(), &header, sizeof header);
         std::memcpy(room.data() + sizeof header, &piece, sizeof piece);
-        if (const std::size_t length = way.outbox.close(room, at)) way.out.put(length, to_, &way.width);
+        if (const std::size_t length = way.outgoing.close(room, at)) way.out.put(length, to_, &way.mtu);
     }
 }
 
 /// Feedback that is too large for datagrams, now and then. False: no room.
-bool PeerStream::send_felt(std::int64_t now, const Way& way) noexcept {
-    if (entries_.empty() || feedback_.cycle == felt_sent_ || now - felt_sent_ns_ < felt_interval_ns ||
-        pieces(way, true) <= max_pieces || way.frames.queued() > felt_backlog)
+bool PeerStream::send_feedback(std::int64_t now, const Way& way) noexcept {
+    if (entries_.empty() || feedback_.cycle == feedback_sent_ ||
+        now - feedback_sent_ns_ < feedback_interval_ns || pieces(way, true) <= max_pieces ||
+        way.frames.queued() > feedback_backlog)
         return true;
-    felt_sent_ = feedback_.cycle;
-    felt_sent_ns_ = now;
+    feedback_sent_ = feedback_.cycle;
+    feedback_sent_ns_ = now;
     const std::array parts{bytes_of(feedback_), std::as_bytes(std::span(entries_))};
     return way.frames.send(static_cast<std::uint16_t>(FrameType::feedback), static_cast<std::uint16_t>(id_),
                            parts);

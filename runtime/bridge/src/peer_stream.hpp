@@ -8,18 +8,18 @@
 #include <knurl/link/transport.hpp>
 
 #include "batch_assembly.hpp"
+#include "datagram_channel.hpp"
 #include "frame_stream.hpp"
 #include "out_queue.hpp"
-#include "post.hpp"
 
 namespace knurl::bridge {
 
 /// What all streams of a peer send through.
 struct Way {
     FrameStream& frames;
-    Outbox& outbox;
+    OutgoingDatagrams& outgoing;
     OutQueue& out;
-    PathWidth& width;
+    PathMtu& mtu;
 };
 
 class PeerStream {
@@ -30,7 +30,7 @@ class PeerStream {
     const detail::Attachment& attachment() const noexcept { return attachment_; }
 
     /// Reports go there from now on.
-    void bind(const Correspondent& to) noexcept { to_ = to; }
+    void bind(const PeerAddress& to) noexcept { to_ = to; }
 
     // Each false: the peer is to be closed, for `why`.
     bool commands(std::span<const std::byte> cells, Role role, const char*& why) noexcept;
@@ -52,13 +52,13 @@ class PeerStream {
     void publish(std::span<const std::byte> whole) noexcept;
     std::uint64_t due(const Report& report, std::uint64_t unseen) noexcept;
     void send(const Report* report, const Way& way) noexcept;
-    bool send_felt(std::int64_t now, const Way& way) noexcept;
+    bool send_feedback(std::int64_t now, const Way& way) noexcept;
     std::size_t pieces(const Way& way, bool report) const noexcept;
 
     const std::uint32_t id_;
     detail::Attachment attachment_;
     std::int64_t period_ns_, due_ns_ = 0;  // by the reports' deadlines; 0: each report
-    Correspondent to_{};                   // nobody: not bound yet
+    PeerAddress to_{};                     // nobody: not bound yet
     // of the newest report, whether it was sent or nobody was there yet to send it to
     std::uint64_t number_ = 0;
     Report newest_{};
@@ -70,8 +70,8 @@ class PeerStream {
     std::vector<protocol::FeedbackEntry> entries_;
     std::uint64_t answers_ = 0;                        // sent
     std::uint64_t told_batch_ = 0, told_refused_ = 0;  // acknowledged so far
-    std::uint64_t felt_sent_ = 0;                      // cycle of what went by TCP
-    std::int64_t felt_sent_ns_ = 0;
+    std::uint64_t feedback_sent_ = 0;                  // cycle of what went by TCP
+    std::int64_t feedback_sent_ns_ = 0;
 };
 
 }  // namespace knurl::bridge

@@ -39,12 +39,11 @@ void PendingBatch::merge(const protocol::BatchHeader& header, std::span<const st
 }
 
 void PendingBatch::take_entry(const protocol::EntryHeader& header, const std::byte* params) noexcept {
-    if (header.handle.slot >= slots_.size()) return;
-    Slot& slot = slots_[header.handle.slot];
-    if (!slot.pending) pending_.push_back(header.handle.slot);
+    if (header.id.slot >= slots_.size()) return;
+    PendingSlot& slot = slots_[header.id.slot];
+    if (!slot.pending) pending_.push_back(header.id.slot);
     // A geometry that comes alone is written over parameters that are still on their way, which stay whole.
-    const std::uint32_t on_their_way =
-        slot.pending && slot.header.handle == header.handle ? slot.header.bytes : 0;
+    const std::uint32_t on_their_way = slot.pending && slot.header.id == header.id ? slot.header.bytes : 0;
     slot.pending = true;
     slot.header = header;
     slot.header.bytes = std::max(header.bytes, on_their_way);
@@ -56,7 +55,7 @@ void PendingBatch::write_message(protocol::BatchHeader header) noexcept {
     std::byte* const begin = message_.data() + sizeof header;
     std::size_t bytes = 0;
     header.entries = 0;
-    const auto add = [&](const Slot& slot) {
+    const auto add = [&](const PendingSlot& slot) {
         const std::size_t size = padded(slot.header.bytes);
         if (bytes + sizeof slot.header + size > most_bytes_) return;
         std::memcpy(begin + bytes, &slot.header, sizeof slot.header);
@@ -80,18 +79,18 @@ void PendingBatch::acknowledged(std::uint64_t sequence) noexcept {
     if (sequence <= acknowledged_) return;
     acknowledged_ = sequence;
     std::erase_if(pending_, [&](std::uint32_t index) {
-        Slot& slot = slots_[index];
+        PendingSlot& slot = slots_[index];
         if (slot.sequence <= sequence) slot.pending = false;
         return !slot.pending;
     });
 }
 
-void PendingBatch::removed(Handle handle) noexcept {
-    if (handle.slot >= slots_.size()) return;
-    Slot& slot = slots_[handle.slot];
-    if (!slot.pending || slot.header.handle != handle) return;
+void PendingBatch::removed(RepresentationId id) noexcept {
+    if (id.slot >= slots_.size()) return;
+    PendingSlot& slot = slots_[id.slot];
+    if (!slot.pending || slot.header.id != id) return;
     slot.pending = false;
-    std::erase(pending_, handle.slot);
+    std::erase(pending_, id.slot);
 }
 
 }  // namespace knurl::bridge

@@ -22,8 +22,8 @@ class PendingBatch {
     void merge(const protocol::BatchHeader& header, std::span<const std::byte> entries) noexcept;
     /// The servo has taken (or refused) everything up to that batch.
     void acknowledged(std::uint64_t sequence) noexcept;
-    /// The servo has confirmed a removal: what is pending for that handle is for nobody.
-    void removed(Handle handle) noexcept;
+    /// The servo has confirmed a removal: what is pending for it is for nobody.
+    void removed(RepresentationId id) noexcept;
 
     bool unacknowledged() const noexcept { return newest_ > acknowledged_; }
     std::uint64_t sequence() const noexcept { return newest_; }
@@ -33,7 +33,7 @@ class PendingBatch {
     std::span<const std::byte> message() const noexcept { return {message_.data(), message_size_}; }
 
   private:
-    struct Slot {
+    struct PendingSlot {
         protocol::EntryHeader header;
         std::uint64_t sequence = 0;  // of the batch that brought this
         bool pending = false;
@@ -42,7 +42,7 @@ class PendingBatch {
     void take_entry(const protocol::EntryHeader& header, const std::byte* params) noexcept;
     void write_message(protocol::BatchHeader header) noexcept;
 
-    std::vector<Slot> slots_;
+    std::vector<PendingSlot> slots_;
     std::vector<std::uint32_t> pending_;  // reserved
     std::vector<std::byte> message_;
     std::size_t message_size_ = 0;

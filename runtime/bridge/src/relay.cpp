@@ -64,10 +64,10 @@ Relay::Relay(RelayOptions options)
     : options_(std::move(options)),
       listening_(listen_at(options_.listen, !options_.keys.empty())),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
-      pulse_(options_.servo),
+      notifier_(options_.servo),
       out_(listening_.datagrams.get()),
-      journal_(write_line),
-      desk_{.servo = options_.servo, .keys = options_.keys, .pulse = pulse_, .out = out_} {
+      log_(write_line),
+      context_{.servo = options_.servo, .keys = options_.keys, .notifier = notifier_, .out = out_} {
     if (!epoll_) throw std::runtime_error(detail::format("epoll: {}", std::strerror(errno)));
     if (!options_.keys.empty()) tls_ = TlsContext::server(options_.keys);
     watch(listening_.datagrams.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
@@ -116,11 +116,11 @@ void Relay::accept_all(std::int64_t now) {
             return;
         }
         if (!caller_rate_.allows(from, now)) {
-            journal_.refused(from, numeric(from), "its host calls too often", now);
+            log_.refused(from, numeric(from), "its host calls too often", now);
             continue;
         }
         if (!make_room(from, now)) {
-            journal_.refused(from, numeric(from), "too many callers that have not said who they are", now);
+            log_.refused(from, numeric(from), "too many callers that have not said who they are", now);
             continue;
         }
         const auto free =
@@ -171,21 +171,21 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
     std::string why;
     places_[place].round = round_;
     try {
-        desk_.sessions =
+        context_.sessions =
             static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [](const Place& each) {
                 return each.peer && each.peer->greeted();
             }));
-        good = peer.serve(desk_, now);
+        good = peer.serve(context_, now);
         why = peer.why();
     } catch (const std::exception& error) {  // memory ran out, say: theirs alone
         why = error.what();
     }
     if (!knew && peer.greeted())
-        journal_.admitted(peer.from(),
-                          detail::format("{}: in, role {}{}", peer.name(), role_name(peer.role()),
-                                         options_.keys.empty() ? "" : ", encrypted"),
-                          now);
-    if (pulse_.is_open() && !watching_servo_) follow_servo();
+        log_.admitted(peer.from(),
+                      detail::format("{}: in, role {}{}", peer.name(), role_name(peer.role()),
+                                     options_.keys.empty() ? "" : ", encrypted"),
+                      now);
+    if (notifier_.is_open() && !watching_servo_) follow_servo();
     if (!good) return end(place, why, now, knew);
     follow(place);
 }
@@ -240,16 +240,16 @@ void Relay::follow(std::size_t index) {
 void Relay::end(std::size_t index, const std::string& why, std::int64_t now, bool told, Error::Kind kind) {
     const Peer& peer = *places_[index].peer;
     if (peer.greeted()) {
-        journal_.event(detail::format("{}: out: {}{}", peer.name(), why, peer.dropped()), now);
+        log_.event(detail::format("{}: out: {}{}", peer.name(), why, peer.dropped()), now);
     } else {
-        journal_.refused(peer.from(), peer.name(), why, now);
+        log_.refused(peer.from(), peer.name(), why, now);
     }
     close(index, kind, told ? "the bridge ends this connection: " + why : "");
 }
 
 void Relay::close(std::size_t index, Error::Kind kind, const std::string& text) {
     Place& place = places_[index];
-    place.peer->close(desk_, kind, text);
+    place.peer->close(context_, kind, text);
     place.peer.reset();  // its descriptors leave the epoll set as they are closed
     ++place.use;
 }
@@ -258,7 +258,7 @@ void Relay::admit(std::vector<Key> keys) {
     if (!tls_ || keys.empty()) return;
     tls_ = TlsContext::server(keys);
     options_.keys = std::move(keys);
-    desk_.keys = options_.keys;
+    context_.keys = options_.keys;
     const std::int64_t now = detail::monotonic_ns();
     for (std::size_t i = 0; i < places; ++i) {
         if (!places_[i].peer || places_[i].peer->holds_one_of(options_.keys)) continue;
@@ -273,34 +273,34 @@ void Relay::admit(std::vector<Key> keys) {
 // ----------------------------------------------------------------------------------------------- the servo
 
 void Relay::follow_servo() {
-    watch(pulse_.hang_up(), EPOLLRDHUP, source(Source::servo), EPOLL_CTL_ADD);
-    for (std::size_t i = 0; i < pulse_.devices(); ++i)
+    watch(notifier_.hang_up(), EPOLLRDHUP, source(Source::servo), EPOLL_CTL_ADD);
+    for (std::size_t i = 0; i < notifier_.devices(); ++i)
         // By its edge: one that was raised when the last stream had just gone is lowered by nobody.
-        watch(pulse_.event(i), std::uint32_t{EPOLLIN} | EPOLLET, source(Source::device, i), EPOLL_CTL_ADD);
+        watch(notifier_.event(i), std::uint32_t{EPOLLIN} | EPOLLET, source(Source::device, i), EPOLL_CTL_ADD);
     watching_servo_ = true;
 }
 
 void Relay::servo_gone() {
     const std::string text = detail::format("servo '{}' has gone; start it again", options_.servo);
-    journal_.event(text, detail::monotonic_ns());
+    log_.event(text, detail::monotonic_ns());
     for (std::size_t i = 0; i < places; ++i) {
         if (!places_[i].peer || !places_[i].peer->greeted()) continue;
         places_[i].peer->say_gone(text);
         close(i, Error::Kind::disconnected, "");
     }
-    pulse_.close();
+    notifier_.close();
     watching_servo_ = false;
 }
 
 void Relay::serve_device(std::size_t device, std::int64_t now) {
-    if (device >= pulse_.devices()) return;
+    if (device >= notifier_.devices()) return;
     Report report;
     std::uint64_t unseen = 0;
-    for (int i = 0; i < most_reports && pulse_.next(device, report, unseen); ++i) {
+    for (int i = 0; i < most_reports && notifier_.next(device, report, unseen); ++i) {
         for (std::size_t place = 0; place < places; ++place) {
             Peer* const peer = places_[place].peer.get();
             if (peer == nullptr || !peer->greeted()) continue;
-            if (peer->cycle(static_cast<std::uint32_t>(device), report, unseen, now, desk_)) {
+            if (peer->cycle(static_cast<std::uint32_t>(device), report, unseen, now, context_)) {
                 follow(place);  // what did not go out at once
                 continue;
             }
@@ -308,16 +308,16 @@ void Relay::serve_device(std::size_t device, std::int64_t now) {
         }
     }
     out_.flush();
-    pulse_.rearm(device);  // raises its event at once if there are more
+    notifier_.rearm(device);  // raises its event at once if there are more
 }
 
 // ------------------------------------------------------------------------------------------------ the loop
 
 void Relay::take_datagrams(std::int64_t now) {
     for (int bag = 0; bag < most_bags; ++bag) {
-        const std::size_t count = mailbag_.receive(listening_.datagrams.get());
+        const std::size_t count = receive_batch_.receive(listening_.datagrams.get());
         for (std::size_t i = 0; i < count; ++i) {
-            const std::span<std::byte> datagram = mailbag_.datagram(i);
+            const std::span<std::byte> datagram = receive_batch_.datagram(i);
             std::uint64_t session = 0;
             ++strays_;
             if (datagram.size() < sizeof(DatagramHeader)) continue;
@@ -325,12 +325,12 @@ void Relay::take_datagrams(std::int64_t now) {
             const std::size_t place = session & 0xff;
             if (place >= places || !places_[place].peer) continue;
             Peer& peer = *places_[place].peer;
-            const Correspondent& from = mailbag_.from(i);
+            const PeerAddress& from = receive_batch_.from(i);
             if (peer.session() != session || !same_host(peer.from(), from.address)) continue;
             --strays_;
-            peer.datagram(datagram, from, now, desk_);
+            peer.datagram(datagram, from, now, context_);
         }
-        if (count < Mailbag::most) return;
+        if (count < ReceiveBatch::most) return;
     }
 }
 
@@ -339,7 +339,7 @@ void Relay::tick(std::int64_t now) {
     const bool stood_still = last_tick_ns_ != 0 && now - last_tick_ns_ > dead_after_ns / 2;
     last_tick_ns_ = now;
     if (strays_ > few_strays && now >= say_strays_after_ns_) {
-        journal_.event(detail::format("{} datagrams of no session were dropped", strays_), now);
+        log_.event(detail::format("{} datagrams of no session were dropped", strays_), now);
         strays_ = 0;
         say_strays_after_ns_ = now + strays_said_every_ns;
     }

@@ -11,10 +11,10 @@
 #include <knurl/bridge/endpoint.hpp>
 
 #include "caller_rate.hpp"
-#include "journal.hpp"
 #include "listening.hpp"
-#include "mailbag.hpp"
+#include "log.hpp"
 #include "peer.hpp"
+#include "receive_batch.hpp"
 
 namespace knurl::bridge {
 
@@ -81,14 +81,14 @@ class Relay {
     const Listening listening_;
     shm::UniqueFd epoll_;
     bool accepting_ = false;
-    Pulse pulse_;
+    ReportNotifier notifier_;
     bool watching_servo_ = false;
     std::array<Place, places> places_;
     OutQueue out_;
-    Mailbag mailbag_;
-    Journal journal_;
+    ReceiveBatch receive_batch_;
+    Log log_;
     CallerRate caller_rate_;
-    Desk desk_;
+    PeerContext context_;
     std::uint64_t round_ = 0;
     std::size_t next_unfinished_ = 0;  // place
     std::int64_t last_tick_ns_ = 0, accept_after_ns_ = 0;

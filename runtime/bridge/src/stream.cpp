@@ -54,9 +54,9 @@ Stream::Stream(std::shared_ptr<Connection> connection, const Attached& attached)
       socket_(connection_->datagram_socket()),
       event_(shm::make_event()),
       loop_(::epoll_create1(EPOLL_CLOEXEC)),
-      memory_(new_ring(sizeof(Slot))),
-      writer_(memory_.get(), protocol::report_slots, sizeof(Slot)),
-      reader_(memory_.get(), protocol::report_slots, sizeof(Slot)),
+      memory_(new_ring(sizeof(StoredReport))),
+      writer_(memory_.get(), protocol::report_slots, sizeof(StoredReport)),
+      reader_(memory_.get(), protocol::report_slots, sizeof(StoredReport)),
       batch_(attached.terms.capacity),
       unanswered_(cells_of(attached.terms.capacity)),
       feedback_(attached.terms.capacity.representations) {
@@ -71,7 +71,7 @@ Stream::Stream(std::shared_ptr<Connection> connection, const Attached& attached)
 
 bool Stream::next(Report& out) noexcept {
     const auto lock = connection_->lock();
-    Slot slot;
+    StoredReport slot;
     if (!reader_.next(&slot)) {
         drain();
         if (!reader_.next(&slot)) return false;
@@ -85,7 +85,7 @@ bool Stream::next(Report& out) noexcept {
 bool Stream::latest(Report& out) noexcept {
     const auto lock = connection_->lock();
     drain();
-    Slot slot;
+    StoredReport slot;
     if (!reader_.latest(&slot)) return false;
     out = slot.report;
     gap_read_ = slot.gap;
@@ -95,7 +95,7 @@ bool Stream::latest(Report& out) noexcept {
 bool Stream::newest(Report& out) noexcept {
     const auto lock = connection_->lock();
     drain();
-    Slot slot;
+    StoredReport slot;
     const std::uint64_t end = reader_.published();
     if (end > 0 && reader_.at(end - 1, &slot)) {
         out = slot.report;
@@ -153,28 +153,28 @@ void Stream::wake() noexcept {
 
 bool Stream::drain() noexcept {
     const std::uint64_t before = arrivals_;
-    Mailbag& bag = connection_->mailbag();
+    ReceiveBatch& bag = connection_->receive_batch();
     for (int round = 0; round < most_rounds; ++round) {
         const std::size_t count = bag.receive(socket_.get());
         for (std::size_t i = 0; i < count; ++i) take_datagram(bag.datagram(i));
-        if (count < Mailbag::most) break;
+        if (count < ReceiveBatch::most) break;
     }
     return arrivals_ != before;
 }
 
 void Stream::take_datagram(std::span<std::byte> datagram) noexcept {
-    const Inbox::Opened opened = connection_->open(datagram);
-    if (opened.verdict == Inbox::Verdict::foreign || opened.header.stream != id_ ||
+    const IncomingDatagrams::Opened opened = connection_->open(datagram);
+    if (opened.verdict == IncomingDatagrams::Verdict::foreign || opened.header.stream != id_ ||
         opened.header.kind != DatagramKind::report)
         return;
-    if (opened.verdict == Inbox::Verdict::already) {
+    if (opened.verdict == IncomingDatagrams::Verdict::already) {
         ++duplicated_;
         return;
     }
     std::span<const std::byte> body = opened.body;
     ReportPiece piece;
     if (!take(body, piece)) return;
-    if (opened.verdict == Inbox::Verdict::too_old) {
+    if (opened.verdict == IncomingDatagrams::Verdict::too_old) {
         if ((piece.flags & piece_flags::report) != 0) tally_.take_old(piece.number);
         return;
     }
@@ -189,13 +189,13 @@ void Stream::take_datagram(std::span<std::byte> datagram) noexcept {
         if (!take(body, header)) return;
         acknowledge(header, piece.answers);
     }
-    if ((piece.flags & piece_flags::felt) != 0) feedback_.piece(opened.header, piece, body);
+    if ((piece.flags & piece_flags::entries) != 0) feedback_.piece(opened.header, piece, body);
 }
 
 void Stream::take_report(std::uint64_t number, const Report& report) noexcept {
     if (!tally_.take(number)) return;
     ++arrivals_;
-    const Slot slot{.report = report, .gap = tally_.gaps()};
+    const StoredReport slot{.report = report, .gap = tally_.gaps()};
     writer_.publish(&slot);
 }
 
@@ -232,7 +232,7 @@ bool Stream::reply(protocol::Reply& out) noexcept {
     const auto lock = connection_->lock();
     Unanswered::Answer answer;
     if (!unanswered_.next(answer)) return false;
-    if (answer.removed) batch_.removed(answer.handle);
+    if (answer.removed) batch_.removed(answer.id);
     out = answer.reply;
     return true;
 }
@@ -260,7 +260,7 @@ void Stream::acknowledge(const protocol::FeedbackHeader& header, std::uint64_t a
 }
 
 std::size_t Stream::piece_bytes() const noexcept {
-    return (connection_->width().bytes() - connection_->overhead() - sizeof(BatchPiece)) / 8 * 8;
+    return (connection_->mtu().bytes() - connection_->overhead() - sizeof(BatchPiece)) / 8 * 8;
 }
 
 void Stream::send_batch(std::int64_t now) noexcept {

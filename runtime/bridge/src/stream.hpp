@@ -60,11 +60,11 @@ class Stream {
 
   private:
     /// What the ring holds: how many were never sent to it, up to this one.
-    struct Slot {
+    struct StoredReport {
         Report report;
         std::uint64_t gap = 0;
     };
-    static_assert(sizeof(Slot) % 8 == 0);
+    static_assert(sizeof(StoredReport) % 8 == 0);
 
     // All of these with the lock held.
     bool drain() noexcept;  // true: something came

@@ -49,8 +49,8 @@ class Unanswered {
 
     struct Answer {
         protocol::Reply reply;
-        bool removed = false;  // the servo has removed `handle`
-        Handle handle;
+        bool removed = false;  // the servo has removed `id`
+        RepresentationId id;
     };
     /// The next one for the application. False: none.
     bool next(Answer& answer) noexcept {
@@ -62,7 +62,7 @@ class Unanswered {
             used_ -= command.cells;
             const bool ok = static_cast<Verdict::Code>(answer.reply.code) == Verdict::Code::ok;
             answer.removed = ok && command.removes && command.number == answer.reply.command;
-            answer.handle = command.removed;
+            answer.id = command.removed;
         }
         return true;
     }
@@ -72,7 +72,7 @@ class Unanswered {
         std::uint64_t number = 0;
         std::uint32_t cells = 0;
         bool removes = false;
-        Handle removed{};
+        RepresentationId removed{};
     };
     std::uint32_t cells_, used_ = 0;
     std::vector<Sent> sent_;

@@ -45,7 +45,7 @@ inline constexpr const char* exporter_label = "EXPORTER-knurl-bridge-datagrams";
 inline constexpr std::size_t max_sessions = protocol::max_clients;
 // claims and observers of one connection
 inline constexpr std::uint32_t max_streams = protocol::max_claims_of_connection;
-// at most; how many a path carries shows (path_width.hpp)
+// at most; how many a path carries shows (path_mtu.hpp)
 inline constexpr std::size_t datagram_bytes = 1200;
 // a report and feedback; IPv6 carries 1280 everywhere
 inline constexpr std::size_t least_datagram_bytes = 760;
@@ -208,7 +208,7 @@ struct ReportPiece {
 namespace piece_flags {
 inline constexpr std::uint32_t report = 1u << 0;    // a Report comes first,
 inline constexpr std::uint32_t feedback = 1u << 1;  // then a FeedbackHeader,
-inline constexpr std::uint32_t felt = 1u << 2;      // then this piece of its entries
+inline constexpr std::uint32_t entries = 1u << 2;   // then this piece of its entries
 }  // namespace piece_flags
 
 static_assert(sizeof(Hello) == 88 && sizeof(Welcome) == 16 && sizeof(DeviceRow) == 328);

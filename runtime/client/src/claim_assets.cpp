@@ -57,14 +57,14 @@ bool ClaimState::sent(std::uint32_t number, bool there) noexcept {
 void ClaimState::forget(std::uint32_t number) {
     const Lock lock = enter();
     require_asset(number);
-    for (const Handle handle : table_.live())
-        if (const Entry& one = *table_.find_any(handle);
+    for (const RepresentationId id : table_.live())
+        if (const Entry& one = *table_.find_any(id);
             one.kind == kind_of<Shape> && asset_of(one.params) == number)
             throw Error(Error::Kind::refused,
                         detail::format(
                             "forget: asset {} is what the representation in slot {} is made of; remove that "
                             "first",
-                            number, handle.slot));
+                            number, id.slot));
     if (attachment_) attachment_->assets->forget(number);
     assets_.erase(number);
 }

@@ -25,7 +25,7 @@ constexpr std::chrono::milliseconds replay_time{400};      // for all of a claim
 /// Nothing is wrong with this command, but with another of its group.
 bool for_its_group(const protocol::Reply& reply) {
     return static_cast<Verdict::Code>(reply.code) == Verdict::Code::refused &&
-           reply.reason == static_cast<std::uint32_t>(protocol::Refusal::group_refused);
+           reply.reason == static_cast<std::uint32_t>(protocol::RefusalReason::group_refused);
 }
 
 template <class Body>
@@ -44,11 +44,11 @@ std::size_t cells_for(std::size_t body_bytes) {
 
 }  // namespace
 
-ClaimState::Command ClaimState::add_command(Handle handle, const Entry& entry,
+ClaimState::Command ClaimState::add_command(RepresentationId id, const Entry& entry,
                                             std::span<const std::byte> params) {
-    const protocol::AddBody body{.handle = handle, .kind = entry.kind, .reserved = 0, .use = entry.use};
+    const protocol::AddBody body{.id = id, .kind = entry.kind, .reserved = 0, .options = entry.options};
     Command command{.type = CommandType::add,
-                    .handle = handle,
+                    .id = id,
                     .kind = entry.kind,
                     .body = std::vector<std::byte>(sizeof body + params.size()),
                     .parameter_bytes = static_cast<std::uint32_t>(params.size())};
@@ -57,31 +57,33 @@ ClaimState::Command ClaimState::add_command(Handle handle, const Entry& entry,
     return command;
 }
 
-Handle ClaimState::add(Kind kind, const void* params, std::size_t bytes, const Use& use) {
+RepresentationId ClaimState::add(Kind kind, const void* params, std::size_t bytes,
+                                 const AddOptions& options) {
     const Lock lock = enter();
-    return add_now(kind, params, bytes, use);
+    return add_now(kind, params, bytes, options);
 }
 
-Handle ClaimState::add_now(Kind kind, const void* params, std::size_t bytes, const Use& use) {
-    validate(kind, params, bytes, use);
+RepresentationId ClaimState::add_now(Kind kind, const void* params, std::size_t bytes,
+                                     const AddOptions& options) {
+    validate(kind, params, bytes, options);
     require_asset(kind, params);
     const std::span given(static_cast<const std::byte*>(params), bytes);
-    const Handle handle = table_.add(kind, given, use);
-    issue(add_command(handle, *table_.find(handle), given));
-    return handle;
+    const RepresentationId id = table_.add(kind, given, options);
+    issue(add_command(id, *table_.find(id), given));
+    return id;
 }
 
-void ClaimState::remove(Handle handle) {
+void ClaimState::remove(RepresentationId id) {
     const Lock lock = enter();
-    std::vector<Handle> leaving{handle};
-    const std::vector<Handle>& others = entry(handle).sides;
+    std::vector<RepresentationId> leaving{id};
+    const std::vector<RepresentationId>& others = entry(id).sides;
     leaving.insert(leaving.end(), others.begin(), others.end());
     std::vector<Command> commands;
-    for (const Handle one : leaving) {
+    for (const RepresentationId one : leaving) {
         const Entry* found = table_.find(one);
         if (found == nullptr) continue;  // a side that a group took back
         commands.push_back({.type = CommandType::remove,
-                            .handle = one,
+                            .id = one,
                             .kind = found->kind,
                             .body = bytes_of(protocol::RemoveBody{one})});
         table_.set_leaving(one, true);
@@ -198,7 +200,7 @@ void ClaimState::push(std::span<const Command> commands, ClaimChannel& channel) 
     for (std::size_t i = 0; i < commands.size(); ++i)
         outstanding_.push_back({.number = number - commands.size() + 1 + i,
                                 .type = commands[i].type,
-                                .handle = commands[i].handle,
+                                .id = commands[i].id,
                                 .kind = commands[i].kind});
 }
 
@@ -219,10 +221,10 @@ void ClaimState::push_patiently(const Command& command, Attachment& attachment) 
 void ClaimState::apply(const Command& command, bool may_be_refused) {
     switch (command.type) {
         case CommandType::add:
-            if (Entry* added = table_.find_any(command.handle)) added->issued = true;
+            if (Entry* added = table_.find_any(command.id)) added->issued = true;
             break;
         case CommandType::remove:
-            if (!may_be_refused) table_.remove(command.handle);
+            if (!may_be_refused) table_.remove(command.id);
             break;
         case CommandType::place_probe: {
             protocol::PlaceProbeBody body;
@@ -238,8 +240,8 @@ void ClaimState::apply(const Command& command, bool may_be_refused) {
 }
 
 void ClaimState::take_back(const Command& command) {
-    if (command.type == CommandType::add) table_.remove(command.handle);
-    if (command.type == CommandType::remove) table_.set_leaving(command.handle, false);
+    if (command.type == CommandType::add) table_.remove(command.id);
+    if (command.type == CommandType::remove) table_.set_leaving(command.id, false);
 }
 
 void ClaimState::take_back(std::size_t from) {
@@ -297,15 +299,15 @@ void ClaimState::answered(const protocol::Reply& reply) {
     const bool accepted = static_cast<Verdict::Code>(reply.code) == Verdict::Code::ok;
     if (command.type == CommandType::add) {
         if (!accepted)
-            table_.remove(command.handle);  // the servo has no such thing: the handle is stale
-        else if (Entry* added = table_.find_any(command.handle))
+            table_.remove(command.id);  // the servo has no such thing: the handle is stale
+        else if (Entry* added = table_.find_any(command.id))
             added->applied_stiffness = reply.applied_stiffness;
     }
-    if (command.type == CommandType::remove && table_.find_any(command.handle) != nullptr) {
+    if (command.type == CommandType::remove && table_.find_any(command.id) != nullptr) {
         if (accepted)
-            table_.remove(command.handle);
+            table_.remove(command.id);
         else
-            table_.set_leaving(command.handle, false);  // the servo still has it
+            table_.set_leaving(command.id, false);  // the servo still has it
     }
     if (is_asked(command.type)) {
         answers_[command.number] = reply;

@@ -37,21 +37,21 @@ double rim_of(const Cap& cap) {
 
 }  // namespace
 
-Followed ClaimState::follow(Handle handle, Kind kind, const SurfaceModel& model) {
-    return kind == kind_of<Cap> ? follow_with<Cap>(handle, model) : follow_with<Plane>(handle, model);
+Followed ClaimState::follow(RepresentationId id, Kind kind, const SurfaceModel& model) {
+    return kind == kind_of<Cap> ? follow_with<Cap>(id, model) : follow_with<Plane>(id, model);
 }
 
 template <class R>
-Followed ClaimState::follow_with(Handle handle, const SurfaceModel& model) {
+Followed ClaimState::follow_with(RepresentationId id, const SurfaceModel& model) {
     Lock lock = enter();
     R params;
-    std::memcpy(&params, entry(handle).params.data(), sizeof params);
-    FollowMemory memory = entry(handle).followed;
+    std::memcpy(&params, entry(id).params.data(), sizeof params);
+    FollowMemory memory = entry(id).followed;
     // The newest, though the application may have read an older one before a long computation.
     const std::optional<Report> report = peek(lock);
     if (!report) return {};
     // It may commit more often than it follows: how long this update will live is what counts.
-    Entry& followed = entry(handle);
+    Entry& followed = entry(id);
     const std::int64_t now = monotonic_ns();
     if (followed.last_follow_ns != 0)
         followed.follow_intervals.add(static_cast<double>(now - followed.last_follow_ns) * 1e-9);
@@ -71,41 +71,41 @@ Followed ClaimState::follow_with(Handle handle, const SurfaceModel& model) {
                                            late, follower, memory);
     lock = enter();
 
-    send_faces(handle, params, result.faces);
-    entry(handle).followed = memory;
+    send_faces(id, params, result.faces);
+    entry(id).followed = memory;
     if (result.undersampled) ++undersampled_;
     note_basis(report->cycle);
     return result;
 }
 
 template <class R>
-void ClaimState::send_faces(Handle handle, R params, const Faces& faces) {
+void ClaimState::send_faces(RepresentationId id, R params, const Faces& faces) {
     for (const SurfacePoint& face : faces.all()) {
         place(params, face);
         validate(kind_of<R>, &params, sizeof params);
     }
     // A side that is new comes in with the batch, like the others.
-    std::vector<Handle>& others = entry(handle).sides;
+    std::vector<RepresentationId>& others = entry(id).sides;
     for (std::size_t i = 0; i + 1 < faces.count; ++i) {
         if (i < others.size() && table_.find(others[i]) != nullptr) continue;
         place(params, faces.face[i + 1]);
         const R apart = parked(params, far());
-        const Handle side = add_now(kind_of<R>, &apart, sizeof apart, entry(handle).use);
+        const RepresentationId side = add_now(kind_of<R>, &apart, sizeof apart, entry(id).options);
         if (i < others.size())
             others[i] = side;
         else
             others.push_back(side);
     }
-    park_sides(handle, faces.count - 1);
+    park_sides(id, faces.count - 1);
     for (std::uint32_t i = 0; i < faces.count; ++i) {
         place(params, faces.face[i]);
-        table_.set(i == 0 ? handle : others[i - 1], std::as_bytes(std::span(&params, 1)));
+        table_.set(i == 0 ? id : others[i - 1], std::as_bytes(std::span(&params, 1)));
     }
-    entry(handle).sides_used = faces.count - 1;
+    entry(id).sides_used = faces.count - 1;
 }
 
 template <class R>
-void ClaimState::park(Handle side) {
+void ClaimState::park(RepresentationId side) {
     const Entry* found = table_.find(side);
     if (found == nullptr) return;  // a group took it back
     R params;
@@ -114,8 +114,8 @@ void ClaimState::park(Handle side) {
     table_.set(side, std::as_bytes(std::span(&params, 1)));
 }
 
-void ClaimState::park_sides(Handle handle, std::uint32_t first) {
-    Entry& main = entry(handle);
+void ClaimState::park_sides(RepresentationId id, std::uint32_t first) {
+    Entry& main = entry(id);
     for (std::uint32_t i = first; i < main.sides_used; ++i) {
         if (main.kind == kind_of<Cap>)
             park<Cap>(main.sides[i]);

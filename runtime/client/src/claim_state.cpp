@@ -32,28 +32,28 @@ ClaimState::ClaimState(std::shared_ptr<ClientState> client, std::string device,
                        const protocol::ClaimRequest& request)
     : Reader(std::move(client), std::move(device), request) {}
 
-Entry& ClaimState::entry(Handle handle) {
-    if (Entry* found = table_.find(handle)) return *found;
+Entry& ClaimState::entry(RepresentationId id) {
+    if (Entry* found = table_.find(id)) return *found;
     throw Error(
         Error::Kind::stale_handle,
         detail::format(
             "device '{}': slot {} holds no representation of generation {}; it was removed, or refused",
-            device_name(), handle.slot, handle.generation));
+            device_name(), id.slot, id.generation));
 }
 
-void ClaimState::set(Handle handle, Kind kind, const void* params, std::size_t bytes) {
+void ClaimState::set(RepresentationId id, Kind kind, const void* params, std::size_t bytes) {
     const Lock lock = enter();
-    entry(handle);
+    entry(id);
     validate(kind, params, bytes);
     require_asset(kind, params);
-    park_sides(handle, 0);
-    table_.set(handle, {static_cast<const std::byte*>(params), bytes});
+    park_sides(id, 0);
+    table_.set(id, {static_cast<const std::byte*>(params), bytes});
     if (last_) note_basis(last_->cycle);
 }
 
-void ClaimState::get(Handle handle, void* params, std::size_t bytes) {
+void ClaimState::get(RepresentationId id, void* params, std::size_t bytes) {
     const Lock lock = enter();
-    std::memcpy(params, entry(handle).params.data(), bytes);
+    std::memcpy(params, entry(id).params.data(), bytes);
 }
 
 std::uint64_t ClaimState::commit() {
@@ -118,20 +118,20 @@ bool ClaimState::wait_applied(std::uint64_t number, nanoseconds timeout) {
     }
 }
 
-const protocol::FeedbackEntry* ClaimState::felt_entry(Handle handle) const {
-    if (handle.slot >= felt_at_.size() || felt_at_[handle.slot] == 0) return nullptr;
-    const protocol::FeedbackEntry& found = felt_[felt_at_[handle.slot] - 1];
-    return found.handle == handle ? &found : nullptr;
+const protocol::FeedbackEntry* ClaimState::feedback_entry(RepresentationId id) const {
+    if (id.slot >= feedback_at_.size() || feedback_at_[id.slot] == 0) return nullptr;
+    const protocol::FeedbackEntry& found = feedback_entries_[feedback_at_[id.slot] - 1];
+    return found.id == id ? &found : nullptr;
 }
 
-std::optional<Felt> ClaimState::felt(Handle handle) {
+std::optional<HandFeedback> ClaimState::feedback(RepresentationId id) {
     const Lock lock = enter();
-    const std::vector<Handle>& others = entry(handle).sides;
+    const std::vector<RepresentationId>& others = entry(id).sides;
     refresh();
-    const protocol::FeedbackEntry* found = felt_entry(handle);
+    const protocol::FeedbackEntry* found = feedback_entry(id);
     if (found == nullptr) return std::nullopt;
     const HandScales scales = protocol::scales_of(feedback_);
-    Felt felt{
+    HandFeedback feedback{
         .force = found->force,
         .torque = found->torque,
         .contact_point = found->contact_point,
@@ -139,24 +139,24 @@ std::optional<Felt> ClaimState::felt(Handle handle) {
         .tangential_stiffness = found->tangential_stiffness,
         .flags = found->flags,
         .cycle = feedback_.cycle,
-        .share = feedback_.gain * (kinds()[entry(handle).kind].surface ? scales.contacts : scales.effects),
+        .share = feedback_.gain * (kinds()[entry(id).kind].surface ? scales.contacts : scales.effects),
         .damping_share = feedback_.gain * scales.damping};
-    for (const Handle side : others) {
-        const protocol::FeedbackEntry* other = felt_entry(side);
+    for (const RepresentationId side : others) {
+        const protocol::FeedbackEntry* other = feedback_entry(side);
         if (other == nullptr || (other->flags & Feedback::touching) == 0) continue;
-        if ((felt.flags & Feedback::touching) == 0) felt.contact_point = other->contact_point;
-        felt.force = to_plain(to_eigen(felt.force) + to_eigen(other->force));
-        felt.torque = to_plain(to_eigen(felt.torque) + to_eigen(other->torque));
-        felt.flags |= other->flags;
+        if ((feedback.flags & Feedback::touching) == 0) feedback.contact_point = other->contact_point;
+        feedback.force = to_plain(to_eigen(feedback.force) + to_eigen(other->force));
+        feedback.torque = to_plain(to_eigen(feedback.torque) + to_eigen(other->torque));
+        feedback.flags |= other->flags;
     }
-    return felt;
+    return feedback;
 }
 
-std::optional<double> ClaimState::applied_stiffness(Handle handle) {
-    const std::optional<Felt> newest = felt(handle);
+std::optional<double> ClaimState::applied_stiffness(RepresentationId id) {
+    const std::optional<HandFeedback> newest = feedback(id);
     if (newest) return newest->stiffness;
     const Lock lock = enter();
-    const double answered = entry(handle).applied_stiffness;
+    const double answered = entry(id).applied_stiffness;
     return answered < 0 ? std::nullopt : std::optional(answered);
 }
 
@@ -228,11 +228,11 @@ void ClaimState::look_for_force(std::int64_t now) {
 
 void ClaimState::take_feedback(ClaimChannel& channel) {
     const std::uint64_t refused = feedback_.batches_refused;
-    if (!channel.feedback(feedback_, felt_)) return;
-    std::fill(felt_at_.begin(), felt_at_.end(), 0);
-    for (std::size_t i = 0; i < felt_.size(); ++i) {
-        const std::uint32_t slot = felt_[i].handle.slot;
-        if (slot < felt_at_.size()) felt_at_[slot] = static_cast<std::uint32_t>(i + 1);
+    if (!channel.feedback(feedback_, feedback_entries_)) return;
+    std::fill(feedback_at_.begin(), feedback_at_.end(), 0);
+    for (std::size_t i = 0; i < feedback_entries_.size(); ++i) {
+        const std::uint32_t slot = feedback_entries_[i].id.slot;
+        if (slot < feedback_at_.size()) feedback_at_[slot] = static_cast<std::uint32_t>(i + 1);
     }
     if (feedback_.batch != measured_batch_ && feedback_.batch_report_cycle != 0 &&
         feedback_.batch_age_ns > 0) {
@@ -247,8 +247,8 @@ void ClaimState::take_feedback(ClaimChannel& channel) {
 void ClaimState::on_attach(Attachment& attachment, bool again) {
     if (!again) {
         table_ = Table(attachment.terms.capacity);
-        felt_at_.resize(attachment.terms.capacity.representations);
-        felt_.reserve(attachment.terms.capacity.representations);
+        feedback_at_.resize(attachment.terms.capacity.representations);
+        feedback_entries_.reserve(attachment.terms.capacity.representations);
     }
     limits_ = attachment.terms.limits;
     issued_ = 0;
@@ -257,12 +257,12 @@ void ClaimState::on_attach(Attachment& attachment, bool again) {
     unarmed_.restart();
     silent_.restart();
     for (const Outstanding& command : outstanding_)
-        if (command.type == protocol::CommandType::remove) table_.remove(command.handle);
+        if (command.type == protocol::CommandType::remove) table_.remove(command.id);
     outstanding_.clear();
     answers_.clear();
     feedback_ = {};
-    felt_.clear();
-    std::fill(felt_at_.begin(), felt_at_.end(), 0);
+    feedback_entries_.clear();
+    std::fill(feedback_at_.begin(), feedback_at_.end(), 0);
     measured_batch_ = 0;
     basis_cycle_ = 0;
     first_of_channel_ = sequence_;
@@ -274,9 +274,8 @@ void ClaimState::on_attach(Attachment& attachment, bool again) {
         push_patiently({.type = protocol::CommandType::place_probe, .body = {bytes.begin(), bytes.end()}},
                        attachment);
     }
-    for (const Handle handle : table_.issued())
-        push_patiently(add_command(handle, *table_.find_any(handle), table_.find_any(handle)->committed),
-                       attachment);
+    for (const RepresentationId id : table_.issued())
+        push_patiently(add_command(id, *table_.find_any(id), table_.find_any(id)->committed), attachment);
 }
 
 void ClaimState::on_detach() {

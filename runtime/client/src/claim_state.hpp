@@ -26,11 +26,11 @@ class ClaimState final : public Reader {
     ClaimState(std::shared_ptr<ClientState> client, std::string device,
                const protocol::ClaimRequest& request);
 
-    Handle add(Kind kind, const void* params, std::size_t bytes, const Use& use);
-    void remove(Handle handle);
-    void set(Handle handle, Kind kind, const void* params, std::size_t bytes);
-    void get(Handle handle, void* params, std::size_t bytes);
-    Followed follow(Handle handle, Kind kind, const SurfaceModel& model);
+    RepresentationId add(Kind kind, const void* params, std::size_t bytes, const AddOptions& options);
+    void remove(RepresentationId id);
+    void set(RepresentationId id, Kind kind, const void* params, std::size_t bytes);
+    void get(RepresentationId id, void* params, std::size_t bytes);
+    Followed follow(RepresentationId id, Kind kind, const SurfaceModel& model);
     void place_probe(std::uint32_t probe, const ProbePlacement& placement);
     void together(const std::function<void()>& changes);
     /// arm, disarm, reset_fault: sends it and waits for the answer.
@@ -43,8 +43,8 @@ class ClaimState final : public Reader {
 
     std::uint64_t commit();
     bool wait_applied(std::uint64_t number, std::chrono::nanoseconds timeout);
-    std::optional<Felt> felt(Handle handle);
-    std::optional<double> applied_stiffness(Handle handle);
+    std::optional<HandFeedback> feedback(RepresentationId id);
+    std::optional<double> applied_stiffness(RepresentationId id);
     Timing timing();
     Limits limits();
     Vec3 predicted_position();
@@ -53,7 +53,7 @@ class ClaimState final : public Reader {
     /// A command that was not sent, hence not numbered yet: a restart of the servo starts the numbers again.
     struct Command {
         protocol::CommandType type{};
-        Handle handle{};                // of add, remove
+        RepresentationId id{};          // of add, remove
         Kind kind = 0;                  // of add, remove
         std::vector<std::byte> body{};  // and parameters
         std::uint32_t parameter_bytes = 0;
@@ -61,7 +61,7 @@ class ClaimState final : public Reader {
     struct Outstanding {
         std::uint64_t number = 0;
         protocol::CommandType type{};
-        Handle handle;
+        RepresentationId id;
         Kind kind = 0;
     };
 
@@ -78,13 +78,13 @@ class ClaimState final : public Reader {
     void on_read() override;
 
     // All of these with `mutex_` held.
-    Entry& entry(Handle handle);  // throws Error::stale_handle
-    Handle add_now(Kind kind, const void* params, std::size_t bytes, const Use& use);
+    Entry& entry(RepresentationId id);  // throws Error::stale_handle
+    RepresentationId add_now(Kind kind, const void* params, std::size_t bytes, const AddOptions& options);
     static std::uint32_t asset_of(std::span<const std::byte> params);
     void require_asset(std::uint32_t number) const;  // throws Error
     void require_asset(Kind kind, const void* params) const;
     ClaimChannel* channel() { return attachment_ ? attachment_->channel.get() : nullptr; }
-    static Command add_command(Handle handle, const Entry& entry, std::span<const std::byte> params);
+    static Command add_command(RepresentationId id, const Entry& entry, std::span<const std::byte> params);
     void issue(Command command);  // alone, or into the open group; taken back if it throws
     void issue(std::span<const Command> commands);
     void push(std::span<const Command> commands, ClaimChannel& channel);  // all or none
@@ -99,16 +99,16 @@ class ClaimState final : public Reader {
     void refresh();
     void look_for_force(std::int64_t now);  // whether it could follow
     std::string about(protocol::CommandType type, Kind kind) const;
-    const protocol::FeedbackEntry* felt_entry(Handle handle) const;
+    const protocol::FeedbackEntry* feedback_entry(RepresentationId id) const;
     void note_basis(std::uint64_t cycle);
     template <class R>
-    Followed follow_with(Handle handle, const SurfaceModel& model);
+    Followed follow_with(RepresentationId id, const SurfaceModel& model);
     template <class R>
-    void send_faces(Handle handle, R params, const Faces& faces);
+    void send_faces(RepresentationId id, R params, const Faces& faces);
     template <class R>
-    void park(Handle side);
-    void park_sides(Handle handle, std::uint32_t first);  // of a corner, from that one on
-    double far() const;                                   // m, out of the hand's reach
+    void park(RepresentationId side);
+    void park_sides(RepresentationId id, std::uint32_t first);  // of a corner, from that one on
+    double far() const;                                         // m, out of the hand's reach
     Lateness lateness() const;
     std::chrono::nanoseconds interval() const;
 
@@ -128,8 +128,8 @@ class ClaimState final : public Reader {
     std::uint64_t first_of_channel_ = 0;                // sequence before its first batch
     std::uint64_t measured_batch_ = 0;
     protocol::FeedbackHeader feedback_;
-    std::vector<protocol::FeedbackEntry> felt_;
-    std::vector<std::uint32_t> felt_at_;  // slot -> index + 1 in felt_
+    std::vector<protocol::FeedbackEntry> feedback_entries_;
+    std::vector<std::uint32_t> feedback_at_;  // slot -> index + 1 in feedback_entries_
 
     std::uint64_t sequence_ = 0;        // of batches
     std::uint64_t taken_ = 0;           // batches that are known to have been taken, in all

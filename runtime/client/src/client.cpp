@@ -100,8 +100,8 @@ Claim::~Claim() {
     if (state_) state_->close();  // handles may live on
 }
 
-Handle Claim::add_raw(Kind kind, const void* params, std::size_t bytes, const Use& use) {
-    return state_->add(kind, params, bytes, use);
+RepresentationId Claim::add_raw(Kind kind, const void* params, std::size_t bytes, const AddOptions& options) {
+    return state_->add(kind, params, bytes, options);
 }
 void Claim::together(const std::function<void()>& changes) {
     state_->together(changes);
@@ -162,23 +162,23 @@ bool Claim::wait_applied(std::uint64_t number, std::chrono::nanoseconds timeout)
     return state_->wait_applied(number, timeout);
 }
 
-void AnyRepresenting::remove() {
-    state_->remove(handle_);
+void AnyHandle::remove() {
+    state_->remove(id_);
 }
-std::optional<Felt> AnyRepresenting::felt() const {
-    return state_->felt(handle_);
+std::optional<HandFeedback> AnyHandle::feedback() const {
+    return state_->feedback(id_);
 }
-std::optional<double> AnyRepresenting::applied_stiffness() const {
-    return state_->applied_stiffness(handle_);
+std::optional<double> AnyHandle::applied_stiffness() const {
+    return state_->applied_stiffness(id_);
 }
-void AnyRepresenting::set_raw(const void* params, std::size_t bytes) {
-    state_->set(handle_, kind_, params, bytes);
+void AnyHandle::set_raw(const void* params, std::size_t bytes) {
+    state_->set(id_, kind_, params, bytes);
 }
-void AnyRepresenting::get_raw(void* params, std::size_t bytes) const {
-    state_->get(handle_, params, bytes);
+void AnyHandle::get_raw(void* params, std::size_t bytes) const {
+    state_->get(id_, params, bytes);
 }
-Followed AnyRepresenting::follow_raw(const SurfaceModel& model) {
-    return state_->follow(handle_, kind_, model);
+Followed AnyHandle::follow_raw(const SurfaceModel& model) {
+    return state_->follow(id_, kind_, model);
 }
 
 Client::Client(std::shared_ptr<detail::ClientState> state) : state_(std::move(state)) {}

@@ -127,17 +127,17 @@ void Coupling::fade_from(double now) {
     for (Vector3d& force : sent_) force.setZero();
 }
 
-void Coupling::feel(const Report& report, const std::optional<Felt>& felt, const Vec3& attach) {
+void Coupling::feel(const Report& report, const std::optional<HandFeedback>& feedback, const Vec3& attach) {
     const Vector3d here = to_eigen(report.position) + to_eigen(report.orientation) * to_eigen(attach);
-    if (felt && felt->cycle != report.cycle) return;
-    if (state_ == State::idle || state_ == State::stopped || !felt) {
+    if (feedback && feedback->cycle != report.cycle) return;
+    if (state_ == State::idle || state_ == State::stopped || !feedback) {
         hand_ = here;
-        force_ = felt ? Vector3d(felt->share * to_eigen(felt->force)) : Vector3d::Zero();
+        force_ = feedback ? Vector3d(feedback->share * to_eigen(feedback->force)) : Vector3d::Zero();
         felt_ = false;
         return;
     }
-    const Vector3d force = felt->share * to_eigen(felt->force);
-    if (felt->share * felt->stiffness > 0) stiffness_ = felt->share * felt->stiffness;
+    const Vector3d force = feedback->share * to_eigen(feedback->force);
+    if (feedback->share * feedback->stiffness > 0) stiffness_ = feedback->share * feedback->stiffness;
     if (felt_) {
         // The trapezium is exact for a spring: hand and end together change its energy by just this.
         const double work = -0.5 * (force + force_).dot(here - hand_);

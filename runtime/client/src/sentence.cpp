@@ -28,32 +28,32 @@ constexpr std::array fault_bits{
 };
 
 std::string reason(const protocol::Reply& reply) {
-    switch (static_cast<protocol::Refusal>(reply.reason)) {
-        case protocol::Refusal::not_calibrated:
+    switch (static_cast<protocol::RefusalReason>(reply.reason)) {
+        case protocol::RefusalReason::not_calibrated:
             return "the device is not calibrated; bring it to its home position first";
-        case protocol::Refusal::in_fault:
+        case protocol::RefusalReason::in_fault:
             return detail::format(
                 "the device is in fault ({}); mend the cause, then call reset_fault() "
                 "or run: knurl reset",
                 fault_names(static_cast<std::uint32_t>(reply.value)));
-        case protocol::Refusal::hand_too_fast:
+        case protocol::RefusalReason::hand_too_fast:
             return detail::format("the hand moves at {:.3g} m/s; hold it still and try again", reply.value);
-        case protocol::Refusal::not_in_fault:
+        case protocol::RefusalReason::not_in_fault:
             return "the device is not in fault; call arm() instead";
-        case protocol::Refusal::group_refused:
+        case protocol::RefusalReason::group_refused:
             return "another command of the same group was refused; nothing of the group was done";
-        case protocol::Refusal::disconnected:
+        case protocol::RefusalReason::disconnected:
             return "the device is not connected; plug it in";
-        case protocol::Refusal::malformed:
+        case protocol::RefusalReason::malformed:
             return "the servo could not read it; build the application and the servo from the same version";
-        case protocol::Refusal::forbidden:
+        case protocol::RefusalReason::forbidden:
             return "this key's role is render: it joins a device that somebody else has switched on; to "
                    "switch it "
                    "on or to reset it use a key of role control (knurl-bridge keygen --role control)";
-        case protocol::Refusal::cause_persists:
+        case protocol::RefusalReason::cause_persists:
             return detail::format("what led to the fault goes on ({}); mend that first",
                                   fault_names(static_cast<std::uint32_t>(reply.value)));
-        case protocol::Refusal::none:
+        case protocol::RefusalReason::none:
             break;
     }
     return "the device's state forbids it";

@@ -26,7 +26,7 @@ Table::Table(const protocol::ClaimCapacity& capacity) : capacity_(capacity) {
     batch_.reserve(capacity.batch_bytes);
 }
 
-Handle Table::add(Kind kind, std::span<const std::byte> params, const Use& use) {
+RepresentationId Table::add(Kind kind, std::span<const std::byte> params, const AddOptions& options) {
     if (free_.empty())
         throw Error(Error::Kind::bad_parameters,
                     detail::format(
@@ -51,35 +51,35 @@ Handle Table::add(Kind kind, std::span<const std::byte> params, const Use& use) 
                   .live = true,
                   .version = ++version_,
                   .order = ++order_,
-                  .use = use,
+                  .options = options,
                   .params = {params.begin(), params.end()},
                   .committed = {params.begin(), params.end()}};
     return {.slot = slot, .generation = entry.generation};
 }
 
-void Table::remove(Handle handle) {
-    Entry* entry = find_any(handle);
+void Table::remove(RepresentationId id) {
+    Entry* entry = find_any(id);
     if (entry == nullptr) return;
-    if (entry->changed || entry->in_flight) std::erase(pending_, handle.slot);
+    if (entry->changed || entry->in_flight) std::erase(pending_, id.slot);
     bytes_ -= batch_share(entry->params.size());
     *entry = Entry{.generation = entry->generation};
-    free_.push_back(handle.slot);
+    free_.push_back(id.slot);
 }
 
-Entry* Table::find_any(Handle handle) {
-    if (handle.slot >= entries_.size()) return nullptr;
-    Entry& entry = entries_[handle.slot];
-    return entry.live && entry.generation == handle.generation ? &entry : nullptr;
+Entry* Table::find_any(RepresentationId id) {
+    if (id.slot >= entries_.size()) return nullptr;
+    Entry& entry = entries_[id.slot];
+    return entry.live && entry.generation == id.generation ? &entry : nullptr;
 }
 
-Entry* Table::find(Handle handle) {
-    Entry* entry = find_any(handle);
+Entry* Table::find(RepresentationId id) {
+    Entry* entry = find_any(id);
     return entry != nullptr && !entry->leaving ? entry : nullptr;
 }
 
-void Table::set(Handle handle, std::span<const std::byte> params) {
-    Entry* entry = find(handle);
-    if (!entry->changed && !entry->in_flight) pending_.push_back(handle.slot);
+void Table::set(RepresentationId id, std::span<const std::byte> params) {
+    Entry* entry = find(id);
+    if (!entry->changed && !entry->in_flight) pending_.push_back(id.slot);
     entry->changed = true;
     entry->version = ++version_;
     const std::size_t geometry = kinds()[entry->kind].geometry_bytes;
@@ -88,19 +88,20 @@ void Table::set(Handle handle, std::span<const std::byte> params) {
     entry->params.assign(params.begin(), params.end());
 }
 
-std::vector<Handle> Table::live() const {
-    std::vector<Handle> result;
+std::vector<RepresentationId> Table::live() const {
+    std::vector<RepresentationId> result;
     for (std::uint32_t slot = 0; slot < entries_.size(); ++slot)
-        if (entries_[slot].live) result.push_back(handle_of(slot));
+        if (entries_[slot].live) result.push_back(id_of(slot));
     return result;
 }
 
-std::vector<Handle> Table::issued() const {
-    std::vector<Handle> result;
+std::vector<RepresentationId> Table::issued() const {
+    std::vector<RepresentationId> result;
     for (std::uint32_t slot = 0; slot < entries_.size(); ++slot)
-        if (entries_[slot].live && entries_[slot].issued) result.push_back(handle_of(slot));
-    std::sort(result.begin(), result.end(),
-              [this](Handle a, Handle b) { return entries_[a.slot].order < entries_[b.slot].order; });
+        if (entries_[slot].live && entries_[slot].issued) result.push_back(id_of(slot));
+    std::sort(result.begin(), result.end(), [this](RepresentationId a, RepresentationId b) {
+        return entries_[a.slot].order < entries_[b.slot].order;
+    });
     return result;
 }
 
@@ -115,7 +116,7 @@ std::span<const std::byte> Table::batch() {
         const Entry& entry = entries_[slot];
         const bool whole = entry.material_changed || entry.material_in_flight;
         const std::size_t size = whole ? entry.params.size() : kinds()[entry.kind].geometry_bytes;
-        const protocol::EntryHeader header{.handle = handle_of(slot),
+        const protocol::EntryHeader header{.id = id_of(slot),
                                            .kind = entry.kind,
                                            .bytes = static_cast<std::uint32_t>(size),
                                            .version = entry.version};

@@ -38,14 +38,14 @@ struct Entry {
     std::uint64_t version = 0;
     std::uint64_t order = 0;        // of addition: replayed in this order
     double applied_stiffness = -1;  // N/m, from the servo's answer; below 0: not answered
-    Use use{};
+    AddOptions options{};
     std::vector<std::byte> params{};     // newest
     std::vector<std::byte> committed{};  // as of the last batch: what a new servo gets
     FollowMemory followed{};
     Recent follow_intervals{};  // s, between calls of follow
     std::int64_t last_follow_ns = 0;
-    std::vector<Handle> sides{};   // of a concave corner, that follow added
-    std::uint32_t sides_used = 0;  // the others are parked
+    std::vector<RepresentationId> sides{};  // of a concave corner, that follow added
+    std::uint32_t sides_used = 0;           // the others are parked
 };
 
 class Table {
@@ -54,20 +54,20 @@ class Table {
     explicit Table(const protocol::ClaimCapacity& capacity);
 
     /// Throws Error::bad_parameters if the claim's capacity is exhausted, naming which.
-    Handle add(Kind kind, std::span<const std::byte> params, const Use& use);
-    void remove(Handle handle);
+    RepresentationId add(Kind kind, std::span<const std::byte> params, const AddOptions& options);
+    void remove(RepresentationId id);
     /// Null: removed, or never this claim's.
-    Entry* find(Handle handle);
-    Entry* find_any(Handle handle);  // also one that is leaving
+    Entry* find(RepresentationId id);
+    Entry* find_any(RepresentationId id);  // also one that is leaving
     /// Inside a group: gone for the application, here until the group is sent.
-    void set_leaving(Handle handle, bool leaving) { entries_[handle.slot].leaving = leaving; }
-    void set(Handle handle, std::span<const std::byte> params);
+    void set_leaving(RepresentationId id, bool leaving) { entries_[id.slot].leaving = leaving; }
+    void set(RepresentationId id, std::span<const std::byte> params);
 
-    std::vector<Handle> live() const;
+    std::vector<RepresentationId> live() const;
     /// Live entries whose `add` was sent, in the order in which they were added.
-    std::vector<Handle> issued() const;
+    std::vector<RepresentationId> issued() const;
     bool any_issued() const;
-    Handle handle_of(std::uint32_t slot) const {
+    RepresentationId id_of(std::uint32_t slot) const {
         return {.slot = slot, .generation = entries_[slot].generation};
     }
 

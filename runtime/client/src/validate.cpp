@@ -20,8 +20,8 @@ void validate(Kind kind, const void* params, std::size_t bytes) {
     require(check_parameters(kind, params, bytes), kind, "");
 }
 
-void validate(Kind kind, const void* params, std::size_t bytes, const Use& use) {
-    require(check_added(kind, params, bytes, use), kind, "");
+void validate(Kind kind, const void* params, std::size_t bytes, const AddOptions& options) {
+    require(check_added(kind, params, bytes, options), kind, "");
 }
 
 void validate(std::uint32_t probe, const ProbePlacement& placement) {

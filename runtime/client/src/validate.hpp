@@ -10,7 +10,7 @@
 namespace knurl::detail {
 
 void validate(Kind kind, const void* params, std::size_t bytes);
-void validate(Kind kind, const void* params, std::size_t bytes, const Use& use);
+void validate(Kind kind, const void* params, std::size_t bytes, const AddOptions& options);
 void validate(std::uint32_t probe, const ProbePlacement& placement);
 
 }  // namespace knurl::detail

@@ -144,12 +144,12 @@ std::span<const KeyInfo> entry_keys() noexcept {
     return keys_of_entries;
 }
 
-Use use_of(const Entry& entry) {
-    Use use;
-    use.probe = entry.probe.value_or(use.probe);
-    use.on_silence = entry.on_silence.value_or(use.on_silence);
-    use.silence_time = entry.silence_time.value_or(use.silence_time);
-    return use;
+AddOptions options_of(const Entry& entry) {
+    AddOptions options;
+    options.probe = entry.probe.value_or(options.probe);
+    options.on_silence = entry.on_silence.value_or(options.on_silence);
+    options.silence_time = entry.silence_time.value_or(options.silence_time);
+    return options;
 }
 
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
@@ -181,13 +181,13 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
             entry.remove = boolean(path, value, what);
         } else if (value.key == "probe") {
             entry.probe = static_cast<std::uint32_t>(integer(path, value, what, 0, max_probes - 1));
-            entry.use_at = value.at;
+            entry.options_at = value.at;
         } else if (value.key == "on_silence") {
             entry.on_silence = static_cast<OnSilence>(choice(path, value, what, silence_names));
-            entry.use_at = value.at;
+            entry.options_at = value.at;
         } else if (value.key == "silence_time") {
             entry.silence_time = real(path, value, what, "s");
-            entry.use_at = value.at;
+            entry.options_at = value.at;
         } else if (value.key == "material" && info.surface) {
             entry.material = preset(preset_names()[choice(path, value, what, preset_names())]);
         } else {
@@ -196,7 +196,7 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
             if (index == info.fields.size()) fail_unknown_key(path, value, entry.called, known);
             entry.settings.push_back(read_setting(path, value, index, info.fields[index], what));
         }
-        if (const Verdict verdict = check_use(use_of(entry));
+        if (const Verdict verdict = check_options(options_of(entry));
             !verdict)  // of what was read before it is legal
             fail(path, value.at, describe(verdict, kind, entry.called));
     }

@@ -27,13 +27,13 @@ struct Entry {
     std::optional<std::uint32_t> probe;
     std::optional<OnSilence> on_silence;
     std::optional<double> silence_time;  // s
-    toml::source_position use_at;        // of the last of these three
+    toml::source_position options_at;    // of the last of these three
     const Material* material = nullptr;  // before the settings, which win
     std::vector<Setting> settings;
 };
 
 /// As it states it, the rest by default.
-Use use_of(const Entry& entry);
+AddOptions options_of(const Entry& entry);
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table);
 ProbePlacement read_probe(const std::string& path, std::size_t index, const toml::table& table);
 /// Lengths that were probably meant in mm: a remark each.

@@ -69,10 +69,10 @@ std::vector<const toml::table*> tables_of(const std::string& path, const toml::k
     return tables;
 }
 
-bool changes_use(const Entry& entry, const Use& use) {
-    return entry.probe.value_or(use.probe) != use.probe ||
-           entry.on_silence.value_or(use.on_silence) != use.on_silence ||
-           entry.silence_time.value_or(use.silence_time) != use.silence_time;
+bool changes_options(const Entry& entry, const AddOptions& options) {
+    return entry.probe.value_or(options.probe) != options.probe ||
+           entry.on_silence.value_or(options.on_silence) != options.on_silence ||
+           entry.silence_time.value_or(options.silence_time) != options.silence_time;
 }
 
 /// Turns entries in order of time into adds, updates and removals of what is there.
@@ -110,7 +110,7 @@ class Resolver {
         change.at = entry.at;
         change.item = scene_.items++;
         change.kind = entry.kind;
-        change.use = use_of(entry);
+        change.options = options_of(entry);
         change.params = default_params(entry.kind, Representations{});
         apply(scene_.path, entry, change.params);
         keep(entry, std::move(change), newest, true);
@@ -118,8 +118,8 @@ class Resolver {
 
     void update(const Entry& entry, Newest& newest) {
         check_kind(entry, newest);
-        if (changes_use(entry, newest.change.use)) {
-            fail(scene_.path, entry.use_at,
+        if (changes_options(entry, newest.change.options)) {
+            fail(scene_.path, entry.options_at,
                  fmt::format(
                      "probe, on_silence and silence_time of {} were fixed in line {}; remove it and add it "
                      "again to change them",

@@ -1,4 +1,4 @@
-// The builder's own process (asset_workshop.hpp).
+// The builder's own process (build_queue.hpp).
 
 #include <algorithm>
 #include <csignal>
@@ -16,7 +16,7 @@
 #include <knurl/shm/socket.hpp>
 
 #include "asset_answer.hpp"
-#include "asset_workshop.hpp"
+#include "build_queue.hpp"
 
 namespace knurl::servo {
 

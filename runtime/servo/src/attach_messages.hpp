@@ -26,8 +26,8 @@ using Buffer = std::array<std::byte, std::max({sizeof(protocol::Hello), sizeof(p
 template <class Message>
 Message read_message(const Buffer& buffer, std::size_t bytes, const char* what) {
     if (bytes != sizeof(Message)) {
-        throw Refusal(fmt::format("{}: {} bytes instead of {}; build client and servo alike", what, bytes,
-                                  sizeof(Message)));
+        throw RequestRefused(fmt::format("{}: {} bytes instead of {}; build client and servo alike", what,
+                                         bytes, sizeof(Message)));
     }
     Message message;
     std::memcpy(static_cast<void*>(&message), buffer.data(), sizeof message);

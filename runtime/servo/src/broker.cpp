@@ -20,9 +20,9 @@
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/socket.hpp>
 
-#include "asset_desk.hpp"
+#include "asset_service.hpp"
 #include "attach_messages.hpp"
-#include "tape_desk.hpp"
+#include "recording_service.hpp"
 
 namespace knurl::servo {
 
@@ -58,11 +58,11 @@ struct Broker::Impl {
     explicit Impl(BrokerOptions stated) : options(std::move(stated)), assets(options.builder) {}
 
     BrokerOptions options;
-    AssetDesk assets;
+    AssetService assets;
     std::uint64_t watched_build = 0;
     shm::UniqueFd epoll{epoll_create1(EPOLL_CLOEXEC)};
     std::vector<std::unique_ptr<ClaimTable>> tables;
-    std::array<TapeDesk, protocol::max_devices> tapes;
+    std::array<RecordingService, protocol::max_devices> recordings;
     std::unordered_map<std::uint64_t, Connection> connections;
     std::uint64_t next_id = first_connection;
     std::size_t half_open = 0;
@@ -154,7 +154,7 @@ struct Broker::Impl {
     }
 
     /// False: the peer does not read.
-    static bool refuse(const Connection& to, const Refusal& why) {
+    static bool refuse(const Connection& to, const RequestRefused& why) {
         protocol::Refused message;
         message.holder_pid = static_cast<std::uint32_t>(why.holder_pid);
         protocol::put_text(message.text, why.what());
@@ -167,7 +167,7 @@ struct Broker::Impl {
         for (const Connection::Holding& holding : found->second.holdings)
             tables[holding.device]->let_go(holding.row);
         const bool built_for = assets.cancel(id, tables);
-        if (const auto device = found->second.recording) tapes[*device].end(tables[*device]->device());
+        if (const auto device = found->second.recording) recordings[*device].end(tables[*device]->device());
         if (!found->second.greeted) --half_open;
         connections.erase(found);        // closing the socket takes it out of the epoll set
         if (built_for) tell_builders();  // the next one's builder could not be started, say
@@ -188,7 +188,7 @@ struct Broker::Impl {
                     received.fds.size() == 1 && connection.greeted &&
                     type_of(buffer, received.bytes) == static_cast<std::uint32_t>(MessageType::asset_offer);
                 if (received.truncated || (!received.fds.empty() && !with_asset)) {
-                    throw Refusal(
+                    throw RequestRefused(
                         "attach: a message longer than any of ours, or with descriptors; not a Knurl "
                         "client?");
                 }
@@ -198,7 +198,7 @@ struct Broker::Impl {
                 } else if (!handle(connection, buffer, received.bytes)) {
                     return close(id);
                 }
-            } catch (const Refusal& refusal) {
+            } catch (const RequestRefused& refusal) {
                 refuse(connection, refusal);
                 return close(id);
             } catch (const std::exception&) {  // the socket broke, or memory ran out: theirs alone
@@ -207,13 +207,13 @@ struct Broker::Impl {
         }
     }
 
-    /// False: the peer does not read. Throws Refusal: it ends.
+    /// False: the peer does not read. Throws RequestRefused: it ends.
     bool handle(Connection& connection, const Buffer& buffer, std::size_t bytes) {
         const std::optional<std::uint32_t> type = type_of(buffer, bytes);
-        if (!type) throw Refusal("attach: not a message of Knurl's (magic); is this a Knurl client?");
+        if (!type) throw RequestRefused("attach: not a message of Knurl's (magic); is this a Knurl client?");
         if (!connection.greeted) {
             if (*type != static_cast<std::uint32_t>(MessageType::hello))
-                throw Refusal("attach: say Hello first");
+                throw RequestRefused("attach: say Hello first");
             return greet(connection, buffer, bytes);
         }
         switch (*type) {
@@ -228,7 +228,7 @@ struct Broker::Impl {
                 assets.forget(read_message<protocol::AssetForget>(buffer, bytes, "asset"), tables);
                 return true;
             default:
-                throw Refusal(
+                throw RequestRefused(
                     fmt::format("attach: message type {} is not one that a client sends here", *type));
         }
     }
@@ -240,14 +240,14 @@ struct Broker::Impl {
             std::memcpy(&version, buffer.data() + offsetof(protocol::Hello, version), sizeof version);
         }
         if (version != protocol::protocol_version) {
-            throw Refusal(
+            throw RequestRefused(
                 fmt::format("build mismatch: the client speaks version {} and servo \"{}\" version {}; "
                             "rebuild the one and restart the other",
                             version, options.servo_name, protocol::protocol_version));
         }
         const auto hello = read_message<protocol::Hello>(buffer, bytes, "build mismatch: hello");
         if (hello.layout != protocol::wire_hash()) {
-            throw Refusal(
+            throw RequestRefused(
                 fmt::format("build mismatch: the client's memory layout is {:016x} and servo \"{}\" has "
                             "{:016x}; rebuild the one and restart the other",
                             hello.layout, options.servo_name, protocol::wire_hash()));
@@ -271,20 +271,21 @@ struct Broker::Impl {
         // A refused claim leaves the connection open: the client may ask for another device.
         try {
             if (ending)
-                throw Refusal(fmt::format("servo \"{}\" is ending; start it again", options.servo_name));
+                throw RequestRefused(
+                    fmt::format("servo \"{}\" is ending; start it again", options.servo_name));
             if (request.device >= tables.size()) {
-                throw Refusal(fmt::format("claim: device {} of {}", request.device, tables.size()));
+                throw RequestRefused(fmt::format("claim: device {} of {}", request.device, tables.size()));
             }
             if (connection.holdings.size() >= protocol::max_claims_of_connection) {
-                throw Refusal(fmt::format("claim: one connection holds up to {}; connect once more",
-                                          protocol::max_claims_of_connection));
+                throw RequestRefused(fmt::format("claim: one connection holds up to {}; connect once more",
+                                                 protocol::max_claims_of_connection));
             }
             ClaimTable& table = *tables[request.device];
             const Grant grant = table.grant(request, connection.peer);
             connection.holdings.push_back({request.device, grant.message.slot});
             const std::array fds{grant.segment_fd, grant.event_fd};
             return shm::send_message(connection.socket, bytes_of(grant.message), fds);
-        } catch (const Refusal& refusal) {
+        } catch (const RequestRefused& refusal) {
             return refuse(connection, refusal);
         }
     }
@@ -295,7 +296,7 @@ struct Broker::Impl {
                                            return h.device == release.device && h.row == release.slot;
                                        });
         if (held == connection.holdings.end())
-            throw Refusal("release: this connection does not hold that claim");
+            throw RequestRefused("release: this connection does not hold that claim");
         tables[held->device]->let_go(held->row);
         connection.holdings.erase(held);
     }
@@ -307,12 +308,12 @@ struct Broker::Impl {
             assets.offer(id, message, std::move(source), tables);
             watch_build();
             tell_builders();  // the builder could not be started
-        } catch (const Refusal& refusal) {
+        } catch (const RequestRefused& refusal) {
             refuse(connection, refusal);
         }
     }
 
-    /// The workshop has another process, or none.
+    /// The build queue has another process, or none.
     void watch_build() {
         if (assets.builds() == watched_build) return;
         watched_build = assets.builds();
@@ -322,7 +323,7 @@ struct Broker::Impl {
     void forget_quietly(const protocol::AssetForget& message) {
         try {
             assets.forget(message, tables);
-        } catch (const Refusal&) {  // the claim has gone too, and its assets with it
+        } catch (const RequestRefused&) {  // the claim has gone too, and its assets with it
         }
     }
 
@@ -346,7 +347,7 @@ struct Broker::Impl {
             const bool heard =
                 found != connections.end() &&
                 (reply.refusal.empty() ? shm::send_message(found->second.socket, bytes_of(reply.ready))
-                                       : refuse(found->second, Refusal(reply.refusal)));
+                                       : refuse(found->second, RequestRefused(reply.refusal)));
             if (heard) continue;
             close(reply.connection);
             if (reply.refusal.empty()) forget_quietly(reply.undo);
@@ -358,15 +359,15 @@ struct Broker::Impl {
     bool record(Connection& connection, const protocol::RecordRequest& request) {
         try {
             if (request.device >= tables.size())
-                throw Refusal(fmt::format("record: device {} of {}", request.device, tables.size()));
+                throw RequestRefused(fmt::format("record: device {} of {}", request.device, tables.size()));
             if (connection.recording)
-                throw Refusal("record: one connection records one device; connect once more");
-            TapeDesk& tape = tapes[request.device];
-            const protocol::Recording recording = tape.begin(tables[request.device]->device());
+                throw RequestRefused("record: one connection records one device; connect once more");
+            RecordingService& service = recordings[request.device];
+            const protocol::Recording recording = service.begin(tables[request.device]->device());
             connection.recording = request.device;
-            const std::array fds{tape.fd()};
+            const std::array fds{service.fd()};
             return shm::send_message(connection.socket, bytes_of(recording), fds);
-        } catch (const Refusal& refusal) {
+        } catch (const RequestRefused& refusal) {
             return refuse(connection, refusal);
         }
     }
@@ -409,8 +410,8 @@ struct Broker::Impl {
             if (!connection.greeted && connection.since < latest) silent.push_back(id);
         }
         for (std::uint64_t id : silent) {
-            refuse(connections.at(id),
-                   Refusal(fmt::format("attach: no Hello within {:g} s", broker_bounds::hello_seconds)));
+            refuse(connections.at(id), RequestRefused(fmt::format("attach: no Hello within {:g} s",
+                                                                  broker_bounds::hello_seconds)));
             close(id);
         }
     }

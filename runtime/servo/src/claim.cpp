@@ -37,13 +37,13 @@ Claim::Impl::Impl(const ClaimTerms& stated, std::byte* memory, protocol::ClientR
     : terms(stated),
       layout(protocol::claim_layout(stated.capacity)),
       channels(channels_of(memory, layout)),
-      sleeper{.flag = reinterpret_cast<shm::WaiterFlag*>(memory + layout.waiter),
-              .event_fd = stated.event_fd},
+      wake_target{.flag = reinterpret_cast<shm::WaiterFlag*>(memory + layout.waiter),
+                  .event_fd = stated.event_fd},
       row(table_row),
       scene({.representations = stated.capacity.representations, .probes = protocol::max_probes},
             stated.limits),
       silence(stated.update_interval, stated.delay_allowance),
-      felt(channels ? stated.capacity.representations : 0) {
+      feedback(channels ? stated.capacity.representations : 0) {
     if (channels) slots.resize(terms.capacity.representations);
 }
 
@@ -69,7 +69,7 @@ void Claim::Impl::evaluate(const Probe& device_hand, double dt) noexcept {
     empty_for = scene.size() == 0 && wrench.force.isZero(0) && wrench.torque.isZero(0) ? empty_for + dt : 0;
     if (quiet()) return;
     wrench = scene.evaluate(in_world(device_hand), dt);
-    touching = felt.take(scene);
+    touching = feedback.take(scene);
 }
 
 bool Claim::Impl::nothing_to_do() const noexcept {
@@ -77,7 +77,7 @@ bool Claim::Impl::nothing_to_do() const noexcept {
     if (!channels) return true;  // an observer has nothing but its row in the table
     const bool gain_rests = wants_force() ? gain >= 1 && announced : !(gain > 0);
     if (!gain_rests || touching || batch_is_new || commands_left) return false;
-    return still || (quiet() && felt.size() == 0 && scene.evaluated() == 0);
+    return scene_sleeps || (quiet() && feedback.size() == 0 && scene.evaluated() == 0);
 }
 
 void Claim::Impl::advance_gain(double step) noexcept {
@@ -106,7 +106,7 @@ namespace {
 
 // What the scene fills in is what the application gets, byte by byte: a thousand of them are copied once.
 static_assert(sizeof(Feedback) == sizeof(protocol::FeedbackEntry));
-static_assert(offsetof(Feedback, handle) == offsetof(protocol::FeedbackEntry, handle));
+static_assert(offsetof(Feedback, id) == offsetof(protocol::FeedbackEntry, id));
 static_assert(offsetof(Feedback, wrench) + offsetof(Wrench, force) ==
               offsetof(protocol::FeedbackEntry, force));
 static_assert(offsetof(Feedback, wrench) + offsetof(Wrench, torque) ==
@@ -118,11 +118,11 @@ static_assert(offsetof(Feedback, tangential_stiffness) ==
 static_assert(offsetof(Feedback, flags) == offsetof(protocol::FeedbackEntry, flags));
 
 /// With the number of each bit that is set.
-template <class Use>
-void each_bit(std::span<const std::uint64_t> words, Use use) noexcept {
+template <class Visit>
+void each_bit(std::span<const std::uint64_t> words, Visit visit) noexcept {
     for (std::size_t w = 0; w < words.size(); ++w)
         for (std::uint64_t rest = words[w]; rest != 0; rest &= rest - 1)
-            use(64 * w + static_cast<std::size_t>(std::countr_zero(rest)));
+            visit(64 * w + static_cast<std::size_t>(std::countr_zero(rest)));
 }
 
 template <class T>
@@ -133,13 +133,13 @@ void put(std::atomic<T>& word, T value) noexcept {
 }  // namespace
 
 // Nothing has been written to any slot: all of it is stale.
-FeltEntries::FeltEntries(std::size_t most) : entries_(most) {
+FeedbackEntries::FeedbackEntries(std::size_t most) : entries_(most) {
     const std::vector<std::uint64_t> none((most + 63) / 64), all(none.size(), ~std::uint64_t{0});
     written_ = {.wholly = none, .flags = none};
     stale_.fill({.wholly = all, .flags = none});
 }
 
-bool FeltEntries::take(Scene& scene) noexcept {
+bool FeedbackEntries::take(Scene& scene) noexcept {
     const std::size_t before = size_;
     size_ = scene.feedback(entries_, {.wholly = written_.wholly, .flags = written_.flags});
     news_ = size_ != before;
@@ -157,7 +157,7 @@ bool FeltEntries::take(Scene& scene) noexcept {
 }
 
 /// Behind the header. What is stale beyond the last entry stays so: it is not read, but may be again.
-void FeltEntries::write(shm::TripleWriter& to) noexcept {
+void FeedbackEntries::write(shm::TripleWriter& to) noexcept {
     constexpr std::size_t tail = offsetof(Feedback, flags) / 8 * 8;
     Marks& stale = stale_[to.back()];
     const auto write_from = [&](std::size_t first, std::size_t w, std::uint64_t marks) {
@@ -179,7 +179,7 @@ void FeltEntries::write(shm::TripleWriter& to) noexcept {
 
 void Claim::Impl::publish_missed() noexcept {
     if (row == nullptr) return;
-    put(row->missed, shm::HardwareMemory::load(sleeper.flag->missed, std::memory_order::relaxed));
+    put(row->missed, shm::HardwareMemory::load(wake_target.flag->missed, std::memory_order::relaxed));
 }
 
 void Claim::Impl::publish(std::uint64_t cycle) noexcept {
@@ -225,19 +225,19 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     header.gain = gain;
     header.silence = silent_for;
     header.scales = protocol::packed(scales);
-    header.entries = static_cast<std::uint32_t>(felt.size());
+    header.entries = static_cast<std::uint32_t>(feedback.size());
 
     // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would), nor does one
     // whose scene is out of reach. That it is silent still is nothing new.
     published.cycle = cycle;
     if (published.silence > 0 && header.silence > 0) published.silence = header.silence;
-    const bool nothing_felt = felt.size() == 0 || (still && !felt.news());
-    if (nothing_felt) header.scales = published.scales;  // of what is not felt nothing is scaled
-    if (nothing_felt && std::memcmp(&published, &header, sizeof header) == 0) return;
+    const bool no_feedback = feedback.size() == 0 || (scene_sleeps && !feedback.news());
+    if (no_feedback) header.scales = published.scales;  // of what is not felt nothing is scaled
+    if (no_feedback && std::memcmp(&published, &header, sizeof header) == 0) return;
     published = header;
 
     channels->feedback.write(0, &header, sizeof header);
-    felt.write(channels->feedback);
+    feedback.write(channels->feedback);
     channels->feedback.publish_written();
 }
 

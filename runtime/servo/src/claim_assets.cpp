@@ -28,20 +28,21 @@ std::uint64_t ClaimTable::expect_asset(std::uint64_t key, std::uint32_t number, 
     take_back_assets();
     Row* row = row_of_key(key);
     if (row == nullptr)
-        throw Refusal(fmt::format("asset: no claim of device \"{}\" has that key", device_.name));
+        throw RequestRefused(fmt::format("asset: no claim of device \"{}\" has that key", device_.name));
     if (number < 1 || number > max_assets)
-        throw Refusal(fmt::format("asset: number {}; give 1 to {}", number, max_assets));
+        throw RequestRefused(fmt::format("asset: number {}; give 1 to {}", number, max_assets));
     const RowAsset& place = row->assets[number - 1];
     if (place.stage == RowAsset::Stage::building)
-        throw Refusal(
+        throw RequestRefused(
             fmt::format("asset: number {} is being built; wait for it, or give another number", number));
     if (place.stage != RowAsset::Stage::none)
-        throw Refusal(
+        throw RequestRefused(
             fmt::format("asset: number {} is taken; forget it first, or give another number", number));
     const std::uint64_t held = asset_bytes(*row);
     if (bytes == 0 || bytes > protocol::max_asset_bytes || held >= protocol::max_asset_bytes)
-        throw Refusal(fmt::format("asset: {} bytes, besides {} that the claim holds; a claim may hold {}",
-                                  bytes, held, protocol::max_asset_bytes));
+        throw RequestRefused(
+            fmt::format("asset: {} bytes, besides {} that the claim holds; a claim may hold {}", bytes, held,
+                        protocol::max_asset_bytes));
     row->assets[number - 1].stage = RowAsset::Stage::building;
     return protocol::max_asset_bytes - held;
 }
@@ -55,27 +56,27 @@ void ClaimTable::expect_no_asset(std::uint64_t key, std::uint32_t number) noexce
 void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset,
                             const protocol::AssetDigest& digest) {
     Row* row = row_of_key(key);
-    if (row == nullptr) throw Refusal("asset: its claim has gone");
+    if (row == nullptr) throw RequestRefused("asset: its claim has gone");
     RowAsset& place = row->assets[number - 1];
     // Several that were on their way at once had each been promised all that was free.
     const std::uint64_t held = asset_bytes(*row);
     if (held + asset->bytes() > protocol::max_asset_bytes)
-        throw Refusal(
+        throw RequestRefused(
             fmt::format("asset: {} bytes, besides {} that the claim holds by now; a claim may hold {}",
                         asset->bytes(), held, protocol::max_asset_bytes));
     if (!device_.servo.give(row->claim.get(), number, asset.get(), digest))
-        throw Refusal(fmt::format("asset: the servo of \"{}\" is busy; send it again", device_.name));
+        throw RequestRefused(fmt::format("asset: the servo of \"{}\" is busy; send it again", device_.name));
     place = {.stage = RowAsset::Stage::there, .asset = std::move(asset)};
 }
 
 void ClaimTable::forget_asset(std::uint64_t key, std::uint32_t number) {
     Row* row = row_of_key(key);
     if (row == nullptr)
-        throw Refusal(fmt::format("asset: no claim of device \"{}\" has that key", device_.name));
+        throw RequestRefused(fmt::format("asset: no claim of device \"{}\" has that key", device_.name));
     if (number < 1 || number > max_assets || row->assets[number - 1].stage != RowAsset::Stage::there)
-        throw Refusal(fmt::format("asset: the claim has none of number {}", number));
+        throw RequestRefused(fmt::format("asset: the claim has none of number {}", number));
     if (!device_.servo.forget(row->claim.get(), number))
-        throw Refusal(fmt::format("asset: the servo of \"{}\" is busy; try again", device_.name));
+        throw RequestRefused(fmt::format("asset: the servo of \"{}\" is busy; try again", device_.name));
     row->assets[number - 1].stage = RowAsset::Stage::leaving;
 }
 

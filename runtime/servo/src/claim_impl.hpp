@@ -16,7 +16,7 @@ namespace knurl::servo {
 
 /// What the servo knows of a slot of the claim's scene: enough to check a group of commands before any is
 /// done.
-struct Slot {
+struct ClaimSlot {
     std::uint32_t generation = 0;
     Kind kind = 0;
     bool present = false;
@@ -47,12 +47,12 @@ struct Channels {
     shm::TripleWriter feedback;
 };
 
-/// What the application learns of its representations, kept up to date: of a thousand that rest nothing is
-/// written in a cycle, neither here nor in the three slots of the channel. Of each slot it is remembered
-/// which entries have changed since it was written; the others stand in it as they stand here.
-class FeltEntries {
+/// What the application learns of its representations, kept up to date: of a thousand that do not change
+/// nothing is written in a cycle, neither here nor in the three slots of the channel. Of each slot it is
+/// remembered which entries have changed since it was written; the others stand in it as they stand here.
+class FeedbackEntries {
   public:
-    explicit FeltEntries(std::size_t most);
+    explicit FeedbackEntries(std::size_t most);
     /// True: something is touched.
     bool take(Scene& scene) noexcept;
     /// In place of take(): it would find what it found before.
@@ -100,11 +100,11 @@ struct Claim::Impl {
     ClaimTerms terms;
     protocol::ClaimLayout layout;
     std::optional<Channels> channels;  // none: an observer
-    shm::Sleeper sleeper;
+    shm::WakeTarget wake_target;
     protocol::ClientRow* row;  // may be null: nobody looks
     Scene scene;
 
-    std::uint64_t number = 0;  // in the order of adoption: its name on a tape
+    std::uint64_t number = 0;  // in the order of adoption: its name in an input log
     bool armed = false;
     bool joined = false;          // armed by leave of whoever has the device on: does not keep it on
     bool dropping = false;        // fades, then goes back to the broker
@@ -112,19 +112,19 @@ struct Claim::Impl {
     bool announced = false;       // the device knows that it is active
     bool from_the_start = false;  // offline: what the first cycle finds is in full force at once
     double gain = 0;
-    double gain_lost = 0;   // in this cycle
-    double empty_for = 0;   // s, without a representation or a force
-    HandScales scales;      // of the hand's budget
-    Wrench wrench;          // world, of this cycle
-    bool touching = false;  // of this cycle, as far as feedback is asked for
-    bool still = false;     // its scene is out of the hand's reach: see StillScene
+    double gain_lost = 0;       // in this cycle
+    double empty_for = 0;       // s, without a representation or a force
+    HandScales scales;          // of the hand's budget
+    Wrench wrench;              // world, of this cycle
+    bool touching = false;      // of this cycle, as far as feedback is asked for
+    bool scene_sleeps = false;  // its scene is out of the hand's reach: see SleepingScene
     SilenceWatch silence;
     double silent_for = 0;  // s
 
-    // What Intake (intake.cpp) keeps of this claim.
+    // What CommandProcessor (command_processor.cpp) keeps of this claim.
     std::uint64_t commands_done = 0;
     bool commands_left = false;  // in the ring, for the next cycle
-    std::vector<Slot> slots;
+    std::vector<ClaimSlot> slots;
     BatchInForce in_force;
     bool batch_is_new = false;  // taken in this cycle
     RefusedBatch refused;
@@ -136,7 +136,7 @@ struct Claim::Impl {
     static_assert(max_assets <= 64);
 
     // Feedback's memory.
-    FeltEntries felt;
+    FeedbackEntries feedback;
     protocol::FeedbackHeader published;  // as of the last one
 
     bool counts_changed = true;  // representations came or went

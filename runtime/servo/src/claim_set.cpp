@@ -7,19 +7,19 @@ namespace knurl::servo {
 namespace {
 
 /// m: so much nearer than this to `from` is within the ball, whatever rounding does.
-double room_in(const StillScene& still, const Eigen::Vector3d& from) noexcept {
-    return (still.within - (from - still.at).norm()) * (1 - 1e-9) - 1e-9;
+double room_in(const SleepingScene& scene, const Eigen::Vector3d& from) noexcept {
+    return (scene.within - (from - scene.at).norm()) * (1 - 1e-9) - 1e-9;
 }
 
 }  // namespace
 
 bool ClaimSet::adopt(Claim& claim) noexcept {
     if (size_ == claims_.size()) return false;
-    const shm::Sleeper& sleeper = claim.impl->sleeper;
+    const shm::WakeTarget& wake_target = claim.impl->wake_target;
     claims_[size_] = &claim;
-    sleepers_[size_] = sleeper;
-    marks_[size_] = {.flag = sleeper.flag};
-    stills_[size_] = {};
+    wake_targets_[size_] = wake_target;
+    marks_[size_] = {.flag = wake_target.flag};
+    sleeping_scenes_[size_] = {};
     clocks_[size_] = {};
     ++size_;
     return true;
@@ -28,9 +28,9 @@ bool ClaimSet::adopt(Claim& claim) noexcept {
 void ClaimSet::move(std::size_t from, std::size_t to) noexcept {
     if (from == to) return;
     claims_[to] = claims_[from];
-    sleepers_[to] = sleepers_[from];
+    wake_targets_[to] = wake_targets_[from];
     marks_[to] = marks_[from];
-    stills_[to] = stills_[from];
+    sleeping_scenes_[to] = sleeping_scenes_[from];
     clocks_[to] = clocks_[from];
 }
 
@@ -40,25 +40,25 @@ std::size_t ClaimSet::find(const Claim* claim) const noexcept {
 }
 
 void ClaimSet::look(const Eigen::Vector3d* hand, Nanoseconds now) noexcept {
-    if (hand == nullptr || !((*hand - rest_at_).norm() < rest_within_)) wake_near(hand);
+    if (hand == nullptr || !((*hand - sleep_center_).norm() < sleep_radius_)) wake_near(hand);
     // Two passes: the words of many applications arrive together. Those of claims that are awake are read at
     // the end of the cycle (shm::who_waits).
     for (std::size_t i = 0; i < size_; ++i) __builtin_prefetch(marks_[i].flag);
     awake_size_ = 0;
-    resting_ = {};
+    sleeping_ = {};
     for (std::size_t i = 0; i < size_; ++i) {
         Mark& mark = marks_[i];
-        if (mark.resting()) {
+        if (mark.sleeping()) {
             const std::uint64_t count = shm::sent_so_far<>(mark.flag->sent);
-            if (count == mark.seen && now < mark.rest.until) {
-                resting_.present += mark.rest.present;
-                resting_.armed += mark.rest.armed ? 1 : 0;
-                resting_.keep_on = resting_.keep_on || mark.rest.keeps_on;
-                resting_.surfaces = resting_.surfaces || mark.rest.surfaces;
+            if (count == mark.seen && now < mark.sleep.until) {
+                sleeping_.present += mark.sleep.present;
+                sleeping_.armed += mark.sleep.armed ? 1 : 0;
+                sleeping_.keep_on = sleeping_.keep_on || mark.sleep.keeps_on;
+                sleeping_.surfaces = sleeping_.surfaces || mark.sleep.surfaces;
                 continue;
             }
             mark.seen = count;
-            mark.rest = over;
+            mark.sleep = over;
         }
         awake_[awake_size_++] = i;
     }
@@ -66,20 +66,21 @@ void ClaimSet::look(const Eigen::Vector3d* hand, Nanoseconds now) noexcept {
 
 void ClaimSet::wake_near(const Eigen::Vector3d* hand) noexcept {
     // Where the hand is not known, the next look looks at each.
-    rest_within_ = hand != nullptr ? std::numeric_limits<double>::infinity() : 0;
-    if (hand != nullptr) rest_at_ = *hand;
+    sleep_radius_ = hand != nullptr ? std::numeric_limits<double>::infinity() : 0;
+    if (hand != nullptr) sleep_center_ = *hand;
     for (std::size_t i = 0; i < size_; ++i) {
-        if (!marks_[i].resting() || marks_[i].rest.present == 0) continue;
-        if (hand == nullptr || !stills_[i].holds(rest_at_))
+        if (!marks_[i].sleeping() || marks_[i].sleep.present == 0) continue;
+        if (hand == nullptr || !sleeping_scenes_[i].holds(sleep_center_))
             wake(i);
         else
-            rest_within_ = std::min(rest_within_, room_in(stills_[i], rest_at_));
+            sleep_radius_ = std::min(sleep_radius_, room_in(sleeping_scenes_[i], sleep_center_));
     }
 }
 
-void ClaimSet::put_to_rest(std::size_t place, const Rest& rest) noexcept {
-    marks_[place].rest = rest;
-    if (rest.present > 0) rest_within_ = std::min(rest_within_, room_in(stills_[place], rest_at_));
+void ClaimSet::put_to_sleep(std::size_t place, const Sleep& sleep) noexcept {
+    marks_[place].sleep = sleep;
+    if (sleep.present > 0)
+        sleep_radius_ = std::min(sleep_radius_, room_in(sleeping_scenes_[place], sleep_center_));
 }
 
 void ClaimSet::pass_time(std::uint64_t cycle, double dt) noexcept {

@@ -39,7 +39,7 @@ ClaimTable::~ClaimTable() {
 }
 
 void ClaimTable::require_sane(const protocol::ClaimRequest& request) const {
-    const auto refuse = [](std::string text) { throw Refusal("claim: " + text); };
+    const auto refuse = [](std::string text) { throw RequestRefused("claim: " + text); };
     if (request.observe > protocol::observe_and_reset) refuse("observe is 0, 1 or 2");
     if (request.shared > 1) refuse("shared is 0 or 1");
     const protocol::ClaimCapacity& capacity = request.capacity;
@@ -79,7 +79,7 @@ void ClaimTable::require_free_for(const protocol::ClaimRequest& request) const {
     for (const Row& row : rows_) {
         if (row.stage != Stage::held || row.observer) continue;
         if (row.shared && request.shared != 0) continue;
-        throw Refusal(
+        throw RequestRefused(
             fmt::format("device \"{}\" is held by pid {} ({}); {}", device_.name, row.peer.pid, row.peer.name,
                         row.shared ? "it shares: claim it with shared = true"
                                    : "end that program, or claim with shared = true in both"),
@@ -93,8 +93,9 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     const auto found =
         std::find_if(rows_.begin(), rows_.end(), [](const Row& row) { return row.stage == Stage::free; });
     if (found == rows_.end()) {
-        throw Refusal(fmt::format("device \"{}\" has {} clients, which is all it takes; end one of them",
-                                  device_.name, protocol::max_clients));
+        throw RequestRefused(
+            fmt::format("device \"{}\" has {} clients, which is all it takes; end one of them", device_.name,
+                        protocol::max_clients));
     }
     const auto index = static_cast<std::uint32_t>(found - rows_.begin());
 
@@ -125,14 +126,15 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
         fresh.claim = std::make_unique<Claim>(terms, fresh.segment.data(), &shared_row(index));
         waker_.add({.flag = flag_in(fresh.segment), .event_fd = fresh.event.get()});
     } catch (const std::exception& error) {
-        throw Refusal(fmt::format("claim of device \"{}\": the servo has no memory or descriptors left ({})",
-                                  device_.name, error.what()));
+        throw RequestRefused(
+            fmt::format("claim of device \"{}\": the servo has no memory or descriptors left ({})",
+                        device_.name, error.what()));
     }
     *found = std::move(fresh);
     identify(index, peer, observer ? role_observer : role_claim, terms.shared);
     if (!device_.servo.adopt(found->claim.get())) {
         clear(index);
-        throw Refusal(
+        throw RequestRefused(
             fmt::format("device \"{}\": the servo is busy with other claims; try again", device_.name));
     }
     found->stage = Stage::held;

@@ -10,7 +10,7 @@
 #include <knurl/servo/broker.hpp>
 #include <knurl/servo/daemon.hpp>
 
-#include "asset_workshop.hpp"
+#include "build_queue.hpp"
 
 namespace knurl::servo {
 

@@ -315,9 +315,9 @@ int run_daemon(const DaemonConfig& config) {
                           .servo = *station.servo,
                           .segment = station.segment,
                           .rate = station.config.rate,
-                          .tape = {.layout = tape_layout(),
-                                   .device_figures = figures_of(*station.device),
-                                   .options = servo_options(station.config)}});
+                          .input_log = {.layout = input_log_layout(),
+                                        .device_figures = figures_of(*station.device),
+                                        .options = servo_options(station.config)}});
     }
     lock_memory(missing);
     Broker broker({.servo_name = config.name,

@@ -109,7 +109,7 @@ void Loop::run() noexcept {
         }
         if (suspend.slept(now)) servo_.clock_jumped();
         servo_.step(deadline, now);
-        if (waker_.wake(servo_.sleepers()) > 0)
+        if (waker_.wake(servo_.wake_targets()) > 0)
             counters_.increment(static_cast<std::size_t>(protocol::Count::wakes));
 
         ++seen_.cycles;

@@ -74,18 +74,19 @@ void OfflineClaim::end_group() {
     flush();
 }
 
-void OfflineClaim::add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) {
-    const protocol::AddBody body{.handle = handle, .kind = kind, .reserved = 0, .use = use};
+void OfflineClaim::add(RepresentationId id, Kind kind, const void* params, std::size_t bytes,
+                       const AddOptions& options) {
+    const protocol::AddBody body{.id = id, .kind = kind, .reserved = 0, .options = options};
     const std::span given(static_cast<const std::byte*>(params), bytes);
     push(CommandType::add, bytes_of(body), given);
-    if (handle.slot >= protocol::max_representations) return;  // refused by the servo
-    if (handle.slot >= added_.size()) added_.resize(handle.slot + 1);
-    added_[handle.slot].assign(given.begin(), given.end());
+    if (id.slot >= protocol::max_representations) return;  // refused by the servo
+    if (id.slot >= added_.size()) added_.resize(id.slot + 1);
+    added_[id.slot].assign(given.begin(), given.end());
 }
 
-void OfflineClaim::remove(Handle handle) {
-    std::erase_if(pending_, [handle](const Pending& p) { return p.handle == handle; });
-    push(CommandType::remove, bytes_of(protocol::RemoveBody{handle}), {});
+void OfflineClaim::remove(RepresentationId id) {
+    std::erase_if(pending_, [id](const Pending& p) { return p.id == id; });
+    push(CommandType::remove, bytes_of(protocol::RemoveBody{id}), {});
 }
 
 void OfflineClaim::place_probe(std::uint32_t probe, const ProbePlacement& placement) {
@@ -93,24 +94,23 @@ void OfflineClaim::place_probe(std::uint32_t probe, const ProbePlacement& placem
          bytes_of(protocol::PlaceProbeBody{.probe = probe, .reserved = 0, .placement = placement}), {});
 }
 
-void OfflineClaim::update(Handle handle, Kind kind, const void* params, std::size_t bytes) {
-    std::erase_if(pending_, [handle](const Pending& p) { return p.handle == handle; });
+void OfflineClaim::update(RepresentationId id, Kind kind, const void* params, std::size_t bytes) {
+    std::erase_if(pending_, [id](const Pending& p) { return p.id == id; });
     const auto* from = static_cast<const std::byte*>(params);
     const std::size_t geometry = kind < kinds().size() ? kinds()[kind].geometry_bytes : bytes;
-    if (handle.slot < added_.size() && added_[handle.slot].size() == bytes && bytes > geometry) {
-        if (std::memcmp(added_[handle.slot].data() + geometry, from + geometry, bytes - geometry) == 0)
+    if (id.slot < added_.size() && added_[id.slot].size() == bytes && bytes > geometry) {
+        if (std::memcmp(added_[id.slot].data() + geometry, from + geometry, bytes - geometry) == 0)
             bytes = geometry;
         else
-            added_[handle.slot].clear();
+            added_[id.slot].clear();
     }
-    pending_.push_back(
-        {.handle = handle, .kind = kind, .version = ++version_, .params = {from, from + bytes}});
+    pending_.push_back({.id = id, .kind = kind, .version = ++version_, .params = {from, from + bytes}});
 }
 
 std::uint64_t OfflineClaim::commit(std::uint64_t report_cycle, std::int64_t commit_ns) {
     std::vector<std::byte> entries;
     for (const Pending& p : pending_) {
-        const protocol::EntryHeader entry{.handle = p.handle,
+        const protocol::EntryHeader entry{.id = p.id,
                                           .kind = p.kind,
                                           .bytes = static_cast<std::uint32_t>(p.params.size()),
                                           .version = p.version};
@@ -146,13 +146,13 @@ std::vector<protocol::Reply> OfflineClaim::replies() {
     return all;
 }
 
-const OfflineClaim::Felt& OfflineClaim::feedback() {
-    if (!feedback_.take()) return felt_;
-    feedback_.copy(&felt_.header, 0, sizeof felt_.header);
-    felt_.entries.resize(felt_.header.entries);
-    feedback_.copy(felt_.entries.data(), sizeof felt_.header,
-                   felt_.entries.size() * sizeof(protocol::FeedbackEntry));
-    return felt_;
+const OfflineClaim::FeedbackSet& OfflineClaim::feedback() {
+    if (!feedback_.take()) return feedback_set_;
+    feedback_.copy(&feedback_set_.header, 0, sizeof feedback_set_.header);
+    feedback_set_.entries.resize(feedback_set_.header.entries);
+    feedback_.copy(feedback_set_.entries.data(), sizeof feedback_set_.header,
+                   feedback_set_.entries.size() * sizeof(protocol::FeedbackEntry));
+    return feedback_set_;
 }
 
 // ---------------------------------------------------------------------------------------------- the servo

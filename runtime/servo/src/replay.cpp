@@ -25,14 +25,14 @@ struct Replay::Played final : drivers::Device, Clock {
         return static_cast<drivers::ReadStatus>(cycle.status);
     }
     bool write(Nanoseconds, const drivers::JointEfforts&) noexcept override {
-        return (cycle.flags & TapeCycle::written) != 0;
+        return (cycle.flags & CycleInput::written) != 0;
     }
     void make_safe() noexcept override {}
     Nanoseconds now() noexcept override {
         return std::exchange(asked, true) ? cycle.write_ns : cycle.read_ns;
     }
 
-    TapeCycle cycle;
+    CycleInput cycle;
     JointSample given;
     bool asked = false;
 
@@ -62,14 +62,14 @@ struct Replay::Held {
 
 namespace {
 
-[[noreturn]] void nonsense(const TapeRecord& record, const char* what) {
-    throw TapeError(fmt::format(
+[[noreturn]] void nonsense(const InputRecord& record, const char* what) {
+    throw InputLogError(fmt::format(
         "a record of type {} with {} bytes {}; the recording was edited, or made by another build",
         static_cast<unsigned>(record.type), record.bytes.size(), what));
 }
 
 template <class T>
-T part_of(const TapeRecord& record, std::size_t at) {
+T part_of(const InputRecord& record, std::size_t at) {
     if (record.bytes.size() < at + sizeof(T)) nonsense(record, "is too short");
     return read_as<T>(record.bytes.data() + at);
 }
@@ -77,7 +77,7 @@ T part_of(const TapeRecord& record, std::size_t at) {
 constexpr std::size_t after_number = sizeof(std::uint64_t);
 
 /// What no broker grants is no claim's: its memory is made from these figures.
-void require_sane(const TapeRecord& record, const ClaimTerms& terms) {
+void require_sane(const InputRecord& record, const ClaimTerms& terms) {
     const auto& c = terms.capacity;
     if (record.bytes.size() != after_number + sizeof terms || c.representations < 1 ||
         c.representations > protocol::max_representations || c.batch_bytes < 8 ||
@@ -98,7 +98,7 @@ void Replay::gap() noexcept {
     exact_ = false;
 }
 
-void Replay::load(const TapeRecord& record) {
+void Replay::load(const InputRecord& record) {
     if (record.bytes.size() % 8 != 0 || record.bytes.size() > max_keyframe_words * 8)
         nonsense(record, "is no keyframe");
     // Nobody held the device: a new servo with that memory is the one that was recorded. A keyframe after
@@ -116,20 +116,20 @@ void Replay::load(const TapeRecord& record) {
     exact_ = true;
 }
 
-Replay::Held* Replay::held(const TapeRecord& record) {
+Replay::Held* Replay::held(const InputRecord& record) {
     const auto found = claims_.find(part_of<std::uint64_t>(record, 0));
     if (found == claims_.end()) nonsense(record, "is about a claim that is not there");
     return found->second.get();
 }
 
-const Report* Replay::feed(const TapeRecord& record) {
-    if (record.type == TapeType::keyframe) {
+const Report* Replay::feed(const InputRecord& record) {
+    if (record.type == InputType::keyframe) {
         load(record);
         return nullptr;
     }
     if (!exact_) return nullptr;
     switch (record.type) {
-        case TapeType::adopt: {
+        case InputType::adopt: {
             auto terms = part_of<ClaimTerms>(record, after_number);
             require_sane(record, terms);
             terms.event_fd = -1;  // of the recorded process
@@ -139,13 +139,13 @@ const Report* Replay::feed(const TapeRecord& record) {
             if (!servo_->adopt(&place->claim)) nonsense(record, "is one claim too many");
             return nullptr;
         }
-        case TapeType::drop:
+        case InputType::drop:
             if (!servo_->drop(&held(record)->claim)) nonsense(record, "is one message too many");
             return nullptr;
-        case TapeType::drop_all:
+        case InputType::drop_all:
             if (!servo_->drop_all()) nonsense(record, "is one message too many");
             return nullptr;
-        case TapeType::commands: {
+        case InputType::commands: {
             const std::size_t bytes = record.bytes.size() - after_number;
             if (!held(record)->commands.try_push(record.bytes.data() + after_number,
                                                  bytes / shm::cell_bytes) ||
@@ -154,7 +154,7 @@ const Report* Replay::feed(const TapeRecord& record) {
             held(record)->sent.add();
             return nullptr;
         }
-        case TapeType::batch: {
+        case InputType::batch: {
             part_of<protocol::BatchHeader>(record, after_number);
             const std::size_t bytes = record.bytes.size() - after_number;
             Held& claim = *held(record);
@@ -164,7 +164,7 @@ const Report* Replay::feed(const TapeRecord& record) {
             claim.sent.add();
             return nullptr;
         }
-        case TapeType::commands_broken:  // as its application broke it: an index that cannot be
+        case InputType::commands_broken:  // as its application broke it: an index that cannot be
             shm::HardwareMemory::store(
                 *shm::spsc_places(held(record)->memory.data() + held(record)->layout.commands,
                                   held(record)->layout.command_cells)
@@ -172,7 +172,7 @@ const Report* Replay::feed(const TapeRecord& record) {
                 ~std::uint64_t{0}, std::memory_order::relaxed);
             held(record)->sent.add();
             return nullptr;
-        case TapeType::batch_broken:
+        case InputType::batch_broken:
             shm::HardwareMemory::store(
                 *shm::triple_places(held(record)->memory.data() + held(record)->layout.batches,
                                     held(record)->layout.batch_slot_bytes)
@@ -180,18 +180,18 @@ const Report* Replay::feed(const TapeRecord& record) {
                 shm::TripleMid::make(shm::TripleMid::index_mask, true, 0), std::memory_order::relaxed);
             held(record)->sent.add();
             return nullptr;
-        case TapeType::cycle: {
-            TapeCycle cycle;
-            if (record.bytes.size() > sizeof cycle || record.bytes.size() < offsetof(TapeCycle, velocity))
+        case InputType::cycle: {
+            CycleInput cycle;
+            if (record.bytes.size() > sizeof cycle || record.bytes.size() < offsetof(CycleInput, velocity))
                 nonsense(record, "is no cycle");
             std::memcpy(&cycle, record.bytes.data(), record.bytes.size());
             if (record.bytes.size() != cycle.bytes()) nonsense(record, "is no cycle");
             return step(cycle);
         }
-        case TapeType::asset:
+        case InputType::asset:
             give(record);
             return nullptr;
-        case TapeType::asset_forgotten: {
+        case InputType::asset_forgotten: {
             const auto number = part_of<std::uint64_t>(record, after_number);
             Held& claim = *held(record);
             if (!claim.assets.contains(number) ||
@@ -199,45 +199,45 @@ const Report* Replay::feed(const TapeRecord& record) {
                 nonsense(record, "forgets an asset that is not there");
             return nullptr;
         }
-        case TapeType::keyframe:
+        case InputType::keyframe:
             break;
     }
     nonsense(record, "is none of ours");
 }
 
-void Replay::give(const TapeRecord& record) {
+void Replay::give(const InputRecord& record) {
     const auto number = part_of<std::uint64_t>(record, after_number);
     const auto digest = part_of<protocol::AssetDigest>(record, after_number + sizeof number);
     Held& claim = *held(record);
     if (number < 1 || number > max_assets || claim.assets.contains(number))
         nonsense(record, "gives a claim an asset of a number that it cannot have");
-    if (!sources_) throw TapeError("an application sent a shape here, which was not recorded");
+    if (!sources_) throw InputLogError("an application sent a shape here, which was not recorded");
     try {
         auto& place = claim.assets[number];
         place = build_asset(sources_(digest), protocol::max_asset_bytes).asset;
         if (!servo_->give(&claim.claim, static_cast<std::uint32_t>(number), place.get(), digest))
             nonsense(record, "is one message too many");
-    } catch (const TapeError&) {
+    } catch (const InputLogError&) {
         throw;
     } catch (const std::exception& error) {
-        throw TapeError(fmt::format("a recorded shape cannot be built again ({})", error.what()));
+        throw InputLogError(fmt::format("a recorded shape cannot be built again ({})", error.what()));
     }
 }
 
-const Report* Replay::step(const TapeCycle& cycle) {
+const Report* Replay::step(const CycleInput& cycle) {
     if (cycle.cycle != servo_->impl_->report.cycle + 1)
-        throw TapeError(fmt::format("cycle {} follows cycle {}: records are missing between them",
-                                    cycle.cycle, servo_->impl_->report.cycle));
+        throw InputLogError(fmt::format("cycle {} follows cycle {}: records are missing between them",
+                                        cycle.cycle, servo_->impl_->report.cycle));
     played_->cycle = cycle;
     played_->asked = false;
     JointSample& given = played_->given;
     given.position = cycle.position;
     given.velocity = cycle.velocity;
-    given.has_velocity = (cycle.flags & TapeCycle::has_velocity) != 0;
-    given.calibrated = (cycle.flags & TapeCycle::calibrated) != 0;
+    given.has_velocity = (cycle.flags & CycleInput::has_velocity) != 0;
+    given.calibrated = (cycle.flags & CycleInput::calibrated) != 0;
     given.buttons = cycle.buttons;
-    if ((cycle.flags & TapeCycle::guardian) != 0) servo_->guardian_acted();
-    if ((cycle.flags & TapeCycle::jumped) != 0) servo_->clock_jumped();
+    if ((cycle.flags & CycleInput::guardian) != 0) servo_->guardian_acted();
+    if ((cycle.flags & CycleInput::jumped) != 0) servo_->clock_jumped();
     servo_->step(cycle.deadline, cycle.now);
     for (auto& [number, claim] : claims_) claim->replies.pop(claim->replies.available());
     free_released();

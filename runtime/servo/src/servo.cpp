@@ -23,7 +23,7 @@ Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segm
       options(stated),
       period(std::llround(1e9 / stated.rate)),
       stages(the_clock),
-      hand(the_device, stated.supervisor.off),
+      tip(the_device, stated.supervisor.off),
       supervisor(the_device.link(), stated.supervisor, stated.rate),
       reports(with_empty_ring(segment) + protocol::device_layout().reports, protocol::report_slots,
               sizeof(Report)),
@@ -37,12 +37,12 @@ Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segm
 
 void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     Impl& cycle = *impl_;
-    if (cycle.tape != nullptr) cycle.put_keyframe();     // if one is due
-    const double dt = cycle.begin_cycle(deadline, now);  // stalls and jumps of the clock
-    cycle.read_device(now);                              // joints -> pose and velocities
-    cycle.take_mail(now);                                // claims that come and go
-    cycle.find_awake(now, dt);                           // those that have something to do
-    cycle.take_changes(now);                             // commands and batches -> scenes
+    if (cycle.input_log != nullptr) cycle.put_keyframe();  // if one is due
+    const double dt = cycle.begin_cycle(deadline, now);    // stalls and jumps of the clock
+    cycle.read_device(now);                                // joints -> pose and velocities
+    cycle.take_mail(now);                                  // claims that come and go
+    cycle.find_awake(now, dt);                             // those that have something to do
+    cycle.take_changes(now);                               // commands and batches -> scenes
     cycle.stages.end(Stage::take);
     const Wrench sum = cycle.evaluate_claims(now, dt);  // scenes -> wrench, gains, sharing
     cycle.stages.end(Stage::scenes);
@@ -51,7 +51,7 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     cycle.notify_device();
     cycle.write_device(now, out);
     cycle.stages.end(Stage::write);
-    if (cycle.tape != nullptr) cycle.put_cycle(deadline, now);
+    if (cycle.input_log != nullptr) cycle.put_cycle(deadline, now);
     cycle.publish(deadline, sum, out);  // report, feedback
     cycle.let_go();                     // claims whose force has faded
     cycle.publish_counters(now);
@@ -87,7 +87,7 @@ double Servo::Impl::nominal(Nanoseconds gap) const noexcept {
 
 void Servo::Impl::read_device(Nanoseconds now) noexcept {
     const bool was_gone = unplugged;
-    const Trouble found = hand.read(now, stages);
+    const Trouble found = tip.read(now, stages);
     read_ns = clock.now();
     unplugged = found.unplugged;
     trouble = found.faults;
@@ -114,20 +114,20 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
         if (message.what == Message::What::adopt) adopt(message.claim, now);
         if (message.what == Message::What::asset || message.what == Message::What::forget)
             take_asset(message);
-        if (message.what == Message::What::tape) {
-            intake.tape = tape = message.tape;
+        if (message.what == Message::What::input_log) {
+            command_processor.input_log = input_log = message.input_log;
             next_keyframe = 0;
         }
         // By address: a claim that was let go already may be freed by now.
         if (message.what == Message::What::drop)
             if (const std::size_t place = claims.find(message.claim); place < claims.size()) {
                 drop(place);
-                if (tape != nullptr && claims[place].channels)
-                    put_claim(TapeType::drop, claims[place].number);
+                if (input_log != nullptr && claims[place].channels)
+                    put_claim(InputType::drop, claims[place].number);
             }
         if (message.what != Message::What::drop_all) continue;
         ending = true;
-        if (tape != nullptr) tape->put(TapeType::drop_all, {});
+        if (input_log != nullptr) input_log->put(InputType::drop_all, {});
         supervisor.disarm();
         for (std::size_t place = 0; place < claims.size(); ++place) drop(place);
     }
@@ -147,7 +147,7 @@ void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
     if (c.channels) {
         c.number = ++claims_seen;
         ++held;
-        if (tape != nullptr) tape->put(TapeType::adopt, {as_bytes(c.number), as_bytes(c.terms)});
+        if (input_log != nullptr) input_log->put(InputType::adopt, {as_bytes(c.number), as_bytes(c.terms)});
     }
     c.silence.begin(now);
     if (!options.clamp_stiffness) {
@@ -175,8 +175,8 @@ FadePolicy Servo::Impl::fade_for(const Claim::Impl& claim) const noexcept {
 
 void Servo::Impl::take_changes(Nanoseconds now) noexcept {
     const Authority authority{.supervisor = supervisor,
-                              .calibrated = hand.connected && hand.sample.calibrated,
-                              .speed = hand.velocity.norm(),
+                              .calibrated = tip.connected && tip.sample.calibrated,
+                              .speed = tip.velocity.norm(),
                               .ending = ending,
                               .trouble = trouble};
     const auto listening = [](const Claim::Impl& c) { return c.channels && !c.dropping && !c.faulted; };
@@ -188,8 +188,8 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
         if (c.forgotten != 0) return_assets(claims.claim(place));
         c.batch_is_new = false;
         if (!listening(c)) continue;
-        intake.take_commands(c, authority, now);
-        if (!c.faulted) intake.take_batch(c, report.cycle, now);
+        command_processor.take_commands(c, authority, now);
+        if (!c.faulted) command_processor.take_batch(c, report.cycle, now);
         if (c.batch_is_new) c.scene.set_fade(fade_for(c));
         // What was there before the first cycle has not just come.
         if (c.from_the_start) c.scene.settle();
@@ -199,14 +199,14 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
 }
 
 Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
-    const Probe probe{.position = hand.pose.position,
-                      .orientation = hand.pose.orientation,
-                      .velocity = hand.velocity,
-                      .smooth_velocity = hand.smooth_velocity,
-                      .angular_velocity = hand.angular_velocity};
+    const Probe probe{.position = tip.pose.position,
+                      .orientation = tip.pose.orientation,
+                      .velocity = tip.velocity,
+                      .smooth_velocity = tip.smooth_velocity,
+                      .angular_velocity = tip.angular_velocity};
     const double gain_step = dt / options.supervisor.claim_ramp;
     evaluated = 0;
-    present = claims.resting().present;
+    present = claims.sleeping().present;
     in_contact = nullptr;
     for (const std::size_t place : claims.awake()) {
         Claim::Impl& c = claims[place];
@@ -233,19 +233,19 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
     return sum;
 }
 
-// What is out of the hand's reach is not felt: scenes that rest have no load.
+// What is out of the hand's reach is not felt: scenes that sleep have no load.
 void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     const auto felt = [](const Claim::Impl& c) {
         return c.channels && (c.gain > 0 || c.gain_lost > 0) && !c.quiet();
     };
-    LoadBound bound{.surfaces = claims.resting().surfaces};
+    LoadBound bound{.surfaces = claims.sleeping().surfaces};
     for (const std::size_t place : claims.awake()) {
         const Claim::Impl& c = claims[place];
         if (felt(c)) bound += c.scene.load_bound();
     }
     if (budget.rests() && !bound.exceeds()) return;
     const HandScales before = budget.scales();
-    SceneLoad load{.surfaces = claims.resting().surfaces};
+    SceneLoad load{.surfaces = claims.sleeping().surfaces};
     for (const std::size_t place : claims.awake()) {
         const Claim::Impl& c = claims[place];
         if (!felt(c)) continue;
@@ -254,7 +254,7 @@ void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
         load.in_contacts.freed += c.gain_lost * whole.in_contacts.held;
         load.in_effects.freed += c.gain_lost * whole.in_effects.held;
     }
-    const double spent = own_damping * dt * hand.smooth_velocity.squaredNorm();
+    const double spent = own_damping * dt * tip.smooth_velocity.squaredNorm();
     budget.advance(load, spent, settles ? std::numeric_limits<double>::infinity() : dt);
     if (!settles || budget.scales() == before) return;
     for (const std::size_t place : claims.awake()) {
@@ -266,8 +266,8 @@ void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
 }
 
 Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
-    int armed = claims.resting().armed;
-    bool kept_on = claims.resting().keep_on;
+    int armed = claims.sleeping().armed;
+    bool kept_on = claims.sleeping().keep_on;
     for (const std::size_t place : claims.awake()) {
         const Claim::Impl& claim = claims[place];
         if (!claim.wants_force()) continue;
@@ -276,8 +276,8 @@ Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
     }
     // When the last one who may switch it on has gone, the device ramps down under those who have joined.
     if (!kept_on) armed = 0;
-    const Supervised out = hand.has_pose
-                               ? supervisor.supervise(sum, hand.pose.position, hand.velocity, hand.jacobian,
+    const Supervised out = tip.has_pose
+                               ? supervisor.supervise(sum, tip.pose.position, tip.velocity, tip.jacobian,
                                                       device.mechanism().joints(), armed, dt)
                                : supervisor.cut(armed, dt);
     // Enabling is never automatic: after a fault, a lost device or a ramp down to the end every claim arms
@@ -290,7 +290,7 @@ Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
 
 void Servo::Impl::disarm_claims() noexcept {
     for (std::size_t place = 0; place < claims.size(); ++place) {
-        if (claims.rests_unarmed(place)) continue;  // in every cycle of an idle device
+        if (claims.sleeps_unarmed(place)) continue;  // in every cycle of an idle device
         if (std::exchange(claims[place].armed, false)) claims.wake(place);
     }
 }
@@ -299,7 +299,7 @@ void Servo::Impl::notify_device() noexcept {
     if (supervisor.powered() != enabled) {
         enabled = !enabled;
         device.notify(enabled ? drivers::Notice::enabled : drivers::Notice::disabled);
-        rouse();
+        wake_claims();
     }
     for (const std::size_t place : claims.awake()) {
         Claim::Impl& c = claims[place];
@@ -347,8 +347,8 @@ bool Servo::drop(Claim* claim) noexcept {
 bool Servo::drop_all() noexcept {
     return impl_->inbox.post({.what = Message::What::drop_all});
 }
-bool Servo::record(Tape* tape) noexcept {
-    return impl_->inbox.post({.what = Message::What::tape, .tape = tape});
+bool Servo::record(InputLog* input_log) noexcept {
+    return impl_->inbox.post({.what = Message::What::input_log, .input_log = input_log});
 }
 
 Claim* Servo::released() noexcept {
@@ -356,8 +356,8 @@ Claim* Servo::released() noexcept {
     return impl_->outbox.take(claim) ? claim : nullptr;
 }
 
-std::span<const shm::Sleeper> Servo::sleepers() const noexcept {
-    return impl_->claims.sleepers();
+std::span<const shm::WakeTarget> Servo::wake_targets() const noexcept {
+    return impl_->claims.wake_targets();
 }
 
 const Report& Servo::last() const noexcept {

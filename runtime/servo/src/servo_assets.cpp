@@ -14,16 +14,16 @@ void Servo::Impl::take_asset(const Message& message) noexcept {
     claims.wake(place);
     if (message.what == Message::What::forget) {
         c.forgotten |= std::uint64_t{1} << (message.number - 1);
-        if (tape != nullptr)
-            tape->put(TapeType::asset_forgotten,
-                      {as_bytes(c.number), as_bytes(std::uint64_t{message.number})});
+        if (input_log != nullptr)
+            input_log->put(InputType::asset_forgotten,
+                           {as_bytes(c.number), as_bytes(std::uint64_t{message.number})});
         return;
     }
     c.assets[message.number - 1] = message.asset;
     c.scene.set_asset(message.number, message.asset);
-    if (tape != nullptr)
-        tape->put(TapeType::asset,
-                  {as_bytes(c.number), as_bytes(std::uint64_t{message.number}), as_bytes(message.digest)});
+    if (input_log != nullptr)
+        input_log->put(InputType::asset, {as_bytes(c.number), as_bytes(std::uint64_t{message.number}),
+                                          as_bytes(message.digest)});
 }
 
 /// Those that nothing is made of any more.

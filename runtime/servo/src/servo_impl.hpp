@@ -4,24 +4,24 @@
 #include <array>
 #include <cstdint>
 
+#include <knurl/servo/input_log.hpp>
 #include <knurl/servo/servo.hpp>
-#include <knurl/servo/tape.hpp>
 #include <knurl/shm/counters.hpp>
 #include <knurl/shm/waiter.hpp>
 
 #include "claim_set.hpp"
-#include "hand.hpp"
-#include "intake.hpp"
+#include "command_processor.hpp"
 #include "mailbox.hpp"
 #include "stage_clock.hpp"
+#include "tip_estimator.hpp"
 
 namespace knurl::servo {
 
 /// From the broker.
 struct Message {
-    enum class What : std::uint32_t { adopt, drop, drop_all, tape, asset, forget } what = What::adopt;
+    enum class What : std::uint32_t { adopt, drop, drop_all, input_log, asset, forget } what = What::adopt;
     Claim* claim = nullptr;
-    Tape* tape = nullptr;
+    InputLog* input_log = nullptr;
     const Asset* asset = nullptr;
     std::uint32_t number = 0;           // of the asset
     protocol::AssetDigest digest = {};  // of its source
@@ -48,21 +48,21 @@ struct Servo::Impl {
     /// Who is looked at in this cycle: `claims.awake()`.
     void find_awake(Nanoseconds now, double dt) noexcept;
     /// All of them are, from here on.
-    void rouse() noexcept;
+    void wake_claims() noexcept;
     void drop(std::size_t place) noexcept;
     /// One that was looked at in this cycle, if it has nothing to do.
-    void put_to_rest(std::size_t place) noexcept;
-    /// The claim's scene, unless it is still.
+    void put_to_sleep(std::size_t place) noexcept;
+    /// The claim's scene, unless that sleeps.
     void evaluate_scene(std::size_t place, const Probe& probe, double dt) noexcept;
 
-    // servo_tape.cpp
+    // servo_input_log.cpp
     void put_keyframe() noexcept;
     void put_cycle(Nanoseconds deadline, Nanoseconds now) noexcept;
-    void put_claim(TapeType type, std::uint64_t number) noexcept;
+    void put_claim(InputType type, std::uint64_t number) noexcept;
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(first, last_now, budget, enabled, guardian, unplugged, ending, late, report.cycle,
-              report.buttons, report.flags, report.presses, report.touches, claims_seen, hand, supervisor);
+              report.buttons, report.flags, report.presses, report.touches, claims_seen, tip, supervisor);
     }
 
     void adopt(Claim* claim, Nanoseconds now) noexcept;
@@ -78,15 +78,16 @@ struct Servo::Impl {
     Nanoseconds period;
 
     StageClock stages;
-    Hand hand;
+    TipEstimator tip;
     Supervisor supervisor;
-    Intake intake;
+    CommandProcessor command_processor;
     shm::BroadcastWriter reports;
     shm::Counters counters;
 
     ClaimSet claims;
-    Probe passed_hand;         // of the last cycle whose scenes were evaluated: what still scenes are told
-    bool hand_usable = false;  // time passes, and the hand is somewhere
+    // Of the last cycle whose scenes were evaluated: what a scene that wakes is given.
+    Probe passed_hand;
+    bool hand_usable = false;               // time passes, and the hand is somewhere
     Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
     Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
     Mailbox<ReturnedAsset, mailbox_slots> asset_outbox;
@@ -101,7 +102,7 @@ struct Servo::Impl {
     bool guardian = false;      // it zeroed the device before this cycle
     bool unplugged = false;     // this cycle's read, or the last write, found no device
     std::uint32_t trouble = 0;  // faults that this cycle's sample raises
-    bool jumped = false;        // the clock, before this cycle: for the tape
+    bool jumped = false;        // the clock, before this cycle: for the input log
     bool written = false;       // in this cycle: the device was there to take it
     const Claim::Impl* in_contact = nullptr;
     Report report;
@@ -109,7 +110,7 @@ struct Servo::Impl {
     std::array<Nanoseconds, protocol::report_slots> read_times = {};
     std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, evaluated = 0, present = 0;
 
-    Tape* tape = nullptr;             // null: nobody records
+    InputLog* input_log = nullptr;    // null: nobody records
     std::uint64_t next_keyframe = 0;  // the cycle from which on there is to be one
     std::uint64_t claims_seen = 0;    // adopted so far, observers left out
     std::size_t held = 0;             // of them, those that are still here

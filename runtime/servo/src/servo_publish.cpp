@@ -11,29 +11,29 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
     report.deadline_ns = deadline;
     report.read_ns = read_ns;
     report.write_ns = write_ns;
-    report.joints = hand.sample.position;
-    hand.look_at_posture();
-    report.position = to_plain(hand.pose.position);
-    report.orientation = to_plain(hand.pose.orientation);
-    report.velocity = to_plain(hand.smooth_velocity);
-    report.slow_velocity = to_plain(hand.slow_velocity);
-    report.angular_velocity = to_plain(hand.angular_velocity);
+    report.joints = tip.sample.position;
+    tip.look_at_posture();
+    report.position = to_plain(tip.pose.position);
+    report.orientation = to_plain(tip.pose.orientation);
+    report.velocity = to_plain(tip.smooth_velocity);
+    report.slow_velocity = to_plain(tip.slow_velocity);
+    report.angular_velocity = to_plain(tip.angular_velocity);
     report.scene_force = to_plain(sum.force);
     report.scene_torque = to_plain(sum.torque);
     report.sent_force = to_plain(out.sent.force);
     report.sent_torque = to_plain(out.sent.torque);
     report.contact_point =
-        to_plain(in_contact != nullptr ? in_contact->device_contact_point() : hand.pose.position);
+        to_plain(in_contact != nullptr ? in_contact->device_contact_point() : tip.pose.position);
     report.state = supervisor.state();
     report.faults = supervisor.faults();
-    report.presses ^= hand.sample.buttons & ~report.buttons;
-    report.buttons = hand.sample.buttons;
+    report.presses ^= tip.sample.buttons & ~report.buttons;
+    report.buttons = tip.sample.buttons;
     report.touches += in_contact != nullptr && (report.flags & report_flags::touching) == 0 ? 1 : 0;
-    report.flags = out.flags | (hand.stale ? report_flags::stale : 0) |
+    report.flags = out.flags | (tip.stale ? report_flags::stale : 0) |
                    (guardian ? report_flags::guardian : 0) |
                    (in_contact != nullptr ? report_flags::touching : 0) |
-                   (hand.near_singular ? report_flags::near_singular : 0) |
-                   (hand.at_joint_limit ? report_flags::at_joint_limit : 0);
+                   (tip.near_singular ? report_flags::near_singular : 0) |
+                   (tip.at_joint_limit ? report_flags::at_joint_limit : 0);
     report.late_count = late;
     guardian = jumped = false;
     reports.publish(&report);
@@ -48,7 +48,7 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
             c.in_force.age_ns = known ? write_ns - read_times[from % read_times.size()] : 0;
         }
         c.publish(report.cycle);
-        put_to_rest(place);
+        put_to_sleep(place);
     }
     // By turns: the client's line may have to come from another core, and people can wait for that.
     constexpr std::uint64_t missed_every = 64;  // cycles
@@ -60,7 +60,7 @@ void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
     const auto set = [this](protocol::Count which, std::uint64_t value) {
         counters.set(static_cast<std::size_t>(which), value);
     };
-    const IntakeCounts& taken = intake.counts();
+    const CommandCounts& taken = command_processor.counts();
     const Supervisor::Counts& gate = supervisor.counts();
     set(protocol::Count::cycles, report.cycle);
     set(protocol::Count::late_cycles, late);
@@ -71,9 +71,9 @@ void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
     set(protocol::Count::batches_merged, taken.batches_merged);
     set(protocol::Count::commands_done, taken.commands_done);
     set(protocol::Count::commands_refused, taken.commands_refused);
-    set(protocol::Count::bad_samples, hand.bad_samples);
-    set(protocol::Count::stale_samples, hand.stale_samples);
-    set(protocol::Count::kinematics_failures, hand.kinematics_failures);
+    set(protocol::Count::bad_samples, tip.bad_samples);
+    set(protocol::Count::stale_samples, tip.stale_samples);
+    set(protocol::Count::kinematics_failures, tip.kinematics_failures);
     set(protocol::Count::slew_clips, gate.slew_clips);
     set(protocol::Count::force_clamps, gate.force_clamps);
     set(protocol::Count::thermal_clamps, gate.thermal_clamps);

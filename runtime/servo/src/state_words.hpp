@@ -1,6 +1,6 @@
 #pragma once
-// What a servo remembers between cycles, as 64-bit words: what a tape's keyframe is made of. Each class lists
-// its members once, in `state`, for both directions.
+// What a servo remembers between cycles, as 64-bit words: what an input log's keyframe is made of. Each class
+// lists its members once, in `state`, for both directions.
 
 #include <cstddef>
 #include <cstdint>

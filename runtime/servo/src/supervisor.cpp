@@ -7,7 +7,7 @@
 
 namespace knurl::servo {
 
-using protocol::Refusal;
+using protocol::RefusalReason;
 
 namespace {
 
@@ -59,20 +59,20 @@ Supervisor::Supervisor(const drivers::LinkConfig& link, const SupervisorLimits& 
 
 // ---------------------------------------------------------------------------------------------- requests
 
-Refusal Supervisor::may_arm(bool calibrated, double speed, bool after_reset) const noexcept {
-    if (state_ == DeviceState::disconnected) return Refusal::disconnected;
-    if (state_ == DeviceState::fault && !after_reset) return Refusal::in_fault;
-    if (!calibrated) return Refusal::not_calibrated;
+RefusalReason Supervisor::may_arm(bool calibrated, double speed, bool after_reset) const noexcept {
+    if (state_ == DeviceState::disconnected) return RefusalReason::disconnected;
+    if (state_ == DeviceState::fault && !after_reset) return RefusalReason::in_fault;
+    if (!calibrated) return RefusalReason::not_calibrated;
     // A merely quick hand is waited for in `armed`; one above the fault's speed would fault at once.
-    return speed < limits_.speed_fault ? Refusal::none : Refusal::hand_too_fast;
+    return speed < limits_.speed_fault ? RefusalReason::none : RefusalReason::hand_too_fast;
 }
 
-Refusal Supervisor::arm(bool calibrated, double speed) noexcept {
-    const Refusal refusal = may_arm(calibrated, speed);
-    if (refusal != Refusal::none) return refusal;
+RefusalReason Supervisor::arm(bool calibrated, double speed) noexcept {
+    const RefusalReason refusal = may_arm(calibrated, speed);
+    if (refusal != RefusalReason::none) return refusal;
     if (state_ == DeviceState::idle) state_ = DeviceState::armed;
     arm_again_ = state_ == DeviceState::ramp_down;
-    return Refusal::none;
+    return RefusalReason::none;
 }
 
 void Supervisor::disarm() noexcept {
@@ -81,20 +81,20 @@ void Supervisor::disarm() noexcept {
     if (state_ == DeviceState::ramp_up || state_ == DeviceState::active) state_ = DeviceState::ramp_down;
 }
 
-Refusal Supervisor::may_reset_fault(double speed, std::uint32_t trouble) const noexcept {
-    if (state_ == DeviceState::disconnected) return Refusal::disconnected;
-    if (state_ != DeviceState::fault) return Refusal::not_in_fault;
-    if (trouble != 0) return Refusal::cause_persists;
-    return speed < limits_.arm_speed ? Refusal::none : Refusal::hand_too_fast;
+RefusalReason Supervisor::may_reset_fault(double speed, std::uint32_t trouble) const noexcept {
+    if (state_ == DeviceState::disconnected) return RefusalReason::disconnected;
+    if (state_ != DeviceState::fault) return RefusalReason::not_in_fault;
+    if (trouble != 0) return RefusalReason::cause_persists;
+    return speed < limits_.arm_speed ? RefusalReason::none : RefusalReason::hand_too_fast;
 }
 
-Refusal Supervisor::reset_fault(double speed, std::uint32_t trouble) noexcept {
-    const Refusal refusal = may_reset_fault(speed, trouble);
-    if (refusal != Refusal::none) return refusal;
+RefusalReason Supervisor::reset_fault(double speed, std::uint32_t trouble) noexcept {
+    const RefusalReason refusal = may_reset_fault(speed, trouble);
+    if (refusal != RefusalReason::none) return refusal;
     faults_ = 0;
     state_ = DeviceState::idle;
     power_.reset();  // what led to the fault is not held against what comes after
-    return Refusal::none;
+    return RefusalReason::none;
 }
 
 void Supervisor::raise(std::uint32_t fault_bits) noexcept {

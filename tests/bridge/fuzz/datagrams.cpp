@@ -5,10 +5,10 @@
 
 #include <array>
 
+#include "datagram_channel.hpp"
 #include "fake_claim.hpp"
 #include "feedback_assembly.hpp"
 #include "pieces.hpp"
-#include "post.hpp"
 
 using namespace knurl;
 using namespace knurl::bridge;
@@ -30,7 +30,7 @@ void to_feedback(FeedbackAssembly& assembly, const DatagramHeader& header, std::
         if (!take(body, feedback)) return;
         assembly.header(feedback, piece.answers);
     }
-    if ((piece.flags & piece_flags::felt) != 0) assembly.piece(header, piece, body);
+    if ((piece.flags & piece_flags::entries) != 0) assembly.piece(header, piece, body);
 }
 
 }  // namespace
@@ -39,7 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (size < 1) return 0;
     constexpr std::array<std::byte, key_bytes> key{};
     const bool sealed = data[0] & 1;
-    Inbox inbox(session, sealed ? &key : nullptr);
+    IncomingDatagrams incoming(session, sealed ? &key : nullptr);
     std::array<CounterWindow, max_streams + 1> windows{};
     fuzz::FakeClaim claim;
     FeedbackAssembly feedback(16);
@@ -60,10 +60,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             std::memcpy(datagram.data(), &header, sizeof header);
         }
         std::vector<std::byte> again = datagram;
-        const Inbox::Opened opened = inbox.open(datagram, windows);
-        if (opened.verdict != Inbox::Verdict::good) continue;
+        const IncomingDatagrams::Opened opened = incoming.open(datagram, windows);
+        if (opened.verdict != IncomingDatagrams::Verdict::good) continue;
         fuzz::require(!sealed);
-        fuzz::require(inbox.open(again, windows).verdict != Inbox::Verdict::good);  // once only
+        fuzz::require(incoming.open(again, windows).verdict !=
+                      IncomingDatagrams::Verdict::good);  // once only
         if (opened.header.kind == DatagramKind::batch) claim.stream.batch_piece(opened.header, opened.body);
         if (opened.header.kind == DatagramKind::report) {
             to_feedback(feedback, opened.header, opened.body);

@@ -132,10 +132,10 @@ std::unique_ptr<detail::Link> detail::connect_local(const std::string&, const st
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::string servo = "default";
-    Pulse pulse(servo);
+    ReportNotifier notifier(servo);
     auto out = std::make_unique<OutQueue>(-1);
-    Desk desk{.servo = servo, .keys = {}, .pulse = pulse, .out = *out};
-    pulse.open();
+    PeerContext context{.servo = servo, .keys = {}, .notifier = notifier, .out = *out};
+    notifier.open();
     const std::size_t before = attached;
     fuzz::Ends ends = fuzz::connected();
     Peer peer(std::move(ends.ours), {}, 7, nullptr, 0);
@@ -164,7 +164,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                  .stream = static_cast<std::uint16_t>(piece.control >> 2 & 3)};
         ::send(ends.theirs.get(), &header, sizeof header, MSG_NOSIGNAL);
         ::send(ends.theirs.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
-        open = peer.serve(desk, 0);
+        open = peer.serve(context, 0);
         fuzz::require(open || !peer.why().empty());
         if (type == FrameType::attach && greeted && open) ++asked;
         const Heard more = listen(ends.theirs);
@@ -175,7 +175,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (open) fuzz::require(heard.attached + heard.refused == asked && heard.welcomed == peer.greeted());
     }
     if (!open) fuzz::require(heard.welcomed <= 1);
-    peer.close(desk, Error::Kind::refused, peer.why());
+    peer.close(context, Error::Kind::refused, peer.why());
     fuzz::require(attached == before);
     attached = 0;
     return 0;

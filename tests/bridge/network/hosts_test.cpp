@@ -49,7 +49,7 @@ using TwoHostsNarrowToTheServer = With<1000, 1500>;
 void expect_batches_and_what_is_felt(Client& client, bool none_lost = true) {
     for (const std::uint32_t count : {1u, 6u, 20u, 30u}) {
         Claim hand = client.claim("", {.shared = true, .representations = count});
-        std::vector<Representing<ConstantForce>> forces;
+        std::vector<Handle<ConstantForce>> forces;
         for (std::uint32_t i = 0; i < count; ++i) forces.push_back(hand.add(at_once({})));
         hand.arm();
         for (int round = 1; round <= 5; ++round) {
@@ -57,8 +57,8 @@ void expect_batches_and_what_is_felt(Client& client, bool none_lost = true) {
             for (auto& force : forces) force.set(at_once({share, 0, 0}));
             ASSERT_TRUE(hand.wait_applied(hand.commit(), 10s)) << count << " representations";
             read_until(hand, [&](const HandReport&) {
-                return std::ranges::all_of(forces, [&](const Representing<ConstantForce>& force) {
-                    const auto felt = force.felt();
+                return std::ranges::all_of(forces, [&](const Handle<ConstantForce>& force) {
+                    const auto felt = force.feedback();
                     return felt && felt->force.x == share;
                 });
             });
@@ -167,7 +167,7 @@ TEST(AWideWire, CarriesLongDatagramsBothWays) {
     });
     Client client = setting.remote();
     Claim hand = client.claim("", {.representations = 30});
-    std::vector<Representing<ConstantForce>> forces;
+    std::vector<Handle<ConstantForce>> forces;
     for (int i = 0; i < 30; ++i) forces.push_back(hand.add(at_once({})));
     setting.pass_until([&] { return longest[0] > 1100 && longest[1] > 1100; },
                        [&] {

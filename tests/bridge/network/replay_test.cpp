@@ -62,7 +62,8 @@ struct Replay : testing::Test {
 };
 
 TEST_F(Replay, OfALiveSessionMovesNothingAndIsCounted) {
-    std::optional<Remote> remote(std::in_place, setting, along_x(0.01), Use{.on_silence = OnSilence::hold});
+    std::optional<Remote> remote(std::in_place, setting, along_x(0.01),
+                                 AddOptions{.on_silence = OnSilence::hold});
     vary(*remote, 0.4, 0.05);
     const auto all = heard();
     ASSERT_GT(all.size(), 100u);
@@ -76,24 +77,26 @@ TEST_F(Replay, OfALiveSessionMovesNothingAndIsCounted) {
 }
 
 TEST_F(Replay, OfAnEarlierSessionMovesNothingAndIsCounted) {
-    std::optional<Remote> remote(std::in_place, setting, along_x(0.01), Use{.on_silence = OnSilence::hold});
+    std::optional<Remote> remote(std::in_place, setting, along_x(0.01),
+                                 AddOptions{.on_silence = OnSilence::hold});
     vary(*remote, 0.4, 0.05);
     const auto all = heard();
     remote.reset();
     says(setting.bridge.line_with("out: "), "out: ");
     remote.emplace(setting, along_x(0.02),
-                   Use{.on_silence = OnSilence::hold});  // the same key, another session
+                   AddOptions{.on_silence = OnSilence::hold});  // the same key, another session
     send(all);
     expect_unmoved(0.02);
     says(setting.bridge.line_with("of no session"), "datagrams of no session were dropped");
 }
 
 TEST_F(Replay, UnderAnotherSessionsNameOrANewCounterIsNobodys) {
-    std::optional<Remote> remote(std::in_place, setting, along_x(0.01), Use{.on_silence = OnSilence::hold});
+    std::optional<Remote> remote(std::in_place, setting, along_x(0.01),
+                                 AddOptions{.on_silence = OnSilence::hold});
     vary(*remote, 0.4, 0.05);
     auto before = heard();
     remote.reset();
-    remote.emplace(setting, along_x(0.02), Use{.on_silence = OnSilence::hold});
+    remote.emplace(setting, along_x(0.02), AddOptions{.on_silence = OnSilence::hold});
     vary(*remote, 0.4, 0.03);
     auto now = heard();
     now.erase(now.begin(), now.begin() + static_cast<std::ptrdiff_t>(before.size()));

@@ -24,8 +24,8 @@
 
 namespace knurl::bridge::test {
 
+using proxy::NetworkProfile;
 using proxy::Proxy;
-using proxy::Weather;
 
 /// One cycle as the local observer saw it.
 struct Cycle {
@@ -60,13 +60,13 @@ class Setting {
   public:
     using Overhear = decltype(Proxy::Options::overhear);
 
-    explicit Setting(const Weather& weather = {}, std::uint64_t seed = 1, Keyed keyed = Keyed::yes,
+    explicit Setting(const NetworkProfile& profile = {}, std::uint64_t seed = 1, Keyed keyed = Keyed::yes,
                      Overhear overhear = {})
         : here_(hosts_of(keyed), TwoHosts::Host::client),
           key_(keyed == Keyed::yes ? ring_.add("remote", Role::control) : ""),
           bridge_(start_bridge(keyed)),
           bridge(*bridge_),
-          proxy(options(weather, seed, keyed, std::move(overhear))) {
+          proxy(options(profile, seed, keyed, std::move(overhear))) {
         local_ = std::make_unique<Client>(Client::connect("knurl:default", {.name = "watcher", .wait = 20s}));
         watcher_ = std::make_unique<Observer>(local_->observe());
     }
@@ -124,13 +124,14 @@ class Setting {
         return std::make_unique<BridgeProcess>(std::vector<std::string>{"--keys", ring_.file()},
                                                on.address(TwoHosts::Host::server) + ":0");
     }
-    Proxy::Options options(const Weather& weather, std::uint64_t seed, Keyed keyed, Overhear overhear) const {
+    Proxy::Options options(const NetworkProfile& profile, std::uint64_t seed, Keyed keyed,
+                           Overhear overhear) const {
         Proxy::Options o;
         o.to = hosts_of(keyed).address(TwoHosts::Host::server);
         o.to_port = bridge.port();
         o.overhear = std::move(overhear);
         o.seed = seed;
-        o.weather = weather;
+        o.profile = profile;
         return o;
     }
 
@@ -156,10 +157,10 @@ inline ConstantForce along_x(double x) {
 
 /// A remote application that holds a force, armed and in full effect.
 struct Remote {
-    Remote(Setting& setting, const ConstantForce& first, const Use& use = {})
+    Remote(Setting& setting, const ConstantForce& first, const AddOptions& options = {})
         : client(setting.remote()),
           hand(client.claim("", {.update_interval = 20ms})),
-          force(hand.add(first, use)) {
+          force(hand.add(first, options)) {
         hand.arm();
         setting.pass_until(
             [&] { return setting.state == DeviceState::active && setting.felt() == first.force.x; },
@@ -173,7 +174,7 @@ struct Remote {
 
     Client client;
     Claim hand;
-    Representing<ConstantForce> force;
+    Handle<ConstantForce> force;
 };
 
 }  // namespace knurl::bridge::test

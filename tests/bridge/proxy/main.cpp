@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
         "Carries one TCP and UDP port to another host's, badly: loses, delays, reorders, doubles, cuts.");
     Proxy::Options options;
     double cut_after = 0, cut_for = 0;
-    Weather& w = options.weather;
+    NetworkProfile& w = options.profile;
     app.option("--listen", options.listen, "IPv4 address").shows_default();
     app.option("--port", options.port, "port; 0: any").shows_default();
     app.option("--to", options.to, "the server's IPv4 address").shows_default();

@@ -113,7 +113,7 @@ struct Proxy::Impl {
     Clock::time_point start = Clock::now();
 
     mutable std::mutex mutex;  // what the other thread may ask for or see
-    Weather weather;
+    NetworkProfile profile;
     Counts counts;
     bool is_cut = false, hang_up = false, stop = false;
 
@@ -141,7 +141,7 @@ Proxy::Proxy(const Options& options) : impl_(std::make_unique<Impl>()) {
     self.to = address_of(options.to, options.to_port);
     self.seed = options.seed;
     self.overhear = options.overhear;
-    self.weather = options.weather;
+    self.profile = options.profile;
     // A port that is free for TCP may be taken for UDP: if any will do, the next one may be free for both.
     for (int tries = options.port == 0 ? 16 : 1; tries > 0 && !self.udp; --tries) {
         sockaddr_in here = address_of(options.listen, options.port);
@@ -169,9 +169,9 @@ Proxy::~Proxy() {
 std::uint16_t Proxy::port() const noexcept {
     return impl_->port;
 }
-void Proxy::set(const Weather& weather) {
+void Proxy::set(const NetworkProfile& profile) {
     const std::lock_guard lock(impl_->mutex);
-    impl_->weather = weather;
+    impl_->profile = profile;
 }
 void Proxy::cut() {
     const std::lock_guard lock(impl_->mutex);
@@ -288,7 +288,7 @@ void Proxy::Impl::take(Way way, std::uint32_t flow, const char* bytes, std::size
     const double at = now();
     if (overhear) overhear(way, At::entry, {bytes, size});
     // The n-th datagram keeps its fate across a cut.
-    const Fate fate = fate_of(weather, seed, way, flow, flows[flow].seen[w]++, at);
+    const Fate fate = fate_of(profile, seed, way, flow, flows[flow].seen[w]++, at);
     ++counts.datagrams[w];
     // A sum: the ways' datagrams come in any order.
     counts.fates += (flows[flow].seen[w] * 2 + w + 1) * (static_cast<std::uint64_t>(fate.copies) + 1);
@@ -355,7 +355,7 @@ bool Proxy::Impl::read(Connection& c, Way way) {
         bytes.resize(static_cast<std::size_t>(got));
         const double at = now();
         const double due =
-            std::max(stream.last_due, at + stream_delay(weather, seed, way, c.flow, stream.seen++, at));
+            std::max(stream.last_due, at + stream_delay(profile, seed, way, c.flow, stream.seen++, at));
         stream.last_due = due;
         stream.waiting += bytes.size();
         stream.pieces.push_back({.due = due, .bytes = std::move(bytes)});

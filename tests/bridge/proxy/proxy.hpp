@@ -1,6 +1,6 @@
 #pragma once
 // A network in user space between a client and a server: one TCP and one UDP port of the same number, carried
-// to the server's with the weather of a seed. In a thread of its own.
+// to the server's with a network profile and a seed. In a thread of its own.
 
 #include <cstdint>
 #include <functional>
@@ -8,13 +8,13 @@
 #include <span>
 #include <string>
 
-#include "weather.hpp"
+#include "network_profile.hpp"
 
 namespace knurl::bridge::proxy {
 
 struct Counts {
     std::uint64_t datagrams[2] = {};  // that came in, by way
-    std::uint64_t lost[2] = {};       // by weather or by a cut
+    std::uint64_t lost[2] = {};       // by the profile or by a cut
     std::uint64_t doubled[2] = {};
     std::uint64_t delivered[2] = {};
     std::uint64_t connections = 0;  // TCP, so far
@@ -30,7 +30,7 @@ class Proxy {
         std::string to = "127.0.0.1";      // IPv4
         std::uint16_t to_port = 0;
         std::uint64_t seed = 1;
-        Weather weather;
+        NetworkProfile profile;
         /// Each datagram, in the proxy's thread: as it comes in, before its fate, and each copy as it goes
         /// out.
         std::function<void(Way, At, std::span<const char>)> overhear{};
@@ -42,7 +42,7 @@ class Proxy {
     Proxy& operator=(const Proxy&) = delete;
 
     std::uint16_t port() const noexcept;
-    void set(const Weather& weather);  // from now on
+    void set(const NetworkProfile& profile);  // from now on
     /// The cable is out: datagrams are lost, streams stand still, nobody is told. Until heal().
     void cut();
     void heal();

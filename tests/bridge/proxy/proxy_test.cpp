@@ -26,8 +26,8 @@ using test::dial;
 using test::loopback;
 using test::port_of;
 
-TEST(Weather, IsTheSameForTheSameSeedWhateverIsAskedInBetween) {
-    const Weather bad{
+TEST(NetworkProfile, IsTheSameForTheSameSeedWhateverIsAskedInBetween) {
+    const NetworkProfile bad{
         .loss = 0.3, .duplicate = 0.2, .reorder = 0.2, .delay = 0.05, .jitter = 0.1, .swing = 0.1};
     for (std::uint64_t n = 0; n < 1000; ++n) {
         const double now = 0.001 * static_cast<double>(n);
@@ -37,8 +37,8 @@ TEST(Weather, IsTheSameForTheSameSeedWhateverIsAskedInBetween) {
     }
 }
 
-TEST(Weather, DiffersBySeedWayAndFlow) {
-    const Weather half{.loss = 0.5};
+TEST(NetworkProfile, DiffersBySeedWayAndFlow) {
+    const NetworkProfile half{.loss = 0.5};
     const auto pattern = [&](std::uint64_t seed, Way way, std::uint32_t flow) {
         std::string s;
         for (std::uint64_t n = 0; n < 64; ++n)
@@ -50,8 +50,8 @@ TEST(Weather, DiffersBySeedWayAndFlow) {
     EXPECT_NE(pattern(1, Way::forth, 0), pattern(1, Way::forth, 1));
 }
 
-TEST(Weather, KeepsItsRatesAndRanges) {
-    const Weather bad{.loss = 0.3, .duplicate = 0.1, .delay = 0.05, .jitter = 0.02, .swing = 0.1};
+TEST(NetworkProfile, KeepsItsRatesAndRanges) {
+    const NetworkProfile bad{.loss = 0.3, .duplicate = 0.1, .delay = 0.05, .jitter = 0.02, .swing = 0.1};
     double lost = 0, doubled = 0, least = 1, most = 0;
     constexpr int n = 100'000;
     for (int i = 0; i < n; ++i) {
@@ -69,8 +69,8 @@ TEST(Weather, KeepsItsRatesAndRanges) {
     EXPECT_NEAR(most, 0.17, 0.01);
 }
 
-TEST(Weather, SwingsWithoutJumps) {
-    const Weather swing{.swing = 0.2, .swing_period = 0.1};
+TEST(NetworkProfile, SwingsWithoutJumps) {
+    const NetworkProfile swing{.swing = 0.2, .swing_period = 0.1};
     double last = fate_of(swing, 1, Way::forth, 0, 0, 0).delays[0];
     for (std::uint64_t i = 1; i < 5000; ++i) {
         const double delay = fate_of(swing, 1, Way::forth, 0, i, 0.001 * static_cast<double>(i)).delays[0];
@@ -79,8 +79,8 @@ TEST(Weather, SwingsWithoutJumps) {
     }
 }
 
-TEST(Weather, LosesNothingOfAStream) {
-    const Weather bad{.loss = 0.5, .delay = 0.1};
+TEST(NetworkProfile, LosesNothingOfAStream) {
+    const NetworkProfile bad{.loss = 0.5, .delay = 0.1};
     for (std::uint64_t n = 0; n < 100; ++n) {
         const double delay = stream_delay(bad, 1, Way::forth, 0, n, 0);
         EXPECT_TRUE(std::abs(delay - 0.1) < 1e-9 || std::abs(delay - 0.31) < 1e-9) << delay;
@@ -89,13 +89,13 @@ TEST(Weather, LosesNothingOfAStream) {
 
 /// A server with both sockets, the proxy, and a client of it.
 struct Wire {
-    explicit Wire(const Weather& weather, std::uint64_t seed = 1)
+    explicit Wire(const NetworkProfile& profile, std::uint64_t seed = 1)
         : tcp(bound(SOCK_STREAM)), udp(bound(SOCK_DGRAM, port_of(tcp))), proxy([&] {
               ::listen(tcp.get(), 4);
               Proxy::Options options;
               options.to_port = port_of(tcp);
               options.seed = seed;
-              options.weather = weather;
+              options.profile = profile;
               return options;
           }()) {
         const sockaddr_in to = loopback(proxy.port());
@@ -125,7 +125,7 @@ struct Wire {
 };
 
 TEST(Proxy, CarriesDatagramsBothWays) {
-    Wire wire(Weather{});
+    Wire wire(NetworkProfile{});
     wire.send(42);
     EXPECT_EQ(wire.received(1), (std::vector<int>{42}));
     const int answer = 43;
@@ -138,7 +138,7 @@ TEST(Proxy, CarriesDatagramsBothWays) {
 }
 
 TEST(Proxy, LosesAndDoublesTheSameOnesInEveryRun) {
-    const Weather bad{.loss = 0.3, .duplicate = 0.2};
+    const NetworkProfile bad{.loss = 0.3, .duplicate = 0.2};
     std::size_t expected = 0;
     for (std::uint64_t n = 0; n < 200; ++n)
         expected += static_cast<std::size_t>(fate_of(bad, 5, Way::forth, 0, n, 0).copies);
@@ -156,7 +156,7 @@ TEST(Proxy, LosesAndDoublesTheSameOnesInEveryRun) {
 }
 
 TEST(Proxy, ReordersDatagrams) {
-    Wire wire(Weather{.reorder = 0.3, .held = 0.05});
+    Wire wire(NetworkProfile{.reorder = 0.3, .held = 0.05});
     for (int n = 0; n < 100; ++n) wire.send(n);
     const std::vector<int> all = wire.received(100);
     EXPECT_EQ(all.size(), 100u);
@@ -164,7 +164,7 @@ TEST(Proxy, ReordersDatagrams) {
 }
 
 TEST(Proxy, ACutLosesDatagramsAndTellsNobody) {
-    Wire wire(Weather{});
+    Wire wire(NetworkProfile{});
     wire.send(1);
     EXPECT_EQ(wire.received(1).size(), 1u);
     wire.proxy.cut();
@@ -177,7 +177,7 @@ TEST(Proxy, ACutLosesDatagramsAndTellsNobody) {
 }
 
 TEST(Proxy, AStreamArrivesWholeInOrderHoweverBadTheNetwork) {
-    Wire wire(Weather{.loss = 0.3, .reorder = 0.3, .delay = 0.001, .jitter = 0.005});
+    Wire wire(NetworkProfile{.loss = 0.3, .reorder = 0.3, .delay = 0.001, .jitter = 0.005});
     const UniqueFd client = dial(wire.proxy.port(), SOCK_STREAM);
     UniqueFd server(::accept(wire.tcp.get(), nullptr, nullptr));
     std::string sent, got;
@@ -194,7 +194,7 @@ TEST(Proxy, AStreamArrivesWholeInOrderHoweverBadTheNetwork) {
 }
 
 TEST(Proxy, AHangUpResetsStreams) {
-    Wire wire(Weather{});
+    Wire wire(NetworkProfile{});
     const UniqueFd client = dial(wire.proxy.port(), SOCK_STREAM);
     UniqueFd server(::accept(wire.tcp.get(), nullptr, nullptr));
     wire.proxy.hang_up();
@@ -204,7 +204,7 @@ TEST(Proxy, AHangUpResetsStreams) {
 }
 
 TEST(Proxy, AnAddressInUseIsOneLine) {
-    Wire wire(Weather{});
+    Wire wire(NetworkProfile{});
     Proxy::Options options;
     options.port = wire.proxy.port();
     options.to_port = 1;

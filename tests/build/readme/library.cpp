@@ -125,7 +125,7 @@ TEST(Readme, Rings) {
     const UniqueFd event = make_event();
     const int event_fd = event.get();
     Waker waker;
-    const std::array<Sleeper, 1> sleepers{{{flag, event_fd}}};
+    const std::array<WakeTarget, 1> sleepers{{{flag, event_fd}}};
     const auto use = [](const Report& read, std::uint64_t missed) {
         EXPECT_EQ(read.number, 7U);
         EXPECT_EQ(missed, 0U);

@@ -317,7 +317,7 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
     std::unique_ptr<client_test::ServoProcess> servo_;
     std::optional<Client> client_;
     std::optional<Claim> hand_;
-    std::optional<Representing<Plane>> floor_;
+    std::optional<Handle<Plane>> floor_;
     int steady_ = 0;  // of the strongest motor, in the device's unit, with the floor felt
 };
 

@@ -21,7 +21,7 @@ class TwoHandsOfOneApplication : public testing::TestWithParam<std::size_t> {
         const char *name, *port;
         std::shared_ptr<MotorModel> model = device.make();
         std::optional<Claim> claim = {};
-        std::optional<Representing<Plane>> floor = {};
+        std::optional<Handle<Plane>> floor = {};
         std::array<int, 3> steady = {};
     };
 

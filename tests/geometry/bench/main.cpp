@@ -56,7 +56,7 @@ std::vector<Hand> strokes_and_pokes() {
 }
 
 /// What the reference says of every cycle of every hand.
-using Truth = std::vector<std::vector<Felt>>;
+using Truth = std::vector<std::vector<ProxyPoint>>;
 Truth truth_of(const Relief& relief, const std::vector<Hand>& hands) {
     const exact::Surface surface(relief.shape.vertices, relief.shape.triangles);
     Truth all;
@@ -121,7 +121,7 @@ class Bench {
     void run_cold(const Methods& methods, const Truth& truth, std::size_t samples, std::vector<Seen>& all) {
         std::size_t touching = 0, seen = 0;
         for (const auto& hand : truth)
-            for (const Felt& felt : hand) touching += felt.touches;
+            for (const ProxyPoint& felt : hand) touching += felt.touches;
         const std::size_t every = std::max<std::size_t>(1, touching / samples);
         for (std::size_t h = 0; h < hands_.size(); ++h) {
             for (const auto& method : methods) method->begin(h, at(hands_[h], 0));
@@ -145,7 +145,7 @@ class Bench {
         std::vector<double> ns;
         for (int i = 0; i < samples; ++i) {
             const volatile char* where = &memory[(static_cast<std::size_t>(i) * 7919 * 4096) % bytes];
-            ns.push_back(cold([&] { return Felt{Vector3d::Zero(), *where != 0}; }));
+            ns.push_back(cold([&] { return ProxyPoint{Vector3d::Zero(), *where != 0}; }));
         }
         return ns;
     }
@@ -156,7 +156,7 @@ class Bench {
     template <class Do>
     double timed(Do&& cycle) {
         const std::uint64_t begin = measure::Stopwatch::begin();
-        const Felt felt = cycle();
+        const ProxyPoint felt = cycle();
         asm volatile("" : : "g"(&felt) : "memory");
         return watch_.nanoseconds(begin, measure::Stopwatch::end()) - watch_.empty_interval();
     }
@@ -179,12 +179,12 @@ class Bench {
         return best;
     }
 
-    void judge(Method& method, std::size_t h, const std::vector<Felt>& truth, Seen& seen) {
+    void judge(Method& method, std::size_t h, const std::vector<ProxyPoint>& truth, Seen& seen) {
         method.begin(h, at(hands_[h], 0));
         bool lost = false;
         for (std::size_t i = 0; i < truth.size(); ++i) {
             const Vector3d hand = at(hands_[h], i);
-            const Felt felt = method.step(hand);
+            const ProxyPoint felt = method.step(hand);
             if (felt.touches || truth[i].touches) seen.errors.push_back((felt.at - truth[i].at).norm());
             if (!truth[i].touches) lost = false;
             if (!truth[i].touches) continue;

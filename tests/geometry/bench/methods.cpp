@@ -18,7 +18,7 @@ class Walk : public Method {
   public:
     Walk(std::string called, const Asset& asset) : Method(std::move(called)), asset_(asset) {}
     void begin(std::size_t, const Vector3d&) override { proxy_ = {}; }
-    Felt step(const Vector3d& hand) override {
+    ProxyPoint step(const Vector3d& hand) override {
         Foot foot;
         Work work;
         const bool touches = follow(asset_, proxy_, hand, 0, foot, work);
@@ -36,7 +36,7 @@ class ActiveSet : public Method {
     explicit ActiveSet(const Mesh& mesh)
         : Method("active set"), data_(mesh.data()), surface_(data_, data_.faces.data(), data_.faces.size()) {}
     void begin(std::size_t, const Vector3d& first) override { at_ = detail::to_vec(first - data_.origin); }
-    Felt step(const Vector3d& hand) override {
+    ProxyPoint step(const Vector3d& hand) override {
         Work work;
         const detail::Held held = hold(surface_, at_, detail::to_vec(hand - data_.origin), work);
         at_ = held.at;
@@ -55,7 +55,7 @@ class EmbreePoint : public Method {
   public:
     explicit EmbreePoint(const Relief& relief) : Method("Embree point query"), scene_(relief.shape) {}
     void begin(std::size_t, const Vector3d&) override {}
-    Felt step(const Vector3d& hand) override {
+    ProxyPoint step(const Vector3d& hand) override {
         const EmbreeScene::Nearest nearest = scene_.nearest(hand);
         if (nearest.triangle == RTC_INVALID_GEOMETRY_ID) return {hand, false};
         const Vector3d point = nearest.point.cast<double>();
@@ -82,7 +82,7 @@ class InAScene : public Method {
         probe_ = {};
         probe_.position = first;
     }
-    Felt step(const Vector3d& hand) override {
+    ProxyPoint step(const Vector3d& hand) override {
         probe_.velocity = (hand - probe_.position) / LocalScene::period;
         probe_.smooth_velocity = probe_.velocity;
         probe_.position = hand;
@@ -103,7 +103,7 @@ class FromAnApplication : public Method {
         for (const Hand& hand : hands) said_.push_back(said_along(hand, mesh, how));
     }
     void begin(std::size_t hand, const Vector3d&) override { scene_.begin(said_[hand]); }
-    Felt step(const Vector3d& hand) override {
+    ProxyPoint step(const Vector3d& hand) override {
         const Vector3d force = scene_.next(hand);
         return {hand + force / LocalScene::stiffness, !force.isZero(0)};
     }

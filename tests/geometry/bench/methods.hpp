@@ -12,7 +12,7 @@
 namespace knurl::test {
 
 /// What holds the hand back, or the hand itself.
-struct Felt {
+struct ProxyPoint {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     bool touches = false;
 };
@@ -23,7 +23,7 @@ class Method {
     virtual ~Method() = default;
     /// A new hand, that of this number.
     virtual void begin(std::size_t hand, const Eigen::Vector3d& first) = 0;
-    virtual Felt step(const Eigen::Vector3d& hand) = 0;
+    virtual ProxyPoint step(const Eigen::Vector3d& hand) = 0;
 
     std::string name;
     double rate = 0;         // Hz, of the application; 0: none is asked

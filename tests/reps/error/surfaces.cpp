@@ -124,9 +124,9 @@ const R& part(const Answer& answer) {
 
 /// What runs the stroke cycle by cycle, for ever: at its end it starts anew.
 template <class R>
-class Felt {
+class StrokeRunner {
   public:
-    Felt(const std::vector<Cycle>& path, std::vector<Answer> said, double rate)
+    StrokeRunner(const std::vector<Cycle>& path, std::vector<Answer> said, double rate)
         : path_(&path),
           said_(std::move(said)),
           scene_({.representations = 4, .probes = 1}, {.max_force = strongest}) {
@@ -238,12 +238,15 @@ Panel surfaces(const measure::Stopwatch& watch) {
             const std::vector<Answer> late = answers(sine, path, rate, false),
                                       ahead = answers(sine, path, rate, true);
             add(panel, contenders, path, described("force held", false, held_is_stable(rate)), Held(late));
-            add(panel, contenders, path, described("plane"), Felt<Plane>(path, late, rate));
-            add(panel, contenders, path, described("plane, predicted"), Felt<Plane>(path, ahead, rate));
-            add(panel, contenders, path, described("sphere"), Felt<Sphere>(path, late, rate));
-            add(panel, contenders, path, described("sphere, predicted"), Felt<Sphere>(path, ahead, rate));
-            add(panel, contenders, path, described("cap"), Felt<Cap>(path, late, rate));
-            add(panel, contenders, path, described("cap, predicted", true), Felt<Cap>(path, ahead, rate));
+            add(panel, contenders, path, described("plane"), StrokeRunner<Plane>(path, late, rate));
+            add(panel, contenders, path, described("plane, predicted"),
+                StrokeRunner<Plane>(path, ahead, rate));
+            add(panel, contenders, path, described("sphere"), StrokeRunner<Sphere>(path, late, rate));
+            add(panel, contenders, path, described("sphere, predicted"),
+                StrokeRunner<Sphere>(path, ahead, rate));
+            add(panel, contenders, path, described("cap"), StrokeRunner<Cap>(path, late, rate));
+            add(panel, contenders, path, described("cap, predicted", true),
+                StrokeRunner<Cap>(path, ahead, rate));
             add(panel, contenders, path,
                 described("true surface in the servo", false, "needs the application's model there"),
                 True(sine, path));

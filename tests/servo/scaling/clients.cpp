@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::uint32_t room = 16;  // for representations, of a claim
 constexpr Plane floor_below{.offset = -0.1, .stiffness = 20};
-constexpr Use kept{.on_silence = OnSilence::hold};
+constexpr AddOptions kept{.on_silence = OnSilence::hold};
 
 /// Some applications; each with a plane out of reach, or with nothing.
 struct Crowd {
     Rig rig;
-    std::vector<Handle> planes;
+    std::vector<RepresentationId> planes;
     double offset = 0;
     std::uint64_t commits = 0;
 

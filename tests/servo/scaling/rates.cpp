@@ -18,20 +18,20 @@ struct Application {
     Rig rig;
     OfflineClaim& claim;
     Plane plane{.offset = 1, .stiffness = 20};
-    Handle handle;
+    RepresentationId id;
 
     Application(double rate, double settling)
-        : rig(rate), claim(rig.claim(16)), handle(claim.add(plane, kept())) {
+        : rig(rate), claim(rig.claim(16)), id(claim.add(plane, kept())) {
         rig.settle(settling);
     }
     void update() {
         plane.offset = plane.offset > 1 ? 1 : 1 + 1e-4;
-        claim.update(handle, plane);
+        claim.update(id, plane);
         claim.commit();
     }
 
   private:
-    static Use kept() { return {.on_silence = OnSilence::hold}; }
+    static AddOptions kept() { return {.on_silence = OnSilence::hold}; }
 };
 
 }  // namespace

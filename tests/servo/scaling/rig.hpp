@@ -48,7 +48,7 @@ class Rig {
     void step() {
         now_ += static_cast<Nanoseconds>(1e9 / rate_);
         servo_.step(now_, now_);
-        waker_.wake(servo_.sleepers());
+        waker_.wake(servo_.wake_targets());
     }
     /// After 0.5 s changes are in force, and who holds nothing has gone quiet; after 4 s who says nothing
     /// counts as silent.
@@ -59,7 +59,7 @@ class Rig {
     const std::vector<std::unique_ptr<OfflineClaim>>& claims() const { return claims_; }
     const shm::Segment& memory() const { return memory_; }
     const Report& last() const { return servo_.last(); }
-    void record(Tape* tape) { servo_.record(tape); }
+    void record(InputLog* input_log) { servo_.record(input_log); }
     bool touching() const { return (servo_.last().flags & report_flags::touching) != 0; }
     std::uint64_t batches_taken() const {
         const shm::CountersReader counters(memory_.data() + protocol::device_layout().counters,

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <stdexcept>
 
-#include <knurl/servo/tape.hpp>
+#include <knurl/servo/input_log.hpp>
 
 #include "goals.hpp"
 #include "rig.hpp"
@@ -80,7 +80,7 @@ class Pressed {
     Rig rig_;
     OfflineClaim& claim_;
     Plane params_{.offset = 1, .stiffness = 20};
-    Handle plane_;
+    RepresentationId plane_;
 };
 
 double median(std::vector<double> values) {
@@ -109,9 +109,9 @@ std::vector<Judged> watching(Lab& lab) {
         // Anew for each block: where in memory all of it happens to lie makes a difference of a per cent.
         Pressed plain(settling), counted(settling), reported(settling), recorded(settling);
         Second second;
-        OfflineMemory memory(tape_bytes);
-        Tape tape(memory.data(), {});
-        recorded.rig().record(&tape);
+        OfflineMemory memory(input_log_bytes);
+        InputLog input_log(memory.data(), {});
+        recorded.rig().record(&input_log);
         const std::array<std::function<double()>, sides_size> sides = {
             [&] { return plain.sample([] {}); },
             [&] { return counted.sample([&] { second.count(counted.rig().last().cycle); }); },
@@ -127,7 +127,7 @@ std::vector<Judged> watching(Lab& lab) {
             }
         }
         for (std::size_t side = 0; side < sides_size; ++side) blocks[side].push_back(median(taken[side]));
-        if (Tape::written(memory.data()) < static_cast<std::uint64_t>(samples) * cycles)
+        if (InputLog::written(memory.data()) < static_cast<std::uint64_t>(samples) * cycles)
             throw std::runtime_error("watching: nothing was recorded");
     }
 

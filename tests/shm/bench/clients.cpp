@@ -37,7 +37,7 @@ struct Client {
 struct Ends {
     std::vector<TripleReader> batches;
     std::vector<SpscConsumer> rings;
-    std::vector<Sleeper> sleepers;
+    std::vector<WakeTarget> sleepers;
 
     explicit Ends(std::vector<Client>& clients) {
         for (Client& client : clients) {

@@ -79,7 +79,7 @@ std::vector<Result> publishing(const Place& place, const Stopwatch& clock) {
     };
     const auto publish = [&](const Message& message) { ring.writer.publish(&message); };
     WaiterFlag flag;
-    const Sleeper sleepers[] = {{.flag = &flag}};
+    const WakeTarget sleepers[] = {{.flag = &flag}};
     bool waited_for = false;
     const auto publish_and_look = [&](const Message& message) {
         ring.writer.publish(&message);

@@ -24,7 +24,7 @@ double now() {
 struct Sleepers {
     std::vector<WaiterFlag> flags;
     std::vector<UniqueFd> events;
-    std::vector<Sleeper> views;
+    std::vector<WakeTarget> views;
 
     Sleepers(std::size_t n, Waker& waker) : flags(n) {
         for (WaiterFlag& flag : flags) {

@@ -90,7 +90,7 @@ TEST(WaiterModel, WrongTwinNoPublisherFence) {
 
 /// A client at rest sends twice; the servo looks at its ring only when its word has changed.
 template <class Orders>
-struct AtRest : rl::test_suite<AtRest<Orders>, 2> {
+struct Asleep : rl::test_suite<Asleep<Orders>, 2> {
     static constexpr std::uint32_t cells = 2;
 
     Word tail, head, sent;
@@ -144,14 +144,14 @@ struct RelaxedSeeSent : SentOrders {
     static constexpr auto see = std::memory_order::relaxed;
 };
 
-TEST(RestModel, NothingThatAClientCountsIsOverlooked) {
-    expect_holds<AtRest<SentOrders>>();
+TEST(SleepModel, NothingThatAClientCountsIsOverlooked) {
+    expect_holds<Asleep<SentOrders>>();
 }
-TEST(RestModel, WrongTwinRelaxedPublishSent) {
-    expect_found_wrong<AtRest<RelaxedPublishSent>>();
+TEST(SleepModel, WrongTwinRelaxedPublishSent) {
+    expect_found_wrong<Asleep<RelaxedPublishSent>>();
 }
-TEST(RestModel, WrongTwinRelaxedSeeSent) {
-    expect_found_wrong<AtRest<RelaxedSeeSent>>();
+TEST(SleepModel, WrongTwinRelaxedSeeSent) {
+    expect_found_wrong<Asleep<RelaxedSeeSent>>();
 }
 
 }  // namespace

@@ -163,14 +163,14 @@ class ReportRing final : public Transport {
     }
     void send(const Message& message) override {
         writer_.publish(&message);
-        const Sleeper one[] = {sleeper(by_ == WokenBy::servo ? event_.get() : -1)};
+        const WakeTarget one[] = {sleeper(by_ == WokenBy::servo ? event_.get() : -1)};
         waker_.wake(one);
     }
 
   private:
     static constexpr std::uint32_t slots = 4096;
     WaiterFlag* flag() { return reinterpret_cast<WaiterFlag*>(segment_.data()); }
-    Sleeper sleeper(int event) { return {.flag = flag(), .event_fd = event}; }
+    WakeTarget sleeper(int event) { return {.flag = flag(), .event_fd = event}; }
 
     WokenBy by_;
     Place place_;

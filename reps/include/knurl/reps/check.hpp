@@ -1,7 +1,7 @@
 #pragma once
-// Whether a change makes sense, asked in one place by all who have to know: the application's library before it
-// sends, the servo before it believes, a scene before it changes, a scene file before it is played. Each refusal
-// has one sentence (describe.hpp). Nothing here allocates.
+// Whether a change makes sense, decided in one place for all who have to know: the application's library
+// before it sends, the servo before it believes, a scene before it changes, a scene file before it is played.
+// Each refusal has one sentence (describe.hpp). Nothing here allocates.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,23 +12,23 @@
 namespace knurl {
 
 // How a representation is used and where a probe is placed have tables of fields, as parameters have. A Verdict
-// counts their rows from Verdict::of_use and Verdict::of_placement.
+// counts their rows from Verdict::of_options and Verdict::of_placement.
 
 inline constexpr std::string_view silence_names[] = {"fade", "hold", "move"};  // of OnSilence
 
 template <>
-struct Describe<Use> {
+struct Describe<AddOptions> {
     static constexpr Field fields[] = {
         {.name = "probe",
          .type = Field::Type::integer,
-         .offset = offsetof(Use, probe),
+         .offset = offsetof(AddOptions, probe),
          .meaning = "which probe it acts on",
          .minimum = 0,
          .maximum = max_probes - 1},
-        choice_row("on_silence", offsetof(Use, on_silence), "what it does when its application falls silent",
-                   silence_names),
+        choice_row("on_silence", offsetof(AddOptions, on_silence),
+                   "what it does when its application falls silent", silence_names),
         {.name = "silence_time",
-         .offset = offsetof(Use, silence_time),
+         .offset = offsetof(AddOptions, silence_time),
          .unit = "s",
          .meaning = "for how long `move` goes on",
          .minimum = 0},
@@ -49,34 +49,32 @@ struct Describe<ProbePlacement> {
 /// Kind, size, fields, contradictions.
 Verdict check_parameters(Kind kind, const void* params, std::size_t bytes) noexcept;
 /// `probes`: that there are, at most max_probes.
-Verdict check_use(const Use& use, std::uint32_t probes = max_probes) noexcept;
+Verdict check_options(const AddOptions& options, std::uint32_t probes = max_probes) noexcept;
 Verdict check_placement(std::uint32_t probe, const ProbePlacement& placement,
                         std::uint32_t probes = max_probes) noexcept;
 /// A representation that is to be added: its use, then its parameters.
-Verdict check_added(Kind kind, const void* params, std::size_t bytes, const Use& use,
+Verdict check_added(Kind kind, const void* params, std::size_t bytes, const AddOptions& options,
                     std::uint32_t probes = max_probes) noexcept;
 
 // The slots are kept by whoever asks: an array of structs with `present` and `generation`.
 
 template <class Slots>
-bool names_one(Handle handle, const Slots& slots) noexcept {
-    return handle.slot < slots.size() && slots[handle.slot].present &&
-           slots[handle.slot].generation == handle.generation;
+bool names_one(RepresentationId id, const Slots& slots) noexcept {
+    return id.slot < slots.size() && slots[id.slot].present && slots[id.slot].generation == id.generation;
 }
 /// What is there is to be changed or removed.
 template <class Slots>
-Verdict check_named(Handle handle, const Slots& slots) noexcept {
-    if (names_one(handle, slots)) return {};
-    return {Verdict::Code::no_such_slot, Verdict::no_field, static_cast<double>(handle.slot)};
+Verdict check_named(RepresentationId id, const Slots& slots) noexcept {
+    if (names_one(id, slots)) return {};
+    return {Verdict::Code::no_such_slot, Verdict::no_field, static_cast<double>(id.slot)};
 }
 /// Something is to be added there.
 template <class Slots>
-Verdict check_vacant(Handle handle, const Slots& slots) noexcept {
+Verdict check_vacant(RepresentationId id, const Slots& slots) noexcept {
     using Code = Verdict::Code;
-    if (handle.slot >= slots.size())
+    if (id.slot >= slots.size())
         return {Code::too_many, Verdict::no_field, static_cast<double>(slots.size())};
-    if (slots[handle.slot].present)
-        return {Code::slot_in_use, Verdict::no_field, static_cast<double>(handle.slot)};
+    if (slots[id.slot].present) return {Code::slot_in_use, Verdict::no_field, static_cast<double>(id.slot)};
     return {};
 }
 

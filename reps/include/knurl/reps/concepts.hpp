@@ -120,18 +120,18 @@ consteval bool geometry_comes_first() {
 //       a surface that is one plane until it changes: scanned, not called. With void prepare_geometry(R&), the part of
 //       prepared() that its geometry has, an update of no more than that takes a shorter way
 //   std::optional<Bound> bound(const R&, const R::State&)
-//       a surface that is not asked where it is out of reach; without it, or without a value, it is asked in every
+//       a surface that is not evaluated where it is out of reach; without it, or without a value, it is evaluated in every
 //       cycle
 //   double clearance(const R&, const R::State&, const Probe&)
 //       a surface without an end, while it stands still: that far (m) the probe may go before it touches; 0 where it
 //       holds the probe. It changes by no more than the probe moves
 //   std::optional<Bound> bound(const R&)
-//       an effect that gives nothing where the probe's position is outside of that ball, whatever it remembers: there it is not asked, and no time
+//       an effect that gives nothing where the probe's position is outside of that ball, whatever it remembers: there it is not evaluated, and no time
 //       passes for it
 //   bool powerless(const R&)
-//       an effect that gives nothing anywhere, as its parameters stand, nor changes by itself: not asked
+//       an effect that gives nothing anywhere, as its parameters stand, nor changes by itself: not evaluated
 //   bool arrived(const R&, const R::State&)
-//       an effect that moves towards what it was told: asked until it has arrived, though it gives nothing, and through a
+//       an effect that moves towards what it was told: evaluated until it has arrived, though it gives nothing, and through a
 //       silence. All other time of an effect is the scene's to stop: in a silence through which it holds, and where
 //       one has taken it away, evaluate is called with dt = 0
 //   void out_of_reach(const R&, R::State&)
@@ -150,8 +150,8 @@ consteval bool geometry_comes_first() {
 //       beside lean(): in a layer of that stiffness (N/m) it holds the probe by another plane than its contact's, `out`
 //   R::turns
 //       a surface whose material moves differently from place to place: Contact::velocity counts, not R's. Its bound
-//       holds while it moves on: where it is out of reach it is not asked, and is put where it has come to before it is
-//       asked again
+//       holds while it moves on: where it is out of reach it is not evaluated, and is put where it has come to before it is
+//       evaluated again
 //   R::follows
 //       a surface that the proxy enters and leaves: contact() reads Probe::path (proxy_path.hpp)
 //   bool recovers_itself(const R&)

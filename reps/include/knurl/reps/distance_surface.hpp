@@ -5,7 +5,8 @@
 //   struct Cone { Vec3 apex; ...; Vec3 velocity; double stiffness; ...; Texture texture;  using State = MovingState; };
 //   SurfaceDistance distance(const Cone& cone, const Eigen::Vector3d& p, double radius) noexcept;
 //
-// It may have its own `prepared`, and whatever else concepts.hpp lists: with bound() it is not asked where it is out of reach.
+// It may have its own `prepared`, and whatever else concepts.hpp lists: with bound() it is not evaluated
+// where it is out of reach.
 
 #include <cstring>
 #include <type_traits>

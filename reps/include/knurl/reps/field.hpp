@@ -116,8 +116,8 @@ constexpr Field recovery_row(std::size_t offset) {
             .of_change = true};
 }
 
-/// The answer to a check. `field` is a row of the representation's table, or counted from `of_use` of Use's,
-/// or from `of_placement` of ProbePlacement's (check.hpp); `value` is the offending number.
+/// The answer to a check. `field` is a row of the representation's table, or counted from `of_options` of
+/// AddOptions', or from `of_placement` of ProbePlacement's (check.hpp); `value` is the offending number.
 struct Verdict {
     enum class Code : std::uint32_t {
         ok,
@@ -143,7 +143,7 @@ struct Verdict {
     // contradiction: the figure that `value` contradicts, in its unit; no_such_probe: the last that there is
     double against = 0;
 
-    static constexpr std::uint32_t no_field = 0xffffffff, of_use = 0x1000, of_placement = 0x2000;
+    static constexpr std::uint32_t no_field = 0xffffffff, of_options = 0x1000, of_placement = 0x2000;
     explicit operator bool() const noexcept { return code == Code::ok; }
 };
 

@@ -15,8 +15,8 @@
 //                │             │ not held:   leave, solve, look on from there
 //                └─────────────┘ neither: the proxy is at x, and a probe with a radius brushes what it overlaps
 //
-// A surface that is not flat (shape) has another plane where the proxy has come to: it says `turned`, and is asked and
-// solved again.
+// A surface that is not flat (shape) has another plane where the proxy has come to: it says `turned`, and is
+// evaluated and solved again.
 //
 // Touching is a gap or a step of `seam_of_size` of the surface's size at most: by so much it reaches sideways where
 // others hold the probe, and a proxy that lies so little behind its face has not gone through.
@@ -48,15 +48,15 @@ struct ProxyPath {
         brush,    // holds that, though it has not been entered
     };
     Stage stage = Stage::free;
-    bool first = true;    // it has not been asked in this cycle
-    bool passes = false;  // in `answer`: it is not asked again in this cycle
+    bool first = true;    // it has not been evaluated in this cycle
+    bool passes = false;  // in `answer`: it is not evaluated again in this cycle
     bool joined = false;  // another surface holds the probe too
     bool beside = false;  // there are other surfaces, or have been
     bool turns = true;    // in `look`: a surface that is not flat may answer by another plane from now on
     bool commits = true;  // else `overlap` leaves no trace
     // What they say.
     bool entered = false, left = false;
-    bool turned = false;  // in `look` a surface's plane has changed: it has to be asked and solved again
+    bool turned = false;  // in `look` a surface's plane has changed: it has to be evaluated and solved again
     bool holds = false;   // one that goes by the probe has been entered, and not left
     bool grazed =
         false;  // nothing held the probe, and it passed where one reaches if it touches another: at `graze`

@@ -12,18 +12,18 @@
 
 namespace knurl {
 
-/// Names one representation of a scene. A handle of an older generation names nothing any more.
-struct Handle {
+/// Names one representation of a scene. One of an older generation names nothing any more.
+struct RepresentationId {
     std::uint32_t slot = 0;
     std::uint32_t generation = 0;
-    friend bool operator==(Handle, Handle) = default;
+    friend bool operator==(RepresentationId, RepresentationId) = default;
 };
 
 /// What a representation does when its application falls silent.
 enum class OnSilence : std::uint32_t { fade = 0, hold = 1, move = 2 };
 
-/// How a representation is used, beside its own parameters; fixed when it is added.
-struct Use {
+/// Beside its own parameters: how a representation is used. Fixed when it is added.
+struct AddOptions {
     std::uint32_t probe = 0;  // which probe it acts on, 0-15
     OnSilence on_silence = OnSilence::fade;
     double silence_time = 0.1;   // s: `move` goes on for this time, then fades
@@ -40,7 +40,7 @@ struct FadePolicy {
 
 /// What the application learns of one representation each cycle.
 struct Feedback {
-    Handle handle;
+    RepresentationId id;
     // On the hand; the application's end feels the opposite; zero where it is not touched. Of a surface while
     // `fading` is set: its share in the new set, weighed as that is, though it be in the old one unchanged;
     // the force of the whole hand has no such gap. Of an effect it is all of it.
@@ -99,17 +99,18 @@ class Scene {
 
     // Changes. Each call checks first and changes nothing when it refuses. All changes made between two calls
     // of `evaluate` are one change of the set: they take effect together, in one cross-fade.
-    Verdict check_add(Handle handle, Kind kind, const void* params, std::size_t bytes,
-                      const Use& use) const noexcept;
-    Verdict add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use) noexcept;
+    Verdict check_add(RepresentationId id, Kind kind, const void* params, std::size_t bytes,
+                      const AddOptions& options) const noexcept;
+    Verdict add(RepresentationId id, Kind kind, const void* params, std::size_t bytes,
+                const AddOptions& options) noexcept;
     /// `bytes`: of all parameters, or of the geometry alone (KindInfo::geometry_bytes): then the rest stays as it
     /// is.
-    Verdict check_update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
-    Verdict update(Handle handle, Kind kind, const void* params, std::size_t bytes) noexcept;
+    Verdict check_update(RepresentationId id, Kind kind, const void* params, std::size_t bytes) noexcept;
+    Verdict update(RepresentationId id, Kind kind, const void* params, std::size_t bytes) noexcept;
     /// `update` of what check_update has accepted since the last add, update or remove: not checked again.
     /// All of a batch may be checked first; of several updates of one slot, all in the order of their checks.
-    void update_checked(Handle handle, const void* params, std::size_t bytes) noexcept;
-    Verdict remove(Handle handle) noexcept;
+    void update_checked(RepresentationId id, const void* params, std::size_t bytes) noexcept;
+    Verdict remove(RepresentationId id) noexcept;
     void clear() noexcept;  // removes all, at once, with no fade
 
     /// The changes made since the last `evaluate` are there from the start: taken at once, with no fade or
@@ -117,12 +118,12 @@ class Scene {
     void settle() noexcept;
 
     template <Listed R>
-    Verdict add(Handle handle, const R& params, const Use& use = {}) noexcept {
-        return add(handle, kind_of<R>, &params, sizeof params, use);
+    Verdict add(RepresentationId id, const R& params, const AddOptions& options = {}) noexcept {
+        return add(id, kind_of<R>, &params, sizeof params, options);
     }
     template <Listed R>
-    Verdict update(Handle handle, const R& params) noexcept {
-        return update(handle, kind_of<R>, &params, sizeof params);
+    Verdict update(RepresentationId id, const R& params) noexcept {
+        return update(id, kind_of<R>, &params, sizeof params);
     }
 
     /// What `asset = number` means (1 to max_assets) to the representations that are added or changed from
@@ -139,7 +140,8 @@ class Scene {
     /// From now on; of a HandBudget.
     void set_scales(const HandScales& scales) noexcept;
 
-    /// For how long the application has been silent (s); 0 or less: it is not. Acts through each Use.
+    /// For how long the application has been silent (s); 0 or less: it is not. Acts through
+    /// AddOptions::on_silence.
     void set_silence(double seconds) noexcept;
 
     /// The wrench on the hand, about the hand's position. `hand` is the device's tip in world coordinates;
@@ -150,11 +152,11 @@ class Scene {
     /// After `evaluate` and the feedback that is kept: nothing is felt, fades or moves, and so it stays while
     /// nothing is changed and the hand is nearer than this (m, world) to where it was then. 0: that cannot be
     /// said.
-    double still_within() const noexcept;
+    double sleep_radius() const noexcept;
     /// It was told of a change, or of a silence that begins or ends, which `evaluate` has not seen.
     bool changed() const noexcept;
     SceneTime time() const noexcept;
-    /// In place of so many calls of `evaluate`, in which time passed, while it was still: afterwards it is
+    /// In place of so many calls of `evaluate`, in which time passed, while it slept: afterwards it is
     /// `time`, and the last of them had this hand. The same bits as if they had been made.
     void pass(std::uint64_t cycles, const SceneTime& time, const Probe& hand) noexcept;
 

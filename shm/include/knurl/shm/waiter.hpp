@@ -101,7 +101,7 @@ class SentCount : public BasicSentCount<> {
 /// One who may sleep: its flag, and the descriptor that it sleeps on. Neither is owned. A client shares its
 /// descriptor, and could make writing to it block: whoever must never block has -1 there, unless the client
 /// could stop it anyway.
-struct Sleeper {
+struct WakeTarget {
     WaiterFlag* flag = nullptr;
     int event_fd = -1;
 };
@@ -111,11 +111,11 @@ struct Waiting {
     std::size_t count = 0;
     std::size_t last = 0;  // of those who do
 };
-inline Waiting who_waits(std::span<const Sleeper> sleepers) noexcept {
+inline Waiting who_waits(std::span<const WakeTarget> wake_targets) noexcept {
     fence_after_publish<>();
     Waiting found;
-    for (std::size_t i = 0; i < sleepers.size(); ++i) {
-        if (HardwareMemory::load(sleepers[i].flag->waiting, std::memory_order::relaxed) == 0) continue;
+    for (std::size_t i = 0; i < wake_targets.size(); ++i) {
+        if (HardwareMemory::load(wake_targets[i].flag->waiting, std::memory_order::relaxed) == 0) continue;
         ++found.count;
         found.last = i;
     }
@@ -167,13 +167,13 @@ class Waker {
 
     /// remove(flag) before unmapping the one or closing the other. Throws std::runtime_error when the table
     /// is full. Safe while the thread runs, never called by the servo's thread.
-    void add(const Sleeper& sleeper);
+    void add(const WakeTarget& wake_target);
     /// On return nobody touches the flag or the descriptor any more. Unknown flags are ignored.
     void remove(const WaiterFlag* flag) noexcept;
 
     /// From the servo's thread, after publishing: wakes whoever of these waits, with one system call at most,
     /// no lock, no allocation. Those without a descriptor are left to the thread. How many did wait.
-    std::size_t wake(std::span<const Sleeper> sleepers) noexcept;
+    std::size_t wake(std::span<const WakeTarget> wake_targets) noexcept;
     /// The thread will look through its table: a futex wake at most.
     void poke() noexcept;
 

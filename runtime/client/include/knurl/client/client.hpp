@@ -90,7 +90,7 @@ struct Timing {
 };
 
 /// What the hand and the application's end feel of one representation.
-struct Felt {
+struct HandFeedback {
     // On the hand, N and N m; the application's end feels the opposite. Of a surface while a change on its
     // probe (any surface's) is cross-faded, Feedback::fading: its share in what is faded in, from nothing to
     // all of it; what fades out is told of nobody. A simulation that is pushed by it sends `recovery = 0`, or
@@ -118,7 +118,7 @@ class Reader;       // reports of one device
 }  // namespace detail
 
 template <Listed R>
-class Representing;
+class Handle;
 
 /// Reads the reports of a device without holding it. Copies share one position in the stream.
 class Observer {
@@ -166,8 +166,8 @@ class Claim : public Observer {
 
     /// Adds a representation; in force from the next cycle on. Bad parameters throw here.
     template <Listed R>
-    Representing<R> add(const R& params, const Use& use = {}) {
-        return Representing<R>(state_, add_raw(kind_of<R>, &params, sizeof params, use));
+    Handle<R> add(const R& params, const AddOptions& options = {}) {
+        return Handle<R>(state_, add_raw(kind_of<R>, &params, sizeof params, options));
     }
     /// All commands issued inside `changes` take effect in one cycle, or none does. If `changes` throws,
     /// nothing is sent. commit() has no place inside.
@@ -208,37 +208,38 @@ class Claim : public Observer {
     bool wait_applied(std::uint64_t number, std::chrono::nanoseconds timeout);
 
   private:
-    Handle add_raw(Kind kind, const void* params, std::size_t bytes, const Use& use);
+    RepresentationId add_raw(Kind kind, const void* params, std::size_t bytes, const AddOptions& options);
     std::shared_ptr<detail::ClaimState> state_;
 };
 
 /// A handle on one representation of a claim. Copies name the same one.
-class AnyRepresenting {
+class AnyHandle {
   public:
     void remove();
-    std::optional<Felt> felt() const;  // in the newest cycle; none before the servo has evaluated it
+    /// In the newest cycle; none before the servo has evaluated it.
+    std::optional<HandFeedback> feedback() const;
     /// N/m, after clamping to what the device allows; none before the servo has answered (one cycle after
     /// add).
     std::optional<double> applied_stiffness() const;
-    Handle handle() const { return handle_; }
+    RepresentationId id() const { return id_; }
 
   protected:
-    AnyRepresenting(std::shared_ptr<detail::ClaimState> state, Handle handle, Kind kind)
-        : state_(std::move(state)), handle_(handle), kind_(kind) {}
+    AnyHandle(std::shared_ptr<detail::ClaimState> state, RepresentationId id, Kind kind)
+        : state_(std::move(state)), id_(id), kind_(kind) {}
     void set_raw(const void* params, std::size_t bytes);
     void get_raw(void* params, std::size_t bytes) const;
     Followed follow_raw(const SurfaceModel& model);
 
     std::shared_ptr<detail::ClaimState> state_;
-    Handle handle_;
+    RepresentationId id_;
     Kind kind_;
 };
 
 template <Listed R>
-class Representing : public AnyRepresenting {
+class Handle : public AnyHandle {
   public:
-    Representing(std::shared_ptr<detail::ClaimState> state, Handle handle)
-        : AnyRepresenting(std::move(state), handle, kind_of<R>) {}
+    Handle(std::shared_ptr<detail::ClaimState> state, RepresentationId id)
+        : AnyHandle(std::move(state), id, kind_of<R>) {}
 
     /// New parameters; sent with the next commit. Bad ones throw here and change nothing.
     void set(const R& params) { set_raw(&params, sizeof params); }
@@ -251,8 +252,8 @@ class Representing : public AnyRepresenting {
     /// unchecked prediction can push a hand through a plate) and sets it: a plane as the tangent plane, a cap
     /// with the curvatures that the model tells, too. In a concave corner it adds the other sides as
     /// representations of its own, with the same parameters, and parks them out of reach when they are not
-    /// needed; they count among the claim's, and felt() has the sum of all. Set by hand or removed, this one
-    /// takes them along. What is returned says how it went; without any face: there is no report yet.
+    /// needed; they count among the claim's, and feedback() has the sum of all. Set by hand or removed, this
+    /// one takes them along. What is returned says how it went; without any face: there is no report yet.
     Followed follow(const SurfaceModel& model) requires(std::same_as<R, Plane> || std::same_as<R, Cap>) {
         return follow_raw(model);
     }

@@ -7,7 +7,7 @@
 //     coupling.hold(body.position, report.position);
 //     while (simulation.runs()) {
 //         for (auto report = hand.next_report(1ms); report; report = hand.next_report(0ms))
-//             coupling.feel(*report, spring.felt());
+//             coupling.feel(*report, spring.feedback());
 //         if (auto frame = simulation.frame()) body.push(coupling.frame(frame->position, now()));
 //         if (coupling.watch(now()) == knurl::Coupling::State::stopped) body.push({});
 //         spring.set(coupling.spring());
@@ -90,7 +90,7 @@ class Coupling {
     void bound(double greatest_force) { options_.greatest_force = greatest_force; }
     /// A cycle of the servo, and what was felt of the spring; of two different cycles nothing is taken.
     /// `attach`: as in Spring.
-    void feel(const Report& report, const std::optional<Felt>& felt, const Vec3& attach = {});
+    void feel(const Report& report, const std::optional<HandFeedback>& feedback, const Vec3& attach = {});
     /// A frame: the body is there. What to push it with from now on, in the simulation's units. `now`: s, of
     /// any clock that watch() is asked by as well. Throws knurl::Error for a place that is no number.
     Vec3 frame(const Vec3& body, double now);
@@ -99,7 +99,7 @@ class Coupling {
     /// To be called before each spring(), also while nothing is held: the spring's end then goes with the
     /// hand.
     State watch(double now);
-    /// For Representing<Spring>::set.
+    /// For Handle<Spring>::set.
     Spring spring() const;
 
     Vec3 to_hand(const Vec3& body) const;  // places

@@ -10,7 +10,7 @@
 //                      <-      Claimed + {claim segment, event descriptor}, or Refused
 //   Release            ->      (or hang-up)
 //   RecordRequest      ->
-//                      <-      Recording + {tape}, or Refused; until the hang-up
+//                      <-      Recording + {input log}, or Refused; until the hang-up
 //                      <-      RecordedAsset + {source}, for each that a claim gets
 
 #include <cstdint>
@@ -117,7 +117,7 @@ struct RecordRequest {
     std::uint32_t reserved = 0;
 };
 
-/// With it comes the tape's memory (knurl/servo/tape.hpp), which cannot be written.
+/// With it comes the input log's memory (knurl/servo/input_log.hpp), which cannot be written.
 struct Recording {
     MessageHeader header{.type = MessageType::recording};
     std::uint64_t from = 0;  // the slot to begin with

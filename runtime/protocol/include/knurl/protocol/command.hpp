@@ -39,14 +39,14 @@ struct CommandHeader {
 };
 
 struct AddBody {
-    Handle handle;
+    RepresentationId id;
     Kind kind = 0;
     std::uint32_t reserved = 0;
-    Use use;
+    AddOptions options;
 };
 
 struct RemoveBody {
-    Handle handle;
+    RepresentationId id;
 };
 
 struct PlaceProbeBody {
@@ -61,7 +61,7 @@ struct Reply {
     std::uint32_t code = 0;     // Verdict::Code
     std::uint32_t field = 0;
     double value = 0;
-    std::uint32_t reason = 0;      // code refused: Refusal; contradiction: which of the kind's
+    std::uint32_t reason = 0;      // code refused: RefusalReason; contradiction: which of the kind's
     std::uint32_t kind = 0;        // of the representation, for the sentence
     double applied_stiffness = 0;  // N/m: of an `add`, after clamping
     double against = 0;            // Verdict::against
@@ -75,7 +75,7 @@ inline Verdict verdict_of(const Reply& reply) noexcept {
 }
 
 /// Why the device's state forbids a command.
-enum class Refusal : std::uint32_t {
+enum class RefusalReason : std::uint32_t {
     none = 0,
     not_calibrated,  // home the device first
     in_fault,        // reset it first; value: the fault mask
@@ -100,7 +100,7 @@ struct BatchHeader {
 };
 
 struct EntryHeader {
-    Handle handle;
+    RepresentationId id;
     Kind kind = 0;
     std::uint32_t bytes = 0;  // of parameters, before padding: all, or KindInfo::geometry_bytes of them
     // Of these parameters: an entry may arrive twice. Of two for one representation in a batch the last
@@ -159,7 +159,7 @@ inline Verdict verdict_of(const FeedbackHeader& header) noexcept {
 }
 
 struct FeedbackEntry {
-    Handle handle;
+    RepresentationId id;
     Vec3 force;                       // N on the hand
     Vec3 torque;                      // N m
     Vec3 contact_point;               // m; of what is not touched: the probe, when the rest last changed

@@ -45,7 +45,7 @@ struct Change {
     Type type = Type::add;
     std::uint32_t item = 0;  // which representation: 0, 1, ... in the order in which they are added
     Kind kind = 0;
-    Use use;
+    AddOptions options;
     // kinds()[kind].size bytes; of a removal, those it had, but for a recovery that the removal states
     std::vector<std::byte> params;
     std::string id;  // as in the file, or made up from kind and line

@@ -1,6 +1,6 @@
 #pragma once
 // From what an application sent to what a servo feels. Takes the time that it takes, allocates, throws:
-// knurld does it in a process of its own (asset_workshop.hpp), a replay or a test where it is.
+// knurld does it in a process of its own (build_queue.hpp), a replay or a test where it is.
 
 #include <cstddef>
 #include <cstdint>

@@ -14,8 +14,8 @@
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/servo/claim.hpp>
+#include <knurl/servo/input_log.hpp>
 #include <knurl/servo/servo.hpp>
-#include <knurl/servo/tape.hpp>
 #include <knurl/shm/fd.hpp>
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/waiter.hpp>
@@ -27,9 +27,9 @@ struct HostedDevice {
     std::string name;
     const drivers::LinkConfig& link;
     Servo& servo;
-    shm::Segment& segment;  // protocol::device_layout, sealed
-    double rate = 1000;     // Hz
-    TapeHeader tape;        // of a recording
+    shm::Segment& segment;     // protocol::device_layout, sealed
+    double rate = 1000;        // Hz
+    InputLogHeader input_log;  // of a recording
 };
 
 struct Peer {
@@ -39,9 +39,9 @@ struct Peer {
 };
 
 /// One line for the client: what, where, what to do.
-class Refusal : public std::runtime_error {
+class RequestRefused : public std::runtime_error {
   public:
-    explicit Refusal(const std::string& text, pid_t holder = 0)
+    explicit RequestRefused(const std::string& text, pid_t holder = 0)
         : std::runtime_error(text), holder_pid(holder) {}
     pid_t holder_pid;
 };
@@ -63,7 +63,7 @@ class ClaimTable {
     ClaimTable(HostedDevice device, shm::Waker& waker);
     ~ClaimTable();  // the servo must have ended: what it held is freed
 
-    /// Throws Refusal; nothing is half-granted.
+    /// Throws RequestRefused; nothing is half-granted.
     Grant grant(const protocol::ClaimRequest& request, const Peer& peer);
     /// Never fails: if the servo's mailbox is full, collect() tries again.
     void let_go(std::uint32_t row) noexcept;
@@ -71,14 +71,14 @@ class ClaimTable {
     bool collect() noexcept;
 
     /// The claim that has this key is to get an asset of that number; how many bytes it may take, all in all.
-    /// Throws Refusal.
+    /// Throws RequestRefused.
     std::uint64_t expect_asset(std::uint64_t key, std::uint32_t number, std::uint64_t bytes);
     /// There will be none.
     void expect_no_asset(std::uint64_t key, std::uint32_t number) noexcept;
-    /// Throws Refusal: the claim has gone, or the servo is busy.
+    /// Throws RequestRefused: the claim has gone, or the servo is busy.
     void give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset,
                     const protocol::AssetDigest& digest);
-    /// It is freed once the servo has given it back. Throws Refusal.
+    /// It is freed once the servo has given it back. Throws RequestRefused.
     void forget_asset(std::uint64_t key, std::uint32_t number);
 
     const HostedDevice& device() const { return device_; }

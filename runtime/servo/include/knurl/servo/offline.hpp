@@ -4,7 +4,7 @@
 //
 //     Offline servo(device);                      // active at once, gain 1, no silence
 //     OfflineClaim& hand = servo.claim();
-//     Handle floor = hand.add(Plane{.stiffness = 800});
+//     RepresentationId floor = hand.add(Plane{.stiffness = 800});
 //     hand.commit();
 //     const Report& report = servo.step();        // what was sent is in force in this cycle
 
@@ -50,8 +50,9 @@ class OfflineClaim {
 
     // Commands. Each is pushed at once, as a group of its own, unless begin_group was called: then end_group
     // pushes them together. Throws std::runtime_error when the ring is full.
-    void add(Handle handle, Kind kind, const void* params, std::size_t bytes, const Use& use = {});
-    void remove(Handle handle);
+    void add(RepresentationId id, Kind kind, const void* params, std::size_t bytes,
+             const AddOptions& options = {});
+    void remove(RepresentationId id);
     void place_probe(std::uint32_t probe, const ProbePlacement& placement);
     void arm() { state_command(protocol::CommandType::arm); }
     void disarm() { state_command(protocol::CommandType::disarm); }
@@ -64,29 +65,29 @@ class OfflineClaim {
     // Parameters: merged until commit, and on until the servo has taken them.
     /// Of a surface whose geometry alone has changed since it was added, that alone, as the application's client
     /// sends it.
-    void update(Handle handle, Kind kind, const void* params, std::size_t bytes);
+    void update(RepresentationId id, Kind kind, const void* params, std::size_t bytes);
     std::uint64_t commit(std::uint64_t report_cycle = 0, std::int64_t commit_ns = 0);
 
     /// The lowest slot that was never used, and its next generation.
     template <Listed R>
-    Handle add(const R& params, const Use& use = {}) {
-        const Handle handle{next_slot_++, 1};
-        add(handle, kind_of<R>, &params, sizeof params, use);
-        return handle;
+    RepresentationId add(const R& params, const AddOptions& options = {}) {
+        const RepresentationId id{next_slot_++, 1};
+        add(id, kind_of<R>, &params, sizeof params, options);
+        return id;
     }
     template <Listed R>
-    void update(Handle handle, const R& params) {
-        update(handle, kind_of<R>, &params, sizeof params);
+    void update(RepresentationId id, const R& params) {
+        update(id, kind_of<R>, &params, sizeof params);
     }
 
     /// Replies that came since the last call, in order of their commands.
     std::vector<protocol::Reply> replies();
-    struct Felt {
+    struct FeedbackSet {
         protocol::FeedbackHeader header;
         std::vector<protocol::FeedbackEntry> entries;
     };
     /// The newest feedback.
-    const Felt& feedback();
+    const FeedbackSet& feedback();
 
     std::byte* memory() const noexcept { return memory_; }
     const protocol::ClaimLayout& layout() const noexcept { return layout_; }
@@ -94,7 +95,7 @@ class OfflineClaim {
 
   private:
     struct Pending {
-        Handle handle;
+        RepresentationId id;
         Kind kind = 0;
         std::uint64_t version = 0;
         std::vector<std::byte> params;
@@ -123,7 +124,7 @@ class OfflineClaim {
     std::vector<Pending> pending_;
     // by slot: the parameters that the servo has the rest of; none: all are sent
     std::vector<std::vector<std::byte>> added_;
-    Felt felt_;
+    FeedbackSet feedback_set_;
 };
 
 /// Active at once with gain 1, no silence, no limits: what evaluation without a device assumes.

@@ -1,5 +1,5 @@
 #pragma once
-// Feeds a tape through the very same Servo::step again: same build, same device, same bits.
+// Feeds an input log through the very same Servo::step again: same build, same device, same bits.
 
 #include <array>
 #include <functional>
@@ -11,20 +11,20 @@
 #include <vector>
 
 #include <knurl/protocol/asset.hpp>
+#include <knurl/servo/input_log.hpp>
 #include <knurl/servo/offline.hpp>
-#include <knurl/servo/tape.hpp>
 
 namespace knurl::servo {
 
 /// A record that no servo of this build wrote: one line, which and why.
-class TapeError : public std::runtime_error {
+class InputLogError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
 
 class Replay {
   public:
-    /// What an asset of that digest was made of, aligned to 8. Throws TapeError: it is not to be had.
+    /// What an asset of that digest was made of, aligned to 8. Throws InputLogError: it is not to be had.
     using Sources = std::function<std::span<const std::byte>(const protocol::AssetDigest&)>;
 
     /// `like`: a device of the recorded one's figures; it is neither read nor written. `sources`: none, if no
@@ -32,9 +32,9 @@ class Replay {
     Replay(const drivers::Device& like, const ServoOptions& options, Sources sources = {});
     ~Replay();
 
-    /// One record, in the tape's order. Returns the report if that completed a cycle; null: it did not, or
-    /// the state of the servo is not known (before a keyframe). Throws TapeError.
-    const Report* feed(const TapeRecord& record);
+    /// One record, in the input log's order. Returns the report if that completed a cycle; null: it did not,
+    /// or the state of the servo is not known (before a keyframe). Throws InputLogError.
+    const Report* feed(const InputRecord& record);
     /// Records are missing here: nothing can be replayed up to the next keyframe.
     void gap() noexcept;
     /// There was a keyframe, and no gap since.
@@ -44,11 +44,11 @@ class Replay {
     struct Played;  // device and clock
     struct Held;    // a claim and its application's end
 
-    const Report* step(const TapeCycle& cycle);
-    void load(const TapeRecord& record);
-    Held* held(const TapeRecord& record);
+    const Report* step(const CycleInput& cycle);
+    void load(const InputRecord& record);
+    Held* held(const InputRecord& record);
     void free_released();
-    void give(const TapeRecord& record);
+    void give(const InputRecord& record);
 
     std::unique_ptr<Played> played_;
     ServoOptions options_;

@@ -21,7 +21,7 @@ struct ServoOptions {
     double max_dt = 2e-3;           // s: representations never see a longer gap
     bool silence = true;            // false: offline evaluation
     bool start_active = false;      // active at once with gain 1, claims too: offline evaluation
-    bool rest = true;               // false: each claim is looked at in each cycle; to compare with
+    bool sleep = true;              // false: each claim is looked at in each cycle; to compare with
     bool clamp_stiffness = true;    // false only warns: stability sweeps
     bool budget = true;             // false: each part is clamped by itself alone, for comparison
     double rise_speed = 0.1;        // m/s, FadePolicy::rise_speed; infinity offline
@@ -36,7 +36,7 @@ protocol::Frame frame_for(const drivers::LinkConfig& link, const protocol::Claim
 /// The device's limits in that frame's world units.
 Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::Frame& frame) noexcept;
 
-class Tape;
+class InputLog;
 class Replay;
 
 /// What nothing of that claim is made of any more.
@@ -58,23 +58,23 @@ class Servo {
     bool drop_all() noexcept;           // ramp down the device: the servo is about to end
     Claim* released() noexcept;         // null: none; the broker frees it
     /// The claim's asset of that number from the next cycle on, before its commands are looked at. It
-    /// outlives the claim, or its return. `digest`: of what it was made of, for the tape. False: the mailbox
-    /// is full.
+    /// outlives the claim, or its return. `digest`: of what it was made of, for the input log. False: the
+    /// mailbox is full.
     bool give(Claim* claim, std::uint32_t number, const Asset* asset,
               const protocol::AssetDigest& digest = {}) noexcept;
     /// It comes back through `returned` once nothing that is felt, or still fades, is made of it.
     bool forget(Claim* claim, std::uint32_t number) noexcept;
     std::optional<ReturnedAsset> returned() noexcept;
-    /// From the next cycle on every input goes on this tape, which outlives the servo; null: no more. The
-    /// same tape once more: a keyframe as soon as nobody holds the device.
-    bool record(Tape* tape) noexcept;
+    /// From the next cycle on every input goes into this log, which outlives the servo; null: no more. The
+    /// same log once more: a keyframe as soon as nobody holds the device.
+    bool record(InputLog* input_log) noexcept;
 
     /// The cycle. `deadline` is when it should have begun, `now` when it did (CLOCK_MONOTONIC or virtual,
     /// ns).
     void step(Nanoseconds deadline, Nanoseconds now) noexcept;
 
     /// After step: those who may wait for its report, for Waker::wake.
-    std::span<const shm::Sleeper> sleepers() const noexcept;
+    std::span<const shm::WakeTarget> wake_targets() const noexcept;
     /// The report of the last cycle.
     const Report& last() const noexcept;
     // From the servo's thread, before the next step:

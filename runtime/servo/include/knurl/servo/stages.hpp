@@ -19,7 +19,7 @@ class PowerMeter {
     double mean() const noexcept { return mean_; }  // W, over the last whole parts
     void reset() noexcept;
 
-    // This and the others' `state`: what is remembered between cycles, for a tape's keyframe
+    // This and the others' `state`: what is remembered between cycles, for an input log's keyframe
     // (state_words.hpp).
     template <class Visit>
     void state(Visit& visit) noexcept {

@@ -65,16 +65,16 @@ class Supervisor {
     Supervisor(const drivers::LinkConfig& link, const SupervisorLimits& limits, double rate = 0);
 
     // Requests, each answered at once. `none`: accepted.
-    protocol::Refusal arm(bool calibrated, double speed) noexcept;
+    protocol::RefusalReason arm(bool calibrated, double speed) noexcept;
     void disarm() noexcept;  // ramp down, then idle; always allowed
     /// `trouble`: faults that would be raised again at once.
-    protocol::Refusal reset_fault(double speed, std::uint32_t trouble = 0) noexcept;
+    protocol::RefusalReason reset_fault(double speed, std::uint32_t trouble = 0) noexcept;
     void raise(std::uint32_t fault_bits) noexcept;  // zero, latched
     void hold() noexcept;                           // a stall: gain 0 now, then the ordinary ramp up
 
     // What arm and reset_fault would answer. `after_reset`: as if the fault had been reset.
-    protocol::Refusal may_arm(bool calibrated, double speed, bool after_reset = false) const noexcept;
-    protocol::Refusal may_reset_fault(double speed, std::uint32_t trouble = 0) const noexcept;
+    protocol::RefusalReason may_arm(bool calibrated, double speed, bool after_reset = false) const noexcept;
+    protocol::RefusalReason may_reset_fault(double speed, std::uint32_t trouble = 0) const noexcept;
 
     void disconnected() noexcept;  // no device any more: after the fault that said so
     void reconnected() noexcept;   // samples again: idle, or fault if another one is still latched
@@ -105,7 +105,7 @@ class Supervisor {
     };
     const Counts& counts() const noexcept { return counts_; }
 
-    /// What is remembered between cycles, but for the counts: for a tape's keyframe (state_words.hpp).
+    /// What is remembered between cycles, but for the counts: for an input log's keyframe (state_words.hpp).
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(state_, faults_, gain_, arm_again_, power_, energy_, slew_, thermal_, sent_force_,

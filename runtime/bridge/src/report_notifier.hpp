@@ -1,0 +1,51 @@
+#pragma once
+// The bridge's own observer of each device: the one that the servo wakes, whatever the number of peers. Only
+// while somebody's stream is open is it woken at all.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <knurl/link/local.hpp>
+
+namespace knurl::bridge {
+
+inline constexpr std::chrono::milliseconds servo_answer_time{500};  // all peers wait meanwhile
+
+class ReportNotifier {
+  public:
+    explicit ReportNotifier(std::string servo) : servo_(std::move(servo)) {}
+
+    /// Attaches to the servo, if it is not. True: it is new, its descriptors are to be watched. Throws Error.
+    bool open();
+    void close() noexcept { devices_.clear(), link_.reset(); }
+    bool is_open() const noexcept { return link_ != nullptr; }
+
+    int hang_up() const noexcept { return link_->hang_up(); }
+    std::size_t devices() const noexcept { return devices_.size(); }
+    int event(std::size_t device) const noexcept { return devices_[device].attachment.reports->event(); }
+
+    /// One more stream, or one less, wants this device's reports.
+    void join(std::size_t device) noexcept;
+    void leave(std::size_t device) noexcept;
+    /// The next report in order. `unseen`: those before it that were overwritten before they could be read.
+    bool next(std::size_t device, Report& report, std::uint64_t& unseen) noexcept;
+    void rearm(std::size_t device) noexcept;
+    /// What next() gave last, or the newest when the first stream came: those that follow begin behind it.
+    /// Null: none yet.
+    const Report* last(std::size_t device) const noexcept;
+
+  private:
+    struct Device {
+        detail::Attachment attachment;
+        std::size_t streams = 0;
+        Report last{};
+        bool any = false;
+    };
+    std::string servo_;
+    std::unique_ptr<detail::Link> link_;
+    std::vector<Device> devices_;
+};
+
+}  // namespace knurl::bridge

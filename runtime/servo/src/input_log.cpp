@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <knurl/servo/input_log.hpp>
+
+namespace knurl::servo {
+
+namespace {
+
+/// How a slot begins. `index` counts a record's slots from 0.
+struct SlotHeader {
+    std::uint32_t bytes = 0;  // of the whole record
+    InputType type{};
+    std::uint16_t index = 0;
+};
+static_assert(sizeof(SlotHeader) == input_log_slot_bytes - input_log_slot_payload);
+static_assert(offsetof(CycleInput, velocity) == input_log_slot_payload);
+static_assert(max_input_record / input_log_slot_payload < 0xffff);
+
+std::uint64_t mix(std::uint64_t hash, std::uint64_t value) noexcept {
+    for (int i = 0; i < 8; ++i) hash = (hash ^ ((value >> (8 * i)) & 0xff)) * 0x100000001b3;  // FNV-1a
+    return hash;
+}
+constexpr std::uint64_t mix_begin = 0xcbf29ce484222325;
+
+}  // namespace
+
+std::uint64_t input_log_layout() noexcept {
+    std::uint64_t hash = mix_begin;
+    for (const std::uint64_t value :
+         {std::uint64_t{sizeof(CycleInput)}, std::uint64_t{sizeof(InputLogHeader)},
+          std::uint64_t{sizeof(ClaimTerms)}, std::uint64_t{offsetof(ClaimTerms, resets)},
+          std::uint64_t{sizeof(ServoOptions)}, std::uint64_t{input_log_slot_bytes},
+          std::uint64_t{input_log_slots}, static_cast<std::uint64_t>(InputType::asset_forgotten),
+          std::uint64_t{sizeof(protocol::AssetDigest)}})
+        hash = mix(hash, value);
+    return hash;
+}
+
+std::uint64_t figures_of(const drivers::Device& device) {
+    const drivers::LinkConfig& link = device.link();
+    std::uint64_t hash = mix_begin;
+    const auto number = [&hash](double value) {
+        std::uint64_t bits;
+        std::memcpy(&bits, &value, sizeof bits);
+        hash = mix(hash, bits);
+    };
+    const auto numbers = [&](const auto& values) { std::for_each(values.begin(), values.end(), number); };
+    for (const int value : {link.sensed_joints, link.actuated_joints, int{link.senses_orientation},
+                            int{link.renders_torque}, device.mechanism().joints()})
+        hash = mix(hash, static_cast<std::uint64_t>(value));
+    numbers(link.radians_per_count);
+    numbers(link.effort_limit);
+    numbers(link.joint_least);
+    numbers(link.joint_greatest);
+    numbers(link.workspace_centre);
+    numbers(std::initializer_list<double>{link.workspace_radius, link.peak_force, link.continuous_force,
+                                          link.peak_torque, link.damping, link.rotational_damping, link.lag,
+                                          link.measured_max_stiffness, link.grip_damping,
+                                          link.apparent_mass});
+    // The mechanism has no figures to ask for: where it says that the tip is, in a few postures.
+    const auto joints =
+        static_cast<std::size_t>(std::clamp(device.mechanism().joints(), 0, drivers::max_joints));
+    for (int posture = 0; posture < 4; ++posture) {
+        drivers::JointArray q = {};
+        for (std::size_t i = 0; i < joints; ++i) q[i] = 0.1 * posture + 0.03 * static_cast<double>(i);
+        drivers::TipPose pose;
+        drivers::Jacobian jacobian = drivers::Jacobian::Zero();
+        const bool there =
+            device.mechanism().forward(std::span<const double>(q.data(), joints), pose, jacobian);
+        hash = mix(hash, there ? 1 : 0);
+        if (!there) continue;
+        std::for_each(pose.position.data(), pose.position.data() + 3, number);
+        std::for_each(jacobian.data(), jacobian.data() + jacobian.size(), number);
+    }
+    return hash;
+}
+
+InputLog::InputLog(std::byte* memory, const InputLogHeader& header)
+    : slots_(
+          [&] {
+              std::memcpy(memory, &header, sizeof header);
+              shm::broadcast_init(memory + input_log_header_bytes);
+              return memory + input_log_header_bytes;
+          }(),
+          input_log_slots, input_log_slot_bytes) {
+    static_assert(sizeof(InputLogHeader) <= input_log_header_bytes);
+}
+
+void InputLog::put(InputType type, std::initializer_list<std::span<const std::byte>> parts) noexcept {
+    std::size_t bytes = 0;
+    for (const auto& part : parts) bytes += part.size();
+    SlotHeader header{.bytes = static_cast<std::uint32_t>(bytes), .type = type};
+    alignas(8) std::byte slot[input_log_slot_bytes];
+    std::size_t filled = 0;
+    const auto publish = [&] {
+        std::memcpy(slot, &header, sizeof header);
+        slots_.publish(slot);
+        ++header.index;
+        filled = 0;
+    };
+    for (const auto& part : parts) {
+        for (std::size_t at = 0; at < part.size();) {
+            if (filled == input_log_slot_payload) publish();
+            const std::size_t n = std::min(part.size() - at, input_log_slot_payload - filled);
+            std::memcpy(slot + sizeof header + filled, part.data() + at, n);
+            filled += n;
+            at += n;
+        }
+    }
+    std::memset(slot + sizeof header + filled, 0, input_log_slot_payload - filled);
+    publish();
+}
+
+std::uint64_t InputLog::written(const std::byte* memory) {
+    return shm::BroadcastReader(memory + input_log_header_bytes, input_log_slots, input_log_slot_bytes)
+        .published();
+}
+
+InputLogReader::InputLogReader(const std::byte* memory, std::uint64_t from)
+    : memory_(memory), slots_(memory + input_log_header_bytes, input_log_slots, input_log_slot_bytes, from) {}
+
+InputLogHeader InputLogReader::header() const {
+    InputLogHeader header;
+    std::memcpy(&header, memory_, sizeof header);
+    return header;
+}
+
+InputLogReader::Next InputLogReader::next(InputRecord& out) {
+    alignas(8) std::byte slot[input_log_slot_bytes];
+    while (slots_.next(slot)) {
+        SlotHeader header;
+        std::memcpy(&header, slot, sizeof header);
+        if (slots_.missed() != missed_) {
+            missed_ = slots_.missed();
+            expected_ = 0;
+            return Next::gap;
+        }
+        // In the middle of a record whose beginning is gone: on to the next one.
+        if (header.index != expected_ || header.bytes > max_input_record) continue;
+        if (header.index == 0) {
+            record_.type = header.type;
+            record_.bytes.clear();
+        }
+        const std::size_t n =
+            std::min<std::size_t>(header.bytes - record_.bytes.size(), input_log_slot_payload);
+        record_.bytes.insert(record_.bytes.end(), slot + sizeof header, slot + sizeof header + n);
+        ++expected_;
+        if (record_.bytes.size() < header.bytes) continue;
+        expected_ = 0;
+        std::swap(out, record_);
+        return Next::record;
+    }
+    return Next::nothing;
+}
+
+}  // namespace knurl::servo
