@@ -5,7 +5,7 @@ Each thing is compared as a multiple of the reference that ran interleaved with 
 a whole is no difference. How sure that is comes from a bootstrap over the run's blocks (repetitions of a function,
 pieces of a long measurement), at least 30 in each, and from how much more than that eight stretches of a run differ: what
 the machine does between those it does between two runs as well. It is the rule of knurl latency --compare
-(apps/measure/compare.hpp). All verdicts together are wrong for one in twenty pairs of equal runs at most on a steady
+(runtime/measure/compare.hpp). All verdicts together are wrong for one in twenty pairs of equal runs at most on a steady
 machine, and for more where it drifts for about as long as a run takes: one pair in seven in the tests' model of that.
 scripts/equal_runs counts yours. Beside a load the promise is void: eleven of 105 pairs of equal runs of knurl latency had one,
 two without. Exit status 1: something got slower by more than 5 %, whatever the noise; 2: these are not two such runs.

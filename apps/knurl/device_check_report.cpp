@@ -1,7 +1,8 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <json.hpp>
+
+#include <knurl/json/json.hpp>
 
 #include "device_check.hpp"
 

@@ -7,9 +7,9 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <json.hpp>
 
 #include <knurl/drivers/registry.hpp>
+#include <knurl/json/json.hpp>
 #include <knurl/servo/servo.hpp>
 
 #include "../measure/measure.hpp"

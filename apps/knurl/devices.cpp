@@ -4,10 +4,10 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <json.hpp>
 
 #include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/usb_list.hpp>
+#include <knurl/json/json.hpp>
 
 #include "servo_view.hpp"
 #include "verbs.hpp"

@@ -6,16 +6,16 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <json.hpp>
-#include <private_servo.hpp>
 
 #include <knurl/commandline/program.hpp>
+#include <knurl/json/json.hpp>
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/private_servo.hpp>
+#include <knurl/measure/progress.hpp>
 #include <knurl/servo/realtime.hpp>
 
 #include "doctor_machine.hpp"
 #include "doctor_verdict.hpp"
-#include "measure.hpp"
-#include "progress.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sleeper.hpp"
+#include <knurl/measure/sleeper.hpp>
 
 namespace knurl::cli {
 

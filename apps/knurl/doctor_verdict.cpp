@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "measure.hpp"
+#include <knurl/measure/measure.hpp>
 
 namespace knurl::cli {
 

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "compare.hpp"
+#include <knurl/measure/compare.hpp>
+
 #include "doctor_loop.hpp"
 
 namespace knurl::cli {

@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <knurl/measure/output_file.hpp>
+
 #include "evaluation.hpp"
-#include "output_file.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

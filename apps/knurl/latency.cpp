@@ -12,10 +12,13 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <json.hpp>
-#include <private_servo.hpp>
 #include <unistd.h>
 
+#include <knurl/json/json.hpp>
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/output_file.hpp>
+#include <knurl/measure/private_servo.hpp>
+#include <knurl/measure/progress.hpp>
 #include <knurl/servo/realtime.hpp>
 
 #include "doctor_machine.hpp"
@@ -28,9 +31,6 @@
 #include "latency_output.hpp"
 #include "latency_paths.hpp"
 #include "latency_record.hpp"
-#include "measure.hpp"
-#include "output_file.hpp"
-#include "progress.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

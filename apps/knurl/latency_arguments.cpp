@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <knurl/client/address.hpp>
+#include <knurl/measure/measure.hpp>
 
-#include "measure.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

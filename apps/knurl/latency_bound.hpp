@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
+#include <knurl/measure/measure.hpp>
+
 #include "latency_paths.hpp"
-#include "measure.hpp"
 
 namespace knurl::cli {
 

@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <json.hpp>
-
-#include "compare.hpp"
-#include "measure.hpp"
+#include <knurl/json/json.hpp>
+#include <knurl/measure/compare.hpp>
+#include <knurl/measure/measure.hpp>
 
 namespace knurl::cli {
 

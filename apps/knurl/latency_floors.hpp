@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "sleeper.hpp"
+#include <knurl/measure/sleeper.hpp>
 
 namespace knurl::cli {
 

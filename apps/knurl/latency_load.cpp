@@ -4,8 +4,8 @@
 #include <functional>
 #include <stdexcept>
 
-#include "measure.hpp"
-#include "sleeper.hpp"
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/sleeper.hpp>
 
 namespace knurl::cli {
 

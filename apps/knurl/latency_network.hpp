@@ -3,9 +3,8 @@
 
 #include <string>
 
-#include <json.hpp>
-
 #include <knurl/bridge/wire_sizes.hpp>
+#include <knurl/json/json.hpp>
 #include <knurl/link/network.hpp>
 
 namespace knurl::cli {

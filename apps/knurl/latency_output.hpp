@@ -4,9 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include <json.hpp>
-
-#include "measure.hpp"
+#include <knurl/json/json.hpp>
+#include <knurl/measure/measure.hpp>
 
 namespace knurl::cli {
 

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include <knurl/measure/measure.hpp>
+
 #include "latency_bound.hpp"
 #include "latency_paths.hpp"
-#include "measure.hpp"
 
 namespace knurl::cli {
 

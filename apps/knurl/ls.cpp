@@ -4,8 +4,8 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <json.hpp>
 
+#include <knurl/json/json.hpp>
 #include <knurl/protocol/attach.hpp>
 
 #include "servo_text.hpp"

@@ -16,14 +16,14 @@
 #include <sys/signalfd.h>
 #include <time.h>
 
+#include <knurl/measure/progress.hpp>
 #include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/text.hpp>
+#include <knurl/recording/recording.hpp>
+#include <knurl/recording/salvage.hpp>
 #include <knurl/shm/socket.hpp>
 
-#include "progress.hpp"
-#include "record_salvage.hpp"
-#include "recording.hpp"
 #include "servo_view.hpp"
 #include "verbs.hpp"
 

@@ -12,11 +12,11 @@
 #include <fmt/format.h>
 
 #include <knurl/drivers/registry.hpp>
+#include <knurl/recording/recording.hpp>
 #include <knurl/servo/flight_recorder.hpp>
 #include <knurl/servo/replay.hpp>
 
 #include "evaluation.hpp"
-#include "recording.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

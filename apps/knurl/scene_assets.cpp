@@ -4,12 +4,12 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <mesh_file.hpp>
-#include <progress.hpp>
-#include <unit.hpp>
 
 #include <knurl/geometry/height_field.hpp>
 #include <knurl/geometry/mesh.hpp>
+#include <knurl/measure/progress.hpp>
+#include <knurl/meshfile/mesh_file.hpp>
+#include <knurl/meshfile/unit.hpp>
 
 namespace knurl::cli {
 
@@ -21,9 +21,9 @@ std::unique_ptr<Mesh> mesh_of_file(const std::string& scene, const AssetEntry& e
                                    std::vector<std::string>& notes) {
     if (entry.unit.empty())
         throw std::runtime_error("a mesh has no unit of its own; write unit = \"mm\", or cm, m, in, um");
-    const meshfile::Unit unit = meshfile::unit_of(entry.unit);
-    meshfile::MeshFile file =
-        meshfile::load_mesh((std::filesystem::path(scene).parent_path() / entry.mesh).string());
+    const knurl::meshfile::Unit unit = knurl::meshfile::unit_of(entry.unit);
+    knurl::meshfile::MeshFile file =
+        knurl::meshfile::load_mesh((std::filesystem::path(scene).parent_path() / entry.mesh).string());
     notes = file.notes;
     for (Point3& vertex : file.vertices)
         for (double& x : vertex) x *= unit.metres;
@@ -31,7 +31,7 @@ std::unique_ptr<Mesh> mesh_of_file(const std::string& scene, const AssetEntry& e
         return std::make_unique<Mesh>(file.triangles_of(), MeshBuild{.exact = entry.exact});
     };
     auto mesh = built();
-    const std::size_t turned = entry.inside ? 0 : meshfile::turn_inside_out(file, *mesh);
+    const std::size_t turned = entry.inside ? 0 : knurl::meshfile::turn_inside_out(file, *mesh);
     if (turned == 0) return mesh;
     notes.push_back(
         fmt::format("{} wound inside out and turned; inside = true keeps it so",
@@ -58,7 +58,8 @@ SceneAssets build_assets(const scenefile::SceneFile& scene) {
                                             : std::make_unique<Mesh>(Triangles{.vertices = entry.vertices,
                                                                                .triangles = entry.triangles},
                                                                      MeshBuild{.exact = entry.exact});
-            for (std::string& line : meshfile::notes_of(mesh->notes())) notes.push_back(std::move(line));
+            for (std::string& line : knurl::meshfile::notes_of(mesh->notes()))
+                notes.push_back(std::move(line));
             for (const std::string& line : notes) built.remarks.push_back(fmt::format("{}: {}", where, line));
             built.assets.push_back(std::move(mesh));
         } catch (const std::exception& error) {

@@ -7,10 +7,10 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <json.hpp>
-#include <sleeper.hpp>
 
 #include <knurl/commandline/program.hpp>
+#include <knurl/json/json.hpp>
+#include <knurl/measure/sleeper.hpp>
 #include <knurl/protocol/attach.hpp>
 
 #include "top_terminal.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include <measure.hpp>
+#include <knurl/measure/measure.hpp>
 
 namespace knurl::cli {
 

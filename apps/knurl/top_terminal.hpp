@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include <grip.hpp>
+#include <knurl/measure/grip.hpp>
 
 namespace knurl::cli {
 

@@ -1,7 +1,8 @@
 #include "top_text.hpp"
 
 #include <fmt/format.h>
-#include <json.hpp>
+
+#include <knurl/json/json.hpp>
 
 #include "servo_text.hpp"
 #include "top_terminal.hpp"

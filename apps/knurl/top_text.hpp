@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <json.hpp>
+#include <knurl/json/json.hpp>
 
 #include "top_rates.hpp"
 

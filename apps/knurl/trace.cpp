@@ -7,11 +7,11 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <json.hpp>
 
+#include <knurl/json/json.hpp>
+#include <knurl/measure/output_file.hpp>
 #include <knurl/protocol/attach.hpp>
 
-#include "output_file.hpp"
 #include "servo_view.hpp"
 #include "trace_flight.hpp"
 #include "trace_timeline.hpp"

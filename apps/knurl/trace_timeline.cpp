@@ -6,7 +6,8 @@
 #include <numeric>
 
 #include <fmt/format.h>
-#include <measure.hpp>
+
+#include <knurl/measure/measure.hpp>
 
 namespace knurl::cli {
 

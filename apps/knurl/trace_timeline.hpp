@@ -7,11 +7,10 @@
 #include <string>
 #include <vector>
 
-#include <json.hpp>
-
+#include <knurl/json/json.hpp>
+#include <knurl/measure/sleeper.hpp>
 #include <knurl/protocol/report.hpp>
 
-#include "sleeper.hpp"
 #include "top_rates.hpp"
 
 namespace knurl::cli {

@@ -35,13 +35,13 @@ if(KNURL_SANITIZE)
     endif()
 endif()
 
-# knurl_module(shm DEPENDS ... [NEEDS package ...]): a library knurl::shm from src/*.cpp whose
+# knurl_module(shm DEPENDS ... [NEEDS package ...]): a library knurl::shm from all .cpp files under src/, whose
 # include root is ./include.
 # A target sees the headers of another module only by linking it: the compiler guards the walls between the modules.
 # NEEDS names the packages (KnurlDependencies.cmake) of what it links, so that who finds an installed Knurl finds them.
 function(knurl_module name)
     cmake_parse_arguments(arg "" "" "DEPENDS;PRIVATE;NEEDS" ${ARGN})
-    file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
     if(sources)
         add_library(knurl_${name} STATIC ${sources})
         target_include_directories(knurl_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
@@ -84,6 +84,17 @@ function(knurl_module name)
         install(TARGETS knurl_${name} EXPORT knurlTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
         install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
     endif()
+endfunction()
+
+# knurl_tool_library(measure DEPENDS ... PRIVATE ...): a library from src/*.cpp whose include root is ./include, for programs and
+# tests alone: it is not installed.
+function(knurl_tool_library name)
+    cmake_parse_arguments(arg "" "" "DEPENDS;PRIVATE" ${ARGN})
+    file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
+    add_library(knurl_${name} STATIC ${sources})
+    target_include_directories(knurl_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/include)
+    target_link_libraries(knurl_${name} PUBLIC ${arg_DEPENDS} PRIVATE knurl_options ${arg_PRIVATE})
+    target_compile_features(knurl_${name} PUBLIC cxx_std_20)
 endfunction()
 
 if(KNURL_BUILD_TESTS)

@@ -4,9 +4,10 @@
 #include <limits>
 #include <random>
 
-#include <compare.hpp>
 #include <gtest/gtest.h>
 #include <trial.hpp>
+
+#include <knurl/measure/compare.hpp>
 
 namespace {
 

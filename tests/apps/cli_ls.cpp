@@ -3,13 +3,13 @@
 #include <cstring>
 
 #include <gtest/gtest.h>
-#include <json.hpp>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include <knurl/client/client.hpp>
+#include <knurl/json/json.hpp>
 
 #include "../rights.hpp"
 #include "program.hpp"

@@ -5,8 +5,9 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
-#include <json.hpp>
 #include <png.h>
+
+#include <knurl/json/json.hpp>
 
 #include "program.hpp"
 

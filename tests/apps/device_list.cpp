@@ -6,8 +6,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
 #include <unistd.h>
+
+#include <knurl/json/json.hpp>
 
 #include "program.hpp"
 

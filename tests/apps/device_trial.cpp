@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
 
 #include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/sim_profile.hpp>
+#include <knurl/json/json.hpp>
 
 #include "program.hpp"
 

@@ -7,7 +7,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
+
+#include <knurl/json/json.hpp>
 
 #include "fake_imd.hpp"
 #include "program.hpp"

@@ -8,11 +8,11 @@
 #include <sstream>
 #include <string>
 
-#include "mesh_file.hpp"
+#include <knurl/meshfile/mesh_file.hpp>
 
 namespace knurl::test::cube_files {
 
-using meshfile::MeshFile;
+using knurl::meshfile::MeshFile;
 
 // Corner c of the cube lies at (c & 1, c >> 1 & 1, c >> 2) * 2 - 1.
 inline constexpr int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},

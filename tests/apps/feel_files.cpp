@@ -9,13 +9,13 @@
 #include <gtest/gtest.h>
 
 #include <knurl/geometry/mesh.hpp>
+#include <knurl/meshfile/mesh_file.hpp>
+#include <knurl/meshfile/unit.hpp>
 
 #include "material.hpp"
-#include "mesh_file.hpp"
 #include "program.hpp"
 #include "record.hpp"
 #include "stroke.hpp"
-#include "unit.hpp"
 
 namespace {
 
@@ -62,7 +62,7 @@ std::string as_stl(const Made& mesh) {
 
 std::string refusal(const std::string& path) {
     try {
-        meshfile::load_mesh(path);
+        knurl::meshfile::load_mesh(path);
     } catch (const std::runtime_error& error) {
         return error.what();
     }
@@ -75,7 +75,7 @@ TEST(MeshFiles, TheSameThingComesOutOfEveryFormat) {
     for (const auto& [name, text] : {std::pair{"ball.obj", as_obj(ball)}, std::pair{"ball.ply", as_ply(ball)},
                                      std::pair{"ball.stl", as_stl(ball)}}) {
         SCOPED_TRACE(name);
-        const meshfile::MeshFile file = meshfile::load_mesh(folder.file(name, text));
+        const knurl::meshfile::MeshFile file = knurl::meshfile::load_mesh(folder.file(name, text));
         EXPECT_EQ(file.triangles.size(), ball.triangles.size());
         EXPECT_NEAR(file.size(), 0.2 * std::sqrt(3), 0.02);
         // Outside stays outside, and what shares an edge does so after welding.
@@ -88,7 +88,7 @@ TEST(MeshFiles, TheSameThingComesOutOfEveryFormat) {
 TEST(MeshFiles, MaterialsOfAnObjBecomeMaterialsOfItsTriangles) {
     const Folder folder;
     folder.file("m.mtl", "newmtl hard\nKd 1 0 0\nnewmtl soft\nKd 0 1 0\n");
-    const meshfile::MeshFile file = meshfile::load_mesh(folder.file(
+    const knurl::meshfile::MeshFile file = knurl::meshfile::load_mesh(folder.file(
         "m.obj",
         "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl hard\nf 1 2 3\nusemtl soft\nf 1 2 4\n"));
     ASSERT_EQ(file.triangles.size(), 2u);
@@ -137,15 +137,15 @@ TEST(MeshFiles, WhatIsNoMeshIsNamedWithTheRemedy) {
 }
 
 TEST(Units, AreGuessedByWhatAHandCanHold) {
-    EXPECT_EQ(meshfile::guessed_unit(200).name, "mm");
-    EXPECT_EQ(meshfile::guessed_unit(15).name, "cm");
-    EXPECT_EQ(meshfile::guessed_unit(0.25).name, "m");
-    EXPECT_EQ(meshfile::guessed_unit(1e6).name, "mm") << "larger than anything: the smallest";
-    EXPECT_EQ(meshfile::unit_of("in").metres, 0.0254);
-    EXPECT_THROW(meshfile::unit_of("furlong"), std::runtime_error);
-    EXPECT_FALSE(meshfile::odd_size(0.3));
-    EXPECT_THAT(*meshfile::odd_size(200), HasSubstr("200 m large"));
-    EXPECT_THAT(*meshfile::odd_size(2e-6), HasSubstr("2 um small"));
+    EXPECT_EQ(knurl::meshfile::guessed_unit(200).name, "mm");
+    EXPECT_EQ(knurl::meshfile::guessed_unit(15).name, "cm");
+    EXPECT_EQ(knurl::meshfile::guessed_unit(0.25).name, "m");
+    EXPECT_EQ(knurl::meshfile::guessed_unit(1e6).name, "mm") << "larger than anything: the smallest";
+    EXPECT_EQ(knurl::meshfile::unit_of("in").metres, 0.0254);
+    EXPECT_THROW(knurl::meshfile::unit_of("furlong"), std::runtime_error);
+    EXPECT_FALSE(knurl::meshfile::odd_size(0.3));
+    EXPECT_THAT(*knurl::meshfile::odd_size(200), HasSubstr("200 m large"));
+    EXPECT_THAT(*knurl::meshfile::odd_size(2e-6), HasSubstr("2 um small"));
 }
 
 TEST(Stroke, GoesAroundWhatItDoesNotKnow) {

@@ -7,17 +7,17 @@
 #include <sys/stat.h>
 
 #include <knurl/geometry/mesh.hpp>
+#include <knurl/meshfile/mesh_file.hpp>
 
 #include "feel_cube.hpp"
-#include "mesh_file.hpp"
 #include "program.hpp"
 #include "soup.hpp"
 
 namespace {
 
 using namespace knurl::test::cube_files;
+using knurl::meshfile::MeshFile;
 using knurl::test::Folder;
-using meshfile::MeshFile;
 
 struct Written {
     const char* name;
@@ -109,7 +109,7 @@ TEST(MeshFormats, ACubeIsReadFromEveryFormThatItMayHave) {
         SCOPED_TRACE(written.name);
         MeshFile file;
         try {
-            file = meshfile::load_mesh(folder.file(written.name, written.bytes));
+            file = knurl::meshfile::load_mesh(folder.file(written.name, written.bytes));
         } catch (const std::exception& error) {
             ADD_FAILURE() << error.what();
             continue;
@@ -216,7 +216,7 @@ TEST(MeshFormats, WhatIsNoneIsRefusedAtItsPlace) {
         SCOPED_TRACE(refused.name);
         const std::string path = folder.file(refused.name, refused.bytes);
         try {
-            meshfile::load_mesh(path);
+            knurl::meshfile::load_mesh(path);
             ADD_FAILURE() << "was read";
         } catch (const std::runtime_error& error) {
             const std::string line = error.what();
@@ -239,7 +239,7 @@ TEST(MeshFormats, EveryCutOfAFileIsReadOrRefusedAndNothingElse) {
           {"s.ply", ply_strip(six_strips())}})
         for (std::size_t length = 1; length < bytes.size(); length += 5) {
             try {
-                const MeshFile file = meshfile::load_mesh(folder.file(name, bytes.substr(0, length)));
+                const MeshFile file = knurl::meshfile::load_mesh(folder.file(name, bytes.substr(0, length)));
                 for (const knurl::Triangle& t : file.triangles)
                     for (const std::uint32_t v : t) ASSERT_LT(v, file.vertices.size()) << name << length;
             } catch (const std::runtime_error& error) {
@@ -253,15 +253,15 @@ TEST(MeshFormats, WhatLiesFarFromItsOriginIsReadToTheLastDigit) {
     const std::string far =
         "v 412345.678 5654321.123 100.25\nv 412345.928 5654321.123 100.5\n"
         "v 412345.678 5654321.373 100.125\nf 1 2 3\n";
-    const MeshFile file = meshfile::load_mesh(folder.file("utm.obj", far));
+    const MeshFile file = knurl::meshfile::load_mesh(folder.file("utm.obj", far));
     EXPECT_EQ(file.vertices[1], (knurl::Point3{412345.928, 5654321.123, 100.5}));
     ASSERT_TRUE(file.far_middle());
     EXPECT_NEAR((*file.far_middle())[1], 5654321.248, 1e-6);
-    EXPECT_FALSE(meshfile::load_mesh(folder.file("cube.obj", obj())).far_middle());
+    EXPECT_FALSE(knurl::meshfile::load_mesh(folder.file("cube.obj", obj())).far_middle());
 }
 
 MeshFile loaded(const Folder& folder, const std::string& bytes) {
-    return meshfile::load_mesh(folder.file("parts.obj", bytes));
+    return knurl::meshfile::load_mesh(folder.file("parts.obj", bytes));
 }
 /// A cube whose faces look inwards or outwards, `size` times as large, about (x, 0, 0).
 std::string cube_obj(double size, double x, bool inside, int vertices_before) {
@@ -298,12 +298,12 @@ TEST(InsideOut, AClosedPartIsTurnedWithWhatLiesInItAndACavityStays) {
         SCOPED_TRACE(each.what);
         MeshFile file = loaded(folder, each.bytes);
         const knurl::Mesh mesh(file.triangles_of());
-        EXPECT_EQ(meshfile::turn_inside_out(file, mesh), each.turned);
+        EXPECT_EQ(knurl::meshfile::turn_inside_out(file, mesh), each.turned);
         EXPECT_NEAR(volume(file), each.volume, 1e-9);
     }
     MeshFile open = loaded(folder, replaced(cube_obj(1, 0, true, 0), "f 7 8 6 5\n", ""));
     const knurl::Mesh mesh(open.triangles_of());
-    EXPECT_EQ(meshfile::turn_inside_out(open, mesh), 0u) << "has no inside";
+    EXPECT_EQ(knurl::meshfile::turn_inside_out(open, mesh), 0u) << "has no inside";
 }
 
 const std::string off_cube = [] {
@@ -313,12 +313,12 @@ const std::string off_cube = [] {
 
 TEST(OtherFormats, AreReadInAProcessOfItsOwn) {
     const Folder folder;
-    const MeshFile file = meshfile::load_mesh(folder.file("cube.off", off_cube));
+    const MeshFile file = knurl::meshfile::load_mesh(folder.file("cube.off", off_cube));
     EXPECT_EQ(file.triangles.size(), 12u);
     EXPECT_NEAR(volume(file), 8, 1e-6);
     for (const char* name : {"letter.off", "letter.gltf", "letter.xyzzy"}) {
         try {
-            meshfile::load_mesh(folder.file(name, "this is a letter to my aunt\n"));
+            knurl::meshfile::load_mesh(folder.file(name, "this is a letter to my aunt\n"));
             ADD_FAILURE() << name << " was read";
         } catch (const std::runtime_error& error) {
             EXPECT_THAT(error.what(), testing::HasSubstr(name));
@@ -329,9 +329,9 @@ TEST(OtherFormats, AreReadInAProcessOfItsOwn) {
 
 TEST(OtherFormats, AFileThatKeepsItsReaderBusyOrEatsMemoryEndsInOneLine) {
     const Folder folder;
-    const auto refusal = [](const std::string& path, const meshfile::ReadLimits& limits) {
+    const auto refusal = [](const std::string& path, const knurl::meshfile::ReadLimits& limits) {
         try {
-            meshfile::read_by_assimp(path, limits);
+            knurl::meshfile::read_by_assimp(path, limits);
         } catch (const std::runtime_error& error) {
             return std::string(error.what());
         }
@@ -354,7 +354,7 @@ TEST(OtherFormats, FacesThatTheImporterDropsAreMissed) {
     const std::string path =
         folder.file("dropped.off", replaced(off_cube, "4 0 2 3 1", "4000000000 0 2 3 1"));
     try {
-        meshfile::load_mesh(path);
+        knurl::meshfile::load_mesh(path);
         ADD_FAILURE() << "was read";
     } catch (const std::runtime_error& error) {
         EXPECT_THAT(error.what(), testing::HasSubstr("its head counts 6 faces, of which "));

@@ -11,7 +11,7 @@
 namespace {
 
 using Eigen::Vector2d;
-using meshfile::Cutter;
+using knurl::meshfile::Cutter;
 using Outline = std::vector<Vector2d>;
 
 double turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) {

@@ -8,10 +8,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
 #include <latency_udp.hpp>
 #include <proxy.hpp>
 #include <unistd.h>
+
+#include <knurl/json/json.hpp>
 
 #include "../client/bridge_process.hpp"
 #include "program.hpp"

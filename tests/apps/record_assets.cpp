@@ -7,9 +7,9 @@
 #include <generators.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
 
 #include <knurl/client/client.hpp>
+#include <knurl/json/json.hpp>
 
 #include "program.hpp"
 

@@ -9,9 +9,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
 
 #include <knurl/client/client.hpp>
+#include <knurl/json/json.hpp>
 
 #include "program.hpp"
 

@@ -8,7 +8,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
+
+#include <knurl/json/json.hpp>
 
 #include "../client/bridge_process.hpp"
 #include "program.hpp"

@@ -6,7 +6,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
+
+#include <knurl/json/json.hpp>
 
 #include "program.hpp"
 

@@ -5,11 +5,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <knurl/client/client.hpp>
+#include <knurl/json/json.hpp>
 
 #include "program.hpp"
 

@@ -1,9 +1,9 @@
 // What `knurl top` says, to the letter.
 
 #include <gtest/gtest.h>
-#include <json.hpp>
 #include <top_text.hpp>
 
+#include <knurl/json/json.hpp>
 #include <knurl/protocol/text.hpp>
 
 namespace knurl::test {

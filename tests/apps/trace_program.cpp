@@ -4,10 +4,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <json.hpp>
 #include <trace_flight.hpp>
 
 #include <knurl/client/client.hpp>
+#include <knurl/json/json.hpp>
 
 #include "program.hpp"
 

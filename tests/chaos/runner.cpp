@@ -12,9 +12,10 @@
 
 #include <sched.h>
 
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/sleeper.hpp>
+
 #include "faults.hpp"
-#include "measure.hpp"
-#include "sleeper.hpp"
 
 namespace knurl::chaos {
 

@@ -10,12 +10,13 @@
 #include <iostream>
 #include <random>
 
-#include <compare.hpp>
 #include <fmt/format.h>
-#include <json.hpp>
-#include <measure.hpp>
-#include <output_file.hpp>
 #include <sched.h>
+
+#include <knurl/json/json.hpp>
+#include <knurl/measure/compare.hpp>
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/output_file.hpp>
 
 #include "cycle_reader.hpp"
 #include "imd.hpp"

@@ -10,14 +10,15 @@
 #include <iostream>
 #include <thread>
 
-#include <compare.hpp>
 #include <fcntl.h>
 #include <generators.hpp>
-#include <json.hpp>
-#include <measure.hpp>
-#include <output_file.hpp>
 #include <sched.h>
-#include <sleeper.hpp>
+
+#include <knurl/json/json.hpp>
+#include <knurl/measure/compare.hpp>
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/output_file.hpp>
+#include <knurl/measure/sleeper.hpp>
 
 #include "cycle_reader.hpp"
 #include "servo_process.hpp"

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include <sleeper.hpp>
+#include <knurl/measure/sleeper.hpp>
 
 namespace client_test {
 

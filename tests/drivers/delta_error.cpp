@@ -7,8 +7,7 @@
 #include <benchmark/benchmark.h>
 
 #include <knurl/drivers/delta.hpp>
-
-#include "measure.hpp"
+#include <knurl/measure/measure.hpp>
 
 namespace knurl::drivers {
 

@@ -9,15 +9,15 @@
 #include <numbers>
 
 #include <benchmark/benchmark.h>
-#include <json.hpp>
 
 #include <knurl/drivers/delta.hpp>
 #include <knurl/drivers/serial_chain.hpp>
 #include <knurl/drivers/sim_profile.hpp>
+#include <knurl/json/json.hpp>
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/output_file.hpp>
 
 #include "delta_error.hpp"
-#include "measure.hpp"
-#include "output_file.hpp"
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "../../reps/src/bounding_tree.hpp"
+#include "../../reps/src/broad_phase/bounding_tree.hpp"
 #include "scene_tools.hpp"
 
 using namespace knurl;

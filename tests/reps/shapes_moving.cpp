@@ -13,7 +13,7 @@
 
 #include <knurl/geometry/mesh.hpp>
 
-#include "../../reps/src/bounding_tree.hpp"
+#include "../../reps/src/broad_phase/bounding_tree.hpp"
 #include "scene_tools.hpp"
 
 using namespace knurl;

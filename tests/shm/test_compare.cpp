@@ -1,10 +1,11 @@
-// apps/measure/compare: a verdict is wrong as seldom as it says, and a difference that matters is found.
+// runtime/measure/compare: a verdict is wrong as seldom as it says, and a difference that matters is found.
 
 #include <cmath>
 #include <random>
 
-#include <compare.hpp>
 #include <gtest/gtest.h>
+
+#include <knurl/measure/compare.hpp>
 
 namespace knurl::measure {
 namespace {

@@ -1,4 +1,4 @@
-// apps/measure/histogram: what a histogram says is what all samples would have said, to its resolution.
+// runtime/measure/histogram: what a histogram says is what all samples would have said, to its resolution.
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,8 @@
 #include <random>
 
 #include <gtest/gtest.h>
-#include <histogram.hpp>
+
+#include <knurl/measure/histogram.hpp>
 
 namespace knurl::measure {
 namespace {

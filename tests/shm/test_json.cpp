@@ -4,7 +4,8 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <json.hpp>
+
+#include <knurl/json/json.hpp>
 
 namespace knurl::test {
 namespace {

@@ -1,11 +1,12 @@
-// apps/measure/law: of times made from a law and noise, that law is found, and its constants where it says.
+// runtime/measure/law: of times made from a law and noise, that law is found, and its constants where it says.
 
 #include <cmath>
 #include <map>
 #include <random>
 
 #include <gtest/gtest.h>
-#include <law.hpp>
+
+#include <knurl/measure/law.hpp>
 
 namespace knurl::measure {
 namespace {

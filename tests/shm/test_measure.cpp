@@ -1,4 +1,4 @@
-// apps/measure: a figure never says more than its samples.
+// runtime/measure: a figure never says more than its samples.
 
 #include <algorithm>
 #include <chrono>
@@ -7,8 +7,9 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <json.hpp>
-#include <measure.hpp>
+
+#include <knurl/json/json.hpp>
+#include <knurl/measure/measure.hpp>
 
 namespace knurl::measure {
 namespace {

@@ -1,4 +1,4 @@
-// apps/measure/output_file: a file is all there, or is as it was and a line says why.
+// runtime/measure/output_file: a file is all there, or is as it was and a line says why.
 
 #include <array>
 #include <csignal>
@@ -12,10 +12,11 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <output_file.hpp>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include <knurl/measure/output_file.hpp>
 
 namespace knurl::measure {
 namespace {

@@ -1,12 +1,13 @@
-// apps/measure: a loop with nothing in it keeps a servo's time; a witness sees only what it may, and what
+// runtime/measure: a loop with nothing in it keeps a servo's time; a witness sees only what it may, and what
 // several see at once is counted once.
 
 #include <algorithm>
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <measure.hpp>
-#include <sleeper.hpp>
+
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/sleeper.hpp>
 
 #include "../rights.hpp"
 

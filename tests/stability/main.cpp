@@ -7,9 +7,9 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <output_file.hpp>
 
 #include <knurl/commandline/program.hpp>
+#include <knurl/measure/output_file.hpp>
 
 #include "claims.hpp"
 #include "relief_stroke.hpp"

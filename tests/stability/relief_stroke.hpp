@@ -1,5 +1,5 @@
 #pragma once
-// The stroke of scripts/demo in this process, on the virtual clock: a relief of apps/surface under the
+// The stroke of scripts/demo in this process, on the virtual clock: a relief of apps/demos/surface under the
 // simulated hand, all of Servo::step, and an application that answers after it has thought. The demo itself
 // has one phase, whichever it happens to be, and a machine's own lateness; here every phase is there, twice
 // the same.

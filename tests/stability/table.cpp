@@ -7,7 +7,8 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <json.hpp>
+
+#include <knurl/json/json.hpp>
 
 namespace stability {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <measure.hpp>
+#include <knurl/measure/measure.hpp>
 
 namespace stability {
 

@@ -4,14 +4,15 @@
 #include <stdexcept>
 #include <string>
 
-#include "mesh_file.hpp"
+#include <knurl/meshfile/mesh_file.hpp>
+
 #include "refusal.hpp"
 #include "soup.hpp"
 
 using knurl::fuzz::check_refusal;
 using knurl::fuzz::require;
 
-meshfile::Soup meshfile::read_by_assimp(const std::string& path, const ReadLimits&) {
+knurl::meshfile::Soup knurl::meshfile::read_by_assimp(const std::string& path, const ReadLimits&) {
     bad(path, "is of another format");
 }
 
@@ -20,8 +21,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const std::string names[] = {"file.stl", "file.obj", "file.ply", "file"};
     const std::string& name = names[data[0] % 4];
     try {
-        const meshfile::MeshFile file =
-            meshfile::read_mesh({reinterpret_cast<const char*>(data + 1), size - 1}, name);
+        const knurl::meshfile::MeshFile file =
+            knurl::meshfile::read_mesh({reinterpret_cast<const char*>(data + 1), size - 1}, name);
         require(!file.triangles.empty() && file.materials.size() == file.triangles.size(),
                 "each triangle has a material");
         for (const knurl::Triangle& triangle : file.triangles)

@@ -1,8 +1,8 @@
 #pragma once
 // A promise in milliseconds on a machine that stands still at times: how often it is tried.
 
-#include <measure.hpp>
-#include <sleeper.hpp>
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/sleeper.hpp>
 
 namespace knurl::drivers::usb_emulator {
 

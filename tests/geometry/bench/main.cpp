@@ -16,11 +16,12 @@
 #include <iostream>
 #include <optional>
 
-#include <compare.hpp>
 #include <exact/god_object.hpp>
-#include <json.hpp>
-#include <measure.hpp>
-#include <output_file.hpp>
+
+#include <knurl/json/json.hpp>
+#include <knurl/measure/compare.hpp>
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/output_file.hpp>
 
 #include "caches.hpp"
 #include "methods.hpp"

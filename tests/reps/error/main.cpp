@@ -7,8 +7,8 @@
 #include <cstring>
 #include <iostream>
 
-#include <json.hpp>
-#include <output_file.hpp>
+#include <knurl/json/json.hpp>
+#include <knurl/measure/output_file.hpp>
 
 #include "panel.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <measure.hpp>
+#include <knurl/measure/measure.hpp>
 
 namespace knurl::error {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <compare.hpp>
+#include <knurl/measure/compare.hpp>
 
 #include "lab.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <law.hpp>
+#include <knurl/measure/law.hpp>
 
 #include "../../shm/bench/bench.hpp"
 

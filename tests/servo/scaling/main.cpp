@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include <json.hpp>
+#include <knurl/json/json.hpp>
+#include <knurl/measure/output_file.hpp>
 
 #include "goals.hpp"
 #include "lab.hpp"
-#include "output_file.hpp"
 
 namespace {
 

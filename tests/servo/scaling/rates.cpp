@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include <sleeper.hpp>
+#include <knurl/measure/sleeper.hpp>
 
 #include "lab.hpp"
 #include "rig.hpp"

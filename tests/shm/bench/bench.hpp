@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include <measure.hpp>
+#include <knurl/measure/measure.hpp>
 
 namespace knurl::shm::bench {
 

@@ -10,11 +10,12 @@
 #include <stdexcept>
 #include <string_view>
 
-#include <measure.hpp>
-#include <output_file.hpp>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <knurl/measure/measure.hpp>
+#include <knurl/measure/output_file.hpp>
 
 #include "transport.hpp"
 #include "verdicts.hpp"

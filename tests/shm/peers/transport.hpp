@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <sleeper.hpp>
+#include <knurl/measure/sleeper.hpp>
 
 namespace knurl::shm::peers {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <compare.hpp>
-#include <json.hpp>
+#include <knurl/json/json.hpp>
+#include <knurl/measure/compare.hpp>
 
 namespace knurl::shm::peers {
 

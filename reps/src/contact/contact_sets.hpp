@@ -1,0 +1,342 @@
+#pragma once
+// The surfaces of each probe that are solved together, and while a cross-fade lasts those that were before:
+//
+//   records, sorted by stiffness ──> set `now` ─┐
+//   what they were before, or one frozen plane ──> set `old` ─┴─> contact stage
+//
+// Sets lie as structure of arrays in one of two arenas; a change builds the other one. Planes that stand and are put
+// elsewhere, a thousand at a time, keep their set: scene_reshape.cpp.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <knurl/reps/contact_solver.hpp>
+
+#include "broad_phase/bounding_spheres.hpp"
+#include "broad_phase/broad_phase.hpp"
+#include "scene/scene_state.hpp"
+
+namespace knurl::detail {
+
+/// Stiffnesses that one probe's set keeps apart, each with its own solution; more are rounded down to these.
+inline constexpr std::uint32_t max_layers = 8;
+
+/// What a layer with curved surfaces came to in a cycle: from there the next one goes on.
+struct CurvedStart {
+    // m: x - p, and that p (apart: a hand at rest starts from the same to the bit)
+    Eigen::Vector3d dx = Eigen::Vector3d::Zero(), p = Eigen::Vector3d::Zero();
+    ActiveSet active;
+    std::array<double, 3> multiplier{};
+    std::uint64_t cycle = 0;
+};
+
+/// Those of all layers of a set: where it held the probe goes on being where it is solved from, whatever changes.
+struct CurvedStarts {
+    // What held it there: a surface, which of its contacts, and how much it pushed.
+    struct Push {
+        Owner owner;
+        std::uint32_t part;
+        double multiplier;  // m
+    };
+    struct Place {
+        Vec3 dx, p;  // m
+        std::uint64_t cycle = 0;
+        std::array<Push, 3> by{};
+        std::uint32_t pushes = 0;
+    };
+    struct OfLayer {
+        double stiffness = 0;  // N/m
+        Place newest, before;
+        bool started = false;  // the newest one, from the one before
+    };
+    std::array<OfLayer, max_layers> layer{};  // softest first
+    std::uint32_t count = 0;
+};
+
+struct Layer {
+    double stiffness = 0;     // N/m
+    std::uint32_t count = 0;  // the first so many members are as stiff or stiffer
+    double give = 0;          // m, by which contradictory planes give way
+    double given_at = 0;      // m, the worst violation where that was found
+    ContactSolution solution;
+    // m, world: last cycle's x, kept when no solution is found
+    Eigen::Vector3d proxy = Eigen::Vector3d::Zero();
+    // Of a set with curved surfaces.
+    std::array<CurvedStart, 2> reached;  // in the last two cycles that took time
+    std::uint8_t newest = 0;             // of them
+    bool started = false;                // the newest one, from the other
+    bool joined = false;                 // by the surfaces themselves, not by planes at the probe's feet
+    double far = 0;                      // m, what lies farther from the probe has had no say
+};
+
+/// Where many planes that stand were last evaluated, and how far the nearest was away (m); at most 0:
+/// evaluate them.
+struct ClearOfPlanes {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    double distance = 0;
+    bool alone = false;  // they are all that the set has, and in the last cycle none was touched
+};
+
+struct ContactSet {
+    std::uint32_t begin = 0, count = 0;                // members in the arena, solved together
+    std::uint32_t room = 0, moving_room = 0;           // as many members may lie there, of either kind
+    std::uint32_t standing = 0;                        // of those: planes that are not evaluated
+    std::uint32_t summed = 0;                          // those behind them, whose forces add up
+    std::uint32_t moving_begin = 0, moving_count = 0;  // surfaces that are evaluated each cycle
+    std::uint32_t inside = 0;                          // of those: evaluated when they were last looked at
+    std::uint32_t layers = 0;
+    bool has_tangential = false;          // one of them is
+    bool curved = false;                  // one of several may be
+    bool follows = false;                 // one is entered and left: see ProxyPath
+    std::array<Vec3, 3> corner{};         // of the softest layer, if joined: the active normals
+    bool left_out = false;                // in the last evaluation: some were out of reach
+    double slack = 0;                     // m, by which their bounds are extended: the proxy may get that far
+    double scale = 1;                     // the weight, where all members share one
+    std::array<Layer, max_layers> layer;  // softest (all members) first
+    // Of the last cycle that took time: the proxy from the probe (m), and the only slot that held it there.
+    Eigen::Vector3d held = Eigen::Vector3d::Zero();
+    std::uint32_t held_by = 0xffffffff;
+    bool led = false;  // in the last cycle that took time the proxy was led: see ProxyPath
+    Eigen::Vector3d reached = Eigen::Vector3d::Zero();  // m: of this cycle, where the proxy was led
+    // Last cycle's result.
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, damped, weighted, clamped
+    double elastic = 0;                               // N, of the joint solution alone, before that
+    double per_elastic = 0;                           // 1, what became of it by damping, weight, clamp
+    bool touching = false;
+    bool infeasible = false;
+    ClearOfPlanes clear;
+};
+
+/// A surface that is evaluated each cycle, unless the probe is out of its ball.
+struct Moving {
+    std::uint32_t member = 0;  // its first
+    bool inside = false;       // it was evaluated when it was last looked at
+};
+
+/// Of two, sets are built in one by turns. They are built from records: of what stood in the other one, only whose it
+/// was is looked at, so the rest has one memory.
+struct Arena {
+    std::span<double> nx, ny, nz, c, s, b;
+    std::vector<Owner> owner;
+    std::vector<Moving> moving;
+    BoundingSpheres* bounding_spheres = nullptr;  // theirs; radius infinity: always evaluated
+    std::uint32_t used = 0, moving_used = 0;
+};
+
+/// What is felt along the surface: friction, texture, the braking pulse.
+struct TangentialState {
+    bool present = false;  // there may be something
+    FrictionLaw law;       // last cycle's, of all that pushed
+    Tangent tangent;       // last cycle's
+    FrictionState friction;
+    Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  // N, friction in the last cycle
+    Eigen::Vector3d relief = Eigen::Vector3d::Zero();          // N, texture's push in the last cycle
+    double pulse = 0, pulse_left = 0;                          // N, s: braking
+    double apart = 1;                                          // s, since the last touch
+
+    bool needed() const noexcept { return present || friction.residual_time > 0; }
+    /// Nothing is felt, nor remembered, and time makes no difference any more.
+    bool rests() const noexcept;
+    /// Nothing is touched any more.
+    void release() noexcept;
+    /// Where nothing rubs the tip is not followed: what rubs next begins where the tip is then.
+    void leave_anchor() noexcept {
+        if (!needed()) friction.held = false;
+    }
+};
+
+/// The plane that gives the force of an interrupted cross-fade: what the next one goes on from. It rubs as its surfaces
+/// did.
+struct FrozenPlane {
+    HalfSpace plane;
+    double stiffness = 0;  // N/m; 0: nothing was felt
+    FrictionLaw law;
+};
+
+struct CrossFade {
+    bool under_way = false;
+    bool frozen = false;           // the fading set is the frozen plane alone
+    bool olds_left_out = false;    // old records out of reach are not in it
+    bool fresh = false;            // it has not been evaluated yet
+    std::uint32_t number = 0;      // of the probe's fades
+    double elapsed = 0, time = 0;  // s
+
+    std::uint32_t next_number() const noexcept { return number + 1 != 0 ? number + 1 : 1; }
+    double share_of_new() const noexcept { return under_way ? elapsed / time : 1; }
+};
+
+/// What changes of a probe's set while changes are taken.
+struct SetChange {
+    bool edited = false;  // its set changes
+    bool fades = false;   // the change is cross-faded, over
+    double time = 0;      // s
+    // What was felt becomes a frozen plane (alone: over the time that the fade had).
+    bool interrupted = false;
+    bool replaced = false;  // the probe sits elsewhere on the hand now
+
+    void fade_over(double seconds) noexcept {
+        edited = fades = true;
+        time = std::max(time, seconds);
+    }
+};
+
+/// What one probe touches.
+struct ContactState {
+    ContactSet now, old;
+    CrossFade fade;
+    FrozenPlane frozen_plane;
+    TangentialState tangential;
+    SetChange change;
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();     // last cycle's blend, without what rubs
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // where the probe was then
+
+    bool empty() const noexcept { return now.count + now.summed == 0; }
+    /// There are only planes, none of which was touched in the last cycle, and that left nothing to end.
+    bool is_clear() const noexcept {
+        return now.clear.alone && !fade.under_way && (!tangential.needed() || tangential.rests());
+    }
+    /// m, how far its proxies may lie from the probe.
+    double deepest() const noexcept { return std::max(now.slack, old.slack); }
+    /// Some that fade out were out of reach: whether they still are, a new set finds out.
+    bool old_may_be_near() const noexcept { return fade.under_way && fade.olds_left_out; }
+    void release() noexcept;  // nothing is touched any more
+};
+
+class ContactSets {
+  public:
+    ContactSets(SceneState& state, SurfaceCandidates& candidates);
+    void reset() noexcept;
+
+    // While changes are taken.
+    void add(std::uint32_t slot) noexcept;     // a surface that is felt from now on
+    void remove(std::uint32_t slot) noexcept;  // ... no longer
+    /// Its felt record fades out.
+    void keep_old(std::uint32_t slot) noexcept;
+    /// Its old record is about to be overwritten: what still fades from it goes on from the force of this moment.
+    void release_old(std::uint32_t slot) noexcept;
+    SetChange& change_of(std::uint32_t probe) noexcept { return states_[probe].change; }
+    /// The probe sits elsewhere on the hand: what it felt becomes an interrupted fade.
+    void replace_probe(std::uint32_t probe) noexcept;
+    /// Its surface stands elsewhere and nothing else has changed: see scene_reshape.cpp.
+    void reshape(std::uint32_t slot, double fade_time) noexcept;
+    void edit() noexcept { edited_ = true; }
+    bool edited() const noexcept { return edited_; }
+    /// All that was said since the last time. `renewed`: the surfaces that are, among others.
+    void update(std::span<const std::uint32_t> renewed) noexcept;
+    /// The same surfaces, of other weights, or of other candidates.
+    void rebuild(std::span<const std::uint32_t> renewed = {}) noexcept;
+
+    // For the stages that follow.
+    static constexpr std::uint32_t in_no_set = 0xffffffff;
+    ContactState& operator[](std::uint32_t probe) noexcept { return states_[probe]; }
+    const ContactState& operator[](std::uint32_t probe) const noexcept { return states_[probe]; }
+    Arena& arena() noexcept { return arenas_[arena_]; }
+    const Arena& arena() const noexcept { return arenas_[arena_]; }
+    std::uint32_t probes() const noexcept { return used_; }  // bit mask: with a set, or fading
+    std::span<const std::uint32_t> surfaces() const noexcept { return surfaces_; }
+    std::uint32_t member(std::uint32_t slot) const noexcept { return slots_[slot].member; }
+    void end_fade(std::uint32_t probe) noexcept;
+    /// Calls visit(record) for each that is in a fading set as it was.
+    template <class Visit>
+    void for_each_old(Visit visit) noexcept {
+        for_each_bit(used_, [&](std::uint32_t p) {
+            const ContactSet& old = states_[p].old;
+            for (std::uint32_t i = old.begin; i < old.begin + old.count; ++i) {
+                const Owner owner = arena().owner[i];
+                if (owner != frozen_plane_owner && state_.records.fades_out(owner))
+                    visit(state_.records[owner]);
+            }
+        });
+    }
+    /// Its old record is in a fading set, or will be.
+    bool old_in_use(std::uint32_t slot) const noexcept;
+
+  private:
+    struct SetSlot {
+        std::uint32_t place = 0;           // among surfaces_
+        std::uint32_t member = 0;          // its first index in the arena, or in_no_set
+        std::int32_t old_surface_of = -1;  // the probe whose fading set has its old record
+        std::uint32_t new_in_fade = 0;     // the fade of its probe that brings it in: not in the fading set
+        std::uint32_t old_in_fade = 0;     // ... whose fading set has its old record; 0: to come
+        bool old_listed = false;           // in olds_
+    };
+
+    bool reshape_sets(std::span<const std::uint32_t> renewed) noexcept;
+    bool make_room_for_old(ContactState& contact) noexcept;
+    void copy_to_old(ContactState& contact) noexcept;
+    void replace_old(std::uint32_t probe) noexcept;
+
+    void begin_fade(std::uint32_t probe, std::span<const std::uint32_t> renewed) noexcept;
+    void freeze_fade(std::uint32_t probe) noexcept;
+    void forget_ended_olds() noexcept;
+    bool old_fades(const SetSlot& slot) const noexcept;
+    bool stands_in_for_old(std::uint32_t slot, std::uint32_t probe) const noexcept;
+    std::span<const Owner> list_old(std::uint32_t probe) noexcept;
+    std::span<const Owner> list_now(std::uint32_t probe) noexcept;
+
+    // build, in its order
+    struct Levels;
+    void build(ContactSet& set, std::uint32_t probe, Arena& into, std::span<const Owner> owners) noexcept;
+    void share_weight(ContactSet& set, std::span<const Owner> owners) const noexcept;
+    void sort_into_layers(ContactSet& set, std::uint32_t probe, std::span<const Owner> owners) noexcept;
+    void put_plane(const ContactSet& set, std::uint32_t probe, Arena& into, Owner owner,
+                   std::uint32_t at) const noexcept;
+    void put_moving(std::uint32_t probe, Arena& into, Owner owner, std::uint32_t at) const noexcept;
+    struct Starts {
+        CurvedStarts now, old;
+    };
+    Starts starts_of_probe(std::uint32_t probe) const noexcept;
+    void take_starts_of_probe(std::uint32_t probe, Arena& arena, const Starts& starts) noexcept;
+    void built(std::uint32_t probe) noexcept;
+
+    double stiffness_of(Owner owner, std::uint32_t probe) const noexcept;
+    double weight_of(Owner owner) const noexcept;
+    std::uint32_t parts_of(Owner owner) const noexcept;
+    bool stands(Owner owner) const noexcept;
+
+    SceneState& state_;
+    SurfaceCandidates& candidates_;
+    std::vector<ContactState> states_;  // by probe
+    std::vector<SetSlot> slots_;
+    SlotList surfaces_;       // that are felt
+    SlotList olds_;           // whose old record is in a fading set
+    SlotList reshaped_;       // in this cycle
+    std::uint32_t used_ = 0;  // bit mask: probes with a set, or fading
+    bool edited_ = false;
+    std::vector<double> planes_;        // of both arenas
+    BoundingSpheres bounding_spheres_;  // likewise
+    Arena arenas_[2];
+    std::uint32_t arena_ = 0;
+    std::vector<Owner> scratch_;
+    std::vector<std::uint8_t> level_;                     // of each owner, while a set is built
+    std::array<std::uint32_t, max_layers> next_place_{};  // likewise, of each layer
+};
+
+/// What its weight makes of a member's stiffness and damping. Where all members share one weight, that is the set's scale
+/// instead.
+inline double own_weight(const ContactSet& set, double weight) noexcept {
+    return set.scale == 1 ? weight : 1;
+}
+/// m, the worst violation of some members.
+inline double worst_of(const Arena& arena, std::uint32_t begin, std::uint32_t count) noexcept {
+    double worst = -std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = begin; i < begin + count; ++i) worst = std::max(worst, arena.s[i]);
+    return worst;
+}
+/// Where the probe would touch a surface that is that far from it (m).
+inline Eigen::Vector3d foot_of(const Probe& probe, double height, const Eigen::Vector3d& normal) noexcept {
+    return probe.position - (height + probe.radius) * normal;
+}
+/// As for a set that has never been solved.
+void forget_solution(ContactSet& set, const Eigen::Vector3d& probe) noexcept;
+
+/// Where a set's curved surfaces held the probe, for the set that follows it.
+CurvedStarts starts_of(const ContactSet& set, const ContactState& contact, const Arena& arena,
+                       const Clock& clock) noexcept;
+void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts) noexcept;
+
+}  // namespace knurl::detail

@@ -1,0 +1,203 @@
+#pragma once
+// Narrow phase, joint contact and cross-fade: where the surfaces of a set are, the nearest point to the probe that
+// satisfies them all, layered by stiffness, and one force of the set and the one that fades out.
+
+#include <array>
+#include <cstddef>
+#include <new>
+#include <span>
+
+#include <knurl/reps/curved_contact.hpp>
+#include <knurl/reps/proxy_path.hpp>
+#include <knurl/reps/wrench.hpp>
+
+#include "contact/contact_sets.hpp"
+
+namespace knurl::detail {
+
+/// Of a layer's planes as they are; p is the probe. False: they contradict each other.
+[[gnu::always_inline]] inline bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst,
+                                                const Eigen::Vector3d& p) noexcept {
+    const double given = layer.give;
+    solve_contact_relaxed(planes, worst, layer.give, layer.solution);
+    if (layer.give != given) layer.given_at = worst;
+    if (layer.solution.status == ContactSolution::Status::solved) {
+        layer.proxy = p + layer.solution.dx;
+        return !(layer.give > 0);
+    }
+    // Bounded whatever happens: the proxy stays where it was.
+    layer.solution.dx = layer.proxy - p;
+    layer.solution.active.count = 0;
+    return false;
+}
+
+/// The planes of solids that hold the probe by another one in harder layers, as they were.
+struct PlanesApart {
+    struct Plane {
+        std::uint32_t member;
+        double nx, ny, nz, s;
+    };
+    std::array<Plane, 8> plane;  // solids beyond these hold by one plane in all layers
+    std::uint32_t count = 0;
+};
+
+/// The joint contact where surfaces are curved. Their tangent planes at the probe's own feet are solved first, as
+/// everywhere. What is found is exact where one surface holds alone (its foot is the nearest point) and no other is
+/// violated there, or where all that hold are flat; else it is sought where they meet.
+class CurvedStage {
+  public:
+    CurvedStage(SceneState& state, const ContactSets& sets) : state_(state), sets_(sets) {}
+
+    /// False: the surfaces contradict each other, as far as their planes show it.
+    bool solve(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept;
+    /// Solids that hold the probe alone in the layers from this one on (j > 0), by another plane: it becomes theirs.
+    /// True: there is one.
+    bool put_planes_alone(Arena& arena, const ContactSet& set, const Probe& probe, std::uint32_t j,
+                          PlanesApart& apart) const noexcept;
+    static void put_back(Arena& arena, const PlanesApart& apart) noexcept;
+    /// At the end of a cycle: the surfaces learn where they hold. Within it, one that is evaluated again
+    /// answers the same.
+    void lean(const ContactSet& set, const Probe& probe) noexcept;
+
+  private:
+    /// Of the surfaces near the probe, on the stack: each claim would keep its own. Made where they are listed.
+    struct Room {
+        alignas(NearSurface) std::byte bytes[max_near_surfaces * sizeof(NearSurface)];
+        NearSurface* at(std::uint32_t i) noexcept {
+            return std::launder(reinterpret_cast<NearSurface*>(bytes + i * sizeof(NearSurface)));
+        }
+    };
+    /// On the way to where the surfaces meet.
+    struct Descent {
+        ContactSolution at;
+        double within = 0;  // m, from the probe: what lies farther is not looked at
+        bool warm = false;  // it began where the last cycle's ended
+        bool done = false;
+        std::array<Vec3, 3> normals{};  // of those that hold
+    };
+    bool solve_layer(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept;
+    bool jumps(const ContactSet& set, const CurvedStart& start, const Layer& layer,
+               const Eigen::Vector3d& p) const noexcept;
+    bool meet_elsewhere(const ContactSet& set, const Probe& probe, const Layer& layer) const noexcept;
+    std::span<NearSurface> near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
+                                         const Descent& descent, Room& room) noexcept;
+    void take_step(std::span<NearSurface> near, const CurvedStep& step, const Eigen::Vector3d& p,
+                   Descent& descent) const noexcept;
+    static void balance(Descent& descent) noexcept;
+    void slide(const ContactSet& set, const CurvedStart& start, const Eigen::Vector3d& p,
+               ContactSolution& at) const noexcept;
+    std::uint32_t list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
+                                     const Eigen::Vector3d& dx, double within, Room& room) noexcept;
+    double relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept;
+    double explained(const ContactSet& set, const ContactSolution& to, double motion) const noexcept;
+    void lean_in_layer(const ContactSet& set, const Probe& probe, std::uint32_t j) noexcept;
+    bool any_curved(const ContactSet& set, const ActiveSet& active) const noexcept;
+
+    SceneState& state_;
+    const ContactSets& sets_;
+};
+
+/// What is felt along the surface, once per probe, on the blended contact: friction, texture, the braking pulse at
+/// entry. `force` is the contact's; the answer is that and all that lies along the surface.
+Eigen::Vector3d with_tangential(std::uint32_t probe, ContactSets& sets, const SceneState& state,
+                                const Eigen::Vector3d& force, double dt) noexcept;
+/// A fine relief is gone at a speed that takes a few cycles to leave: what is felt of it, not the speed, moves on
+/// evenly.
+double texture_gain_of(const Record& record, const Texture& texture, const Probe& probe,
+                       const SceneState& state) noexcept;
+
+/// How the proxy of a set is led in this cycle: scene_seams.cpp.
+struct Lead {
+    const ContactState* contact = nullptr;  // of its probe
+    bool on = false;                        // it is led at all
+    bool led = false;                       // something else may hold the probe than what is evaluated
+    bool lone = false;                      // there is one surface
+    bool fades = false;                     // the set that fades out
+    bool solved = false;                    // the proxy is known
+    bool again = false;  // its set has been evaluated in this cycle before, when it had other candidates
+    ProxyPath::Stage stage = ProxyPath::Stage::answer;  // of what is evaluated again
+    Eigen::Vector3d before =
+        Eigen::Vector3d::Zero();                      // m, world: where the probe was in the last timed cycle
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, from the probe: what is near it counts
+    std::uint32_t deepest = 0;                        // the member that overlaps the probe most
+};
+
+class ContactStage {
+  public:
+    ContactStage(SceneState& state, ContactSets& sets, SurfaceCandidates& candidates)
+        : state_(state), sets_(sets), candidates_(candidates), curved_(state, sets) {}
+
+    /// The path of the proxy, which each probe shows to what it enters and leaves.
+    ProxyPath& path() noexcept { return path_; }
+    /// Adds the wrench of all surfaces, about the hand's position.
+    void evaluate(double dt, Wrench& sum) noexcept;
+
+  private:
+    void evaluate_set(const ContactState& contact, ContactSet& set, const ProbeState& at, double dt) noexcept;
+    double scan_standing(ContactSet& set, const Eigen::Vector3d& p) noexcept;
+    void rest(ContactSet& set, const Probe& probe, double dt) noexcept;
+    void stay_clear(ContactState& contact, const Eigen::Vector3d& p) const noexcept;
+    double evaluate_moving(ContactSet& set, const Probe& probe, double dt, double worst) noexcept;
+    double evaluate_member(const ContactSet& set, const Probe& probe, double dt,
+                           std::uint32_t member) noexcept;
+    std::uint32_t contacts_of(Record& r, const KindOps& ops, const Probe& probe, double step) noexcept;
+    void subtract_relief(const Record& r, TangentialRecord& feel, const Probe& probe, double step,
+                         std::uint32_t count) noexcept;
+    double put_contacts(const ContactSet& set, const Record& r, std::uint32_t room, std::uint32_t count,
+                        std::uint32_t member) noexcept;
+    const Layer* solve(ContactSet& set, const Probe& probe, double worst) noexcept;
+    double damped_force(ContactSet& set, const Probe& probe, const Layer& top) noexcept;
+    void add_summed(ContactSet& set, const Probe& probe) noexcept;
+    const Layer* widen(ContactSet& set, const Probe& probe, double dt, double standing,
+                       double& worst) noexcept;
+    const Layer* solve_widening(ContactSet& set, const Probe& probe, double dt, double standing,
+                                double& worst) noexcept;
+    bool candidates_fall_short() noexcept;
+    Eigen::Vector3d cross_fade(std::uint32_t probe, double dt) noexcept;
+    Eigen::Vector3d felt_by(std::uint32_t probe, double dt) noexcept;
+
+    // scene_seams.cpp
+    // Alone with the surface that holds it a probe is its own path; and where nothing holds it.
+    [[gnu::always_inline]] bool is_alone(const ContactSet& set) noexcept {
+        path_.stage = ProxyPath::Stage::free;
+        path_.holds = path_.beside = false;
+        return set.moving_count == 1 && set.standing == 0 && (set.held.isZero(0) || is_held_by_first(set));
+    }
+    bool is_held_by_first(const ContactSet& set) const noexcept {
+        return sets_.arena().owner[set.begin] >> 1 == set.held_by;
+    }
+    // As far as it was led is where its one surface holds it, and not where that pushes a probe with a radius.
+    void come_alone(ContactSet& set, bool violated) const noexcept {
+        set.led = false;
+        if (violated && path_.holds) {
+            set.reached = set.layer[0].solution.dx;
+        } else {
+            set.reached.setZero();
+        }
+    }
+    void begin_path(const ContactState& contact, const ContactSet& set,
+                    const Eigen::Vector3d& before) noexcept;
+    void set_stage(const ContactSet& set, std::uint32_t member, bool first) noexcept;
+    const Layer* lead_on(ContactSet& set, const Probe& probe, double dt, double standing,
+                         double& worst) noexcept;
+    const Layer* lead_proxy(ContactSet& set, const Probe& probe, double dt, double standing,
+                            double& worst) noexcept;
+    const Layer* solve_or_rest(ContactSet& set, const Probe& probe, double dt, double standing,
+                               double& worst) noexcept;
+    void fill_path(const ContactSet& set, std::uint32_t member) noexcept;
+    void pass_along(ContactSet& set, const Probe& probe, ProxyPath::Stage stage) noexcept;
+    std::uint32_t count_close(ContactSet& set, const Probe& probe, const Eigen::Vector3d& place) noexcept;
+    const Layer* brush(ContactSet& set, const Probe& probe, double dt, double standing, double& worst,
+                       const Layer* top) noexcept;
+    void remember_proxy(ContactSet& set) noexcept;
+
+    SceneState& state_;
+    ContactSets& sets_;
+    SurfaceCandidates& candidates_;
+    CurvedStage curved_;
+    std::array<Contact, max_contacts> found_;  // scratch of evaluate_moving
+    ProxyPath path_;                           // of the surface that is evaluated
+    Lead lead_;                                // of the set that is evaluated
+};
+
+}  // namespace knurl::detail

@@ -1,0 +1,315 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <knurl/protocol/attach.hpp>
+#include <knurl/recording/recording.hpp>
+#include <knurl/servo/asset_digest.hpp>
+#include <knurl/servo/config.hpp>
+
+namespace knurl::recording {
+
+namespace {
+
+constexpr const char* report_topic = "/knurl/report";
+constexpr const char* inputs_topic = "/knurl/inputs";
+constexpr const char* metadata_name = "knurl";
+constexpr const char* missing_name = "knurl missing";
+constexpr const char* asset_media_type = "application/x-knurl-asset";
+
+std::string asset_name(const protocol::AssetDigest& digest) {
+    return fmt::format("asset-{:02x}", fmt::join(digest, ""));
+}
+
+// CDR puts these fields one behind the other, each on a multiple of its size, as the compiler does: a
+// report's bytes are its encoding, behind four bytes that say so.
+constexpr std::array cdr_little_endian{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+static_assert(sizeof(Report) == 47 * 8 && offsetof(Report, joints) == 4 * 8 &&
+              offsetof(Report, position) == 12 * 8 && offsetof(Report, velocity) == 19 * 8 &&
+              offsetof(Report, state) == 43 * 8 && offsetof(Report, late_count) == 45 * 8 &&
+              offsetof(Report, touches) == 46 * 8 + 4);
+
+const McapSchema& report_schema() {
+    static const McapSchema schema{
+        "knurl_msgs/msg/Report", "ros2msg",
+        R"(# What Knurl's servo publishes each cycle, of one device, in that device's own frame.
+uint64 cycle
+int64 deadline_ns   # CLOCK_MONOTONIC: when the cycle should have begun
+int64 read_ns       # when the joint sample had been read
+int64 write_ns      # when the efforts had been written
+float64[8] joints   # rad
+geometry_msgs/Vector3 position      # m
+knurl_msgs/Quaternion orientation
+geometry_msgs/Vector3 velocity      # m/s
+geometry_msgs/Vector3 slow_velocity # m/s
+geometry_msgs/Vector3 angular_velocity # rad/s
+geometry_msgs/Vector3 scene_force   # N, before the supervisor
+geometry_msgs/Vector3 scene_torque  # N m
+geometry_msgs/Vector3 sent_force    # N, after the supervisor
+geometry_msgs/Vector3 sent_torque   # N m
+geometry_msgs/Vector3 contact_point # m
+uint32 state        # 0 disconnected, 1 idle, 2 armed, 3 ramp up, 4 active, 5 ramp down, 6 fault
+uint32 faults       # bit mask
+uint32 buttons      # bit mask
+uint32 flags        # bit mask
+uint64 late_count   # cycles
+uint32 presses      # bit mask, a bit turned over by each press
+uint32 touches      # contacts that have begun
+================================================================================
+MSG: geometry_msgs/Vector3
+float64 x
+float64 y
+float64 z
+================================================================================
+MSG: knurl_msgs/Quaternion
+float64 w
+float64 x
+float64 y
+float64 z
+)"};
+    return schema;
+}
+
+/// All of them: what is left out here would be left out of a replay.
+template <class Visit>
+void each_option(servo::ServoOptions& options, Visit visit) {
+    static_assert(sizeof(servo::ServoOptions) == 192, "a new option belongs here");
+    visit("rate", options.rate);
+    visit("max_dt", options.max_dt);
+    visit("silence", options.silence);
+    visit("start_active", options.start_active);
+    visit("clamp_stiffness", options.clamp_stiffness);
+    visit("budget", options.budget);
+    visit("rise_speed", options.rise_speed);
+    visit("automatic_recovery", options.automatic_recovery);
+    servo::SupervisorLimits& limits = options.supervisor;
+    visit("limits.peak_force", limits.peak_force);
+    visit("limits.continuous_force", limits.continuous_force);
+    visit("limits.peak_torque", limits.peak_torque);
+    visit("limits.thermal_time", limits.thermal_time);
+    visit("limits.slew", limits.slew);
+    visit("limits.slew_fault_time", limits.slew_fault_time);
+    visit("limits.speed_damping_from", limits.speed_damping_from);
+    visit("limits.speed_fault", limits.speed_fault);
+    visit("limits.speed_damping", limits.speed_damping);
+    visit("limits.power", limits.power);
+    visit("limits.power_time", limits.power_time);
+    visit("limits.ramp_up", limits.ramp_up);
+    visit("limits.ramp_down", limits.ramp_down);
+    visit("limits.claim_ramp", limits.claim_ramp);
+    visit("limits.arm_speed", limits.arm_speed);
+    visit("limits.stall", limits.stall);
+    visit("limits.clock_jump", limits.clock_jump);
+    visit("limits.workspace_margin", limits.workspace_margin);
+    visit("limits.off", limits.off);
+}
+
+McapMetadata metadata_of(RecordingInfo info) {
+    McapMetadata all{{"version", info.version},
+                     {"wire", fmt::format("{:016x}", info.wire)},
+                     {"tape", fmt::format("{:016x}", info.input_log_layout)},
+                     {"device_figures", fmt::format("{:016x}", info.figures)},
+                     {"servo", info.servo},
+                     {"device", info.device},
+                     {"address", info.address},
+                     {"profile", info.profile},
+                     {"realtime_offset_ns", std::to_string(info.realtime_offset_ns)}};
+    if (!info.cause.empty()) {
+        all["cause"] = info.cause;
+        all["assets"] = "of a flight record: reports alone, shapes that were felt are not in it";
+    }
+    // 17 digits: every double comes back to the bit.
+    each_option(info.options, [&](const char* name, auto& value) {
+        if constexpr (std::is_same_v<decltype(value), bool&>)
+            all[name] = value ? "true" : "false";
+        else
+            all[name] = fmt::format("{:.17g}", value);
+    });
+    return all;
+}
+
+RecordingInfo info_of(const McapMetadata& all, const std::string& path) {
+    const auto text = [&](const std::string& name) -> const std::string& {
+        const auto found = all.find(name);
+        if (found == all.end())
+            throw std::runtime_error(
+                fmt::format("{}: its metadata has no '{}': the file was changed", path, name));
+        return found->second;
+    };
+    const auto number = [&](const std::string& name, auto& value, auto... base) {
+        const std::string& digits = text(name);
+        const char* end = digits.data() + digits.size();
+        if (std::from_chars(digits.data(), end, value, base...).ptr != end || digits.empty())
+            throw std::runtime_error(
+                fmt::format("{}: its metadata says {} = '{}', which is no number: the file was changed", path,
+                            name, digits));
+    };
+    RecordingInfo info;
+    info.version = text("version");
+    info.servo = text("servo");
+    info.device = text("device");
+    info.address = text("address");
+    info.profile = text("profile");
+    if (all.count("cause") > 0) info.cause = text("cause");
+    number("wire", info.wire, 16);
+    number("tape", info.input_log_layout, 16);
+    number("device_figures", info.figures, 16);
+    number("realtime_offset_ns", info.realtime_offset_ns);
+    each_option(info.options, [&](const char* name, auto& value) {
+        if constexpr (std::is_same_v<decltype(value), bool&>)
+            value = text(name) == "true";
+        else
+            number(name, value);
+    });
+    // Every time of a replay is counted by it.
+    if (const auto& rate = servo::ranges::rate;
+        !(info.options.rate >= rate.low && info.options.rate <= rate.high))
+        throw std::runtime_error(
+            fmt::format("{}: its metadata says rate = {:g}, no servo's ({:g} to {:g} Hz): "
+                        "the file was changed",
+                        path, info.options.rate, rate.low, rate.high));
+    return info;
+}
+
+/// How a message of inputs begins.
+struct InputHead {
+    std::uint16_t type = 0;  // servo::InputType; 0: a gap
+    std::uint16_t reserved[3] = {};
+};
+static_assert(sizeof(InputHead) == 8);
+
+}  // namespace
+
+RecordingWriter::RecordingWriter(const std::string& path, const RecordingInfo& info, Existing existing)
+    : file_(path, "Knurl " + info.version, existing), offset_(info.realtime_offset_ns) {
+    reports_ = file_.add_channel(report_topic, "cdr", &report_schema());
+    inputs_ = file_.add_channel(inputs_topic, "knurl", nullptr);
+    file_.add_metadata(metadata_name, metadata_of(info));
+}
+
+void RecordingWriter::report(const Report& report) {
+    file_.message(reports_, report.read_ns + offset_, cdr_little_endian,
+                  std::as_bytes(std::span(&report, 1)));
+}
+
+void RecordingWriter::input(const servo::InputRecord& record) {
+    if (record.type == servo::InputType::cycle &&
+        record.bytes.size() >= offsetof(servo::CycleInput, write_ns))
+        std::memcpy(&last_, record.bytes.data() + offsetof(servo::CycleInput, now), sizeof last_);
+    const InputHead head{.type = static_cast<std::uint16_t>(record.type)};
+    file_.message(inputs_, last_ + offset_, std::as_bytes(std::span(&head, 1)), record.bytes);
+}
+
+void RecordingWriter::gap() {
+    const InputHead head;
+    file_.message(inputs_, last_ + offset_, std::as_bytes(std::span(&head, 1)), {});
+}
+
+bool RecordingWriter::flush() {
+    const std::uint64_t pending = file_.pending();
+    if (file_.flush()) return true;
+    dropped_ += pending;
+    gap();
+    return false;
+}
+
+bool RecordingWriter::asset(const protocol::AssetDigest& digest, std::span<const std::byte> source,
+                            const std::function<void()>& between) {
+    if (has(digest)) return true;
+    if (!file_.attach(asset_name(digest), asset_media_type, last_ + offset_, source, between)) {
+        ++dropped_;
+        return false;
+    }
+    assets_.insert(digest);
+    missing_.erase(digest);
+    return true;
+}
+
+bool RecordingWriter::finish() {
+    bool whole = flush();
+    McapMetadata gone;
+    for (const protocol::AssetDigest& digest : missing_)
+        gone[asset_name(digest)] = "was felt, and is not in this file";
+    try {
+        if (whole && !gone.empty()) file_.add_metadata(missing_name, gone);
+    } catch (const std::runtime_error&) {  // the disk is full
+        whole = false;
+    }
+    return whole && file_.finish();
+}
+
+RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(path) {
+    const McapMetadata* metadata = file_.metadata(metadata_name);
+    if (metadata == nullptr)
+        throw std::runtime_error(
+            file_.cut_off_at()
+                ? path + ": cut off before anything was recorded"
+                : path + ": an MCAP file, but none that knurl record made (it has no metadata 'knurl')");
+    info_ = info_of(*metadata, path);
+    reports_ = file_.channel(report_topic);
+    inputs_ = file_.channel(inputs_topic);
+    // Reports are read by whoever has the same report; what they say of the servo's insides is for replay
+    // alone.
+    if (file_.library() != "Knurl " + info_.version)
+        throw std::runtime_error(path +
+                                 ": its header and its metadata name two versions: the file was changed");
+}
+
+std::vector<std::byte> RecordingReader::asset(const protocol::AssetDigest& digest) {
+    auto source = file_.attachment(asset_name(digest));
+    if (!source)
+        throw std::runtime_error(
+            fmt::format("an application sent a shape here, {}, which is not in the recording: it replays up "
+                        "to this place",
+                        asset_name(digest)));
+    if (servo::digest_of(*source) != digest)
+        throw std::runtime_error(
+            fmt::format("{} is not what its name says: the file was changed", asset_name(digest)));
+    return *std::move(source);
+}
+
+void RecordingReader::require_this_build() const {
+    if (!info_.cause.empty())
+        throw std::runtime_error(
+            path_ + ": a flight record's reports alone, which do not replay; --csv and --scene take them");
+    if (info_.version == KNURL_VERSION && info_.wire == protocol::wire_hash() &&
+        info_.input_log_layout == servo::input_log_layout())
+        return;
+    throw std::runtime_error(fmt::format(
+        "{}: made by Knurl {} (layout {:016x}-{:016x}), this is {} ({:016x}-{:016x}); replay it with the "
+        "build that made it",
+        path_, info_.version, info_.wire, info_.input_log_layout, KNURL_VERSION, protocol::wire_hash(),
+        servo::input_log_layout()));
+}
+
+RecordingReader::Item RecordingReader::next() {
+    McapReader::Message message;
+    const auto changed = [this] {
+        return std::runtime_error(
+            path_ +
+            ": a message has the wrong length: the file was changed, or made by another "
+            "version");
+    };
+    while (file_.next(message)) {
+        if (message.channel == reports_) {
+            if (message.data.size() != cdr_little_endian.size() + sizeof report) throw changed();
+            std::memcpy(&report, message.data.data() + cdr_little_endian.size(), sizeof report);
+            return Item::report;
+        }
+        if (message.channel != inputs_) continue;
+        InputHead head;
+        if (message.data.size() < sizeof head) throw changed();
+        std::memcpy(&head, message.data.data(), sizeof head);
+        if (head.type == 0) return Item::gap;
+        input.type = static_cast<servo::InputType>(head.type);
+        input.bytes.assign(message.data.begin() + sizeof head, message.data.end());
+        return Item::input;
+    }
+    return Item::end;
+}
+
+}  // namespace knurl::recording
