@@ -3,7 +3,8 @@
 #                   a seed, alterations of them (tests/fuzz/replay.cpp)
 #   knurl_fuzz_X    libFuzzer with ASan and UBSan, by Clang whatever the rest is built with; a part of the target knurl_fuzzers.
 #                   fuzz.X.long, of scripts/test --long, runs it for a minute, and leaves what breaks it beside it as crash-*.
-#                   For longer: build/release/tests/bridge/fuzz/knurl_fuzz_framing -max_total_time=600 work/ tests/bridge/fuzz/corpus/framing
+#                   For longer, in build/release/tests/bridge/fuzz: ./knurl_fuzz_framing -max_total_time=600 work/ corpus_framing
+# The kept inputs of a target are one text file (scripts/corpus), which the build unpacks.
 find_program(KNURL_CLANG clang++-14)
 if(NOT TARGET knurl_fuzzers)
     add_custom_target(knurl_fuzzers)
@@ -61,17 +62,27 @@ function(knurl_fuzz_library name)
     add_custom_target(${name} DEPENDS ${library})
 endfunction()
 
-# knurl_fuzz(name library max_len REPLAY targets... [CORPUS folder] [DICTIONARY file] [LINK flags] [ALTERATIONS n]): fuzz target
-# name.cpp. REPLAY has what is fuzzed as ordinary targets; `library` the same for libFuzzer, which is linked with LINK.
+# knurl_fuzz(name library max_len REPLAY targets... [DICTIONARY file] [LINK flags] [ALTERATIONS n]): fuzz target name.cpp, with
+# the kept inputs of name.corpus, if there are any. REPLAY has what is fuzzed as ordinary targets; `library` the same for libFuzzer, which is linked with LINK.
 function(knurl_fuzz name library max_len)
-    cmake_parse_arguments(arg "" "CORPUS;DICTIONARY;ALTERATIONS" "REPLAY;LINK" ${ARGN})
+    cmake_parse_arguments(arg "" "DICTIONARY;ALTERATIONS" "REPLAY;LINK" ${ARGN})
     if(NOT arg_ALTERATIONS)
         set(arg_ALTERATIONS 5000)
     endif()
     add_executable(knurl_replay_${name} ${name}.cpp)
     target_link_libraries(knurl_replay_${name} PRIVATE knurl_options knurl_replay ${arg_REPLAY})
     target_compile_options(knurl_replay_${name} PRIVATE ${knurl_test_optimization})
-    add_test(NAME fuzz.${name} COMMAND knurl_replay_${name} ${max_len} ${arg_ALTERATIONS} last_of_${name} ${arg_CORPUS})
+    set(corpus "")
+    set(packed ${CMAKE_CURRENT_SOURCE_DIR}/${name}.corpus)
+    if(EXISTS ${packed})
+        set(corpus ${CMAKE_CURRENT_BINARY_DIR}/corpus_${name})
+        add_custom_command(OUTPUT ${corpus}.unpacked
+            COMMAND ${PROJECT_SOURCE_DIR}/scripts/corpus unpack ${packed} ${corpus}
+            COMMAND ${CMAKE_COMMAND} -E touch ${corpus}.unpacked
+            DEPENDS ${packed} ${PROJECT_SOURCE_DIR}/scripts/corpus COMMENT "Kept inputs of ${name}")
+        target_sources(knurl_replay_${name} PRIVATE ${corpus}.unpacked)
+    endif()
+    add_test(NAME fuzz.${name} COMMAND knurl_replay_${name} ${max_len} ${arg_ALTERATIONS} last_of_${name} ${corpus})
     set_tests_properties(fuzz.${name} PROPERTIES TIMEOUT 60 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} LABELS guarded)
     add_dependencies(knurl_guarded knurl_replay_${name})
     if(KNURL_SANITIZE OR NOT KNURL_CLANG)
@@ -93,6 +104,6 @@ function(knurl_fuzz name library max_len)
     if(arg_DICTIONARY)
         list(APPEND run -dict=${arg_DICTIONARY})
     endif()
-    add_test(NAME fuzz.${name}.long COMMAND ${run} -max_total_time=60 ${found} ${arg_CORPUS})
+    add_test(NAME fuzz.${name}.long COMMAND ${run} -max_total_time=60 ${found} ${corpus})
     set_tests_properties(fuzz.${name}.long PROPERTIES TIMEOUT 180 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} LABELS long)
 endfunction()
