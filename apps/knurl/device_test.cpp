@@ -10,9 +10,9 @@
 
 #include <knurl/drivers/registry.hpp>
 #include <knurl/json/json.hpp>
+#include <knurl/measure/measure.hpp>
 #include <knurl/servo/servo.hpp>
 
-#include "../measure/measure.hpp"
 #include "device_trial.hpp"
 #include "servo_view.hpp"
 #include "verbs.hpp"

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include <knurl/measure/measure.hpp>
 #include <knurl/servo/servo.hpp>
 
-#include "../measure/measure.hpp"
 #include "device_bench.hpp"
 
 namespace knurl::cli {

@@ -29,6 +29,10 @@
 
 namespace knurl::cli {
 
+using recording::Existing;
+using recording::RecordingInfo;
+using recording::RecordingWriter;
+
 namespace {
 
 struct RecordArguments {
@@ -318,7 +322,7 @@ class Recorder {
 int record(const RecordArguments& arguments) {
     const Existing existing = arguments.force ? Existing::replaced : Existing::kept;
     if (!arguments.salvage.empty()) {
-        fmt::print("{}\n", salvage(arguments.salvage, arguments.file, existing));
+        fmt::print("{}\n", recording::salvage(arguments.salvage, arguments.file, existing));
         return 0;
     }
     using Clock = std::chrono::steady_clock;

@@ -21,6 +21,9 @@
 
 namespace knurl::cli {
 
+using recording::RecordingInfo;
+using recording::RecordingReader;
+
 namespace {
 
 struct ReplayArguments {
