@@ -62,7 +62,7 @@ def judge(bounds, programs):
     """Prints a table; returns the lines of what fails. A program that did not run is left to the caller."""
     failed = []
     confidence = 1 - FALSE_ALARMS / len(bounds)
-    print(f"| program | what | beside | ratio | bound, times its factor | |\n|---|---|---|---|---|---|")
+    print("| program | what | beside | ratio | bound, times its factor | |\n|---|---|---|---|---|---|")
     for program, what, beside, bound, factor in bounds:
         if program not in programs:
             print(f"| {program} | {what} | {beside} | | | did not run |")

@@ -16,7 +16,7 @@ import tempfile
 import matplotlib.pyplot as plt
 import numpy as np
 
-from pictures import FAINT, INK, save
+from pictures import FAINT, save
 
 NAMES = {  # in the manual's order, and what to look for
     "concrete": "grains 1-3 mm apart hold and knock",

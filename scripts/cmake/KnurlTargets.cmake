@@ -11,7 +11,7 @@ target_compile_options(knurl_options INTERFACE -ffp-contract=off -Wall -Wextra -
 # Most of the time to compile a source of Knurl goes into the templates of Eigen and GoogleTest, which its neighbours instantiate
 # too: three sources of the servo's tests take 18 s one by one and 8 s together. Two sources of a target that give one name to
 # different things in an unnamed namespace get namespaces of their own (x_tests for x.cpp). Whether each source compiles by
-# itself is what scripts/clang_takes.py sees.
+# itself is what scripts/lint sees.
 set(CMAKE_UNITY_BUILD ${KNURL_BATCHES})
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 10)
 # There a local of one source may have the name that another gives to its constant; and to GCC the sources are headers there, in

@@ -147,7 +147,7 @@ def known_options(words, programs):
 def wrong_words(text, programs):
     for line in text.replace("\\\n", " ").splitlines():
         words = shlex.split(line, comments=True)
-        commands, at = [[]], 0
+        commands = [[]]
         for word in words:
             if word in ("&&", "||", "|", ";", "&"):
                 commands.append([])
