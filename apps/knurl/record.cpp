@@ -41,7 +41,7 @@ struct RecordArguments {
     bool force = false;
 };
 
-constexpr auto answer_time = std::chrono::seconds(2);
+constexpr auto servo_answers_within = std::chrono::seconds(2);
 constexpr int look_every = 10;                         // ms; the rings hold seconds
 constexpr auto flush_every = std::chrono::seconds(1);  // what a crash of this program costs at most
 constexpr std::uint64_t cycles_to_a_keyframe = 10;     // when nobody holds the device
@@ -58,7 +58,7 @@ class Source {
     Source(const protocol::ServoAddress& servo, const std::string& wanted)
         : connection_(connect_to_servo(servo)) {
         std::vector<shm::UniqueFd> segments;
-        const protocol::Welcome welcome = greet(connection_, answer_time, segments);
+        const protocol::Welcome welcome = greet(connection_, servo_answers_within, segments);
         const std::size_t device = choose(welcome, servo.name, wanted);
         reports_ = shm::Segment::open(segments[device].get(), protocol::device_layout().total,
                                       shm::Segment::Access::read_only);
@@ -70,7 +70,7 @@ class Source {
             throw std::runtime_error("the servo hung up");
         std::vector<shm::UniqueFd> input_log;
         const auto granted = answer<protocol::Recording>(connection_, protocol::MessageType::recording,
-                                                         answer_time, input_log);
+                                                         servo_answers_within, input_log);
         if (input_log.size() != 1) throw std::runtime_error("the servo sent no memory to record from");
         input_log_ = shm::Segment::open(input_log.front().get(), servo::input_log_bytes,
                                         shm::Segment::Access::read_only);

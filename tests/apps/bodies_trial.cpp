@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <trial.hpp>
 
-#include <knurl/measure/compare.hpp>
+#include "compare.hpp"
 
 namespace {
 

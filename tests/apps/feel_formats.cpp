@@ -8,10 +8,10 @@
 
 #include <knurl/geometry/mesh.hpp>
 #include <knurl/meshfile/mesh_file.hpp>
+#include <knurl/meshfile/soup.hpp>
 
 #include "feel_cube.hpp"
 #include "program.hpp"
-#include "soup.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "polygons.hpp"
+#include <knurl/meshfile/polygons.hpp>
 
 namespace {
 

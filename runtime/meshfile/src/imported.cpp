@@ -18,9 +18,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <knurl/meshfile/soup.hpp>
 #include <knurl/words/printable.hpp>
 
-#include "soup.hpp"
 #include "words.hpp"
 
 namespace knurl::meshfile {

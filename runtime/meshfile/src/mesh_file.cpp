@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include <knurl/meshfile/mesh_file.hpp>
+#include <knurl/meshfile/polygons.hpp>
+#include <knurl/meshfile/soup.hpp>
 
-#include "polygons.hpp"
-#include "soup.hpp"
 #include "words.hpp"
 
 namespace knurl::meshfile {

@@ -8,8 +8,9 @@
 
 #include <fmt/format.h>
 
+#include <knurl/meshfile/soup.hpp>
+
 #include "ply_header.hpp"
-#include "soup.hpp"
 #include "words.hpp"
 
 namespace knurl::meshfile {

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include <knurl/meshfile/soup.hpp>
 #include <knurl/words/printable.hpp>
 
-#include "soup.hpp"
 #include "words.hpp"
 
 namespace knurl::meshfile {

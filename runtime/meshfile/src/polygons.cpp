@@ -1,8 +1,8 @@
-#include "polygons.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include <knurl/meshfile/polygons.hpp>
 
 namespace knurl::meshfile {
 

@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "soup.hpp"
+#include <knurl/meshfile/soup.hpp>
+
 #include "words.hpp"
 
 namespace knurl::meshfile {

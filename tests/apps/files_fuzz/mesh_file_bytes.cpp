@@ -5,9 +5,9 @@
 #include <string>
 
 #include <knurl/meshfile/mesh_file.hpp>
+#include <knurl/meshfile/soup.hpp>
 
 #include "refusal.hpp"
-#include "soup.hpp"
 
 using knurl::fuzz::check_refusal;
 using knurl::fuzz::require;
