@@ -1,8 +1,10 @@
 #pragma once
-// A relief on a surface. The surface's height becomes h - A f, and the contact is pushed down its slope by -N A grad f: for
-// one plane both together are the gradient of k (depth + A f)^2 / 2, so conservative. f is taken at the probe's foot on the
-// surface. Taken at the probe it would change with the depth wherever `direction` leans out of the plane, and the force
-// lacks that part of the gradient.
+
+/// @file
+/// A relief on a surface. The surface's height becomes h - A f, and the contact is pushed down its slope by
+/// -N A grad f: for one plane both together are the gradient of k (depth + A f)^2 / 2, so conservative. f is
+/// taken at the probe's foot on the surface. Taken at the probe it would change with the depth wherever
+/// `direction` leans out of the plane, and the force lacks that part of the gradient.
 
 #include <knurl/reps/limits.hpp>
 #include <knurl/reps/material.hpp>
@@ -10,9 +12,12 @@
 
 namespace knurl {
 
+/// A texture's relief at a point.
 struct Relief {
-    double height = 0;                                // m, A f
-    Eigen::Vector3d slope = Eigen::Vector3d::Zero();  // 1, A grad f, along the surface
+    /// Height A f (m).
+    double height = 0;
+    /// Slope A grad f along the surface (1).
+    Eigen::Vector3d slope = Eigen::Vector3d::Zero();
 };
 
 /// The relief at the point p (m, world) of a surface with that unit normal, which has been carried `shift`
