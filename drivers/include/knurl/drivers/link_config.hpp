@@ -29,7 +29,7 @@ inline constexpr JointArray no_least = every_joint(-std::numeric_limits<double>:
 /// No greatest position of any joint.
 inline constexpr JointArray no_greatest = every_joint(std::numeric_limits<double>::infinity());
 
-/// What a device says about itself. Figures that are 0 are not known, unless stated otherwise.
+/// What a device says about itself.
 struct LinkConfig {
     /// Name of the profile or product: "premium15".
     std::string name;

@@ -12,7 +12,7 @@
 namespace knurl::drivers {
 
 /// Joints are those of PoseMechanism, velocities are the motion's own; efforts are ignored. It limits
-/// nothing: peak force and damping are 0 in its LinkConfig, so whoever derives limits from them must know
+/// nothing: peak force and damping are 0 in its LinkConfig, so code that derives limits from them must know
 /// that it has none.
 class MotionDevice final : public Device {
   public:

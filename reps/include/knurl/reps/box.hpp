@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// A box: solid, felt from outside, or hollow, felt from inside.
+/// A box: solid, touched from outside, or hollow, touched from inside.
 ///
 /// Solid. Once the centre of the probe has entered, the box holds it by the face through which it came, as
 /// the face's plane, however deep: half-way through it does not pop out at the back, and neither does it

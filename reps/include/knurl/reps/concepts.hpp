@@ -139,9 +139,9 @@ consteval bool geometry_comes_first() {
 ///
 /// Each is found by its name (argument-dependent lookup) and is optional.
 ///
-/// - `std::optional<HalfSpace> standing(const R&)`:
-///   a surface that is one plane until it changes: scanned, not called. With void prepare_geometry(R&), the
-///   part of prepared() that its geometry has, an update of no more than that takes a shorter way
+/// - `std::optional<HalfSpace> standing(const R&)`: a surface that is one plane until it changes: the scene
+///   scans its plane with all others, without a call. With `void prepare_geometry(R&)`, the geometry's part
+///   of prepared(), an update of the geometry alone takes a shorter way
 /// - `std::optional<Bound> bound(const R&, const R::State&)`:
 ///   a surface that is not evaluated where it is out of reach; without it, or without a value, it is
 ///   evaluated in every cycle
@@ -153,12 +153,12 @@ consteval bool geometry_comes_first() {
 ///   there it is not evaluated, and no time passes for it
 /// - `bool powerless(const R&)`:
 ///   an effect that gives nothing anywhere, as its parameters stand, nor changes by itself: not evaluated
-/// - `bool arrived(const R&, const R::State&)`:
-///   an effect that moves towards what it was told: evaluated until it has arrived, though it gives nothing,
-///   and through a silence. All other time of an effect is the scene's to stop: in a silence through which it
-///   holds, and where one has taken it away, evaluate is called with dt = 0
-/// - `void out_of_reach(const R&, R::State&)`:
-///   beside bound(): it was not asked for a while and forgets its path
+/// - `bool arrived(const R&, const R::State&)`: an effect that moves towards new parameters: evaluated until
+///   it has arrived, though it gives nothing, and through a silence. All other time of an effect is the
+///   scene's to stop: in a silence through which it holds, and where one has taken it away, evaluate is
+///   called with dt = 0
+/// - `void out_of_reach(const R&, R::State&)`: beside bound(): it was not evaluated for a while and forgets
+///   its path
 /// - `std::uint32_t contacts(const R&, R::State&, const Probe&, double dt, std::span<Contact> out)`:
 ///   a surface with up to R::max_contacts tangent planes at once (the corner of a hollow box): fills in those
 ///   that matter
@@ -167,10 +167,9 @@ consteval bool geometry_comes_first() {
 ///   place; as many as it has tangent planes. 0: those of this cycle hold there too (a face that holds the
 ///   probe). Where the answer changes with the probe, it must agree with the tangent plane at the probe's
 ///   foot
-/// - `void lean(const R&, R::State&, const Probe& there, double below)`:
-///   beside curved(): where it meets others, so that the plane by which it holds a deep probe is the one felt
-///   there. In layers that are harder than `below` (N/m) it meets none of them; infinity: it is in no harder
-///   layer
+/// - `void lean(const R&, R::State&, const Probe& there, double below)`: beside curved(): where it meets
+///   others, so that the plane by which it holds a deep probe is the one that acts there. In layers that are
+///   harder than `below` (N/m) it meets none of them; infinity: it is in no harder layer
 /// - `bool plane_alone(const R&, const R::State&, const Probe&, double stiffness, CurvedContact& out)`:
 ///   beside lean(): in a layer of that stiffness (N/m) it holds the probe by another plane than its
 ///   contact's, `out`

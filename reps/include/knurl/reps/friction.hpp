@@ -141,8 +141,8 @@ struct Rubbing {
 /// the anchor comes nearer.
 ///
 /// Where the tangent space is another than before (the tip slides into a corner, out of it, from one corner
-/// into another), what was felt and is not held any more, and viscous force that was not felt before, is let
-/// go or let in linearly within `residual_decay`: that part, and it alone, may point out of the tangent
+/// into another), force that acted and is not held any more, and viscous force that did not act before, is
+/// let go or let in linearly within `residual_decay`: that part, and it alone, may point out of the tangent
 /// space. So what a cycle adds is at most (except the paper's law)
 ///
 ///     k |dx| + b |dv|                what the tip does: its way and its change of velocity on the surface,

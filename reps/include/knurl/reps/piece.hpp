@@ -11,7 +11,7 @@
 ///                 \     back  p3
 ///                  p1 ---> ...   p2
 ///
-/// p0 -> p1 crosses the piece: it is touched, and felt as the plane of the side of entry however deep p is,
+/// p0 -> p1 crosses the piece: it is touched, and acts as the plane of the side of entry however deep p is,
 /// until p is back on that side, or its foot has left the piece sideways (p1 -> p3 holds, p2 lets go): the
 /// tip has slipped off, as off the edge of a table, and the force is gone at once.
 ///

@@ -208,7 +208,7 @@ class Scene {
     /// nothing is changed and the hand is nearer than this (m, world) to where it was then. Until then the
     /// scene need not be evaluated. 0: that cannot be said.
     double sleep_radius() const noexcept;
-    /// True: it was told of a change, or of a silence that begins or ends, which `evaluate` has not seen.
+    /// True: a change, or a silence that began or ended, waits for the next `evaluate`.
     bool changed() const noexcept;
     /// Time for which the scene has been evaluated.
     SceneTime time() const noexcept;

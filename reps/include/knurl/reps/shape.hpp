@@ -1,10 +1,10 @@
 #pragma once
 
 /// @file
-/// A rigid thing whose form was sent once (a triangle mesh, a height field) and is named here: felt exactly
-/// wherever the hand is, however seldom its pose is sent. Its faces are one-sided, and the hand is held by
-/// the point of it that it came to (knurl/geometry/proxy.hpp). Beside others, with flat shading, that point
-/// goes by the proxy of all of them (proxy_path.hpp).
+/// A rigid thing whose form was sent once (a triangle mesh, a height field) and is named here: rendered
+/// exactly wherever the hand is, however seldom its pose is sent. Its faces are one-sided, and the hand is
+/// held by the point of it that it came to (knurl/geometry/proxy.hpp). Beside others, with flat shading, that
+/// point goes by the proxy of all of them (proxy_path.hpp).
 
 #include <cstddef>
 #include <optional>

@@ -9,9 +9,8 @@
 
 namespace knurl {
 
-/// What is felt beyond the radius within which the series is to be believed. Both are edges of the energy, so
-/// that a loop returns its work where the jacobian is symmetric; what is not symmetric is cut or held as a
-/// force.
+/// What acts beyond the radius within which the series is valid. Both are edges of the energy, so that a loop
+/// returns its work where the jacobian is symmetric; what is not symmetric is cut or held as a force.
 enum class TaylorEdge : std::uint32_t {
     /// Nothing beyond: a smoothstep takes the energy away between 0.8 radius (or core) and radius.
     fade = 0,

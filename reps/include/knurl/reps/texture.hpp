@@ -25,8 +25,9 @@ struct Relief {
 Relief relief(const Texture& texture, const Eigen::Vector3d& p, const Eigen::Vector3d& normal,
               const Eigen::Vector3d& shift) noexcept;
 
-/// How much of the relief is felt at a sliding speed (m/s): what passes faster than a quarter of the servo's
-/// rate is no texture but noise, so it fades between v / wavelength = 1 / (8 T) and 1 / (4 T).
+/// Share of the relief (0 to 1) that is rendered at a sliding speed (m/s). A relief that passes faster than a
+/// quarter of the servo's rate is no texture but noise, so it fades between v / wavelength = 1 / (8 T) and 1
+/// / (4 T).
 double texture_gain(const Texture& texture, double speed, const Limits& limits) noexcept;
 
 /// The lateral push (N) of the normal force N on that slope. Its stiffness k depth A (2 pi / wavelength)^2

@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// A large immutable thing that is sent once and then named: what the servo holds of it.
+/// An asset: large immutable data that is sent once and then named. This is the servo's form of it.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// Heights over a regular grid, felt as two triangles per cell: the same walk as on a mesh, but what lies
+/// Heights over a regular grid, rendered as two triangles per cell: the same walk as on a mesh, but what lies
 /// over an edge is arithmetic. 2.1 bytes per triangle instead of about a hundred.
 ///
 ///      y ^  01 ──── 11      Each cell (i, j) is cut from its corner 00 to its corner 11: triangle

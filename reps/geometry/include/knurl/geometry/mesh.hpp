@@ -11,8 +11,8 @@
 ///   them there, drop what lies inside of a body, and again from pairing on
 /// ~~~
 ///
-/// What can be mended is, and told in MeshNotes; the rest is refused with the numbers of the triangles and
-/// the reason.
+/// What can be mended is mended, and counted in MeshNotes; other mistakes are refused with the numbers of the
+/// triangles and the reason.
 
 #include <cstddef>
 #include <cstdint>
@@ -81,7 +81,7 @@ struct MeshNotes {
     std::uint64_t edges_open = 0;
     /// Edges with more than two faces.
     std::uint64_t edges_non_manifold = 0;
-    /// Vertices that were split, since faces around them hang together in several fans.
+    /// Vertices that were split, since the faces around them are several fans, or one of more than 64 faces.
     std::uint64_t vertices_split = 0;
     /// Faces that others cross.
     std::uint64_t faces_crossed = 0;
@@ -100,8 +100,8 @@ struct MeshNotes {
     std::uint64_t not_united = 0;
 };
 
-/// About what the building of so many would take in all (bytes), so that a budget can be asked for. Without
-/// the cuts: where faces cross these take what MeshBuild::budget leaves at most.
+/// Estimate of the memory that building such a mesh takes in all (bytes), for MeshBuild::budget. Without the
+/// cuts: where faces cross, these take at most what the budget leaves.
 std::size_t mesh_budget(std::size_t vertices, std::size_t triangles, bool exact) noexcept;
 
 struct MeshData;  // src/mesh_data.hpp

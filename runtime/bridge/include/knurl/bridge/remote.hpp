@@ -25,8 +25,8 @@ struct RemoteOptions {
     std::string key_file{};
 };
 
-/// One attempt at each address in turn, until a bridge lets us in. Throws Error: no_servo if nobody listens
-/// there, or its datagrams do not come through; permission for a wrong key (no more are tried then);
+/// One attempt at each address in turn, until a bridge admits this client. Throws Error: no_servo if nobody
+/// listens there, or its datagrams do not come through; permission for a wrong key (no more are tried then);
 /// incompatible. Of several addresses it says what is wrong with each, and how many were tried.
 std::unique_ptr<detail::Link> connect_remote(std::span<const Endpoint> bridge, const RemoteOptions& options);
 

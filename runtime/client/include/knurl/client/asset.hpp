@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// Shapes that are sent once and felt from then on (reps/shape.hpp).
+/// Assets: shapes that are sent once and then named (reps/shape.hpp).
 
 #include <chrono>
 #include <cstdint>

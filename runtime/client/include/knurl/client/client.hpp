@@ -61,7 +61,7 @@ struct ConnectOptions {
     std::string key_file{};
 };
 
-/// What Client::claim asks for.
+/// What Client::claim requests.
 struct ClaimOptions {
     /// True: others may hold the device as well, if they say so too.
     bool shared = false;
@@ -87,7 +87,7 @@ struct HandReport : Report {
 /// and in those that next_report() or latest() gave meanwhile. In the first frame: since the reader began.
 struct HandFrame : HandReport {
     /// A bit for each button that went down at least once. Where reports are missed, or a network thins them
-    /// out or loses them, every second press between two reports that came is not known.
+    /// out or loses them, an even number of presses between two reports that came is not seen.
     std::uint32_t pressed = 0;
     /// A bit for each button that came up at least once; see `pressed`.
     std::uint32_t released = 0;
@@ -118,7 +118,7 @@ struct Timing {
 struct HandFeedback {
     /// Force on the hand (N), world frame. While a change of any surface on the probe is cross-faded
     /// (Feedback::fading), a surface's force is its share in the new set, which grows from nothing to all of
-    /// it; what fades out is reported of no representation. A simulation that this force pushes sends
+    /// it; what fades out is in no representation's feedback. A simulation that this force pushes sends
     /// `recovery = 0`, or ignores the force while the flag is set. An effect's force is always whole.
     Vec3 force;
     /// Torque on the hand (N m), about the probe's position; as `force`.
@@ -126,7 +126,7 @@ struct HandFeedback {
     /// Contact point (m), world frame. Where it is not touched: the probe's position at the last change of
     /// the other fields.
     Vec3 contact_point;
-    /// Stiffness as applied (N/m): less than asked for if Feedback::stiffness_clamped is set.
+    /// Stiffness as applied (N/m): less than was set if Feedback::stiffness_clamped is set.
     double stiffness = 0;
     /// Stiffness of its friction as applied (N/m); 0: it has none.
     double tangential_stiffness = 0;

@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// Where the hand will be when an update is felt, and a plane or a rimmed cap that is right there. A pure
-/// function of its arguments and of a little memory, so that it is tested without a servo.
+/// Where the hand will be when an update takes effect, and a plane or a rimmed cap that is right there. A
+/// pure function of its arguments and of a little memory, so that it is tested without a servo.
 ///
 /// An application at 20 Hz, answered 25 ms later, sends planes for where the hand was. Asking the model where
 /// the hand will be removes most of that error, but unchecked it does harm: a point predicted past the middle
@@ -15,11 +15,10 @@
 ///             h(p_L) >= min(d(p_L), 0) - min(0.5 mm, 1 N / k)  ... is no worse than under the model itself
 ///     else t* / 2, t* / 4, 0
 ///
-/// A plane is felt all along a way, from its landing until the next one has faded in: interval + fade, about
-/// p + v t*. Where one plane is sent (no corner) it is the one nearest to the surface along that way, in the
-/// mean square: the tangent plane in its middle, moved by (first + last) / 6 and tilted by
-/// 3/5 (last - first) / length, of the heights of the surface over it at the way's two ends, if it passes the
-/// same check.
+/// A plane acts all along a way, from its landing until the next one has faded in: interval + fade, about p +
+/// v t*. Where one plane is sent (no corner) it is the one nearest to the surface along that way, in the mean
+/// square: the tangent plane in its middle, moved by (first + last) / 6 and tilted by 3/5 (last - first) /
+/// length, of the heights of the surface over it at the way's two ends, if it passes the same check.
 ///
 /// A hand that turns round is not where its velocity says. How far the past updates' velocities did explain
 /// where it went is measured, and the look-ahead shortened by it (trust): 1 on a stroke, about 0.8 for 50 ms

@@ -17,7 +17,7 @@
 
 namespace knurl::commandline {
 
-/// What the command line asks for makes no sense: exit code 2.
+/// The command line makes no sense: exit code 2.
 class UsageError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
@@ -92,7 +92,7 @@ class Option {
 /// A program or a verb: its options and what it does.
 class Command {
   public:
-    /// A program. It has --help and --version without being told.
+    /// A program. It always has --help and --version.
     Command(const std::string& name, const std::string& purpose);
     ~Command();
     Command(const Command&) = delete;

@@ -35,12 +35,12 @@ void flush_output();
 /// not be written makes a 0 could_not. Around the work:
 /// - Descriptors 0 to 2 that are closed are opened, so that no file or socket takes their number: an input that is
 ///   empty, an output that cannot be written, and an error output that takes anything.
-/// - Standard error never fails and never ends a program: whoever cannot be told is not told.
+/// - Standard error never fails and never ends a program: a message that cannot be written is dropped.
 /// - A reader of standard output that has gone away is an error of that write, and no signal: work is finished and
 ///   files are whole. At the end the program dies of SIGPIPE nevertheless, without a word, as shells expect.
 int guarded(const std::function<std::string()>& who, const std::function<int()>& work);
 
-/// main() of a program with a Command: reads the command line, then does what it asks for.
+/// main() of a program with a Command: reads the command line, then runs its action.
 int run(Command& program, int argc, const char* const* argv);
 
 /// Set by stop_on_signals(); for programs that end by themselves and keep what they have.

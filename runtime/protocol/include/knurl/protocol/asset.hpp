@@ -13,7 +13,7 @@
 ///      cancels)          <-      AssetReady, or Refused
 ///
 /// From AssetReady on the claim's scene knows the number. AssetForget, which is not answered, gives it back:
-/// the servo lets go of it as soon as nothing that is felt, or still fades, is made of it.
+/// the servo lets go of it as soon as nothing that acts, or still fades, is made of it.
 
 #include <array>
 #include <cstddef>

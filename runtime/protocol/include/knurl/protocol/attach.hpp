@@ -111,7 +111,7 @@ inline constexpr std::uint32_t observe_only = 1;
 /// beside whoever holds the device. Its capacity is the servo's.
 inline constexpr std::uint32_t observe_and_reset = 2;
 
-/// A client asks for a device.
+/// A client requests a device.
 struct ClaimRequest {
     /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::claim};
@@ -176,7 +176,7 @@ struct Release {
     std::uint32_t device = 0;
 };
 
-/// A client asks for every input of this device's servo, from now on.
+/// A client requests every input of this device's servo, from now on.
 struct RecordRequest {
     /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::record};

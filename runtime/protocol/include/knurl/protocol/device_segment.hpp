@@ -90,7 +90,7 @@ enum class Count : std::uint32_t {
     kinematics_failures,
     /// Cycles in which the slew gate clipped.
     slew_clips,
-    /// Cycles in which the force was clamped to the peak.
+    /// Clamps of force or torque to its peak.
     force_clamps,
     /// Cycles in which the thermal limit clamped the force.
     thermal_clamps,
@@ -98,7 +98,7 @@ enum class Count : std::uint32_t {
     joint_clamps,
     /// Faults.
     faults,
-    /// Wake-ups of clients.
+    /// Cycles in which a client was woken.
     wakes,
     /// Times that the guardian put the motors to zero.
     guardian_zeroings,

@@ -70,8 +70,8 @@ struct Change {
     std::uint32_t line = 0;
 };
 
-/// A surface of which shapes are made, in one of three forms: a file, triangles, or heights. It is only read:
-/// whoever plays the scene builds it, and reads a file.
+/// A surface of which shapes are made, in one of three forms: a file, triangles, or heights. The entry is
+/// only read here: the program that plays the scene reads a mesh file and builds the asset.
 struct AssetEntry {
     /// Line of the file.
     std::uint32_t line = 0;

@@ -3,7 +3,7 @@
 /// @file
 /// The door of the servo: a Unix socket on which clients introduce themselves, claim devices and, by hanging
 /// up, say that they have died. Runs on the main thread, real-time below the waker: it must see a death
-/// within 10 ms. It never blocks on a client, and everything that a client can ask for has a bound.
+/// within 10 ms. It never blocks on a client, and everything that a client can request has a bound.
 
 #include <cstddef>
 #include <memory>

@@ -1,7 +1,8 @@
 #pragma once
 
 /// @file
-/// What knurld is told, by a TOML file, a command line, or both (the command line wins). SI units throughout.
+/// Configuration of knurld, by a TOML file, a command line, or both (the command line wins). SI units
+/// throughout.
 
 #include <cstdint>
 #include <stdexcept>

@@ -7,9 +7,9 @@
 
 namespace knurl::servo {
 
-/// Runs a servo until a signal ends it. 0: it was asked to and every device was ramped down; 1: it had to end
-/// otherwise. Throws std::runtime_error (one line: what, where, what to do) if it cannot start; nothing is
-/// left behind then.
+/// Runs a servo until a signal ends it. Returns 0: a signal ended it and every device was ramped down; 1: it
+/// had to end otherwise. Throws std::runtime_error (one line: what, where, what to do) if it cannot start;
+/// nothing is left behind then.
 int run_daemon(const DaemonConfig& config);
 
 /// What a servo would run with this configuration, for people: a line for itself and one for each device.

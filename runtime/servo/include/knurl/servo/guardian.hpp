@@ -96,7 +96,7 @@ class Guardian {
     /// How often it has zeroed device `i`. The guardian adds with release before it zeroes; Loop reads with
     /// acquire.
     const std::atomic<std::uint64_t>& acts(std::size_t i) const;
-    /// The devices are at rest: it ends, and is waited for.
+    /// The devices are at rest: the guardian ends, and its end is awaited.
     void goodbye() noexcept;
 
   private:

@@ -8,7 +8,7 @@
 ///     InputLogHeader | ring of slots, as of the reports: one writer, readers whose mapping is read-only
 ///
 /// A record is a type and some bytes, in as many slots as it needs. The servo never waits for a reader: one
-/// that is too slow is told that there is a gap.
+/// that is too slow sees a gap.
 
 #include <array>
 #include <cstddef>

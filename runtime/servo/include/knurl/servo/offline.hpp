@@ -79,7 +79,7 @@ class OfflineClaim {
     /// geometry alone has changed since it was added, that alone is sent, as the application's client does.
     void update(RepresentationId id, Kind kind, const void* params, std::size_t bytes);
     /// Sends the parameters as one batch; returns its sequence. `report_cycle`: the report from which it was
-    /// computed.
+    /// computed. Throws std::runtime_error if the batch is larger than the claim's room.
     std::uint64_t commit(std::uint64_t report_cycle = 0, std::int64_t commit_ns = 0);
 
     /// Adds a representation in the lowest slot that was never used, with its next generation.

@@ -140,7 +140,7 @@ class Supervisor {
     struct Counts {
         /// Cycles in which the slew gate clipped.
         std::uint64_t slew_clips = 0;
-        /// Cycles in which the force was clamped to the peak.
+        /// Clamps of force or torque to its peak.
         std::uint64_t force_clamps = 0;
         /// Cycles in which the thermal limit clamped the force.
         std::uint64_t thermal_clamps = 0;

@@ -1,8 +1,7 @@
 #pragma once
 
 /// @file
-/// "Did you mean ...?": the word that somebody who made a slip probably meant. Stands below all other
-/// modules.
+/// "Did you mean ...?": the word that was probably meant by a misspelled one. This module uses no other one.
 
 #include <algorithm>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// What somebody else wrote (a file, a command line), as a part of a message of ours.
+/// Text of others (a file, a command line) as a part of one of our messages.
 
 #include <cstddef>
 #include <string>
