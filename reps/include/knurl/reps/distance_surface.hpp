@@ -5,7 +5,7 @@
 /// is the same for all of them, and made here: clamped parameters, moving on between updates, the tangent
 /// plane at the foot.
 ///
-/// ~~~
+/// ~~~{.unparsed}
 ///   struct Cone { Vec3 apex; ...; Vec3 velocity; double stiffness; ...; Texture texture;  using State = MovingState; };
 ///   SurfaceDistance distance(const Cone& cone, const Eigen::Vector3d& p, double radius) noexcept;
 /// ~~~
@@ -37,15 +37,16 @@ struct MovingState {
 };
 
 /// R has a function `distance`. `p`: the probe's centre (m), as if the surface had not moved on since it was
-/// placed; `radius`: the probe's (m). (clang-format 14 breaks requirements apart.)
+/// placed; `radius`: the probe's (m).
+// clang-format 14 breaks requirements apart.
+// clang-format off
 template <class R>
 concept DistanceSurface = requires(const R& params, const Eigen::Vector3d& p, double radius) {
-    { distance(params, p, radius) }
-    noexcept->std::same_as<SurfaceDistance>;
+    { distance(params, p, radius) } noexcept -> std::same_as<SurfaceDistance>;
 };
 // clang-format on
 
-/// As R's own `prepared` would be: the material is clamped to `limits`.
+/// Returns the parameters as the servo uses them: the material is clamped to `limits`.
 template <DistanceSurface R>
 R prepared(R params, const Limits& limits) noexcept {
     clamp_material(params.stiffness, params.damping, params.friction, limits);

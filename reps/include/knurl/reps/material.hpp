@@ -7,7 +7,7 @@
 ///
 /// Every surface declares its parameters in this order, so that a pose is their prefix (geometry_bytes):
 ///
-/// ~~~
+/// ~~~{.unparsed}
 ///   geometry, velocity and, where it turns, angular_velocity | stiffness, damping, recovery, ..., texture
 ///   what is sent while it moves                              | its material, and how it acts (`update` of a plane)
 /// ~~~

@@ -6,7 +6,7 @@
 /// that satisfies all that holds the probe (the god-object of Zilles and Salisbury, IROS 95; Ruspini,
 /// SIGGRAPH 97).
 ///
-/// ~~~
+/// ~~~{.unparsed}
 ///      A       seam       B             the proxy slides along A; beyond A's end nothing holds it but what it falls
 ///    ==x- - - - -x=====.==========      on, and that is B, from the front, though the probe has gone past below
 ///      '        |     '
@@ -15,7 +15,7 @@
 ///
 /// Alone with its surface a probe is its own path: `Stage::free`. Beside others the scene leads the proxy:
 ///
-/// ~~~
+/// ~~~{.unparsed}
 ///   answer ──> solve: x ──> look: who is on the way to x? who does not hold it there?
 ///                │             │ on the way: enter, the first of them; solve again
 ///                │             │ not held:   leave, solve, look on from there

@@ -5,7 +5,7 @@
 /// writer, and knows exactly how many reports it missed. One counter, `end`, the number of reports published;
 /// report n lies in slot n mod slots; the last slots-1 can be read.
 ///
-/// ~~~
+/// ~~~{.unparsed}
 ///   writer:  words of report n (each rel); end.store(n+1, rel)
 ///   reader:  h = end (acq); if report n is readable under h: copy its words (each acq);
 ///            e = end (relaxed): if n is readable under e the copy is whole, else it was overwritten meanwhile

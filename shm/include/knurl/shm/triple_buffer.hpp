@@ -6,7 +6,7 @@
 /// Publishing and taking are one exchange each: a batch arrives whole or not at all, nothing is ever full,
 /// and nothing waits.
 ///
-/// ~~~
+/// ~~~{.unparsed}
 ///   writer: write back ────────────sb──> exchange(mid) ══sw══> exchange(mid) ─sb─> reader reads front
 ///   reader: last read of old front ─sb─> exchange(mid) ══sw══> exchange(mid) ─sb─> writer reuses it as back
 /// ~~~

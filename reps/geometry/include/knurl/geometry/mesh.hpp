@@ -4,7 +4,7 @@
 /// A triangle mesh in the form that the servo walks on, and its builder: takes the time that it takes,
 /// allocates, throws. Never called from real-time code.
 ///
-/// ~~~
+/// ~~~{.unparsed}
 ///   Triangles ──> finite? indices? ──> weld ──> drop zero-area and duplicate faces ──> pair edges (radially
 ///   where more than two meet) ──> orient ──> split vertices with two fans, and fans of more than 64 ──> BVH,
 ///   faces in its order ──> mark faces that others cross ──> where there are any, or parts that touch: cut

@@ -4,7 +4,7 @@
 /// The segment of one claim (or observer): where its rings lie. Written by both sides; it can hurt only its
 /// owner, since the servo copies once, then validates the copy, and keeps its own indexes in private memory.
 ///
-/// ~~~
+/// ~~~{.unparsed}
 ///   header | waiter flag | command ring -> servo | batches -> servo | replies -> client | feedback -> client
 /// ~~~
 

@@ -4,7 +4,7 @@
 /// A process that outlives the servo: forked before real time starts, it holds the devices and the report
 /// memory.
 ///
-/// ~~~
+/// ~~~{.unparsed}
 ///   servo dies (killed, crashed)  -> every device zeroed at once, flight recorder written, the guardian ends
 ///   servo is stopped (SIGSTOP)    -> every device zeroed within 5 ms; the servo is told: it ramps up from 0
 ///   servo stands still > stall    -> that device zeroed; the servo is told likewise
