@@ -98,8 +98,6 @@ class Delta final : public Mechanism {
     /// and joints as they were, if a leg does not reach. Closed form, Stamper section 3.
     bool inverse(const Eigen::Vector3d& position, std::span<double, 3> joints) const noexcept;
 
-    // The parts of `forward`, for whoever compares them. Positions are in the delta's own frame.
-
     /// a (cos theta, sin theta) of each leg (m).
     using Cranks = std::array<Eigen::Vector2d, 3>;
     /// The cranks' ends. This and the following are the parts of `forward`, to compare them; positions are in

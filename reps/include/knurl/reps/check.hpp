@@ -60,8 +60,6 @@ Verdict check_placement(std::uint32_t probe, const ProbePlacement& placement,
 Verdict check_added(Kind kind, const void* params, std::size_t bytes, const AddOptions& options,
                     std::uint32_t probes = max_probes) noexcept;
 
-// The slots are kept by whoever asks: an array of structs with `present` and `generation`.
-
 /// True: the slot holds a representation of that generation. `slots`: an array of structs with `present` and
 /// `generation`, kept by the caller.
 template <class Slots>

@@ -140,7 +140,7 @@ class Scene {
     /// Moves; the other one holds nothing any more.
     Scene& operator=(Scene&&) noexcept;
 
-    /// The device's limits in world units. Other ones than before change all representations, in one
+    /// The device's limits in world units. Changed limits are a change of all representations, in one
     /// cross-fade.
     void set_limits(const Limits& limits) noexcept;
     /// How changes reach the hand from now on.

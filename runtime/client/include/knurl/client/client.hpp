@@ -247,11 +247,13 @@ class Claim : public Observer {
     void release();
     /// Sends all changes since the last commit as one batch, which takes effect in one cycle, and renews the
     /// claim. An empty commit says that the application is alive. A claim without commits is silent after
-    /// max(250 ms, 3 of its intervals), and its force fades; until three intervals were measured after 3.5 s,
-    /// unless ClaimOptions::update_interval states one. Not connected, it keeps the changes for the servo's
-    /// return. \n Returns the batch's number. Throws Error, after it has sent this batch, if the servo has
-    /// refused a command or a batch since the last call (once for each). The library checks before it sends,
-    /// so this means that the two disagree.
+    /// max(250 ms, 3 of its intervals), and its force fades. Until three intervals were measured it is silent
+    /// after 3.5 s, unless ClaimOptions::update_interval states one. Not connected, it keeps the changes for
+    /// the servo's return.
+    ///
+    /// Returns the batch's number. Throws Error, after it has sent this batch, if the servo has refused a
+    /// command or a batch since the last call (once for each). The library checks before it sends, so this
+    /// means that the two disagree.
     std::uint64_t commit();
 
     /// The device's limits in world units: what stiffness is clamped to.
@@ -321,10 +323,12 @@ class Handle : public AnyHandle {
     }
     /// Evaluates `model` where the hand will be when this update takes effect, checks the answer (an
     /// unchecked prediction can push a hand through a plate) and sets it: a plane as the tangent plane, a cap
-    /// with the model's curvatures, too. \n In a concave corner it adds the other sides as representations of
-    /// its own, with the same parameters. It parks them out of reach when they are not needed. They count
-    /// among the claim's, and feedback() has the sum of all. Setting or removing this one removes them. The
-    /// result says how it went; no face: there is no report yet. Throws Error.
+    /// with the model's curvatures, too.
+    ///
+    /// In a concave corner it adds the other sides as representations of its own, with the same parameters.
+    /// It parks them out of reach when they are not needed. They count among the claim's, and feedback() has
+    /// the sum of all. Setting or removing this one removes them. The result says how it went; no face: there
+    /// is no report yet. Throws Error.
     Followed follow(const SurfaceModel& model) requires(std::same_as<R, Plane> || std::same_as<R, Cap>) {
         return follow_raw(model);
     }
