@@ -72,7 +72,7 @@ class Device {
     virtual ReadStatus read(Nanoseconds now, JointSample& sample) noexcept = 0;
     /// Writes the joints' efforts. False: the device is gone.
     virtual bool write(Nanoseconds now, const JointEfforts& efforts) noexcept = 0;
-    /// Tells the device what it may do besides.
+    /// Tells the device what happens besides; see Notice.
     virtual void notify(Notice) noexcept {}
 
     /// Zero efforts at once. The guardian calls it, a process forked after the device was opened, when the
