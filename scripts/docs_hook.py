@@ -2,7 +2,8 @@
 
 The chapters (README.md of the modules) become pages of the site, at their place in the repository; the README of the root is
 about.md. Files that a page links, pictures and sources, are copied: sources as .txt, so that a browser shows them.
-Folders without a README are named and not linked.
+Folders without a README are named and not linked. The API reference, which doxygen builds beside the pages, is the last entry of
+the menu.
 """
 
 import os
@@ -11,6 +12,7 @@ import subprocess
 from pathlib import Path
 
 from mkdocs.structure.files import File
+from mkdocs.structure.nav import Link
 
 ROOT = Path(__file__).resolve().parents[1]
 LINK = re.compile(r"(!?\[(?:[^][`]|`[^`]*`|!?\[[^]]*\](?:\([^)]*\))?)*\])\(([^()\s]+)\)")
@@ -89,7 +91,14 @@ def on_files(files, config):
     wanted = set(CHAPTERS) | {target for page in pages for target in targets_of(page)}
     for path in sorted(wanted):
         files.append(added(path, config))
+    for settings in ("Doxyfile", "api.dox"):  # of the API reference
+        files.remove(files.get_file_from_path(settings))
     return files
+
+
+def on_nav(nav, config, files):
+    nav.items.append(Link("API", "api/index.html"))
+    return nav
 
 
 def on_page_markdown(markdown, page, config, files):

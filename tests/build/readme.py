@@ -58,13 +58,14 @@ def blocks():
         for line, language, above, text in fences(path):
             mark = re.match(r"\s*<!-- example: (\w+) -->\s*$", above)
             found.append(Block(path, line, language, mark[1] if mark else "", text))
-    text = []
-    for line in (ROOT / HEAD).read_text().splitlines()[2:]:
-        if text and not line.startswith("//     "):
+    text, first = [], 0
+    for number, line in enumerate((ROOT / HEAD).read_text().splitlines(), 1):
+        if text and not line.startswith("///     "):
             break
-        if line.startswith("//     "):
-            text.append(line[7:])
-    found.append(Block(HEAD, 4, "cpp", "client_head", "\n".join(text) + "\n"))
+        if line.startswith("///     "):
+            first = first or number
+            text.append(line[8:])
+    found.append(Block(HEAD, first - 1, "cpp", "client_head", "\n".join(text) + "\n"))
     return found
 
 

@@ -1,5 +1,7 @@
 #pragma once
-// Three sliding axes along x, y, z: the joints are the position.
+
+/// @file
+/// Three sliding axes along x, y, z: the joints are the position.
 
 #include <cmath>
 
@@ -10,6 +12,7 @@ namespace knurl::drivers {
 /// Three prismatic joints (m, N); knows no orientation and takes no torque.
 class Cartesian final : public Mechanism {
   public:
+    /// Three.
     int joints() const noexcept override { return 3; }
 
     /// False if a joint is not finite or too few are given.

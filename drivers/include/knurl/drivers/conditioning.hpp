@@ -1,5 +1,7 @@
 #pragma once
-// How well an arm can move its tip every way, as a number.
+
+/// @file
+/// How well an arm can move its tip every way, as a number.
 
 #include <algorithm>
 #include <cmath>

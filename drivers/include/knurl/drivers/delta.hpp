@@ -1,5 +1,7 @@
 #pragma once
-// Stamper's delta: three legs that let a platform slide along x, y and z but never turn (Novint Falcon).
+
+/// @file
+/// Stamper's delta: three legs that let a platform slide along x, y and z but never turn (Novint Falcon).
 
 #include <array>
 #include <numbers>
@@ -13,15 +15,26 @@ namespace knurl::drivers {
 /// by leg[i] about z; in it u points outwards, w along z, and v across. Each crank of length a turns by theta
 /// from u towards w; at its end hangs a parallelogram of length b between two bars of length d and e.
 struct DeltaTable {
-    std::array<double, 3> leg = {};  // rad, where each leg stands about z
-    double r = 0;                    // m, from the base's centre to a crank's axis, along u
-    double s = 0;                    // m, likewise across it, along v
-    double a = 0;                    // m, the crank
-    double b = 0;                    // m, the parallelogram
-    double c = 0;                    // m, from the platform's centre to a leg's end, along u
-    double d = 0, e = 0;             // m, the bars between the parallelogram and its hinges
-    double f = 0;                    // m, from the platform's centre to a leg's end, along v
-    Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  // the delta's own frame in the device frame
+    /// Where each leg stands about z (rad).
+    std::array<double, 3> leg = {};
+    /// From the base's centre to a crank's axis, along u (m).
+    double r = 0;
+    /// From the base's centre to a crank's axis, along v (m).
+    double s = 0;
+    /// Length of the crank (m).
+    double a = 0;
+    /// Length of the parallelogram (m).
+    double b = 0;
+    /// From the platform's centre to a leg's end, along u (m).
+    double c = 0;
+    /// Length of one bar between the parallelogram and its hinge (m).
+    double d = 0;
+    /// Length of the other bar between the parallelogram and its hinge (m).
+    double e = 0;
+    /// From the platform's centre to a leg's end, along v (m).
+    double f = 0;
+    /// The delta's own frame in the device frame.
+    Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
 };
 
 /// The Novint Falcon. Its own frame (base at the identity): z points from its body to the hand and is 0.125 m
@@ -38,7 +51,8 @@ inline DeltaTable falcon_delta() {
             .e = 0.01125,
             .f = -0.025};
 }
-inline constexpr double falcon_centre = 0.125;  // m, z of the middle of its workspace in its own frame
+/// z of the middle of the Falcon's workspace in its own frame (m).
+inline constexpr double falcon_centre = 0.125;
 /// The same in the frame of the device, real or simulated: origin in the middle of its workspace, x from its
 /// body to the hand, z up.
 inline DeltaTable falcon_in_device_frame() {
@@ -47,9 +61,10 @@ inline DeltaTable falcon_in_device_frame() {
     table.base.translation() = -falcon_centre * Eigen::Vector3d::UnitX();
     return table;
 }
-/// rad a count: 320 lines x 4, geared by 0.110 m / 0.01425 m. Count 0 of a homed axis is at 35 degrees.
+/// Radians per count of the Falcon's encoders: 320 lines x 4, geared by 0.110 m / 0.01425 m.
 inline constexpr double falcon_radians_per_count = 2 * std::numbers::pi / (320 * 4) * 0.01425 / 0.110;
-inline constexpr double falcon_zero = 35 * std::numbers::pi / 180;  // rad
+/// Angle of a homed axis at count 0 (rad).
+inline constexpr double falcon_zero = 35 * std::numbers::pi / 180;
 
 /// Joints are the three cranks' angles theta. With h = sqrt(b^2 - v^2) and L = d + e + h, a leg is closed
 /// where
@@ -62,14 +77,18 @@ inline constexpr double falcon_zero = 35 * std::numbers::pi / 180;  // rad
 /// compares it with starts from the last pose.
 class Delta final : public Mechanism {
   public:
-    static constexpr int most_steps = 8;      // of Newton's method; 4 are the worst seen
-    static constexpr double enough = 1e-13;   // of b + d + e: a shorter step ends it
-    static constexpr double singular = 1e-3;  // of |n1||n2||n3|: less is "the legs do not hold the platform"
+    /// Most Newton steps; the worst seen are 4.
+    static constexpr int most_steps = 8;
+    /// A shorter step ends the iteration, as a share of b + d + e (1).
+    static constexpr double enough = 1e-13;
+    /// Least |n1||n2||n3| (1); below it "the legs do not hold the platform".
+    static constexpr double singular = 1e-3;
 
     /// Throws std::runtime_error: lengths that are not finite, not positive (a, b) or longer than 10 m, two
     /// legs at the same angle.
     explicit Delta(const DeltaTable& table);
 
+    /// Three.
     int joints() const noexcept override { return 3; }
 
     /// False if a joint is not finite, the legs do not meet, or they do not hold the platform (singular).
@@ -79,9 +98,10 @@ class Delta final : public Mechanism {
     /// and joints as they were, if a leg does not reach. Closed form, Stamper section 3.
     bool inverse(const Eigen::Vector3d& position, std::span<double, 3> joints) const noexcept;
 
-    // The parts of `forward`, for whoever compares them. Positions are in the delta's own frame.
-
-    using Cranks = std::array<Eigen::Vector2d, 3>;  // a (cos theta, sin theta) of each leg, m
+    /// a (cos theta, sin theta) of each leg (m).
+    using Cranks = std::array<Eigen::Vector2d, 3>;
+    /// The cranks' ends. This and the following are the parts of `forward`, to compare them; positions are in
+    /// the delta's own frame.
     Cranks cranks(std::span<const double, 3> joints) const noexcept;
     /// Where three spheres of radius b + d + e about the cranks' ends meet; if they do not, the point nearest
     /// to it in their plane of symmetry. Closed form.

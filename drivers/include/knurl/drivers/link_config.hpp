@@ -1,5 +1,8 @@
 #pragma once
-// What a device says about itself: one struct of plain numbers, filled by its driver, read by everybody else.
+
+/// @file
+/// What a device says about itself: one struct of plain numbers, filled by its driver, read by everybody
+/// else.
 
 #include <array>
 #include <cstdint>
@@ -9,49 +12,81 @@
 
 namespace knurl::drivers {
 
+/// Most joints of a device.
 inline constexpr int max_joints = 8;
 
+/// A number for each joint.
 using JointArray = std::array<double, max_joints>;
 
+/// The same number for every joint.
 constexpr JointArray every_joint(double value) {
     JointArray all{};
     all.fill(value);
     return all;
 }
+/// No least position of any joint.
 inline constexpr JointArray no_least = every_joint(-std::numeric_limits<double>::infinity());
+/// No greatest position of any joint.
 inline constexpr JointArray no_greatest = every_joint(std::numeric_limits<double>::infinity());
 
+/// What a device says about itself.
 struct LinkConfig {
-    std::string name;         // the profile's or product's: "premium15"
-    std::string serial;       // empty: has none
-    std::string description;  // one line for people, with the source of its figures
+    /// Name of the profile or product: "premium15".
+    std::string name;
+    /// Serial number; empty: it has none.
+    std::string serial;
+    /// One line for people, with the source of its figures.
+    std::string description;
 
-    int sensed_joints = 0;    // joint positions that a sample holds
-    int actuated_joints = 0;  // joint efforts that it takes
+    /// Number of joint positions in a sample.
+    int sensed_joints = 0;
+    /// Number of joint efforts that it takes.
+    int actuated_joints = 0;
+    /// True: the joints give the tip's orientation.
     bool senses_orientation = false;
+    /// True: the motors give torque at the tip.
     bool renders_torque = false;
 
-    std::vector<double> radians_per_count;  // per joint; metres per count for a prismatic one; 0: continuous
-    std::vector<double> effort_limit;       // N m (N if prismatic) per actuated joint
-    // rad (m): where each joint's stops are; infinite: not known.
-    JointArray joint_least = no_least, joint_greatest = no_greatest;
+    /// Radians (metres, if prismatic) per count of each joint; 0: continuous.
+    std::vector<double> radians_per_count;
+    /// Largest effort of each actuated joint (N m; N if prismatic).
+    std::vector<double> effort_limit;
+    /// Lower stop of each joint (rad, m); -infinity: not known.
+    JointArray joint_least = no_least;
+    /// Upper stop of each joint (rad, m); infinity: not known.
+    JointArray joint_greatest = no_greatest;
 
-    std::array<double, 3> workspace_centre = {};  // m, device frame
-    double workspace_radius = 0.1;                // m, of a ball that the tip reaches all of
-    double nominal_rate = 1000;                   // Hz
+    /// Middle of the workspace (m), device frame.
+    std::array<double, 3> workspace_centre = {};
+    /// Radius of a ball of which the tip reaches all (m).
+    double workspace_radius = 0.1;
+    /// Rate for which it was made (Hz).
+    double nominal_rate = 1000;
 
-    double peak_force = 0;              // N at the tip
-    double continuous_force = 0;        // N, for ever
-    double peak_torque = 0;             // N m, 0: renders none
-    double damping = 0;                 // N s/m, the device's own b at the tip
-    double rotational_damping = 0;      // N m s/rad, likewise about the tip; 0: unknown
-    double lag = 0;                     // s, tau: everything late (actuator, transport)
-    double measured_max_stiffness = 0;  // N/m as measured; 0: not measured, the servo estimates it
-    double grip_damping = 0;            // N s/m of the hand while its grip is known; 0: unknown
-    double apparent_mass = 0;           // kg at the tip; 0: unknown
+    /// Peak force at the tip (N).
+    double peak_force = 0;
+    /// Force at the tip that it gives without end (N).
+    double continuous_force = 0;
+    /// Peak torque at the tip (N m); 0: it renders none.
+    double peak_torque = 0;
+    /// The device's own damping b at the tip (N s/m).
+    double damping = 0;
+    /// The device's own rotational damping about the tip (N m s/rad); 0: not known.
+    double rotational_damping = 0;
+    /// Sum of all delays tau (s): actuator, transport.
+    double lag = 0;
+    /// Largest stiffness as measured (N/m); 0: not measured, the servo estimates it.
+    double measured_max_stiffness = 0;
+    /// Damping of the hand while its grip is known (N s/m); 0: not known.
+    double grip_damping = 0;
+    /// Apparent mass at the tip (kg); 0: not known.
+    double apparent_mass = 0;
 
-    bool has_watchdog = false;  // switches its motors off by itself when the host falls silent
-    double watchdog_time = 0;   // s
+    /// True: it switches its motors off by itself when the host falls silent.
+    bool has_watchdog = false;
+    /// After this time (s).
+    double watchdog_time = 0;
+    /// True: it has a brake.
     bool has_brake = false;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
-// Joints <-> Cartesian. A serial chain from a table, or a closed form.
+
+/// @file
+/// Joints <-> Cartesian. A serial chain from a table, or a closed form.
 
 #include <span>
 
@@ -10,17 +12,21 @@ namespace knurl::drivers {
 
 /// The tip as the joints place it, in the device's base frame.
 struct TipPose {
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
+    /// Position (m).
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    /// Orientation: turns the tip's axes into the base's.
     Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
 };
 
-/// Rows 0-2: d(position)/d(joint), m/rad; rows 3-5: angular velocity per joint rate. Columns past the
+/// Rows 0 to 2: d(position)/d(joint) (m/rad); rows 3 to 5: angular velocity per joint rate. Columns past the
 /// mechanism's joints are zero.
 using Jacobian = Eigen::Matrix<double, 6, 8>;
 
+/// Forward kinematics: from joints to the tip's pose and Jacobian.
 class Mechanism {
   public:
     virtual ~Mechanism() = default;
+    /// Number of joints.
     virtual int joints() const noexcept = 0;
 
     /// False when there is no pose for these joints: keep the last pose, write zero effort, count it. Depends

@@ -1,5 +1,7 @@
 #pragma once
-// A motion over time from a CSV file: where a hand goes, or wants to go.
+
+/// @file
+/// A motion over time from a CSV file: where a hand goes, or wants to go.
 
 #include <cstddef>
 #include <optional>
@@ -12,17 +14,26 @@
 
 namespace knurl::drivers {
 
+/// The pose at one time.
 struct MotionRow {
-    double t = 0;                                        // s
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
+    /// Time (s).
+    double t = 0;
+    /// Position (m).
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    /// Orientation.
     Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
 };
 
+/// The motion at some time.
 struct MotionSample {
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
+    /// Position (m).
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    /// Orientation.
     Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          // m/s
-    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s, in the frame of the motion
+    /// Velocity (m/s).
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    /// Angular velocity (rad/s), in the frame of the motion.
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
 };
 
 /// Rows with strictly increasing times. Between rows: position linear, orientation by slerp along the shorter
@@ -34,11 +45,16 @@ class Motion {
     /// quaternion. Quaternions are normalised.
     explicit Motion(std::vector<MotionRow> rows, bool has_orientation = false);
 
-    double begin() const noexcept { return rows_.front().t; }  // s
-    double end() const noexcept { return rows_.back().t; }     // s
+    /// Time of the first row (s).
+    double begin() const noexcept { return rows_.front().t; }
+    /// Time of the last row (s).
+    double end() const noexcept { return rows_.back().t; }
+    /// True: the rows state an orientation.
     bool has_orientation() const noexcept { return has_orientation_; }
+    /// The rows.
     const std::vector<MotionRow>& rows() const noexcept { return rows_; }
 
+    /// The motion at the time t (s).
     MotionSample sample(double t) const noexcept;
     /// The same; `hint` remembers the segment between calls, which makes steady progress cost no search.
     MotionSample sample(double t, std::size_t& hint) const noexcept;
@@ -55,8 +71,8 @@ Motion load_motion(const std::string& path);
 /// The same from text; `name` stands for the file in messages.
 Motion parse_motion(std::string_view text, const std::string& name);
 
-/// Beyond what a hand reaches a length was probably meant in mm: "..., but lengths are in metres; ...". None: it
-/// is not.
+/// Says "..., but lengths are in metres; ..." if the motion goes beyond what a hand reaches, so that it was
+/// probably meant in mm. None: it does not.
 std::optional<std::string> unit_doubt(const Motion& motion);
 
 }  // namespace knurl::drivers

@@ -1,5 +1,7 @@
 #pragma once
-// A "device" whose joints are a pose: for a probe that is exactly where a recording or a motion says.
+
+/// @file
+/// A "device" whose joints are a pose: for a probe that is exactly where a recording or a motion says.
 
 #include <cmath>
 
@@ -14,6 +16,7 @@ namespace knurl::drivers {
 /// a device with this mechanism has has_velocity set.
 class PoseMechanism final : public Mechanism {
   public:
+    /// Seven.
     int joints() const noexcept override { return 7; }
 
     /// False for anything that is not finite, or a quaternion shorter than 1e-6; others are normalised.

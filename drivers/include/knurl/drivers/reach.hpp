@@ -1,5 +1,7 @@
 #pragma once
-// Joints for a place of the tip, for any mechanism. At start and in tools, never in a cycle.
+
+/// @file
+/// Joints for a place of the tip, for any mechanism. At start and in tools, never in a cycle.
 
 #include <optional>
 

@@ -1,5 +1,7 @@
 #pragma once
-// One line per driver: a scheme ("sim") and what opens "sim:premium15".
+
+/// @file
+/// One line per driver: a scheme ("sim") and what opens "sim:premium15".
 
 #include <cstdint>
 #include <functional>
@@ -14,33 +16,44 @@ namespace knurl::drivers {
 
 /// Settings that come with a device from knurld's command line or configuration.
 struct OpenOptions {
-    // motion of a simulated hand (t,x,y,z[,qw,qx,qy,qz]); empty: it rests at the centre
+    /// File with the motion of a simulated hand (t,x,y,z[,qw,qx,qy,qz]); empty: it rests at the centre.
     std::string hand_file;
+    /// Seed of a simulated hand's tremor.
     std::uint64_t seed = 1;
-    int io_priority = 0;      // SCHED_FIFO of a driver's own threads; 0: ordinary
-    bool check_only = false;  // reads address and files, touches no hardware: there may be no device then
+    /// SCHED_FIFO priority of a driver's own threads; 0: ordinary.
+    int io_priority = 0;
+    /// True: read address and files, and touch no hardware. There may be no device then.
+    bool check_only = false;
 };
 
 /// What a device on USB says it is.
 struct UsbId {
-    std::uint16_t vendor, product;
+    /// Vendor number.
+    std::uint16_t vendor;
+    /// Product number.
+    std::uint16_t product;
 };
 
+/// What opens the devices of one scheme.
 struct Driver {
+    /// Scheme of the addresses: "sim".
     std::string scheme;
-    std::string help;  // one line: what the part after the colon may be
-    // throws: what, where, mend
+    /// One line: what the part after the colon may be.
+    std::string help;
+    /// Opens what comes after the colon. Throws std::runtime_error: what was wrong, where, what to do.
     std::function<std::unique_ptr<Device>(std::string_view what, const OpenOptions&)> open;
-    std::vector<UsbId> usb = {};  // of the devices that it drives, for `knurl devices`; empty: not on USB
-    std::string note = {};        // what whoever has one plugged in should know before it is opened
+    /// The USB devices that it drives, for `knurl devices`; empty: it is not on USB.
+    std::vector<UsbId> usb = {};
+    /// What a user should know about such a device before it is opened.
+    std::string note = {};
 };
 
 /// All drivers of this build.
 std::vector<Driver>& drivers();
 
-/// Opens "scheme:what"; with check_only it may return none. Of its options "debounce=S" is every device's: how
-/// long a button is left alone after an edge (debounce.hpp), 0 for the contacts as they are. Throws
-/// std::runtime_error that names the known schemes if there is none such.
+/// Opens "scheme:what"; with check_only it may return null. The option "debounce=S" of the address is every
+/// device's: how long a button's contacts are ignored after an edge (debounce.hpp), 0 for the contacts as
+/// they are. Throws std::runtime_error that names the known schemes if there is no such scheme.
 std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions& options = {});
 
 }  // namespace knurl::drivers

@@ -1,5 +1,7 @@
 #pragma once
-// Any serial arm from a table: Denavit-Hartenberg rows, and how the motors are coupled to them.
+
+/// @file
+/// Any serial arm from a table: Denavit-Hartenberg rows, and how the motors are coupled to them.
 
 #include <array>
 #include <cstddef>
@@ -15,25 +17,34 @@ namespace knurl::drivers {
 /// 1955, as in Spong, Hutchinson & Vidyasagar, "Robot Modeling and Control", section 3.2. The joint's
 /// variable is added to theta (to d if prismatic).
 struct DhRow {
-    double theta = 0;  // rad
-    double d = 0;      // m
-    double a = 0;      // m
-    double alpha = 0;  // rad
+    /// Rotation about z (rad).
+    double theta = 0;
+    /// Translation along z (m).
+    double d = 0;
+    /// Translation along x (m).
+    double a = 0;
+    /// Rotation about x (rad).
+    double alpha = 0;
+    /// True: the joint slides along z.
     bool prismatic = false;
 };
 
+/// A serial arm: rows, and how the motors are coupled to them.
 struct SerialChainTable {
-    std::vector<DhRow> rows;  // 1 to max_joints, from the base outwards
+    /// 1 to max_joints rows, from the base outwards.
+    std::vector<DhRow> rows;
     /// theta_DH = A q_motor (+ the row's own theta). Rows alone do not describe a PHANToM, whose
     /// parallelogram measures both arm angles from the base. Empty: the identity.
     Eigen::MatrixXd coupling = {};
-    Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  // row 0's frame in the device frame
-    Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();  // the tip in the last row's frame
-    /// The hand holds the tip through a passive gimbal: no orientation is known and no torque gets through.
-    /// The pose then has the identity's orientation and the Jacobian zero angular rows.
+    /// Frame of row 0 in the device frame.
+    Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
+    /// Frame of the tip in the last row's frame.
+    Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();
+    /// True: the hand holds the tip through a passive gimbal, so no orientation is known and no torque gets
+    /// through. The pose then has the identity's orientation and the Jacobian zero angular rows.
     bool position_only = false;
 
-    /// What is added to row `row`'s theta (or d) in a posture: that row of A q.
+    /// What is added to theta (or d) of row `row` in a posture: that row of A q.
     double variable(std::size_t row, std::span<const double> motors) const;
 };
 
@@ -45,6 +56,7 @@ class SerialChain final : public Mechanism {
     /// (millimetres?), a coupling of wrong size or singular.
     explicit SerialChain(const SerialChainTable& table);
 
+    /// Number of motors.
     int joints() const noexcept override { return static_cast<int>(count_); }
 
     /// False if a joint is not finite or too few are given.

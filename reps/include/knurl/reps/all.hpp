@@ -1,6 +1,8 @@
 #pragma once
-// The one list of representations. A new one is a header of its own and its name here: the scene, the wire
-// format, TOML scenes and the conformance tests take it from this list.
+
+/// @file
+/// The one list of representations. A new one is a header of its own and its name here: the scene, the wire
+/// format, TOML scenes and the conformance tests take it from this list.
 
 #include <knurl/reps/box.hpp>
 #include <knurl/reps/cap.hpp>
@@ -24,14 +26,18 @@
 
 namespace knurl {
 
+/// A list of types.
 template <class... R>
 struct TypeList {
+    /// How many types there are.
     static constexpr std::size_t size = sizeof...(R);
 };
 
 #ifdef KNURL_REPRESENTATIONS  // a build with fewer kinds: tests count its instructions
+/// A build with fewer kinds: tests count its instructions.
 using Representations = TypeList<KNURL_REPRESENTATIONS>;
 #else
+/// All representations; the position of one is its Kind.
 using Representations =
     TypeList<Plane, Spring, ConstantForce, Cap, Polygon, HalfPlane, Box, Sphere, Capsule, Cylinder, Torus,
              Taylor, Taylor6, Viscosity, Gravity, Magnet, Constraint, Vibration, Shape>;
@@ -49,21 +55,30 @@ constexpr Kind index_in(TypeList<All...>) {
 }
 }  // namespace detail
 
+/// The kind of R: its position in the list.
 template <class R>
 inline constexpr Kind kind_of = detail::index_in<R>(Representations{});
 
+/// R is in the list.
 template <class R>
 concept Listed = kind_of<R> < Representations::size;
 
 /// What is known of a kind at run time.
 struct KindInfo {
+    /// Name in scene files: Describe<R>::name.
     std::string_view name;
+    /// One row per parameter: Describe<R>::fields.
     std::span<const Field> fields;
-    std::size_t size;            // bytes of its parameters
-    std::size_t geometry_bytes;  // the leading ones that an update may bring alone
-    bool surface;                // else an effect
+    /// Bytes of its parameters.
+    std::size_t size;
+    /// Leading bytes of its parameters that an update may bring alone.
+    std::size_t geometry_bytes;
+    /// True: a surface; false: an effect.
+    bool surface;
+    /// Checks parameters of `size` bytes.
     Verdict (*validate)(const void* params) noexcept;
-    std::span<const std::string_view> contradictions;  // what a Verdict's `reason` counts
+    /// The texts that a Verdict's `reason` counts.
+    std::span<const std::string_view> contradictions;
 };
 
 /// All kinds, in the list's order.

@@ -1,14 +1,20 @@
 #pragma once
-// How much of each there may be, for all modules: a bound has one name and one value.
+
+/// @file
+/// How much of each there may be, for all modules: a bound has one name and one value.
 
 #include <cstddef>
 #include <cstdint>
 
 namespace knurl {
 
-inline constexpr std::uint32_t max_representations = 1024;  // of one claim
-inline constexpr std::uint32_t max_probes = 16;             // of one claim
-inline constexpr std::uint32_t max_parameter_bytes = 480;   // of one representation
-inline constexpr std::size_t max_state_bytes = 192;         // of one representation, in the servo
+/// Most representations of one claim.
+inline constexpr std::uint32_t max_representations = 1024;
+/// Most probes of one claim.
+inline constexpr std::uint32_t max_probes = 16;
+/// Most bytes of one representation's parameters.
+inline constexpr std::uint32_t max_parameter_bytes = 480;
+/// Most bytes of the servo's memory of one representation.
+inline constexpr std::size_t max_state_bytes = 192;
 
 }  // namespace knurl

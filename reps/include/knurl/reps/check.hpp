@@ -1,7 +1,9 @@
 #pragma once
-// Whether a change makes sense, decided in one place for all who have to know: the application's library
-// before it sends, the servo before it believes, a scene before it changes, a scene file before it is played.
-// Each refusal has one sentence (describe.hpp). Nothing here allocates.
+
+/// @file
+/// Whether a change makes sense, decided in one place for all who have to know: the application's library
+/// before it sends, the servo before it believes, a scene before it changes, a scene file before it is
+/// played. Each refusal has one sentence (describe.hpp). Nothing here allocates.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +16,8 @@ namespace knurl {
 // How a representation is used and where a probe is placed have tables of fields, as parameters have. A Verdict
 // counts their rows from Verdict::of_options and Verdict::of_placement.
 
-inline constexpr std::string_view silence_names[] = {"fade", "hold", "move"};  // of OnSilence
+/// Names of OnSilence's values.
+inline constexpr std::string_view silence_names[] = {"fade", "hold", "move"};
 
 template <>
 struct Describe<AddOptions> {
@@ -46,29 +49,30 @@ struct Describe<ProbePlacement> {
     };
 };
 
-/// Kind, size, fields, contradictions.
+/// Checks kind, size, fields and contradictions.
 Verdict check_parameters(Kind kind, const void* params, std::size_t bytes) noexcept;
-/// `probes`: that there are, at most max_probes.
+/// Checks how a representation is used. `probes`: how many there are, at most max_probes.
 Verdict check_options(const AddOptions& options, std::uint32_t probes = max_probes) noexcept;
+/// Checks where a probe is placed. `probes`: how many there are.
 Verdict check_placement(std::uint32_t probe, const ProbePlacement& placement,
                         std::uint32_t probes = max_probes) noexcept;
-/// A representation that is to be added: its use, then its parameters.
+/// Checks a representation that is to be added: its use, then its parameters.
 Verdict check_added(Kind kind, const void* params, std::size_t bytes, const AddOptions& options,
                     std::uint32_t probes = max_probes) noexcept;
 
-// The slots are kept by whoever asks: an array of structs with `present` and `generation`.
-
+/// True: the slot holds a representation of that generation. `slots`: an array of structs with `present` and
+/// `generation`, kept by the caller.
 template <class Slots>
 bool names_one(RepresentationId id, const Slots& slots) noexcept {
     return id.slot < slots.size() && slots[id.slot].present && slots[id.slot].generation == id.generation;
 }
-/// What is there is to be changed or removed.
+/// Checks a representation that is to be changed or removed.
 template <class Slots>
 Verdict check_named(RepresentationId id, const Slots& slots) noexcept {
     if (names_one(id, slots)) return {};
     return {Verdict::Code::no_such_slot, Verdict::no_field, static_cast<double>(id.slot)};
 }
-/// Something is to be added there.
+/// Checks the slot of a representation that is to be added.
 template <class Slots>
 Verdict check_vacant(RepresentationId id, const Slots& slots) noexcept {
     using Code = Verdict::Code;

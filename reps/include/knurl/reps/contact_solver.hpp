@@ -1,8 +1,10 @@
 #pragma once
-// The joint contact solution: the point x nearest to the probe p with n_i . x >= c_i for every plane i at
-// once. It is the gradient of a squared distance: conservative, continuous, and no stiffer than one plane in
-// any direction, where a sum of plane forces is none of these. Source of the method: Goldfarb & Idnani, Math.
-// Prog. 27 (1983), cut down to three dimensions, where at most three planes are active.
+
+/// @file
+/// The joint contact solution: the point x nearest to the probe p with n_i . x >= c_i for every plane i at
+/// once. It is the gradient of a squared distance: conservative, continuous, and no stiffer than one plane in
+/// any direction, where a sum of plane forces is none of these. Source of the method: Goldfarb & Idnani,
+/// Math. Prog. 27 (1983), cut down to three dimensions, where at most three planes are active.
 
 #include <array>
 #include <cstdint>
@@ -14,32 +16,49 @@ namespace knurl {
 /// Planes shifted to the probe, as structure of arrays: dx is free where normal . dx >= s, s = c - n . p.
 /// Shifting before anything else keeps micrometres exact a thousand kilometres from the origin.
 struct ContactPlanes {
-    const double* nx = nullptr;  // unit normals
+    /// x of the unit normals.
+    const double* nx = nullptr;
+    /// y of the unit normals.
     const double* ny = nullptr;
+    /// z of the unit normals.
     const double* nz = nullptr;
-    const double* s = nullptr;  // m
+    /// s of each plane (m).
+    const double* s = nullptr;
+    /// How many planes there are.
     std::uint32_t count = 0;
 };
 
 /// The planes that hold x, by index: last cycle's are the first guess of the next.
 struct ActiveSet {
+    /// How many planes are active, 0 to 3.
     std::uint32_t count = 0;
+    /// Their indices.
     std::array<std::uint32_t, 3> plane{};
 };
 
 /// A solution, and the first guess of the next: keep it from cycle to cycle.
 struct ContactSolution {
+    /// How a solution ended.
     enum class Status : std::uint32_t {
-        solved,      // x is the optimum (KKT); x = p if no plane is violated
-        infeasible,  // the planes contradict each other: no point satisfies all
-        unfinished,  // the bound on iterations was hit
+        /// `x` is the optimum (KKT); x = p if no plane is violated.
+        solved,
+        /// The planes contradict each other: no point satisfies all.
+        infeasible,
+        /// The bound on iterations was reached.
+        unfinished,
     };
+    /// How the solution ended.
     Status status = Status::solved;
-    std::uint32_t iterations = 0;                  // planes taken in; 0: the guess was right
-    Eigen::Vector3d dx = Eigen::Vector3d::Zero();  // m, x - p
+    /// Planes that were taken in; 0: the guess was right.
+    std::uint32_t iterations = 0;
+    /// The solution relative to the probe, x - p (m).
+    Eigen::Vector3d dx = Eigen::Vector3d::Zero();
+    /// The planes that hold x.
     ActiveSet active;
-    std::array<double, 3> multiplier{};  // m, of the active planes: dx = sum multiplier_i n_i, all >= 0
-    double contradiction = 0;  // m, if infeasible: all planes must give way by at least this (Farkas)
+    /// Multipliers of the active planes (m), all >= 0: dx = sum multiplier_i n_i.
+    std::array<double, 3> multiplier{};
+    /// If infeasible: all planes must give way by at least this (m); Farkas.
+    double contradiction = 0;
 };
 
 /// No solution takes more steps than this; the property tests see at most about a dozen.
@@ -62,6 +81,7 @@ void solve_contact(const ContactPlanes& planes, double worst, double give,
 /// as `worst`. Planes that are feasible with the `give` they come with leave it alone.
 void solve_contact_relaxed(const ContactPlanes& planes, double worst, double& give,
                            ContactSolution& solution) noexcept;
+/// Most solves of solve_contact_relaxed.
 inline constexpr std::uint32_t max_contact_relaxations = 60;
 
 }  // namespace knurl

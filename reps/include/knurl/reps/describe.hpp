@@ -10,7 +10,7 @@ namespace knurl {
 /// called in a servo's cycle. `where` says which object or file and line ("floor", "scene.toml:12:13"); may
 /// be empty.
 std::string describe(const Verdict& verdict, Kind kind, std::string_view where);
-/// The same of a kind by its table; null: of none that is known.
+/// The same of a kind by its table; null: of an unknown kind.
 std::string describe(const Verdict& verdict, const KindInfo* kind, std::string_view where);
 
 }  // namespace knurl

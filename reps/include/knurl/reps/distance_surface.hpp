@@ -1,12 +1,17 @@
 #pragma once
-// A surface that says no more than how far away it is. What it takes besides to be a Surface (concepts.hpp) is the same for
-// all of them, and made here: clamped parameters, moving on between updates, the tangent plane at the foot.
-//
-//   struct Cone { Vec3 apex; ...; Vec3 velocity; double stiffness; ...; Texture texture;  using State = MovingState; };
-//   SurfaceDistance distance(const Cone& cone, const Eigen::Vector3d& p, double radius) noexcept;
-//
-// It may have its own `prepared`, and whatever else concepts.hpp lists: with bound() it is not evaluated
-// where it is out of reach.
+
+/// @file
+/// A surface that says no more than how far away it is. What it takes besides to be a Surface (concepts.hpp)
+/// is the same for all of them, and made here: clamped parameters, moving on between updates, the tangent
+/// plane at the foot.
+///
+/// ~~~{.unparsed}
+///   struct Cone { Vec3 apex; ...; Vec3 velocity; double stiffness; ...; Texture texture;  using State = MovingState; };
+///   SurfaceDistance distance(const Cone& cone, const Eigen::Vector3d& p, double radius) noexcept;
+/// ~~~
+///
+/// It may have its own `prepared`, and whatever else concepts.hpp lists: with bound() it is not evaluated
+/// where it is out of reach.
 
 #include <cstring>
 #include <type_traits>
@@ -16,18 +21,23 @@
 
 namespace knurl {
 
-/// How far the probe's surface is from a surface. The height is a signed distance: its gradient is the normal.
+/// How far the probe's surface is from a surface. The height is a signed distance: its gradient is the
+/// normal.
 struct SurfaceDistance {
-    double height = 0;                                  // m; negative: that deep in it
-    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, towards free space
+    /// Signed distance of the probe's surface (m); negative: that deep in it.
+    double height = 0;
+    /// Unit normal, towards free space.
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
 };
 
-/// What is remembered of a surface that has no path.
+/// What the servo remembers of a surface that has no path.
 struct MovingState {
+    /// How far the surface has moved on since it was placed.
     Motion motion;
 };
 
-/// `p`: the probe's centre (m), as if the surface had not moved on since it was placed; `radius`: the probe's (m).
+/// R has a function `distance`. `p`: the probe's centre (m), as if the surface had not moved on since it was
+/// placed; `radius`: the probe's (m).
 // clang-format 14 breaks requirements apart.
 // clang-format off
 template <class R>
@@ -36,6 +46,7 @@ concept DistanceSurface = requires(const R& params, const Eigen::Vector3d& p, do
 };
 // clang-format on
 
+/// Returns the parameters as the servo uses them: the material is clamped to `limits`.
 template <DistanceSurface R>
 R prepared(R params, const Limits& limits) noexcept {
     clamp_material(params.stiffness, params.damping, params.friction, limits);
@@ -43,7 +54,7 @@ R prepared(R params, const Limits& limits) noexcept {
     return params;
 }
 
-/// The places, directions and velocity of their geometry are the same.
+/// True: places, directions and velocity of their geometry are the same.
 template <DistanceSurface R>
 bool lies_alike(const R& a, const R& b) noexcept {
     const auto bytes_of = [](const R& params) { return reinterpret_cast<const std::byte*>(&params); };
@@ -57,13 +68,14 @@ bool lies_alike(const R& a, const R& b) noexcept {
     return true;
 }
 
-/// Given a new place or velocity it starts from there; else, of another size, it moves on.
+/// Given a new place or velocity the surface starts from there; else, of another size, it moves on.
 template <DistanceSurface R>
 void adopt(const R& params, const std::type_identity_t<R>* previous, typename R::State& state,
            const Probe&) noexcept {
     if (!previous || !lies_alike(params, *previous)) place(state.motion);
 }
 
+/// The tangent plane at the probe's foot, from the distance.
 template <DistanceSurface R>
 Contact contact(const R& params, typename R::State& state, const Probe& probe, double dt) noexcept {
     move_on(state.motion, dt);

@@ -1,12 +1,16 @@
 #pragma once
-// A surface is geometry plus material. The material is what it feels like along and into it: fields that every
-// surface has. They say nothing about where it is, so the scene acts on them once, on the solved contact of each
-// probe (friction.hpp, texture.hpp).
-//
-// Every surface declares its parameters in this order, so that a pose is their prefix (geometry_bytes):
-//
-//   geometry, velocity and, where it turns, angular_velocity | stiffness, damping, recovery, ..., texture
-//   what is sent while it moves                              | its material, and how it acts (`update` of a plane)
+
+/// @file
+/// A surface is geometry plus material. The material is what it feels like along and into it: fields that
+/// every surface has. They say nothing about where it is, so the scene acts on them once, on the solved
+/// contact of each probe (friction.hpp, texture.hpp).
+///
+/// Every surface declares its parameters in this order, so that a pose is their prefix (geometry_bytes):
+///
+/// ~~~{.unparsed}
+///   geometry, velocity and, where it turns, angular_velocity | stiffness, damping, recovery, ..., texture
+///   what is sent while it moves                              | its material, and how it acts (`update` of a plane)
+/// ~~~
 
 #include <array>
 #include <cstddef>
@@ -18,50 +22,72 @@
 namespace knurl {
 
 /// Elastic Coulomb friction: the tip is held by a spring to an anchor, which is dragged once the force
-/// exceeds the cone. `static_` automatic: as `dynamic`.
+/// exceeds the cone.
 struct Friction {
-    double static_ = automatic;  // 1, until it slides
-    double dynamic = 0;          // 1, while it slides
-    double viscous = 0;          // N s/m; never more than the normal force
+    /// Coefficient until it slides (1), 0 to 100; typically 0.05 to 1. `automatic`: as `dynamic`.
+    double static_ = automatic;
+    /// Coefficient while it slides (1), 0 to 100; no more than `static_`.
+    double dynamic = 0;
+    /// Viscous friction against the sliding velocity (N s/m), 0 to 1e6; its force never exceeds the normal
+    /// force.
+    double viscous = 0;
 };
 
 /// How a snag gives way.
 enum class SnagLaw : std::uint32_t {
-    passive = 0,  // constant tangential stiffness, the anchor is dragged: gives back no more than it stored
-    // the paper's own law, for comparison; generates energy when the normal force changes while stuck
+    /// Constant tangential stiffness, and the anchor is dragged: gives back no more than it stored.
+    passive = 0,
+    /// The paper's own law, for comparison. It generates energy when the normal force changes while stuck.
     paper = 1,
 };
 
 /// Snags (Mark et al., SIGGRAPH 96, 2.1): the tip sticks at points that lie some way apart. In use when
 /// `k_stick` and `d_snap` are positive or `k_kinetic` is; then it takes the place of Coulomb friction.
 struct Snag {
-    double k_kinetic = 0;  // 1, friction between snags by normal force
-    double k_stick = 0;    // 1/m, stiffness of a snag by normal force
-    double d_snap = 0;     // m, at which a snag lets go
-    double d_mean = 0;     // m, from one snag to the next; 0: always stuck, static friction
-    double d_spread = 0;   // m, over which that distance is spread evenly: d_mean +- d_spread / 2
+    /// Friction between snags by normal force (1), 0 to 100.
+    double k_kinetic = 0;
+    /// Stiffness of a snag by normal force (1/m).
+    double k_stick = 0;
+    /// Distance at which a snag lets go (m), 0 to 1000.
+    double d_snap = 0;
+    /// Distance from one snag to the next (m); 0: always stuck, static friction.
+    double d_mean = 0;
+    /// Range over which that distance is spread evenly (m): d_mean +- d_spread / 2.
+    double d_spread = 0;
+    /// Seed of the distances' generator.
     std::uint32_t seed = 1;
+    /// How a snag gives way.
     SnagLaw law = SnagLaw::passive;
 };
 
+/// Shape of a texture's relief f.
 enum class TexturePattern : std::uint32_t {
-    ridges = 0,  // cos(2 pi u / wavelength), u along `direction`
-    grid = 1,    // the mean of that and the same across
-    rings = 2,   // cos(2 pi r / wavelength), r the distance from `origin` along the surface
+    /// f = cos(2 pi u / wavelength), u along `direction`.
+    ridges = 0,
+    /// The mean of ridges along `direction` and of ridges across it.
+    grid = 1,
+    /// f = cos(2 pi r / wavelength), r the distance from `origin` along the surface.
+    rings = 2,
 };
 
 /// A relief of height A f on the surface, -1 <= f <= 1, anchored in the world (and carried by the surface's
 /// velocity).
 struct Texture {
-    double amplitude = 0;      // m
-    double wavelength = 1e-3;  // m
+    /// Amplitude A (m): half the height from valley to peak, 0 to 1; typically 20 to 200 µm.
+    double amplitude = 0;
+    /// Distance from peak to peak (m), 6e-7 to 1000.
+    double wavelength = 1e-3;
+    /// Direction across the ridges, of any length but 0.
     Vec3 direction = {1, 0, 0};
-    Vec3 origin = {};  // m
+    /// A point on a peak, or the centre of rings (m), world frame.
+    Vec3 origin = {};
+    /// Shape of the relief.
     TexturePattern pattern = TexturePattern::ridges;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
 };
 
-/// Stiffness, damping and viscous friction as the device stands them.
+/// Clamps stiffness, damping and viscous friction to what the device stands.
 void clamp_material(double& stiffness, double& damping, Friction& friction, const Limits& limits) noexcept;
 
 namespace detail {
@@ -69,7 +95,7 @@ inline constexpr std::string_view snag_laws[] = {"passive", "paper"};
 inline constexpr std::string_view texture_patterns[] = {"ridges", "grid", "rings"};
 }  // namespace detail
 
-/// Joins tables of rows.
+/// Joins two tables of rows.
 template <std::size_t A, std::size_t B>
 constexpr std::array<Field, A + B> join_rows(const std::array<Field, A>& a, const std::array<Field, B>& b) {
     std::array<Field, A + B> all{};
@@ -135,7 +161,7 @@ constexpr auto surface_rows() {
 /// The contradiction that every surface's material can have: the first entry of its `contradictions`.
 inline constexpr std::string_view static_below_dynamic = "is below friction.dynamic; give at least as much";
 
-/// Of the field with this name.
+/// Number of the row with this name; Verdict::no_field: there is none.
 template <class R>
 constexpr std::uint32_t row_of(std::string_view name) {
     std::uint32_t index = 0;
@@ -146,7 +172,8 @@ constexpr std::uint32_t row_of(std::string_view name) {
     return Verdict::no_field;
 }
 
-/// The check that is made of every surface's material, beside the one that its Describe makes of its geometry.
+/// The check that is made of every surface's material, beside the one that its Describe makes of its
+/// geometry.
 template <class R>
 Verdict check_material(const R& params) noexcept {
     if (params.friction.static_ != automatic && params.friction.static_ < params.friction.dynamic) {

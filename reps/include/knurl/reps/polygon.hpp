@@ -1,5 +1,7 @@
 #pragma once
-// A flat convex polygon: a plate, a facet, a button. piece.hpp says how it is touched.
+
+/// @file
+/// A flat convex polygon: a plate, a facet, a button. piece.hpp says how it is touched.
 
 #include <cstddef>
 #include <optional>
@@ -10,36 +12,58 @@
 
 namespace knurl {
 
+/// Most corners of a polygon.
 inline constexpr std::uint32_t max_vertices = 8;
 
+/// Corners of a polygon.
 struct Vertices {
+    /// The corners (m); the first `count` are in use.
     Vec3 at[max_vertices] = {};
+    /// How many corners there are, 3 to max_vertices.
     std::uint32_t count = 0;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
 };
 
+/// A flat convex polygon: a plate, a facet, a button.
 struct Polygon {
-    // m, in order; seen from the front they run counter-clockwise. At first a square of 0.1 m that faces +z.
+    /// Corners in order (m), world frame; seen from the front they run counter-clockwise. By default a square
+    /// of 0.1 m that faces +z.
     Vertices vertices = {.at = {{-0.05, -0.05, 0}, {0.05, -0.05, 0}, {0.05, 0.05, 0}, {-0.05, 0.05, 0}},
                          .count = 4,
                          .reserved = 0};
-    Vec3 velocity = {};           // m/s, with which it moves on between updates
-    double stiffness = 0;         // N/m; infinity: as stiff as the device allows
-    double damping = 0;           // N s/m
-    double recovery = automatic;  // s; 0: at once
+    /// Velocity with which the surface moves on between two updates (m/s).
+    Vec3 velocity = {};
+    /// Stiffness (N/m), typically 200 to 2000. Infinity: the largest that the device allows. Larger values
+    /// are clamped.
+    double stiffness = 0;
+    /// Damping along the normal (N s/m), while touched; typically 0 to 5. Clamped to what the device stands.
+    double damping = 0;
+    /// Time over which a change reaches the hand (s), 0 to 1000. `automatic`: automatic_fade of the measured
+    /// update interval; 0: at once.
+    double recovery = automatic;
+    /// From which side the piece can be touched.
     Sides sides = Sides::front;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
-    double braking = 0;  // 1, share of the hand's momentum taken away at entry
+    /// Share of the hand's momentum that a pulse takes away at entry (1); Salcudean and Vlaar. 0: no pulse.
+    double braking = 0;
+    /// Friction along the surface; by default none.
     Friction friction = {};
+    /// Snags along the surface; by default none.
     Snag snag = {};
+    /// Relief on the surface; by default none.
     Texture texture = {};
 
+    /// The servo's memory of one such representation.
     using State = PieceState;
+    /// The proxy enters and leaves this surface (concepts.hpp).
     static constexpr bool follows = true;
 };
 
-/// How far vertices may lie off their common plane or beyond an edge, and how near to each other: this share
-/// of the polygon's size, and what rounding of the coordinates makes of it. Single precision is good enough.
+/// How far vertices may lie off their common plane or beyond an edge, and how near to each other they may be:
+/// this share of the polygon's size (1), and what rounding of the coordinates adds. Single precision is good
+/// enough.
 inline constexpr double polygon_tolerance = 1e-6;
 
 template <>
@@ -70,12 +94,17 @@ struct Describe<Polygon> {
     static Verdict check(const Polygon& polygon) noexcept;
 };
 
+/// Returns the parameters as the servo uses them: normalised, and clamped to `limits`.
 Polygon prepared(Polygon params, const Limits& limits) noexcept;
+/// New parameters take effect. `previous`: the parameters before; null for a representation that was just
+/// added.
 void adopt(const Polygon& params, const Polygon* previous, PieceState& state, const Probe& probe) noexcept;
-/// The height is infinite where it cannot be touched: seen from behind with `sides = front`.
+/// The tangent plane at the probe's foot. The height is infinite where it cannot be touched: seen from behind
+/// with `sides = front`.
 Contact contact(const Polygon& params, PieceState& state, const Probe& probe, double dt) noexcept;
 
-/// None while it is touched: it holds the probe from however deep.
+/// The ball outside of which the polygon is out of reach. None while it is touched: it holds the probe from
+/// however deep.
 std::optional<Bound> bound(const Polygon& params, const PieceState& state) noexcept;
 /// The path so far is forgotten: the next cycle sees it for the first time.
 void out_of_reach(const Polygon& params, PieceState& state) noexcept;

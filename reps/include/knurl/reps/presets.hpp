@@ -1,6 +1,8 @@
 #pragma once
-// Materials by name. Each is chosen to feel like something under a stylus pressed with about 1 N and moved at
-// a few centimetres a second; what was chosen and why stands beside the numbers in src/presets.cpp.
+
+/// @file
+/// Materials by name. Each is chosen to feel like something under a stylus pressed with about 1 N and moved
+/// at a few centimetres a second; what was chosen and why stands beside the numbers in src/presets.cpp.
 
 #include <span>
 #include <string_view>
@@ -11,10 +13,15 @@ namespace knurl {
 
 /// How a surface feels, without where it is.
 struct Material {
-    double stiffness = 0;  // N/m; infinity: as stiff as the device allows
-    double damping = 0;    // N s/m
+    /// Stiffness (N/m); infinity: as stiff as the device allows.
+    double stiffness = 0;
+    /// Damping along the normal (N s/m).
+    double damping = 0;
+    /// Friction along the surface.
     Friction friction = {};
+    /// Snags along the surface.
     Snag snag = {};
+    /// Relief on the surface.
     Texture texture = {};
 };
 

@@ -2,10 +2,13 @@
 
 namespace knurl {
 
-/// The time that a scene has been felt for.
+/// The time for which a scene has been evaluated.
 struct SceneTime {
-    double all = 0;   // s
-    double held = 0;  // s, without the silences, in which what is held stands still
+    /// All of it (s).
+    double all = 0;
+    /// Without the silences, in which what holds stands still (s).
+    double held = 0;
+    /// The one or the other (s).
     double of(bool holds) const noexcept { return holds ? held : all; }
 };
 

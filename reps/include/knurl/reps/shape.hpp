@@ -1,8 +1,10 @@
 #pragma once
-// A rigid thing whose form was sent once (a triangle mesh, a height field) and is named here: felt exactly
-// wherever the hand is, however seldom its pose is sent. Its faces are one-sided, and the hand is held by the
-// point of it that it came to (knurl/geometry/proxy.hpp). Beside others, with flat shading, that point goes by the proxy of
-// all of them (proxy_path.hpp).
+
+/// @file
+/// A rigid thing whose form was sent once (a triangle mesh, a height field) and is named here: rendered
+/// exactly wherever the hand is, however seldom its pose is sent. Its faces are one-sided, and the hand is
+/// held by the point of it that it came to (knurl/geometry/proxy.hpp). Beside others, with flat shading, that
+/// point goes by the proxy of all of them (proxy_path.hpp).
 
 #include <cstddef>
 #include <optional>
@@ -14,50 +16,96 @@
 
 namespace knurl {
 
-/// Assets of a scene, numbered from 1.
+/// Most assets of a scene; they are numbered from 1.
 inline constexpr std::uint32_t max_assets = 64;
 
+/// Direction of the force on facets.
 enum class Shading : std::uint32_t {
-    flat = 0,  // the force points to the proxy, as it does on the facets that were sent
-    // along the normal interpolated over the facet; contact is decided by the facets all the same
+    /// The force points to the proxy, as on the facets that were sent.
+    flat = 0,
+    /// The force is along the normal interpolated over the facet (force shading); the facets alone decide
+    /// contact.
     smooth = 1,
 };
 
 /// The servo's memory of a shape.
 struct ShapeState {
-    const Asset* asset = nullptr;  // that the parameters name
-    const Asset* met = nullptr;    // that the proxy lies on
+    /// The asset that the parameters name.
+    const Asset* asset = nullptr;
+    /// The asset on which the proxy lies.
+    const Asset* met = nullptr;
+    /// The proxy.
     Proxy proxy;
+    /// How far the surface has moved on since it was placed.
     Motion motion;
-    Vec3 normal = {0, 0, 1};  // in the asset's frame: what was answered when the hand was at proxy.last
-    double height = 0;        // m
-    double offset = 0;        // m: of the plane by which it holds the hand, along that normal
-    Vec3 start = {};          // m: the proxy when the cycle began
-    std::uint32_t material = 0, was_face = 0;
-    Proxy::Phase was_phase = Proxy::Phase::fresh;  // when the cycle began
-    // Beside others (proxy_path.hpp): the proxy lies beyond a rim, by no more than touching is; has left it, so often in
-    // this cycle; is about to leave it; its plane is not known, since the form has changed; a ball touches it whose centre is in
-    // front; no time passes, and it answers what it would alone.
-    std::uint8_t handed = 0, left = 0, leaving = 0, anew = 0, brushed = 0, tries = 0, reserved = 0;
+    /// Normal that was answered when the hand was at proxy.last, in the asset's frame.
+    Vec3 normal = {0, 0, 1};
+    /// Height then (m).
+    double height = 0;
+    /// Offset of the plane by which it holds the hand, along that normal (m).
+    double offset = 0;
+    /// The proxy when the cycle began (m).
+    Vec3 start = {};
+    /// Material of the face.
+    std::uint32_t material = 0;
+    /// Face when the cycle began.
+    std::uint32_t was_face = 0;
+    /// Phase when the cycle began.
+    Proxy::Phase was_phase = Proxy::Phase::fresh;
+    /// Beside other surfaces (proxy_path.hpp), 1: the proxy lies beyond a rim, by no more than the tolerance
+    /// of a seam.
+    std::uint8_t handed = 0;
+    /// Times that it was left in this cycle.
+    std::uint8_t left = 0;
+    /// 1: the proxy is about to leave it.
+    std::uint8_t leaving = 0;
+    /// 1: its plane is not known, since the asset has changed.
+    std::uint8_t anew = 0;
+    /// 1: it touches a ball whose centre is in front.
+    std::uint8_t brushed = 0;
+    /// 1: no time passes, and it answers as it would alone.
+    std::uint8_t tries = 0;
+    /// Padding; 0.
+    std::uint8_t reserved = 0;
 };
 
+/// A placed asset: a rigid thing whose form (a triangle mesh, a height field) was sent once. Its faces are
+/// one-sided.
 struct Shape {
-    std::uint32_t asset = 0;  // which of the scene's; 0, or one that is not there: nothing is felt
+    /// Number of the asset; 0, or one that is not there: it gives nothing.
+    std::uint32_t asset = 0;
+    /// Direction of the force on facets.
     Shading shading = Shading::flat;
-    Vec3 position = {};           // m, where the asset's origin lies
-    Quat orientation = {};        // turns the asset's axes into the world's
-    Vec3 velocity = {};           // m/s, of its origin, with which it moves on between updates
-    Vec3 angular_velocity = {};   // rad/s, world axes, about its origin, likewise
-    double stiffness = 0;         // N/m; infinity: as stiff as the device allows
-    double damping = 0;           // N s/m
-    double recovery = automatic;  // s; 0: at once
-    double braking = 0;           // 1, share of the hand's momentum taken away at entry
+    /// Where the asset's origin lies (m), world frame.
+    Vec3 position = {};
+    /// Turns the asset's axes into the world's; any length but 0.
+    Quat orientation = {};
+    /// Velocity of its origin with which it moves on between two updates (m/s).
+    Vec3 velocity = {};
+    /// Angular velocity about its origin with which it turns on between two updates (rad/s), world axes.
+    Vec3 angular_velocity = {};
+    /// Stiffness (N/m), typically 200 to 2000. Infinity: the largest that the device allows. Larger values
+    /// are clamped.
+    double stiffness = 0;
+    /// Damping along the normal (N s/m), while touched; typically 0 to 5. Clamped to what the device stands.
+    double damping = 0;
+    /// Time over which a change reaches the hand (s), 0 to 1000. `automatic`: automatic_fade of the measured
+    /// update interval; 0: at once.
+    double recovery = automatic;
+    /// Share of the hand's momentum that a pulse takes away at entry (1); Salcudean and Vlaar. 0: no pulse.
+    double braking = 0;
+    /// Friction along the surface; by default none.
     Friction friction = {};
+    /// Snags along the surface; by default none.
     Snag snag = {};
+    /// Relief on the surface; by default none.
     Texture texture = {};
 
+    /// The servo's memory of one such representation.
     using State = ShapeState;
+    /// Its material moves differently from place to place (concepts.hpp).
     static constexpr bool turns = true;
+    /// The proxy enters and leaves this surface (concepts.hpp).
     static constexpr bool follows = true;
 };
 
@@ -90,10 +138,16 @@ struct Describe<Shape> {
         surface_rows<Shape>());
 };
 
+/// Returns the parameters as the servo uses them: normalised, and clamped to `limits`.
 Shape prepared(Shape params, const Limits& limits) noexcept;
+/// New parameters take effect. `previous`: the parameters before; null for a representation that was just
+/// added.
 void adopt(const Shape& params, const Shape* previous, Shape::State& state, const Probe& probe) noexcept;
+/// Returns the tangent plane at the probe's foot, and advances `state` by `dt` (s).
 Contact contact(const Shape& params, Shape::State& state, const Probe& probe, double dt) noexcept;
+/// Returns the ball outside of which the probe is out of reach; none: it is evaluated in every cycle.
 std::optional<Bound> bound(const Shape& params, const Shape::State& state) noexcept;
+/// The representation was not evaluated for a while: its path is forgotten.
 void out_of_reach(const Shape& params, Shape::State& state) noexcept;
 
 }  // namespace knurl

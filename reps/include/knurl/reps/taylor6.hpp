@@ -1,6 +1,8 @@
 #pragma once
-// A field of force and torque known near one pose: (F, t) = (F0, t0) + J (dp, theta), theta the rotation
-// vector from the orientation at which it is known to the probe's, along the shorter way.
+
+/// @file
+/// A field of force and torque known near one pose: (F, t) = (F0, t0) + J (dp, theta), theta the rotation
+/// vector from the orientation at which it is known to the probe's, along the shorter way.
 
 #include <cstddef>
 #include <numbers>
@@ -10,24 +12,41 @@
 
 namespace knurl {
 
+/// A field of force and torque known near one pose: (F, t) = (F0, t0) + J (dp, theta).
 struct Taylor6 {
-    Vec3 origin = {};       // m
-    Quat orientation = {};  // any length but none
-    Vec3 force = {};        // N, at the origin
-    Vec3 torque = {};       // N m, at the orientation, about the probe
-    Mat6 jacobian = {};     // rows N and N m, columns m and rad, in the world's frame
-    double radius = 0.05;   // m
-    double angle = 0.5;     // rad, from the orientation, where it ends
+    /// Point at which the field is known (m), world frame.
+    Vec3 origin = {};
+    /// Orientation of the probe at which it is known; any length but 0.
+    Quat orientation = {};
+    /// Force at the origin (N).
+    Vec3 force = {};
+    /// Torque at the orientation, about the probe (N m).
+    Vec3 torque = {};
+    /// Jacobian: rows in N and N m, columns in m and rad, world frame.
+    Mat6 jacobian = {};
+    /// Distance from the origin at which the field ends (m), 1e-6 or more.
+    double radius = 0.05;
+    /// Angle from the orientation at which it ends (rad), 1e-6 to pi / 2.
+    double angle = 0.5;
+    /// Time over which a change reaches the hand (s), or `automatic`; 0: at once.
     double recovery = automatic;
+    /// What acts beyond radius or angle.
     TaylorEdge edge = TaylorEdge::fade;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
-    // The servo's, filled in by `prepared`:
-    double stiffness = 0;  // N/m, no direction restores with more
-    double core = 0.8;     // of `fade`: up to this share of its reach it is the series
-    double metres = 0;     // that a radian counts as; 0: the device's torsion is not known
-    double level = 0;      // J, work at which the edge cuts: nothing is felt where it is that
+    /// Set by the servo in `prepared`: no direction restores with more (N/m).
+    double stiffness = 0;
+    /// Set by the servo in `prepared`, of `fade`: share of its reach up to which it is the series (1).
+    double core = 0.8;
+    /// Set by the servo in `prepared`: metres that a radian counts as; 0: the device's torsion is not known.
+    double metres = 0;
+    /// Set by the servo in `prepared`: work at which the edge cuts (J); the field gives nothing where it is
+    /// that.
+    double level = 0;
 
+    /// The servo's memory of one such representation.
     struct State {
+        /// Nothing is remembered.
         std::uint64_t unused = 0;
     };
 };
@@ -66,14 +85,20 @@ struct Describe<Taylor6> {
 
 /// On a device the jacobian is clamped as Taylor's is, once force and torque have the same unit: with k_max
 /// (N/m) and kappa_max (N m/rad) a radian counts as sqrt(kappa_max / k_max) metres. Where kappa_max is not
-/// known, only the part of force by position is clamped. Edges are bounded as Taylor's, where needed by scaling
-/// down the field (`fade`) or the jacobian (`hold`).
+/// known, only the part of force by position is clamped. Edges are bounded as Taylor's, where needed by
+/// scaling down the field (`fade`) or the jacobian (`hold`).
 Taylor6 prepared(Taylor6 params, const Limits& limits) noexcept;
+/// New parameters take effect. `previous`: the parameters before; null for a representation that was just
+/// added.
 void adopt(const Taylor6& params, const Taylor6* previous, Taylor6::State& state,
            const Probe& probe) noexcept;
+/// Returns the wrench on the hand (N, N m) about the probe's position, and advances `state` by `dt` (s).
 Wrench evaluate(const Taylor6& params, Taylor6::State& state, const Probe& probe, double dt) noexcept;
+/// Returns how stiff and how damped the hand feels this effect at the probe, for the budget.
 HandLoad load(const Taylor6& params, const Taylor6::State& state, const Probe& probe) noexcept;
+/// True: with these parameters the effect gives nothing anywhere, so it is not evaluated.
 bool powerless(const Taylor6& params) noexcept;
+/// Returns the ball outside of which the probe is out of reach; none: it is evaluated in every cycle.
 std::optional<Bound> bound(const Taylor6& params) noexcept;
 
 }  // namespace knurl

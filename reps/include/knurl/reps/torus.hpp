@@ -1,6 +1,8 @@
 #pragma once
-// A ring, or the room in its tube: a sphere about the nearest point of the circle within. A probe too large
-// for the hole plugs it: there it comes no farther than to one point of the axis on either side.
+
+/// @file
+/// A ring, or the room in its tube: a sphere about the nearest point of the circle within. A probe too large
+/// for the hole plugs it: there it comes no farther than to one point of the axis on either side.
 
 #include <cstddef>
 #include <optional>
@@ -11,22 +13,40 @@
 
 namespace knurl {
 
+/// A ring, or the room in its tube.
 struct Torus {
-    Vec3 center = {};       // m
-    Vec3 axis = {0, 0, 1};  // of any length, about which the ring goes
-    double radius = 0.02;   // m, of the circle within
-    double tube = 0.005;    // m, of the tube around it; 0: a wire
+    /// Its middle (m), world frame.
+    Vec3 center = {};
+    /// Axis about which the ring goes, of any length but 0.
+    Vec3 axis = {0, 0, 1};
+    /// Radius of the circle within the tube (m).
+    double radius = 0.02;
+    /// Radius of the tube (m), less than `radius`; 0: a wire.
+    double tube = 0.005;
+    /// Where free space is: around the solid, or in the hollow.
     Side side = Side::outside;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
-    Vec3 velocity = {};           // m/s, with which it moves on between updates
-    double stiffness = 0;         // N/m; infinity: as stiff as the device allows
-    double damping = 0;           // N s/m
-    double recovery = automatic;  // s; 0: at once
-    double braking = 0;           // 1, share of the hand's momentum taken away at entry
+    /// Velocity with which the surface moves on between two updates (m/s).
+    Vec3 velocity = {};
+    /// Stiffness (N/m), typically 200 to 2000. Infinity: the largest that the device allows. Larger values
+    /// are clamped.
+    double stiffness = 0;
+    /// Damping along the normal (N s/m), while touched; typically 0 to 5. Clamped to what the device stands.
+    double damping = 0;
+    /// Time over which a change reaches the hand (s), 0 to 1000. `automatic`: automatic_fade of the measured
+    /// update interval; 0: at once.
+    double recovery = automatic;
+    /// Share of the hand's momentum that a pulse takes away at entry (1); Salcudean and Vlaar. 0: no pulse.
+    double braking = 0;
+    /// Friction along the surface; by default none.
     Friction friction = {};
+    /// Snags along the surface; by default none.
     Snag snag = {};
+    /// Relief on the surface; by default none.
     Texture texture = {};
 
+    /// The servo's memory of one such representation.
     using State = SolidState;
 };
 
@@ -43,12 +63,19 @@ struct Describe<Torus> {
     static Verdict check(const Torus& torus) noexcept;
 };
 
+/// Returns the parameters as the servo uses them: normalised, and clamped to `limits`.
 Torus prepared(Torus params, const Limits& limits) noexcept;
+/// New parameters take effect. `previous`: the parameters before; null for a representation that was just
+/// added.
 void adopt(const Torus& params, const Torus* previous, Torus::State& state, const Probe& probe) noexcept;
+/// Returns the tangent plane at the probe's foot, and advances `state` by `dt` (s).
 Contact contact(const Torus& params, Torus::State& state, const Probe& probe, double dt) noexcept;
+/// Fills in the surface near `there` with its curvature, and returns how many (concepts.hpp).
 std::uint32_t curved(const Torus& params, const Torus::State& state, const Probe& probe, const Probe& there,
                      std::span<CurvedContact> out) noexcept;
+/// Returns the ball outside of which the probe is out of reach; none: it is evaluated in every cycle.
 std::optional<Bound> bound(const Torus& params, const Torus::State& state) noexcept;
+/// The representation was not evaluated for a while: its path is forgotten.
 void out_of_reach(const Torus& params, Torus::State& state) noexcept;
 
 }  // namespace knurl

@@ -1,6 +1,8 @@
 #pragma once
-// Counters that any process can read and that cost the writer a plain store each. Looking at them costs it
-// nothing.
+
+/// @file
+/// Counters that any process can read and that cost the writer a plain store each. Looking at them costs it
+/// nothing.
 
 #include <span>
 #include <string_view>
@@ -13,6 +15,7 @@ namespace knurl::shm {
 /// process.
 using CounterNames = std::span<const std::string_view>;
 
+/// Bytes of a block of `count` counters.
 constexpr std::size_t counters_bytes(std::size_t count) {
     return round_up(count * sizeof(std::uint64_t), line_bytes);
 }
@@ -24,29 +27,38 @@ class CountersReader {
     /// Throws std::invalid_argument if `memory` is not aligned to 128 bytes.
     CountersReader(const std::byte* memory, CounterNames names) : CountersReader(checked(memory), names) {}
 
+    /// Number of counters.
     std::size_t size() const noexcept { return names_.size(); }
+    /// Name of counter i.
     std::string_view name(std::size_t i) const noexcept { return names_[i]; }
+    /// Value of counter i.
     std::uint64_t read(std::size_t i) const noexcept {
         return HardwareMemory::load(words_[i], std::memory_order::relaxed);
     }
 
   protected:
+    /// Of words that were checked.
     CountersReader(std::uint64_t* words, CounterNames names) : words_(words), names_(names) {}
+    /// Throws std::invalid_argument if `memory` is not aligned to 128 bytes.
     static std::uint64_t* checked(const std::byte* memory);
 
+    /// The counters.
     std::uint64_t* words_;
+    /// Their names.
     CounterNames names_;
 };
 
 /// The one writer of a block. Relaxed: a counter orders nothing.
 class Counters : public CountersReader {
   public:
+    /// Throws std::invalid_argument if `memory` is not aligned to 128 bytes.
     Counters(std::byte* memory, CounterNames names) : CountersReader(checked(memory), names) {}
 
+    /// Sets counter i.
     void set(std::size_t i, std::uint64_t value) noexcept {
         HardwareMemory::store(words_[i], value, std::memory_order::relaxed);
     }
-    /// Load and store, not a locked addition: nobody else writes.
+    /// Adds to counter i: load and store, not a locked addition, since nobody else writes.
     void increment(std::size_t i, std::uint64_t by = 1) noexcept { set(i, read(i) + by); }
 };
 

@@ -1,5 +1,7 @@
 #pragma once
-// Waiting for descriptors until a point in time.
+
+/// @file
+/// Waiting for descriptors until a point in time.
 
 #include <chrono>
 #include <span>
@@ -8,9 +10,10 @@
 
 namespace knurl::shm {
 
+/// A point in time.
 using Deadline = std::chrono::steady_clock::time_point;
 
-/// nanoseconds::max() from now, and whatever else the clock does not reach, is for ever.
+/// `timeout` from now; nanoseconds::max(), and whatever else the clock does not reach, is for ever.
 Deadline deadline_after(std::chrono::nanoseconds timeout) noexcept;
 
 /// ppoll(2), at most until then; a deadline in the past only looks.

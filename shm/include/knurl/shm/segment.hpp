@@ -8,11 +8,11 @@
 
 namespace knurl::shm {
 
-/// Segments begin on a page, so the same place of every segment falls into the same set of the first-level
-/// cache: a servo that looks at one word of each of 128 segments misses each time (measured: 380 ns instead
-/// of 90). So what is looked at in segment number n of many lies this much further on; the segment is
-/// segment_colour_bytes larger.
+/// Bytes by which a segment is larger, for its colour. Segments begin on a page, so the same place of every
+/// segment falls into the same set of the first-level cache: a servo that reads one word of each of 128
+/// segments misses each time (measured: 380 ns instead of 90).
 inline constexpr std::size_t segment_colour_bytes = 4096;
+/// So much further on lies what is read in segment number n of many (bytes).
 constexpr std::size_t segment_colour(std::size_t n) {
     return n * 128 % segment_colour_bytes;
 }
@@ -22,7 +22,15 @@ constexpr std::size_t segment_colour(std::size_t n) {
 /// SIGBUS).
 class Segment {
   public:
-    enum class Access { read_write, read_only, private_copy };
+    /// How a segment is mapped.
+    enum class Access {
+        /// For reading and writing.
+        read_write,
+        /// For reading.
+        read_only,
+        /// Private pages: writes stay in this process.
+        private_copy,
+    };
 
     /// A new segment of `bytes` zero bytes, mapped for writing, its pages present. `name` shows in
     /// /proc/PID/maps. Throws std::runtime_error.
@@ -41,8 +49,11 @@ class Segment {
     /// std::runtime_error.
     static UniqueFd seal(Segment written);
 
-    Segment() noexcept;  // empty: size() is 0
+    /// Empty: size() is 0.
+    Segment() noexcept;
+    /// Moves; the other one holds nothing any more.
     Segment(Segment&&) noexcept;
+    /// Moves; the other one holds nothing any more.
     Segment& operator=(Segment&&) noexcept;
     ~Segment();
 
@@ -50,9 +61,13 @@ class Segment {
     /// descriptor. Mappings made before stay writable. Throws std::runtime_error.
     void seal_against_new_writers();
 
+    /// Its descriptor.
     int fd() const { return fd_.get(); }
+    /// Its memory.
     std::byte* data() { return data_; }
+    /// Its memory.
     const std::byte* data() const { return data_; }
+    /// Its size (bytes).
     std::size_t size() const { return size_; }
 
   private:

@@ -1,6 +1,8 @@
 #pragma once
-// Unix SOCK_SEQPACKET sockets: whole messages, which may carry file descriptors. Never used by the servo's
-// thread.
+
+/// @file
+/// Unix SOCK_SEQPACKET sockets: whole messages, which may carry file descriptors. Never used by the servo's
+/// thread.
 
 #include <cstddef>
 #include <filesystem>
@@ -22,12 +24,13 @@ inline constexpr std::size_t max_fds = 16;
 /// block.
 UniqueFd listen_at(const std::filesystem::path& path, mode_t mode, int backlog);
 
-/// Throws SystemError if nobody listens at `path`. The socket blocks.
+/// Connects to `path`; the socket blocks. Throws SystemError if nobody listens there.
 UniqueFd connect_to(const std::filesystem::path& path);
 
-/// The next connection, or an empty UniqueFd if none is pending. Throws SystemError if the listener is
-/// broken or the process is out of descriptors.
+/// The next connection, or an empty UniqueFd if none is pending. Throws SystemError if the listener is broken
+/// or the process is out of descriptors.
 UniqueFd accept_from(int listener);
+/// The same.
 inline UniqueFd accept_from(const UniqueFd& listener) {
     return accept_from(listener.get());
 }
@@ -36,35 +39,54 @@ inline UniqueFd accept_from(const UniqueFd& listener) {
 /// buffer is full): either way it is lost to us. Throws std::runtime_error on a mistake of our own (too
 /// large, bad fd).
 bool send_message(int fd, std::span<const std::byte> bytes, std::span<const int> fds = {});
+/// The same.
 inline bool send_message(const UniqueFd& fd, std::span<const std::byte> bytes,
                          std::span<const int> fds = {}) {
     return send_message(fd.get(), bytes, fds);
 }
 
+/// What receive_message received.
 struct Received {
-    std::size_t bytes = 0;      // of the buffer, filled
-    std::vector<UniqueFd> fds;  // close-on-exec
-    bool closed = false;        // the peer is gone: nothing will come any more
-    // it did not fit the buffer or had too many descriptors: its descriptors are closed
+    /// Bytes of the buffer that were filled.
+    std::size_t bytes = 0;
+    /// Descriptors that came with it, close-on-exec.
+    std::vector<UniqueFd> fds;
+    /// True: the peer is gone, nothing will come any more.
+    bool closed = false;
+    /// True: it did not fit the buffer or had too many descriptors; its descriptors are closed.
     bool truncated = false;
-    bool descriptors_lost = false;  // of those of ours: this process has no descriptor left for them
-    bool nothing = false;           // Block::no, and nothing is there
+    /// True: this process has no descriptor left for those that came.
+    bool descriptors_lost = false;
+    /// True: nothing is there (Block::no).
+    bool nothing = false;
 };
-enum class Block { yes, no };
+/// Whether to wait for a message.
+enum class Block {
+    /// Wait.
+    yes,
+    /// Return at once.
+    no,
+};
 
 /// Receives one message. Descriptors are owned by the result, so they never leak.
 Received receive_message(int fd, std::span<std::byte> buffer, Block block = Block::yes);
+/// The same.
 inline Received receive_message(const UniqueFd& fd, std::span<std::byte> buffer, Block block = Block::yes) {
     return receive_message(fd.get(), buffer, block);
 }
 
 /// Who is at the other end, as the kernel recorded it when the connection was made.
 struct PeerCredentials {
+    /// Process number.
     pid_t pid = 0;
+    /// User.
     uid_t uid = 0;
+    /// Group.
     gid_t gid = 0;
 };
+/// Who is at the other end. Throws std::runtime_error.
 PeerCredentials credentials_of(int fd);
+/// The same.
 inline PeerCredentials credentials_of(const UniqueFd& fd) {
     return credentials_of(fd.get());
 }

@@ -1,15 +1,17 @@
 #pragma once
-// The command channel: a ring of 64-byte cells with one producer and one consumer. A message is a group of
-// cells, and a group is pushed whole or not at all. Full is an answer, nothing is ever dropped.
-//
-//   producer: words of cell t ─sb─> tail = t+1 (rel) ══sw══> tail read (acq) ─sb─> read words
-//   consumer: read words of h ─sb─> head = h+1 (rel) ══sw══> head read (acq) ─sb─> overwrite cell h
-//
-// The first line makes the data whole, the second keeps it from being overwritten too early.
-//
-// Each side keeps its own index in private memory and only publishes it: the other side can write any value
-// into the shared words and harm nobody but itself. Counters are 64-bit and never wrap. A producer killed in
-// mid-write has not moved `tail`: nothing to repair.
+
+/// @file
+/// The command channel: a ring of 64-byte cells with one producer and one consumer. A message is a group of
+/// cells, and a group is pushed whole or not at all. Full is an answer, nothing is ever dropped.
+///
+///     producer: words of cell t ─sb─> tail = t+1 (rel) ══sw══> tail read (acq) ─sb─> read words
+///     consumer: read words of h ─sb─> head = h+1 (rel) ══sw══> head read (acq) ─sb─> overwrite cell h
+///
+/// The first line makes the data whole, the second keeps it from being overwritten too early.
+///
+/// Each side keeps its own index in private memory and only publishes it: the other side can write any value
+/// into the shared words and harm nobody but itself. Counters are 64-bit and never wrap. A producer killed in
+/// mid-write has not moved `tail`: nothing to repair.
 
 #include <algorithm>
 
@@ -17,26 +19,39 @@
 
 namespace knurl::shm {
 
+/// Bytes of a cell.
 inline constexpr std::size_t cell_bytes = 64;
+/// Words of a cell.
 inline constexpr std::size_t cell_words = cell_bytes / sizeof(std::uint64_t);
 
+/// Memory orders of the ring. The models in tests/shm weaken them one by one.
 struct SpscOrders {
-    static constexpr auto publish_tail = std::memory_order::release;  // pairs with see_tail
-    static constexpr auto see_tail = std::memory_order::acquire;      // pairs with publish_tail
-    static constexpr auto publish_head = std::memory_order::release;  // pairs with see_head
-    static constexpr auto see_head = std::memory_order::acquire;      // pairs with publish_head
+    /// Pairs with see_tail.
+    static constexpr auto publish_tail = std::memory_order::release;
+    /// Pairs with publish_tail.
+    static constexpr auto see_tail = std::memory_order::acquire;
+    /// Pairs with see_head.
+    static constexpr auto publish_head = std::memory_order::release;
+    /// Pairs with publish_head.
+    static constexpr auto see_head = std::memory_order::acquire;
 };
 
+/// Where a ring lies in memory.
 template <class Memory = HardwareMemory>
 struct SpscPlaces {
-    typename Memory::Word* tail;      // written by the producer: cells pushed since the start
-    typename Memory::Word* head;      // written by the consumer: cells popped since the start
-    typename Memory::Payload* cells;  // a power of two of them
+    /// Cells pushed since the start; written by the producer.
+    typename Memory::Word* tail;
+    /// Cells popped since the start; written by the consumer.
+    typename Memory::Word* head;
+    /// The cells, a power of two of them.
+    typename Memory::Payload* cells;
 };
 
+/// The producer of a ring.
 template <class Memory = HardwareMemory, class Orders = SpscOrders>
 class BasicSpscProducer {
   public:
+    /// Goes on with the ring of `cells` cells at these places.
     BasicSpscProducer(SpscPlaces<Memory> places, std::uint32_t cells)
         : places_(places),
           cells_(cells),
@@ -58,11 +73,13 @@ class BasicSpscProducer {
         return true;
     }
 
+    /// Cells that can be pushed now.
     std::uint32_t free_cells() noexcept {
         head_ = Memory::load(*places_.head, Orders::see_head);
         return room();
     }
 
+    /// Cells of the ring.
     std::uint32_t capacity() const noexcept { return cells_; }
 
   private:
@@ -78,9 +95,11 @@ class BasicSpscProducer {
     std::uint64_t head_;  // as last seen
 };
 
+/// The consumer of a ring.
 template <class Memory = HardwareMemory, class Orders = SpscOrders>
 class BasicSpscConsumer {
   public:
+    /// Goes on with the ring of `cells` cells at these places.
     BasicSpscConsumer(SpscPlaces<Memory> places, std::uint32_t cells)
         : places_(places), cells_(cells), head_(Memory::load(*places.head, std::memory_order::relaxed)) {}
 
@@ -116,6 +135,7 @@ class BasicSpscConsumer {
         Memory::store(*places_.head, head_, Orders::publish_head);
     }
 
+    /// True: the producer's index was impossible.
     bool corrupt() const noexcept { return corrupt_; }
 
   private:
@@ -128,11 +148,14 @@ class BasicSpscConsumer {
 
 /// How the ring lies in a segment, before its cells.
 struct alignas(line_bytes) SpscShared {
+    /// Cells pushed.
     alignas(line_bytes) std::uint64_t tail;
+    /// Cells popped.
     alignas(line_bytes) std::uint64_t head;
 };
 static_assert(sizeof(SpscShared) == 2 * line_bytes);
 
+/// Bytes of a ring.
 constexpr std::size_t spsc_bytes(std::uint32_t cells) {
     return sizeof(SpscShared) + cells * cell_bytes;
 }
@@ -140,19 +163,23 @@ constexpr std::size_t spsc_bytes(std::uint32_t cells) {
 /// Makes an empty ring. Once, by the process that creates the segment, before it hands it over.
 void spsc_init(std::byte* memory);
 
-/// Checks alignment and `cells` (a power of two); throws std::invalid_argument.
+/// Where a ring lies in `memory`. Checks alignment and `cells` (a power of two); throws
+/// std::invalid_argument.
 SpscPlaces<> spsc_places(std::byte* memory, std::uint32_t cells);
 
-/// One object per ring and side: an index is private, so a second producer would overwrite the first one's
-/// cells.
+/// The producer of a ring in a segment. One object per ring and side: an index is private, so a second
+/// producer would overwrite the first one's cells.
 class SpscProducer : public BasicSpscProducer<> {
   public:
+    /// As spsc_places.
     SpscProducer(std::byte* memory, std::uint32_t cells)
         : BasicSpscProducer(spsc_places(memory, cells), cells) {}
 };
 
+/// The consumer of a ring in a segment.
 class SpscConsumer : public BasicSpscConsumer<> {
   public:
+    /// As spsc_places.
     SpscConsumer(std::byte* memory, std::uint32_t cells)
         : BasicSpscConsumer(spsc_places(memory, cells), cells) {}
 };

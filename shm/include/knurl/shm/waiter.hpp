@@ -1,16 +1,18 @@
 #pragma once
-// Sleeping until the next report. The reports are mapped read-only, so a client cannot count itself in there:
-// it sets a flag in its own segment. The servo reads the flags of its clients after it has published. One
-// that sleeps alone, among few, it wakes itself, if that one may be trusted with it; else it pokes a thread
-// of lower priority on its own core, which wakes them while the servo sleeps. Either is one system call,
-// whatever the number of clients.
-//
-//   client: flag = 1   ─sb─> fence(seq_cst) ─sb─> read end: nothing new ⇒ sleep
-//   servo:  end = n+1  ─sb─> fence(seq_cst) ─sb─> read flag: not set    ⇒ wake nobody
-//
-// Dekker's protocol: the fences are in one total order, and the later side sees what the earlier one stored.
-// So at least one of the two notices, and no wake-up is lost. Without either fence both may read the old
-// value.
+
+/// @file
+/// Sleeping until the next report. The reports are mapped read-only, so a client cannot count itself in
+/// there: it sets a flag in its own segment. The servo reads the flags of its clients after it has published.
+/// One that sleeps alone, among few, it wakes itself, if that one may be trusted with it; else it pokes a
+/// thread of lower priority on its own core, which wakes them while the servo sleeps. Either is one system
+/// call, whatever the number of clients.
+///
+///     client: flag = 1   ─sb─> fence(seq_cst) ─sb─> read end: nothing new ⇒ sleep
+///     servo:  end = n+1  ─sb─> fence(seq_cst) ─sb─> read flag: not set    ⇒ wake nobody
+///
+/// Dekker's protocol: the fences are in one total order, and the later side sees what the earlier one stored.
+/// So at least one of the two notices, and no wake-up is lost. Without either fence both may read the old
+/// value.
 
 #include <atomic>
 #include <chrono>
@@ -23,9 +25,12 @@
 
 namespace knurl::shm {
 
+/// Memory orders of waiting. The models in tests/shm weaken them one by one.
 struct WaiterOrders {
-    static constexpr auto waiter_fence = std::memory_order::seq_cst;     // pairs with publisher_fence
-    static constexpr auto publisher_fence = std::memory_order::seq_cst;  // pairs with waiter_fence
+    /// Pairs with publisher_fence.
+    static constexpr auto waiter_fence = std::memory_order::seq_cst;
+    /// Pairs with waiter_fence.
+    static constexpr auto publisher_fence = std::memory_order::seq_cst;
 };
 
 /// The waiting side: raises the flag, then looks again. True: `counter` is still at `seen`, sleeping is safe.
@@ -43,17 +48,17 @@ void fence_after_publish() noexcept {
     Memory::fence(Orders::publisher_fence);
 }
 
-/// Who wakes: was the flag up? It is down now. Lowered before the client is signalled: one that waits again
-/// meanwhile raises it again, and that is not overwritten.
+/// Lowers the flag; true: it was up. Lowered before the client is signalled: one that waits again meanwhile
+/// raises it again, and that is not overwritten.
 template <class Memory = HardwareMemory>
 bool lower_flag(typename Memory::Word& flag) noexcept {
     return Memory::load(flag, std::memory_order::relaxed) != 0 &&
            Memory::exchange(flag, 0, std::memory_order::acq_rel) != 0;
 }
 
-/// One client's flag, in the client's segment, a line for itself. Not 0: it waits. The client sets it, the
-/// one who wakes it clears it. Zero-initialise it with the segment.
+/// One client's flag, in the client's segment, a line for itself. Zero-initialise it with the segment.
 struct alignas(line_bytes) WaiterFlag {
+    /// Not 0: the client waits. The client sets it; the thread that wakes it clears it.
     std::uint64_t waiting = 0;
     /// Reports that its owner has missed (BroadcastReader::missed), for people who look on. It lies here
     /// since whoever publishes has this line at hand anyway. The owner's word alone says so: nothing may
@@ -65,9 +70,12 @@ struct alignas(line_bytes) WaiterFlag {
 };
 static_assert(sizeof(WaiterFlag) == line_bytes);
 
+/// Memory orders of WaiterFlag::sent.
 struct SentOrders {
-    static constexpr auto publish = std::memory_order::release;  // pairs with see
-    static constexpr auto see = std::memory_order::acquire;      // pairs with publish
+    /// Pairs with see.
+    static constexpr auto publish = std::memory_order::release;
+    /// Pairs with publish.
+    static constexpr auto see = std::memory_order::acquire;
 };
 
 /// The client's side of WaiterFlag::sent: called after each push and publish.
@@ -78,8 +86,10 @@ struct SentOrders {
 template <class Memory = HardwareMemory, class Orders = SentOrders>
 class BasicSentCount {
   public:
+    /// Goes on with this count.
     explicit BasicSentCount(typename Memory::Word* sent)
         : sent_(sent), count_(Memory::load(*sent, std::memory_order::relaxed)) {}
+    /// Something was pushed or published.
     void add() noexcept { Memory::store(*sent_, ++count_, Orders::publish); }
 
   private:
@@ -87,14 +97,16 @@ class BasicSentCount {
     std::uint64_t count_;  // private; *sent_ is only its publication
 };
 
-/// The servo's side, read before it looks.
+/// The servo's side of WaiterFlag::sent, read before it looks at the rings.
 template <class Memory = HardwareMemory, class Orders = SentOrders>
 std::uint64_t sent_so_far(const typename Memory::Word& sent) noexcept {
     return Memory::load(sent, Orders::see);
 }
 
+/// The count of a client's WaiterFlag.
 class SentCount : public BasicSentCount<> {
   public:
+    /// Goes on with this flag's count.
     explicit SentCount(WaiterFlag* flag) : BasicSentCount(&flag->sent) {}
 };
 
@@ -102,15 +114,20 @@ class SentCount : public BasicSentCount<> {
 /// descriptor, and could make writing to it block: whoever must never block has -1 there, unless the client
 /// could stop it anyway.
 struct WakeTarget {
+    /// Its flag.
     WaiterFlag* flag = nullptr;
+    /// The descriptor that it sleeps on, or -1.
     int event_fd = -1;
 };
 
-/// Servo, after publishing: who waits? The fence is inside. Costs a fence and a load per flag.
+/// Who waits.
 struct Waiting {
+    /// How many.
     std::size_t count = 0;
-    std::size_t last = 0;  // of those who do
+    /// Index of the last of these.
+    std::size_t last = 0;
 };
+/// The servo calls it after publishing. The fence is inside. Costs a fence and a load per flag.
 inline Waiting who_waits(std::span<const WakeTarget> wake_targets) noexcept {
     fence_after_publish<>();
     Waiting found;
@@ -125,9 +142,11 @@ inline Waiting who_waits(std::span<const WakeTarget> wake_targets) noexcept {
 /// A non-blocking, close-on-exec eventfd for a client to sleep on. Throws std::runtime_error.
 UniqueFd make_event();
 
-/// The client's side. Holds none of the things that it is given; the reader's position says what is new.
+/// The client's side of waiting. It owns none of the things that it is given; the reader's position says what
+/// is new.
 class Waiter {
   public:
+    /// Waits with this flag, on this descriptor, for this reader.
     Waiter(WaiterFlag* flag, int event_fd, const BroadcastReader& reader)
         : flag_(flag), event_(event_fd), reader_(&reader) {}
 
@@ -140,6 +159,7 @@ class Waiter {
     /// read all reports, then rearm() again; if a report came in between, the descriptor is readable at once.
     /// A wake-up may be early, it is never lost.
     int fd() const noexcept { return event_; }
+    /// Raises the flag again; see fd().
     void rearm() noexcept;
 
     /// No longer interested: lowers the flag.
@@ -158,15 +178,18 @@ class Waiter {
 /// which is harmless).
 class Waker {
   public:
-    static constexpr std::size_t max_entries = 128 * 8;  // clients * devices
+    /// Most entries: clients times devices.
+    static constexpr std::size_t max_entries = 128 * 8;
 
+    /// An empty table.
     Waker();
     ~Waker();
     Waker(const Waker&) = delete;
     Waker& operator=(const Waker&) = delete;
 
-    /// remove(flag) before unmapping the one or closing the other. Throws std::runtime_error when the table
-    /// is full. Safe while the thread runs, never called by the servo's thread.
+    /// Adds a client. remove(flag) before unmapping the flag or closing the descriptor. Throws
+    /// std::runtime_error when the table is full. Safe while the thread runs, never called by the servo's
+    /// thread.
     void add(const WakeTarget& wake_target);
     /// On return nobody touches the flag or the descriptor any more. Unknown flags are ignored.
     void remove(const WaiterFlag* flag) noexcept;

@@ -1,6 +1,8 @@
 #pragma once
-// Shared memory is made of 64-bit words, and every access to one is atomic: the sanitizer, the standard and
-// the code agree about it, whatever the other side does at that moment.
+
+/// @file
+/// Shared memory is made of 64-bit words, and every access to one is atomic: the sanitizer, the standard and
+/// the code agree about it, whatever the other side does at that moment.
 
 #include <atomic>
 #include <cstddef>
@@ -13,6 +15,7 @@ namespace knurl::shm {
 /// std::hardware_destructive_interference_size changes with compiler flags and this is an ABI.
 inline constexpr std::size_t line_bytes = 128;
 
+/// `bytes` rounded up to a multiple of `unit`.
 constexpr std::size_t round_up(std::size_t bytes, std::size_t unit) {
     return (bytes + unit - 1) / unit * unit;
 }
@@ -20,32 +23,40 @@ constexpr std::size_t round_up(std::size_t bytes, std::size_t unit) {
 /// The memory that ships. The rings are templates over it so that the Relacy models in tests/shm run the very
 /// same algorithms on simulated memory, and deliberately weakened ones to see that each order is needed.
 struct HardwareMemory {
-    using Word = std::uint64_t;     // indexes, flags
-    using Payload = std::uint64_t;  // what is copied
+    /// Indexes, flags.
+    using Word = std::uint64_t;
+    /// What is copied.
+    using Payload = std::uint64_t;
 
+    /// The word as an atomic.
     static std::atomic_ref<Word> at(const Word& word) noexcept {
         // atomic_ref<const T> comes with C++26. A lock-free load never writes, so a read-only mapping is
         // fine.
         static_assert(std::atomic_ref<Word>::is_always_lock_free);
         return std::atomic_ref<Word>(const_cast<Word&>(word));
     }
+    /// Atomic load.
     static std::uint64_t load(const Word& word, std::memory_order order) noexcept {
         return at(word).load(order);
     }
+    /// Atomic store.
     static void store(Word& word, std::uint64_t value, std::memory_order order) noexcept {
         at(word).store(value, order);
     }
+    /// Atomic exchange.
     static std::uint64_t exchange(Word& word, std::uint64_t value, std::memory_order order) noexcept {
         return at(word).exchange(value, order);
     }
-    /// Fails relaxed; `expected` is then what was found.
+    /// Atomic compare-exchange. Fails relaxed; `expected` is then what was found.
     static bool compare_exchange(Word& word, std::uint64_t& expected, std::uint64_t value,
                                  std::memory_order order) noexcept {
         return at(word).compare_exchange_strong(expected, value, order, std::memory_order::relaxed);
     }
+    /// Fence between threads.
     static void fence(std::memory_order order) noexcept { std::atomic_thread_fence(order); }
 
-    // Word by word, because compilers never join atomics to vectors; four to a turn, which halves the time.
+    /// Copies into shared memory word by word, because compilers never join atomics to vectors; four to a
+    /// turn, which halves the time.
     static void store_payload(Payload* shared, const void* from, std::size_t words,
                               std::memory_order order) noexcept {
         const auto* bytes = static_cast<const std::byte*>(from);
@@ -54,6 +65,7 @@ struct HardwareMemory {
             for (std::size_t k = 0; k < 4; ++k) store(shared[i + k], word_at(bytes, i + k), order);
         for (std::size_t i = fours; i < words; ++i) store(shared[i], word_at(bytes, i), order);
     }
+    /// Copies out of shared memory, likewise.
     static void load_payload(void* to, const Payload* shared, std::size_t words,
                              std::memory_order order) noexcept {
         auto* bytes = static_cast<std::byte*>(to);

@@ -1,12 +1,14 @@
 #pragma once
-// Heights over a regular grid, felt as two triangles per cell: the same walk as on a mesh, but what lies over
-// an edge is arithmetic. 2.1 bytes per triangle instead of about a hundred.
-//
-//      y ^  01 ──── 11      Each cell (i, j) is cut from its corner 00 to its corner 11: triangle
-//        |  │ 1  ╱  │       2 (j columns + i) is 00, 10, 11, the next one 00, 11, 01. Free space is above.
-//        |  │  ╱  0 │
-//        |  00 ──── 10
-//        +───────────> x
+
+/// @file
+/// Heights over a regular grid, rendered as two triangles per cell: the same walk as on a mesh, but what lies
+/// over an edge is arithmetic. 2.1 bytes per triangle instead of about a hundred.
+///
+///      y ^  01 ──── 11      Each cell (i, j) is cut from its corner 00 to its corner 11: triangle
+///        |  │ 1  ╱  │       2 (j columns + i) is 00, 10, 11, the next one 00, 11, 01. Free space is above.
+///        |  │  ╱  0 │
+///        |  00 ──── 10
+///        +───────────> x
 
 #include <cstddef>
 #include <cstdint>
@@ -25,14 +27,23 @@ struct HeightFieldError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// Size and place of a grid of heights.
 struct HeightGrid {
-    std::uint32_t columns = 0, rows = 0;               // of heights: x by y, at least 2 by 2
-    double dx = 0, dy = 0;                             // m, from one height to the next, 1e-9 or more
-    Eigen::Vector3d corner = Eigen::Vector3d::Zero();  // m, where the first one is, at height 0
+    /// Number of heights along x, 2 or more.
+    std::uint32_t columns = 0;
+    /// Number of heights along y, 2 or more.
+    std::uint32_t rows = 0;
+    /// Distance along x from one height to the next (m), 1e-9 or more.
+    double dx = 0;
+    /// Distance along y from one height to the next (m), 1e-9 or more.
+    double dy = 0;
+    /// Where the first height is, at height 0 (m).
+    Eigen::Vector3d corner = Eigen::Vector3d::Zero();
 };
 
 struct HeightData;  // src/height_data.hpp
 
+/// Heights over a regular grid, as an asset.
 class HeightField final : public Asset {
   public:
     /// Heights (m) row by row, x first. More memory than `budget` (bytes) is refused before it is taken.
@@ -43,10 +54,15 @@ class HeightField final : public Asset {
     HeightField(std::span<const std::byte> block, std::shared_ptr<const void> keeper);
     ~HeightField() override;
 
+    /// As of Asset.
     std::size_t bytes() const noexcept override;
+    /// As of Asset.
     std::size_t faces() const noexcept override;
+    /// As of Asset.
     std::size_t block_bytes() const noexcept override;
+    /// As of Asset.
     void write(std::span<std::byte> block) const override;
+    /// The form that the proxy walks on.
     const HeightData& data() const noexcept { return *data_; }
 
   private:

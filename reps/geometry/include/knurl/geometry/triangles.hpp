@@ -1,5 +1,7 @@
 #pragma once
-// A surface as it comes from a file or an application: nothing is promised of it.
+
+/// @file
+/// A surface as it comes from a file or an application: nothing is promised of it.
 
 #include <array>
 #include <cstdint>
@@ -7,13 +9,19 @@
 
 namespace knurl {
 
-using Point3 = std::array<double, 3>;           // m
-using Triangle = std::array<std::uint32_t, 3>;  // vertices, counter-clockwise as seen from free space
+/// A point (m).
+using Point3 = std::array<double, 3>;
+/// Three vertices, counter-clockwise as seen from free space.
+using Triangle = std::array<std::uint32_t, 3>;
 
+/// A mesh as given.
 struct Triangles {
+    /// The vertices (m).
     std::span<const Point3> vertices;
+    /// The triangles.
     std::span<const Triangle> triangles;
-    std::span<const std::uint8_t> materials = {};  // of each triangle; empty: all are of material 0
+    /// Material of each triangle; empty: all are of material 0.
+    std::span<const std::uint8_t> materials = {};
 };
 
 }  // namespace knurl

@@ -1,5 +1,7 @@
 #pragma once
-// How a bridge's address is written.
+
+/// @file
+/// How a bridge's address is written.
 
 #include <string>
 

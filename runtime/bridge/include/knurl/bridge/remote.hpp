@@ -1,5 +1,7 @@
 #pragma once
-// The two channels to a servo on another host: a Link like the local one, through a knurl-bridge there.
+
+/// @file
+/// The two channels to a servo on another host: a Link like the local one, through a knurl-bridge there.
 
 #include <chrono>
 #include <memory>
@@ -11,15 +13,20 @@
 
 namespace knurl::bridge {
 
+/// How to connect to a bridge.
 struct RemoteOptions {
+    /// Name that `knurl ls` shows.
     std::string client_name{};
-    std::chrono::milliseconds answer_time{2000};  // for each answer of the bridge
-    double report_rate = 0;                       // Hz at most; 0: every report
-    std::string key_file{};                       // one key's line; empty: no key
+    /// Longest wait for each answer of the bridge.
+    std::chrono::milliseconds answer_time{2000};
+    /// Largest rate of reports (Hz); 0: every report.
+    double report_rate = 0;
+    /// File with one key's line; empty: no key.
+    std::string key_file{};
 };
 
-/// One attempt at each address in turn, until a bridge lets us in. Throws Error: no_servo if nobody listens
-/// there, or its datagrams do not come through; permission for a wrong key (no more are tried then);
+/// One attempt at each address in turn, until a bridge admits this client. Throws Error: no_servo if nobody
+/// listens there, or its datagrams do not come through; permission for a wrong key (no more are tried then);
 /// incompatible. Of several addresses it says what is wrong with each, and how many were tried.
 std::unique_ptr<detail::Link> connect_remote(std::span<const Endpoint> bridge, const RemoteOptions& options);
 

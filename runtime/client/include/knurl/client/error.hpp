@@ -1,4 +1,6 @@
 #pragma once
-// knurl::Error, which every call of the library may throw.
+
+/// @file
+/// knurl::Error, which every call of the library may throw.
 
 #include <knurl/link/error.hpp>

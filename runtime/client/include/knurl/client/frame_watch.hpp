@@ -8,13 +8,17 @@ namespace knurl {
 /// Whether a simulation's frames come as they should. Times are s of any one clock.
 class FrameWatch {
   public:
+    /// How frames come.
     enum class State {
+        /// As they should.
         on_time,
-        late,     // half an interval overdue
-        stopped,  // nothing for `patience` intervals, and for half a second at least
+        /// Half an interval overdue.
+        late,
+        /// None for `patience` intervals, and for half a second at least.
+        stopped,
     };
 
-    /// `interval`: s between frames as expected; measured from the fifth on.
+    /// `interval`: expected time between frames (s), measured from the fifth on. `patience`: in intervals.
     explicit FrameWatch(double interval, double patience = 5) : interval_(interval), patience_(patience) {}
 
     /// The next frame is the first.
@@ -22,7 +26,8 @@ class FrameWatch {
         state_ = State::on_time;
         last_ = -1;
     }
-    /// `count`: so many since the one before, of which the others were not told, since they came at once.
+    /// A frame has come at the time `now` (s). `count`: frames since the call before; those that came at once
+    /// are told in one call.
     void frame(double now, int count = 1) {
         // Also after a stop: else one that is slower than expected would stop for ever.
         if (last_ >= 0 && now > last_ && ++gaps_ > 4)
@@ -30,6 +35,7 @@ class FrameWatch {
         last_ = now;
         state_ = State::on_time;
     }
+    /// The state at the time `now` (s).
     State watch(double now) {
         constexpr double late = 1.5, shortest_stop = 0.5;  // intervals, s
         if (state_ == State::stopped) return state_;
@@ -39,7 +45,8 @@ class FrameWatch {
         if (silent > std::max(patience_ * interval_, shortest_stop)) state_ = State::stopped;
         return state_;
     }
-    double interval() const { return interval_; }  // s, usually
+    /// Usual time between frames (s).
+    double interval() const { return interval_; }
 
   private:
     double interval_, patience_, last_ = -1;

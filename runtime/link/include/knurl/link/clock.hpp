@@ -1,5 +1,7 @@
 #pragma once
-// CLOCK_MONOTONIC, the clock of the servo's stamps.
+
+/// @file
+/// CLOCK_MONOTONIC, the clock of the servo's stamps.
 
 #include <cstdint>
 #include <ctime>

@@ -7,16 +7,32 @@
 
 namespace knurl {
 
+/// What an application is told about a device.
 struct DeviceDescription {
-    std::string name, address, profile, serial;
-    double rate = 0;                  // Hz
-    Vec3 workspace_centre;            // m
-    double workspace_radius = 0;      // m
-    double peak_force = 0;            // N
-    double peak_torque = 0;           // N m
-    double max_stiffness = 0;         // N/m
-    bool renders_torque = false;      // else torque is discarded
-    bool senses_orientation = false;  // else it is that of the base
+    /// Name by which it is claimed: "right".
+    std::string name;
+    /// Address that the servo opened: "sim:premium15".
+    std::string address;
+    /// Name of its profile or product: "premium15".
+    std::string profile;
+    /// Serial number; empty: it has none.
+    std::string serial;
+    /// Rate of its loop (Hz).
+    double rate = 0;
+    /// Middle of the workspace (m), device frame.
+    Vec3 workspace_centre;
+    /// Radius of the workspace (m).
+    double workspace_radius = 0;
+    /// Peak force (N).
+    double peak_force = 0;
+    /// Peak torque (N m).
+    double peak_torque = 0;
+    /// Largest stiffness k_max (N/m), device frame.
+    double max_stiffness = 0;
+    /// False: torque is discarded.
+    bool renders_torque = false;
+    /// False: the orientation is that of the base.
+    bool senses_orientation = false;
 };
 
 namespace detail {

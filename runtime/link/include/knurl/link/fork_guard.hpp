@@ -1,8 +1,10 @@
 #pragma once
-// A forked child has copies of the library's descriptors and memory. If it kept the socket open, the servo
-// would not see the parent die; if it used a ring, two producers would share one index. So at fork the
-// child's copies of the sockets are replaced by /dev/null, and everything made before the fork is inert in
-// it.
+
+/// @file
+/// A forked child has copies of the library's descriptors and memory. If it kept the socket open, the servo
+/// would not see the parent die; if it used a ring, two producers would share one index. So at fork the
+/// child's copies of the sockets are replaced by /dev/null, and everything made before the fork is inert in
+/// it.
 
 #include <cstdint>
 #include <memory>

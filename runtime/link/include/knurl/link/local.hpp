@@ -1,5 +1,7 @@
 #pragma once
-// The two channels through shared memory: the handshake over the servo's Unix socket, then rings.
+
+/// @file
+/// The two channels through shared memory: the handshake over the servo's Unix socket, then rings.
 
 #include <knurl/link/transport.hpp>
 #include <knurl/shm/segment.hpp>

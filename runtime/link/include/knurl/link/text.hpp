@@ -1,7 +1,9 @@
 #pragma once
-// Text for errors and names, inside Knurl's libraries. An application needs no libfmt for them, so fmt comes
-// from its headers alone, and is compiled here once: a source that called fmt::format() itself would have all
-// of it.
+
+/// @file
+/// Text for errors and names, inside Knurl's libraries. An application needs no libfmt for them, so fmt comes
+/// from its headers alone, and is compiled here once: a source that called fmt::format() itself would have
+/// all of it.
 
 #include <string>
 #include <utility>

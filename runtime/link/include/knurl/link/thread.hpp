@@ -1,5 +1,7 @@
 #pragma once
-// A thread of the library's own in somebody else's process.
+
+/// @file
+/// A thread of the library's own in somebody else's process.
 
 #include <pthread.h>
 

@@ -1,7 +1,9 @@
 #pragma once
-// The seam between the library and what carries the two channels. On one box that is shared memory
-// (local.hpp); the bridge carries them to another host and implements the same three classes, and nothing
-// above this line differs.
+
+/// @file
+/// The seam between the library and what carries the two channels. On one box that is shared memory
+/// (local.hpp); the bridge carries them to another host and implements the same three classes, and nothing
+/// above this line differs.
 
 #include <chrono>
 #include <cstdint>

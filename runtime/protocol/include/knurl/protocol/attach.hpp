@@ -1,17 +1,19 @@
 #pragma once
-// The handshake over the servo's Unix socket (SOCK_SEQPACKET): one fixed-size struct a message, file
-// descriptors beside it. After a claim everything goes through the claim's own segment; the socket stays
-// open, and its hang-up is how each side learns of the other's death.
-//
-//   client                     broker
-//   Hello              ->
-//                      <-      Welcome + one report segment per device, or Refused
-//   ClaimRequest       ->
-//                      <-      Claimed + {claim segment, event descriptor}, or Refused
-//   Release            ->      (or hang-up)
-//   RecordRequest      ->
-//                      <-      Recording + {input log}, or Refused; until the hang-up
-//                      <-      RecordedAsset + {source}, for each that a claim gets
+
+/// @file
+/// The handshake over the servo's Unix socket (SOCK_SEQPACKET): one fixed-size struct a message, file
+/// descriptors beside it. After a claim everything goes through the claim's own segment; the socket stays
+/// open, and its hang-up is how each side learns of the other's death.
+///
+///     client                     broker
+///     Hello              ->
+///                        <-      Welcome + one report segment per device, or Refused
+///     ClaimRequest       ->
+///                        <-      Claimed + {claim segment, event descriptor}, or Refused
+///     Release            ->      (or hang-up)
+///     RecordRequest      ->
+///                        <-      Recording + {input log}, or Refused; until the hang-up
+///                        <-      RecordedAsset + {source}, for each that a claim gets
 
 #include <cstdint>
 #include <string>
@@ -24,111 +26,181 @@
 
 namespace knurl::protocol {
 
+/// First word of every message.
 inline constexpr std::uint32_t attach_magic = 0x4b6e7572;
+/// Version of the handshake.
 inline constexpr std::uint32_t protocol_version = 1;
 
+/// Types of messages; the struct of the same name says what is in it.
 enum class MessageType : std::uint32_t {
+    /// Hello.
     hello = 1,
+    /// Welcome.
     welcome,
+    /// Refused.
     refused,
+    /// ClaimRequest.
     claim,
+    /// Claimed.
     claimed,
+    /// Release.
     release,
+    /// RecordRequest.
     record,
+    /// Recording.
     recording,
-    asset_offer,  // asset.hpp
+    /// AssetOffer (asset.hpp).
+    asset_offer,
+    /// AssetReady.
     asset_ready,
+    /// AssetForget.
     asset_forget,
+    /// RecordedAsset.
     recorded_asset
 };
 
+/// What every message begins with.
 struct MessageHeader {
+    /// attach_magic.
     std::uint32_t magic = attach_magic;
+    /// Type of the message.
     MessageType type{};
 };
 
+/// First message of a client.
 struct Hello {
+    /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::hello};
+    /// protocol_version.
     std::uint32_t version = protocol_version;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
-    std::uint64_t layout = 0;      // wire_hash()
-    char client[name_bytes] = {};  // what `knurl ls` shows
+    /// wire_hash(); another one is refused.
+    std::uint64_t layout = 0;
+    /// Name that `knurl ls` shows.
+    char client[name_bytes] = {};
 };
 
+/// Answer to Hello.
 struct Welcome {
+    /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::welcome};
-    std::uint32_t devices = 0;  // as many report segments come with this message, in this order
+    /// Number of devices. As many report segments come with this message, in this order.
+    std::uint32_t devices = 0;
+    /// Process number of the servo.
     std::uint32_t servo_pid = 0;
+    /// Names of the devices.
     char names[max_devices][name_bytes] = {};
 };
 
+/// A request is refused.
 struct Refused {
+    /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::refused};
-    std::uint32_t holder_pid = 0;  // who holds the device, if that is the reason
-    std::uint32_t full = 0;        // 1: there is no place now; somebody who leaves makes one
-    char text[512] = {};           // one line: what, where, what to do
+    /// Process that holds the device, if that is the reason.
+    std::uint32_t holder_pid = 0;
+    /// 1: there is no place now; a client that leaves makes one.
+    std::uint32_t full = 0;
+    /// One line: what, where, what to do.
+    char text[512] = {};
 };
 
-/// ClaimRequest::observe of who holds nothing. `observe_and_reset` has the channel of commands for
-/// `reset_fault`, beside whoever holds the device; the servo refuses any other. Its capacity is the servo's.
-inline constexpr std::uint32_t observe_only = 1, observe_and_reset = 2;
+/// ClaimRequest::observe of a client that reads reports.
+inline constexpr std::uint32_t observe_only = 1;
+/// ClaimRequest::observe of a client that reads reports, and has the command channel for `reset_fault` alone,
+/// beside whoever holds the device. Its capacity is the servo's.
+inline constexpr std::uint32_t observe_and_reset = 2;
 
+/// A client requests a device.
 struct ClaimRequest {
+    /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::claim};
-    std::uint32_t device = 0;   // index in Welcome
-    std::uint32_t observe = 0;  // 0: it holds the device; else observe_only, observe_and_reset
-    std::uint32_t shared = 0;   // 1: others may claim the device too, if they say so as well
+    /// Index in Welcome.
+    std::uint32_t device = 0;
+    /// 0: it holds the device; else observe_only or observe_and_reset.
+    std::uint32_t observe = 0;
+    /// 1: others may claim the device too, if they say so as well.
+    std::uint32_t shared = 0;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
+    /// Size of the claim.
     ClaimCapacity capacity = {};
-    double workspace_radius = 0;  // m, of the application's world; 0: the device's own (scale 1)
-    Vec3 workspace_centre = {};   // m, where the device's centre lies in the application's world
-    double update_interval = 0;   // s, how often it means to commit; 0: measured
-    double delay_allowance = 0;   // s, by how much longer it may seem silent: its commits come over a network
+    /// Radius of the workspace in the application's world (m); 0: the device's own (scale 1).
+    double workspace_radius = 0;
+    /// Where the device's centre lies in the application's world (m).
+    Vec3 workspace_centre = {};
+    /// How often the application means to commit (s); 0: measured.
+    double update_interval = 0;
+    /// By how much longer it may seem silent (s), since its commits come over a network; at most
+    /// max_delay_allowance.
+    double delay_allowance = 0;
 };
 
 /// World = scale (device - device_centre) + world_centre; device force = force_scale x world force.
 struct Frame {
+    /// Centre of the workspace in the device frame (m).
     Vec3 device_centre;
+    /// The same point in the world (m).
     Vec3 world_centre;
+    /// Metres of the world that one metre of the device is (1).
     double scale = 1;
+    /// Newtons of the device that one newton of the world is (1).
     double force_scale = 1;
 };
 
+/// Answer to ClaimRequest; the claim's segment and the event descriptor come with it.
 struct Claimed {
+    /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::claimed};
-    std::uint32_t slot = 0;  // row in the device's table of clients
+    /// Row in the device's table of clients.
+    std::uint32_t slot = 0;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
-    ClaimCapacity capacity;  // as granted
-    std::uint64_t key = 0;   // of this claim: who knows it may give it assets
+    /// Size of the claim, as granted.
+    ClaimCapacity capacity;
+    /// Key of this claim: a process that knows it may give the claim assets.
+    std::uint64_t key = 0;
+    /// World frame of the claim.
     Frame frame;
-    Limits limits;  // world units
+    /// The device's limits in world units.
+    Limits limits;
 };
 
+/// A client gives a claim back.
 struct Release {
+    /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::release};
+    /// Claimed::slot.
     std::uint32_t slot = 0;
+    /// Index in Welcome.
     std::uint32_t device = 0;
 };
 
-/// Every input of this device's servo, from now on.
+/// A client requests every input of this device's servo, from now on.
 struct RecordRequest {
+    /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::record};
-    std::uint32_t device = 0;  // index in Welcome
+    /// Index in Welcome.
+    std::uint32_t device = 0;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
 };
 
-/// With it comes the input log's memory (knurl/servo/input_log.hpp), which cannot be written.
+/// Answer to RecordRequest. With it comes the input log's memory (knurl/servo/input_log.hpp), which cannot be
+/// written.
 struct Recording {
+    /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::recording};
-    std::uint64_t from = 0;  // the slot to begin with
+    /// Slot to begin with.
+    std::uint64_t from = 0;
 };
 
 /// Hash over every wire type's size and offsets and the representations' tables.
 std::uint64_t wire_hash() noexcept;
 
-/// Where a servo of that name listens: $KNURL_RUNTIME_DIR, else /run/knurl as root, else
-/// $XDG_RUNTIME_DIR/knurl.
+/// Directory of a servo's socket: $KNURL_RUNTIME_DIR, else /run/knurl as root, else $XDG_RUNTIME_DIR/knurl.
 std::string runtime_directory();
+/// Where a servo of that name listens.
 std::string socket_path(const std::string& servo_name);
 /// Where a client looks for servos, best first: the user's own directory, then the system's, where the
 /// service listens. $KNURL_RUNTIME_DIR replaces both.
@@ -136,7 +208,8 @@ std::vector<std::string> servo_directories();
 /// Of the sockets of that name the first that exists, or that may not be looked for; if none does, where the
 /// user's own would be.
 std::string servo_socket(const std::string& servo_name);
-/// $KNURL_STATE_DIR, else /var/lib/knurl as root, else $XDG_STATE_HOME/knurl or ~/.local/state/knurl.
+/// Directory of flight records: $KNURL_STATE_DIR, else /var/lib/knurl as root, else $XDG_STATE_HOME/knurl or
+/// ~/.local/state/knurl.
 std::string state_directory();
 
 }  // namespace knurl::protocol

@@ -1,5 +1,7 @@
 #pragma once
-// Every queue, count and drain of the two channels has a bound, and here is its name.
+
+/// @file
+/// Every queue, count and drain of the two channels has a bound, and here is its name.
 
 #include <cstddef>
 #include <cstdint>
@@ -8,27 +10,41 @@
 
 namespace knurl::protocol {
 
-inline constexpr std::uint32_t max_clients = 128;              // claims and observers of one device together
-inline constexpr std::uint32_t max_claims_of_connection = 16;  // and observers
-inline constexpr std::uint32_t max_devices = 8;                // of one servo process
+/// Most claims and observers of one device together.
+inline constexpr std::uint32_t max_clients = 128;
+/// Most claims and observers of one connection.
+inline constexpr std::uint32_t max_claims_of_connection = 16;
+/// Most devices of one servo process.
+inline constexpr std::uint32_t max_devices = 8;
+/// Most joints of a device.
 inline constexpr std::uint32_t max_joints = 8;
 using knurl::max_parameter_bytes;
 using knurl::max_probes;
 using knurl::max_representations;
-/// Of a batch that has room for each of so many representations, of any kind: its EntryHeader and parameters.
+/// Bytes of a batch that has room for so many representations of any kind: EntryHeader and parameters of
+/// each.
 constexpr std::uint32_t batch_bytes_for(std::uint32_t representations) {
     return representations * 512;
 }
+/// Most bytes of a batch.
 inline constexpr std::uint32_t max_batch_bytes = batch_bytes_for(max_representations);
-inline constexpr std::uint32_t report_slots = 4096;       // about 4 s at 1 kHz: also the flight recorder
-inline constexpr std::uint32_t max_command_cells = 8192;  // 64 B each, of one claim's command ring
-inline constexpr std::uint32_t reply_cells = 2048;  // one for each of those, and for what comes with them
-// of one claim in one cycle; a group that has begun is finished, and the rest waits for the next
+/// Slots of the report ring: about 4 s at 1 kHz. It is the flight recorder, too.
+inline constexpr std::uint32_t report_slots = 4096;
+/// Most cells (64 B) of one claim's command ring.
+inline constexpr std::uint32_t max_command_cells = 8192;
+/// Cells of a claim's reply ring: one for each command, and for what comes with them.
+inline constexpr std::uint32_t reply_cells = 2048;
+/// Most cells of one claim that a cycle takes. A group that has begun is finished, and the rest waits for the
+/// next cycle.
 inline constexpr std::uint32_t command_cells_per_cycle = 512;
-inline constexpr double max_delay_allowance = 1.0;  // s, by which commits may come late on their way
-inline constexpr std::size_t name_bytes = 64;       // names of servos, devices, clients, with the zero
+/// Most time by which commits may come late on their way (s).
+inline constexpr double max_delay_allowance = 1.0;
+/// Bytes of the names of servos, devices and clients, with the zero.
+inline constexpr std::size_t name_bytes = 64;
 
-inline constexpr std::uint32_t default_representations = 128;  // a claim that states nothing
+/// Representations of a claim that states no number.
+inline constexpr std::uint32_t default_representations = 128;
+/// Bytes of a batch of such a claim.
 inline constexpr std::uint32_t default_batch_bytes = batch_bytes_for(default_representations);
 
 }  // namespace knurl::protocol

@@ -1,8 +1,12 @@
 #pragma once
-// The segment of one claim (or observer): where its rings lie. Written by both sides; it can hurt only its
-// owner, since the servo copies once, then validates the copy, and keeps its own indexes in private memory.
-//
-//   header | waiter flag | command ring -> servo | batches -> servo | replies -> client | feedback -> client
+
+/// @file
+/// The segment of one claim (or observer): where its rings lie. Written by both sides; it can hurt only its
+/// owner, since the servo copies once, then validates the copy, and keeps its own indexes in private memory.
+///
+/// ~~~{.unparsed}
+///   header | waiter flag | command ring -> servo | batches -> servo | replies -> client | feedback -> client
+/// ~~~
 
 #include <algorithm>
 #include <bit>
@@ -17,19 +21,37 @@
 
 namespace knurl::protocol {
 
-/// What the claim asked for; both sides compute the same layout from it (never read it from the segment).
+/// Size of a claim. Both sides compute the same layout from it, and never read it from the segment.
 struct ClaimCapacity {
-    std::uint32_t representations = default_representations;  // 0: an observer, which has no rings at all
-    std::uint32_t batch_bytes = default_batch_bytes;          // of entries
+    /// Most representations; 0: an observer, which has no rings at all.
+    std::uint32_t representations = default_representations;
+    /// Most bytes of a batch's entries.
+    std::uint32_t batch_bytes = default_batch_bytes;
 };
 
+/// Where the parts of a claim's segment lie (bytes from its beginning).
 struct ClaimLayout {
-    std::size_t waiter = 0, commands = 0, batches = 0, replies = 0, feedback = 0;  // offsets
-    std::size_t batch_slot_bytes = 0, feedback_slot_bytes = 0;
-    std::uint32_t command_cells = 0;  // of its ring: all its representations can be added in one cycle
+    /// Waiter flag.
+    std::size_t waiter = 0;
+    /// Command ring.
+    std::size_t commands = 0;
+    /// Triple buffer of batches.
+    std::size_t batches = 0;
+    /// Reply ring.
+    std::size_t replies = 0;
+    /// Triple buffer of feedback.
+    std::size_t feedback = 0;
+    /// Bytes of a batch's slot.
+    std::size_t batch_slot_bytes = 0;
+    /// Bytes of a feedback's slot.
+    std::size_t feedback_slot_bytes = 0;
+    /// Cells of the command ring: all representations can be added in one cycle.
+    std::uint32_t command_cells = 0;
+    /// Bytes of the segment.
     std::size_t total = 0;
 };
 
+/// The layout of a claim's segment.
 constexpr ClaimLayout claim_layout(const ClaimCapacity& capacity) {
     const auto align = [](std::size_t n) { return (n + 127) / 128 * 128; };
     ClaimLayout layout;

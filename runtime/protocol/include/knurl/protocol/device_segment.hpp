@@ -1,8 +1,10 @@
 #pragma once
-// The report memory of one device: mapped read-only by every client, written by the servo and (the table's
-// identity part) by the broker. It outlives the servo in the guardian's hands: it is the flight recorder.
-//
-//   DeviceInfo | counters | ClientRow[max_clients] | report ring
+
+/// @file
+/// The report memory of one device: mapped read-only by every client, written by the servo and (the table's
+/// identity part) by the broker. It outlives the servo in the guardian's hands: it is the flight recorder.
+///
+///     DeviceInfo | counters | ClientRow[max_clients] | report ring
 
 #include <atomic>
 #include <cstddef>
@@ -16,69 +18,124 @@
 
 namespace knurl::protocol {
 
-/// Written once, before the segment is shared.
+/// What a device is. Written once, before the segment is shared.
 struct DeviceInfo {
-    std::uint64_t magic = 0;  // segment_magic
+    /// segment_magic.
+    std::uint64_t magic = 0;
+    /// wire_hash().
     std::uint64_t layout_hash = 0;
+    /// Name of the servo.
     char servo[name_bytes] = {};
-    char name[name_bytes] = {};     // what claim() calls it: "right"
-    char address[name_bytes] = {};  // "sim:premium15"
-    char profile[name_bytes] = {};  // LinkConfig::name
+    /// Name by which it is claimed: "right".
+    char name[name_bytes] = {};
+    /// Address: "sim:premium15".
+    char address[name_bytes] = {};
+    /// LinkConfig::name.
+    char profile[name_bytes] = {};
+    /// Serial number; empty: it has none.
     char serial[name_bytes] = {};
+    /// Number of sensed joints.
     std::uint32_t joints = 0;
+    /// 0: torque is discarded.
     std::uint32_t renders_torque = 0;
+    /// 0: the orientation is that of the base.
     std::uint32_t senses_orientation = 0;
+    /// Process number of the servo.
     std::uint32_t servo_pid = 0;
-    double rate = 0;              // Hz
-    Vec3 workspace_centre;        // m
-    double workspace_radius = 0;  // m
-    double peak_force = 0;        // N
-    double peak_torque = 0;       // N m; 0: it renders none
-    double max_stiffness = 0;     // N/m: what k is clamped to, device frame
-    double damping = 0;           // N s/m
-    double lag = 0;               // s
-    std::int64_t started_ns = 0;  // CLOCK_REALTIME
+    /// Rate of its loop (Hz).
+    double rate = 0;
+    /// Middle of the workspace (m), device frame.
+    Vec3 workspace_centre;
+    /// Radius of the workspace (m).
+    double workspace_radius = 0;
+    /// Peak force (N).
+    double peak_force = 0;
+    /// Peak torque (N m); 0: it renders none.
+    double peak_torque = 0;
+    /// Largest stiffness k_max (N/m), device frame: what k is clamped to.
+    double max_stiffness = 0;
+    /// The device's own damping b (N s/m).
+    double damping = 0;
+    /// Sum of all delays tau (s).
+    double lag = 0;
+    /// When the servo began (ns of CLOCK_REALTIME).
+    std::int64_t started_ns = 0;
 };
 
 /// Counters that anyone may read; single writer each (the servo thread, unless said otherwise).
 enum class Count : std::uint32_t {
+    /// Cycles.
     cycles,
+    /// Cycles whose write ended after the next deadline.
     late_cycles,
+    /// Cycles that began more than a period after their deadline.
     overruns,
+    /// Gaps between cycles that set the gain to 0.
     stalls,
+    /// Batches taken.
     batches_taken,
+    /// Batches refused.
     batches_refused,
+    /// Batches that were merged into a later one.
     batches_merged,
+    /// Commands done.
     commands_done,
+    /// Commands refused.
     commands_refused,
+    /// Bad samples of the joints.
     bad_samples,
+    /// Cycles without a new sample.
     stale_samples,
+    /// Samples for which the mechanism had no pose.
     kinematics_failures,
+    /// Cycles in which the slew gate clipped.
     slew_clips,
+    /// Clamps of force or torque to its peak.
     force_clamps,
+    /// Cycles in which the thermal limit clamped the force.
     thermal_clamps,
+    /// Cycles in which the joint efforts were clamped.
     joint_clamps,
+    /// Faults.
     faults,
+    /// Cycles in which a client was woken.
     wakes,
+    /// Times that the guardian put the motors to zero.
     guardian_zeroings,
+    /// Representations of all claims.
     reps_present,
+    /// Representations that the last cycle evaluated.
     reps_evaluated,
+    /// Claims and observers.
     clients,
+    /// Time from the begin of the last cycle to the end of its write (ns).
     last_step_ns,
+    /// DeviceState.
     device_state,
+    /// Bit mask of faults.
     fault_mask,
+    /// Energy put into the hand since contact began (µJ), by the passivity observer.
     generated_energy_uj,
-    // Of one cycle in 64: how many were stamped, and how long its parts took in all of those together.
+    /// Cycles whose parts were timed, one in 64; the following are the sums over these.
     stamped_cycles,
+    /// Time for reading the joints (ns).
     read_ns,
+    /// Time for the kinematics (ns).
     kinematics_ns,
+    /// Time for taking commands and batches (ns).
     take_ns,
+    /// Time for evaluating the scenes (ns).
     scenes_ns,
+    /// Time for the supervisor (ns).
     supervise_ns,
+    /// Time for writing the efforts (ns).
     write_ns,
+    /// Time for publishing report and feedback (ns).
     publish_ns,
+    /// How many counters there are.
     size_
 };
+/// Their names, in order.
 inline constexpr std::string_view count_names[] = {
     "cycles",
     "late_cycles",
@@ -117,35 +174,66 @@ inline constexpr std::string_view count_names[] = {
 };
 static_assert(sizeof(count_names) / sizeof(count_names[0]) == static_cast<std::size_t>(Count::size_));
 
-/// One client of the device. All words are relaxed atomics; `identity` is written by the broker (sequence
-/// first odd, then even, as a seqlock of its own, since it changes only on attach and hang-up), the rest by
-/// the servo.
+/// One client of the device. All words are relaxed atomics. The identity (sequence to name) is written by the
+/// broker; `sequence` is odd while it is written, as a seqlock of its own, since it changes only on attach
+/// and hang-up. The rest is written by the servo.
 struct alignas(128) ClientRow {
-    std::atomic<std::uint64_t> sequence;  // odd while the broker writes the identity; 0: never used
-    std::atomic<std::uint64_t> pid;       // 0: free
-    std::atomic<std::uint64_t> role;      // 1 claim, 2 observer
-    std::atomic<std::uint64_t> shared;    // 1: allows others on the device
+    /// Odd while the broker writes the identity; 0: never used.
+    std::atomic<std::uint64_t> sequence;
+    /// Process number; 0: the row is free.
+    std::atomic<std::uint64_t> pid;
+    /// 1: claim; 2: observer.
+    std::atomic<std::uint64_t> role;
+    /// 1: it allows others on the device.
+    std::atomic<std::uint64_t> shared;
+    /// Its name.
     std::atomic<std::uint64_t> name[name_bytes / 8];
-    alignas(128) std::atomic<std::uint64_t> commits;  // batches taken
+    /// Batches taken.
+    alignas(128) std::atomic<std::uint64_t> commits;
+    /// Batches refused.
     std::atomic<std::uint64_t> refused;
-    std::atomic<std::uint64_t> merged;       // batches of the client's that never were seen alone
-    std::atomic<std::uint64_t> age_ns;       // of the newest batch at its use
-    std::atomic<std::uint64_t> interval_ns;  // measured between commits
+    /// Batches that were merged into a later one.
+    std::atomic<std::uint64_t> merged;
+    /// Age at use of the newest batch (ns).
+    std::atomic<std::uint64_t> age_ns;
+    /// Time between commits, as measured (ns).
+    std::atomic<std::uint64_t> interval_ns;
+    /// Gain of the claim (millionths).
     std::atomic<std::uint64_t> gain_ppm;
-    std::atomic<std::uint64_t> silent;  // 1 while its representations act on silence
-    std::atomic<std::uint64_t> armed;   // 1: its force may follow
-    std::atomic<std::uint64_t> missed;  // reports, as it says itself; some cycles late
-    // What the hand's budget takes away (a millionth each), HandScales less from 1: 0 is nothing.
-    std::atomic<std::uint64_t> contacts_cut_ppm, effects_cut_ppm, damping_cut_ppm;
-    std::atomic<std::uint64_t> present[Representations::size];  // representations of each kind
+    /// 1: silent, so that its representations act by their on_silence.
+    std::atomic<std::uint64_t> silent;
+    /// 1: armed.
+    std::atomic<std::uint64_t> armed;
+    /// Reports missed, as the client itself says; some cycles late.
+    std::atomic<std::uint64_t> missed;
+    /// What the hand's budget takes from surfaces, 1 - HandScales::contacts (millionths); 0: nothing.
+    std::atomic<std::uint64_t> contacts_cut_ppm;
+    /// What it takes from effects, 1 - HandScales::effects (millionths).
+    std::atomic<std::uint64_t> effects_cut_ppm;
+    /// What it takes from damping, 1 - HandScales::damping (millionths).
+    std::atomic<std::uint64_t> damping_cut_ppm;
+    /// Number of representations of each kind.
+    std::atomic<std::uint64_t> present[Representations::size];
 };
 
-inline constexpr std::uint64_t segment_magic = 0x306c72756e4b;  // "Knurl0"
+/// "Knurl0".
+inline constexpr std::uint64_t segment_magic = 0x306c72756e4b;
 
+/// Where the parts of a device's segment lie (bytes from its beginning).
 struct DeviceLayout {
-    std::size_t info = 0, counters = 0, clients = 0, reports = 0, total = 0;  // offsets
+    /// DeviceInfo.
+    std::size_t info = 0;
+    /// Counters.
+    std::size_t counters = 0;
+    /// Rows of clients.
+    std::size_t clients = 0;
+    /// Report ring.
+    std::size_t reports = 0;
+    /// Bytes of the segment.
+    std::size_t total = 0;
 };
 
+/// The layout of a device's segment.
 constexpr DeviceLayout device_layout() {
     const auto align = [](std::size_t n) { return (n + 127) / 128 * 128; };
     DeviceLayout layout;

@@ -1,5 +1,7 @@
 #pragma once
-// What a servo, or a device, may be called: it is part of a socket's path and of an address.
+
+/// @file
+/// What a servo, or a device, may be called: it is part of a socket's path and of an address.
 
 #include <string_view>
 

@@ -1,5 +1,7 @@
 #pragma once
-// The words for what a Report says in numbers, for people and for the reference: states, faults, flags.
+
+/// @file
+/// The words for what a Report says in numbers, for people and for the reference: states, faults, flags.
 
 #include <array>
 #include <cstdint>
@@ -9,12 +11,17 @@
 
 namespace knurl::protocol {
 
+/// A state, fault or flag in words.
 struct ReportName {
-    std::uint32_t value;  // of the state; of faults and flags the bit, alone
+    /// Value of the state; of faults and flags the bit alone.
+    std::uint32_t value;
+    /// Its name.
     std::string_view name;
+    /// Its meaning.
     std::string_view meaning;
 };
 
+/// The states.
 inline constexpr std::array state_names{
     ReportName{0, "disconnected", "the device does not answer; no force"},
     ReportName{1, "idle", "positions are read; no force"},
@@ -25,6 +32,7 @@ inline constexpr std::array state_names{
     ReportName{6, "fault", "no force, until somebody resets it"},
 };
 
+/// The faults.
 inline constexpr std::array fault_names{
     ReportName{fault::not_finite, "not finite", "a scene's wrench was not finite"},
     ReportName{fault::slew, "slew", "the wrench changed too fast for too long"},
@@ -39,6 +47,7 @@ inline constexpr std::array fault_names{
     ReportName{fault::guardian, "guardian", "the guardian put the motors to zero while the servo stalled"},
 };
 
+/// The flags.
 inline constexpr std::array flag_names{
     ReportName{report_flags::clamped, "clamped", "the supervisor reduced the wrench in this cycle"},
     ReportName{report_flags::stale, "stale", "no new joint sample in this cycle"},

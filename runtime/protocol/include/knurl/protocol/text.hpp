@@ -1,5 +1,7 @@
 #pragma once
-// Texts in the fixed fields of messages and of shared memory: cut to fit, a zero behind them.
+
+/// @file
+/// Texts in the fixed fields of messages and of shared memory: cut to fit, a zero behind them.
 
 #include <cstddef>
 #include <cstring>
@@ -8,12 +10,13 @@
 
 namespace knurl::protocol {
 
-/// Into a field of zeros.
+/// Writes a text into a field of zeros, cut to fit.
 template <std::size_t n>
 void put_text(char (&field)[n], std::string_view text) noexcept {
     text.copy(field, n - 1);
 }
 
+/// The text in a field.
 template <std::size_t n>
 std::string text_of(const char (&field)[n]) {
     return {field, ::strnlen(field, n)};
@@ -21,6 +24,7 @@ std::string text_of(const char (&field)[n]) {
 
 /// A client's name as it may be printed on other people's terminals.
 std::string printable(const std::string& name);
+/// The same of a field.
 template <std::size_t n>
 std::string printable(const char (&field)[n]) {
     return printable(text_of(field));

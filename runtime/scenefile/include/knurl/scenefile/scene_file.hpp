@@ -1,19 +1,21 @@
 #pragma once
-// Scenes as data: a TOML file with one table per representation, whose keys are the names of its parameters'
-// fields. Examples, tests and `knurl eval` share such files.
-//
-//     [[probe]]                      # probe 0, then 1, ...
-//     radius = 0.005                 # m
-//
-//     [[plane]]
-//     id = "floor"
-//     normal = [0, 0, 1]
-//     stiffness = 800                # N/m
-//
-//     [[plane]]                      # the same id, later: an update
-//     id = "floor"
-//     at = 0.5                       # s
-//     offset = 0.003                 # m
+
+/// @file
+/// Scenes as data: a TOML file with one table per representation, whose keys are the names of its parameters'
+/// fields. Examples, tests and `knurl eval` share such files.
+///
+///     [[probe]]                      # probe 0, then 1, ...
+///     radius = 0.005                 # m
+///
+///     [[plane]]
+///     id = "floor"
+///     normal = [0, 0, 1]
+///     stiffness = 800                # N/m
+///
+///     [[plane]]                      # the same id, later: an update
+///     id = "floor"
+///     at = 0.5                       # s
+///     offset = 0.003                 # m
 
 #include <cstddef>
 #include <cstdint>
@@ -39,50 +41,86 @@ class SceneError : public std::runtime_error {
 
 /// One entry of the file, resolved: parameters are complete and valid.
 struct Change {
-    enum class Type { add, update, remove };
+    /// What a change does.
+    enum class Type {
+        /// Adds a representation.
+        add,
+        /// Gives it new parameters.
+        update,
+        /// Removes it.
+        remove,
+    };
 
-    double at = 0;  // s
+    /// When (s).
+    double at = 0;
+    /// What it does.
     Type type = Type::add;
-    std::uint32_t item = 0;  // which representation: 0, 1, ... in the order in which they are added
+    /// Which representation: 0, 1, ... in the order in which they are added.
+    std::uint32_t item = 0;
+    /// Its kind.
     Kind kind = 0;
+    /// How it is used.
     AddOptions options;
-    // kinds()[kind].size bytes; of a removal, those it had, but for a recovery that the removal states
+    /// Its parameters, kinds()[kind].size bytes; of a removal, those that it had, but for a recovery that the
+    /// removal states.
     std::vector<std::byte> params;
-    std::string id;  // as in the file, or made up from kind and line
+    /// Its id as in the file, or made up from kind and line.
+    std::string id;
+    /// Line of the file.
     std::uint32_t line = 0;
 };
 
-/// A surface that shapes are made of, in one of three forms. Only read: whoever plays the scene builds it,
-/// and reads a file.
+/// A surface of which shapes are made, in one of three forms: a file, triangles, or heights. The entry is
+/// only read here: the program that plays the scene reads a mesh file and builds the asset.
 struct AssetEntry {
+    /// Line of the file.
     std::uint32_t line = 0;
-    std::string mesh;              // a file, seen from the folder of the scene file
-    std::string unit;              //   of its numbers: "mm"
-    bool inside = false;           //   a closed part that is wound inside out stays so
-    std::vector<Point3> vertices;  // or these; m
+    /// First form: path of a mesh file, relative to the folder of the scene file.
+    std::string mesh;
+    /// Of a mesh file: unit of its numbers, "mm".
+    std::string unit;
+    /// Of a mesh file: a closed part that is wound inside out stays so.
+    bool inside = false;
+    /// Second form: vertices (m).
+    std::vector<Point3> vertices;
+    /// Their triangles.
     std::vector<Triangle> triangles;
-    bool exact = false;          // of both
-    std::vector<float> heights;  // or these; m
+    /// Of the first and second form: corners as double.
+    bool exact = false;
+    /// Third form: heights (m), row by row.
+    std::vector<float> heights;
+    /// Their grid.
     HeightGrid grid;
 };
 
+/// A scene file, read.
 struct SceneFile {
+    /// Path of the file.
     std::string path;
-    std::vector<AssetEntry> assets;      // 1, 2, ...
-    std::vector<ProbePlacement> probes;  // of probes 0, 1, ...; the rest sit at the tip, with no radius
-    std::vector<Change> changes;         // in order of time, then of the file
-    std::uint32_t items = 0;             // representations that are ever added
-    std::vector<std::string> remarks;    // "file:line:column: ...", of what is legal and looks like a mistake
+    /// Assets 1, 2, ...
+    std::vector<AssetEntry> assets;
+    /// Placements of probes 0, 1, ...; the others are at the tip, with radius 0.
+    std::vector<ProbePlacement> probes;
+    /// Changes in order of time, then of the file.
+    std::vector<Change> changes;
+    /// Number of representations that are ever added.
+    std::uint32_t items = 0;
+    /// "file:line:column: ..." of what is legal and looks like a mistake.
+    std::vector<std::string> remarks;
 };
 
 /// A key that a table takes besides the fields of its representation.
 struct KeyInfo {
+    /// Name of the key.
     std::string_view name;
-    std::string_view value;  // what it takes
+    /// Which values it takes.
+    std::string_view value;
+    /// What it means.
     std::string_view meaning;
 };
-/// Of every representation's table (`material`: of surfaces alone), and of [[asset]].
+/// Keys of every representation's table (`material`: of surfaces alone).
 std::span<const KeyInfo> entry_keys() noexcept;
+/// Keys of [[asset]].
 std::span<const KeyInfo> asset_keys() noexcept;
 
 /// Reads the whole file or throws SceneError at the first thing wrong: nothing is half-applied.

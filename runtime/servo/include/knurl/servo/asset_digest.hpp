@@ -7,7 +7,7 @@
 
 namespace knurl::servo {
 
-/// By which a recording knows what an asset was made of.
+/// Digest by which a recording knows from what an asset was made.
 protocol::AssetDigest digest_of(std::span<const std::byte> source) noexcept;
 
 }  // namespace knurl::servo

@@ -1,7 +1,9 @@
 #pragma once
-// The door of the servo: a Unix socket on which clients introduce themselves, claim devices and, by hanging
-// up, say that they have died. Runs on the main thread, real-time below the waker: it must see a death within
-// 10 ms. It never blocks on a client, and everything that a client can ask for has a bound.
+
+/// @file
+/// The door of the servo: a Unix socket on which clients introduce themselves, claim devices and, by hanging
+/// up, say that they have died. Runs on the main thread, real-time below the waker: it must see a death
+/// within 10 ms. It never blocks on a client, and everything that a client can request has a bound.
 
 #include <cstddef>
 #include <memory>
@@ -15,30 +17,48 @@
 namespace knurl::servo {
 
 namespace broker_bounds {
-inline constexpr std::size_t half_open = 16;     // connections that have not said Hello
-inline constexpr double hello_seconds = 2;       // to say it
-inline constexpr std::size_t connections = 256;  // in all
-inline constexpr int messages_at_once = 16;  // taken from one connection before the others have their turn
+/// Most connections that have not said Hello.
+inline constexpr std::size_t half_open = 16;
+/// Time to say it (s).
+inline constexpr double hello_seconds = 2;
+/// Most connections.
+inline constexpr std::size_t connections = 256;
+/// Messages that are taken from one connection before the others have their turn.
+inline constexpr int messages_at_once = 16;
+/// Connections that may wait to be accepted.
 inline constexpr int listen_backlog = 128;
-inline constexpr double ramp_down_seconds = 1;  // a device that is not idle by then is zeroed without a ramp
+/// A device that is not idle after this time is put to zero without a ramp (s).
+inline constexpr double ramp_down_seconds = 1;
 }  // namespace broker_bounds
 
+/// What a broker needs from its process.
 struct BrokerOptions {
+    /// Name of the servo.
     std::string servo_name;
+    /// Listening socket.
     shm::UniqueFd listener;
-    shm::UniqueFd signals;                   // signalfd: SIGINT, SIGTERM, SIGHUP
-    int guardian_pidfd = -1;                 // readable when the guardian has died
-    std::string builder = "/proc/self/exe";  // the program that answers --build-asset
+    /// A signalfd of SIGINT, SIGTERM, SIGHUP.
+    shm::UniqueFd signals;
+    /// Readable when the guardian has died; -1: there is none.
+    int guardian_pidfd = -1;
+    /// The program that answers --build-asset.
+    std::string builder = "/proc/self/exe";
 };
 
+/// The thread that answers sockets: it admits clients and gives out claims.
 class Broker {
   public:
+    /// Why run() returned.
     enum class End {
-        asked,          // a signal; every device was ramped down
-        at_once,        // a second signal
-        guardian_died,  // ramped down, since a motor is not run unguarded
+        /// A signal; every device was ramped down.
+        asked,
+        /// A second signal.
+        at_once,
+        /// The guardian died; every device was ramped down, since a motor is not run unguarded.
+        guardian_died,
     };
 
+    /// A broker of these devices.
     Broker(BrokerOptions options, std::vector<HostedDevice> devices, shm::Waker& waker);
     ~Broker();
 

@@ -1,5 +1,7 @@
 #pragma once
-// One client's hold on a device, as the servo sees it: its channels, its scene, its gain, its silence.
+
+/// @file
+/// One client's hold on a device, as the servo sees it: its channels, its scene, its gain, its silence.
 
 #include <memory>
 
@@ -14,30 +16,40 @@ namespace knurl::servo {
 
 /// What the broker settles when it grants a claim.
 struct ClaimTerms {
+    /// Size of the claim.
     protocol::ClaimCapacity capacity;
+    /// World frame of the claim.
     protocol::Frame frame;
-    Limits limits;               // world units
-    double update_interval = 0;  // s; 0: measured
-    double delay_allowance = 0;  // s, on top of the silence that is allowed
+    /// The device's limits in world units.
+    Limits limits;
+    /// How often the application means to commit (s); 0: measured.
+    double update_interval = 0;
+    /// Time on top of the silence that is allowed (s).
+    double delay_allowance = 0;
+    /// True: it holds nothing.
     bool observer = false;
-    bool resets = false;  // the observer may reset a fault, and command nothing else
+    /// True: the observer may reset a fault, and command nothing else.
+    bool resets = false;
+    /// True: others may hold the device as well.
     bool shared = false;
-    int event_fd = -1;  // what the client sleeps on; outlives the claim. -1: the waker wakes it
+    /// What the client sleeps on; it outlives the claim. -1: the waker wakes it.
+    int event_fd = -1;
 };
 
-/// Made by the broker (allocates, prefaults), used by the servo's thread alone from then on, given back
-/// through the servo's outbox to be freed. `memory` is the claim's segment, laid out by
-/// protocol::claim_layout; its rings are made empty here, so this comes before the segment is handed to the
-/// client. `row` may be null: nobody looks.
+/// A claim or observer of a device. The broker makes it (allocates, prefaults); from then on the servo's
+/// thread alone uses it, and gives it back through its outbox to be freed.
 class Claim {
   public:
+    /// `memory`: the claim's segment, laid out by protocol::claim_layout. Its rings are made empty here, so
+    /// this comes before the segment is handed to the client. `row` of the device's table may be null.
     Claim(const ClaimTerms& terms, std::byte* memory, protocol::ClientRow* row);
     ~Claim();
     Claim(const Claim&) = delete;
     Claim& operator=(const Claim&) = delete;
 
     struct Impl;
-    std::unique_ptr<Impl> impl;  // the servo's side, in claim.cpp: drained and evaluated by Servo
+    /// The servo's side, in claim.cpp: drained and evaluated by Servo.
+    std::unique_ptr<Impl> impl;
 };
 
 }  // namespace knurl::servo

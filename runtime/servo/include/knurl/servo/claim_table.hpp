@@ -1,6 +1,8 @@
 #pragma once
-// Who holds a device: its claims and observers from the grant to the day that the servo gives their memory
-// back.
+
+/// @file
+/// Who holds a device: its claims and observers from the grant to the day that the servo gives their memory
+/// back.
 
 #include <array>
 #include <cstdint>
@@ -24,32 +26,47 @@ namespace knurl::servo {
 
 /// One device as the broker needs it.
 struct HostedDevice {
+    /// Name by which it is claimed.
     std::string name;
+    /// What the device says about itself.
     const drivers::LinkConfig& link;
+    /// Its servo.
     Servo& servo;
-    shm::Segment& segment;     // protocol::device_layout, sealed
-    double rate = 1000;        // Hz
-    InputLogHeader input_log;  // of a recording
+    /// Its report memory (protocol::device_layout), sealed.
+    shm::Segment& segment;
+    /// Rate of its loop (Hz).
+    double rate = 1000;
+    /// Header of a recording.
+    InputLogHeader input_log;
 };
 
+/// A client's process.
 struct Peer {
+    /// Process number.
     pid_t pid = 0;
+    /// User.
     uid_t uid = 0;
+    /// Name as it gave it.
     std::string name;
 };
 
-/// One line for the client: what, where, what to do.
+/// A request is refused: one line for the client, what, where, what to do.
 class RequestRefused : public std::runtime_error {
   public:
+    /// `text`: the line.
     explicit RequestRefused(const std::string& text, pid_t holder = 0)
         : std::runtime_error(text), holder_pid(holder) {}
+    /// Process that holds the device; 0: that is not the reason.
     pid_t holder_pid;
 };
 
 /// What a granted client is sent. The descriptors stay the table's.
 struct Grant {
+    /// The answer.
     protocol::Claimed message;
+    /// The claim's segment.
     int segment_fd = -1;
+    /// What the client sleeps on.
     int event_fd = -1;
 };
 
@@ -60,27 +77,31 @@ struct Grant {
 /// A leaving claim fades for 50 ms; it does not keep the next one from the device.
 class ClaimTable {
   public:
+    /// A table of this device, empty.
     ClaimTable(HostedDevice device, shm::Waker& waker);
-    ~ClaimTable();  // the servo must have ended: what it held is freed
+    /// The servo must have ended: what it held is freed.
+    ~ClaimTable();
 
-    /// Throws RequestRefused; nothing is half-granted.
+    /// Grants a claim. Throws RequestRefused; nothing is half-granted.
     Grant grant(const protocol::ClaimRequest& request, const Peer& peer);
-    /// Never fails: if the servo's mailbox is full, collect() tries again.
+    /// The client has hung up or given the claim back. Never fails: if the servo's mailbox is full, collect()
+    /// tries again.
     void let_go(std::uint32_t row) noexcept;
     /// Frees what the servo has given back. False: nothing is on its way any more.
     bool collect() noexcept;
 
-    /// The claim that has this key is to get an asset of that number; how many bytes it may take, all in all.
+    /// The claim that has this key is to get an asset of that number. Returns how many bytes it may take.
     /// Throws RequestRefused.
     std::uint64_t expect_asset(std::uint64_t key, std::uint32_t number, std::uint64_t bytes);
     /// There will be none.
     void expect_no_asset(std::uint64_t key, std::uint32_t number) noexcept;
-    /// Throws RequestRefused: the claim has gone, or the servo is busy.
+    /// Gives the asset to the claim's scene. Throws RequestRefused: the claim has gone, or the servo is busy.
     void give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset,
                     const protocol::AssetDigest& digest);
-    /// It is freed once the servo has given it back. Throws RequestRefused.
+    /// The asset is freed once the servo has given it back. Throws RequestRefused.
     void forget_asset(std::uint64_t key, std::uint32_t number);
 
+    /// The device.
     const HostedDevice& device() const { return device_; }
 
   private:

@@ -1,5 +1,8 @@
 #pragma once
-// What knurld is told, by a TOML file, a command line, or both (the command line wins). SI units throughout.
+
+/// @file
+/// Configuration of knurld, by a TOML file, a command line, or both (the command line wins). SI units
+/// throughout.
 
 #include <cstdint>
 #include <stdexcept>
@@ -12,54 +15,85 @@
 
 namespace knurl::servo {
 
+/// A device of a servo.
 struct DeviceConfig {
-    std::string name;       // what claim() calls it; empty: the profile's
-    std::string address;    // "sim:premium15"
-    std::string hand_file;  // motion of a simulated hand; empty: it rests at the centre
+    /// Name by which it is claimed; empty: the profile's.
+    std::string name;
+    /// Address: "sim:premium15".
+    std::string address;
+    /// File with the motion of a simulated hand; empty: it rests at the centre.
+    std::string hand_file;
+    /// Seed of a simulated hand's tremor.
     std::uint64_t seed = 1;
-    double rate = 0;          // Hz, of its own loop; 0: the servo's
-    SupervisorLimits limits;  // tightened, never widened
-};
-
-enum class Idle {
-    sleep,  // the CPU may halt between cycles: saves power, wakes 20-50 us late
-    poll,   // /dev/cpu_dma_latency is held at 0: idle CPUs poll, wake-ups come ten times sooner, for power
-};
-
-inline constexpr double default_rate = 1000;  // Hz
-
-struct DaemonConfig {
-    std::string name = "default";  // of the servo: clients connect to "knurl:NAME"
-    // Hz, of the devices that say nothing else; 0: default_rate, or what a device's description says if that
-    // is less
+    /// Rate of its own loop (Hz); 0: the servo's.
     double rate = 0;
-    int cpu = -1;  // the servo threads' and the waker's; -1: the last one that we may use
-    // SCHED_FIFO, of the fastest servo thread, slower ones below it; waker 20 and broker 30 below; 0: not
-    // real time
+    /// Limits of the supervisor; they may be tightened, never widened.
+    SupervisorLimits limits;
+};
+
+/// What idle CPUs do.
+enum class Idle {
+    /// The CPU may halt between cycles: saves power, wakes 20 to 50 us late.
+    sleep,
+    /// /dev/cpu_dma_latency is held at 0: idle CPUs poll. Wake-ups come ten times sooner, and cost power.
+    poll,
+};
+
+/// Rate of a device where nothing else is stated (Hz).
+inline constexpr double default_rate = 1000;
+
+/// What knurld runs.
+struct DaemonConfig {
+    /// Name of the servo: clients connect to "knurl:NAME".
+    std::string name = "default";
+    /// Rate of the devices that state no other (Hz); 0: default_rate, or the rate of a device's description
+    /// if that is less.
+    double rate = 0;
+    /// CPU of the servo threads and the waker; -1: the last one that the process may use.
+    int cpu = -1;
+    /// SCHED_FIFO priority of the fastest servo thread; slower ones are below it, the waker 20 and the broker
+    /// 30 below; 0: not real time.
     int priority = 80;
+    /// What idle CPUs do.
     Idle idle = Idle::sleep;
-    double spin = 0;                // s: the last part of each sleep is spun instead
-    double guardian_stall = 20e-3;  // s without a cycle after which the guardian zeroes the device
-    std::string socket_group;       // who may connect besides the owner; empty: the process's own group
+    /// Last part of each wait that is spun instead of slept (s).
+    double spin = 0;
+    /// Time without a cycle after which the guardian puts the device to zero (s).
+    double guardian_stall = 20e-3;
+    /// Group that may connect besides the owner; empty: the process's own.
+    std::string socket_group;
+    /// Its devices.
     std::vector<DeviceConfig> devices;
 };
 
-/// What a number may be. One table for the file and the command line.
+/// The range of a number. One table for the file and the command line.
 struct Range {
+    /// Key of the file.
     std::string_view key;
-    double low = 0, high = 0;
+    /// Least value.
+    double low = 0;
+    /// Greatest value.
+    double high = 0;
+    /// Unit.
     std::string_view unit;
 };
 namespace ranges {
+/// Of DaemonConfig::rate and DeviceConfig::rate.
 inline constexpr Range rate{"rate", 500, 20'000, "Hz"};
+/// Of DaemonConfig::cpu.
 inline constexpr Range cpu{"cpu", 0, 1023, ""};
-inline constexpr Range priority{"priority", 0, 94, ""};  // 1-30 would leave no room for waker and broker
+/// Of DaemonConfig::priority; 1 to 30 would leave no room for waker and broker.
+inline constexpr Range priority{"priority", 0, 94, ""};
+/// Least real-time priority of a servo thread.
 inline constexpr int lowest_priority = 31;
-// A FIFO thread that never sleeps is stopped 50 ms each second (real-time throttling): spin a small part
-// only.
+/// Of DaemonConfig::spin. A FIFO thread that never sleeps is stopped 50 ms each second (real-time
+/// throttling): spin a small part only.
 inline constexpr Range spin{"spin", 0, 200e-6, "s"};
-inline constexpr double spin_share = 0.5;  // of the period, at most
+/// Largest share of the period that may be spun (1).
+inline constexpr double spin_share = 0.5;
+/// Of DaemonConfig::guardian_stall.
 inline constexpr Range guardian_stall{"guardian_stall", 20e-3, 1, "s"};
+/// Of DeviceConfig::seed.
 inline constexpr Range seed{"seed", 0, 9.2e18, ""};
 }  // namespace ranges
 
@@ -69,21 +103,23 @@ class ConfigError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Throws ConfigError.
+/// Reads a configuration file. Throws ConfigError.
 DaemonConfig load_config(const std::string& path);
 /// The same from text; `path` is what errors call it.
 DaemonConfig parse_config(std::string_view text, const std::string& path);
-/// "sim:premium15" or "right=sim:premium15". Throws ConfigError.
+/// Reads "sim:premium15" or "right=sim:premium15". Throws ConfigError.
 DeviceConfig parse_device_argument(std::string_view argument);
 /// Throws ConfigError unless `value` is within `range`; `where` begins the line.
 void require_within(const Range& range, double value, std::string_view where);
 /// Throws ConfigError unless `name` can be a servo's or device's: it becomes part of file names.
 void require_name(std::string_view name, std::string_view where);
-/// A servo's name, also as clients say it ("knurl:lab"). Throws as require_name() does.
+/// Reads a servo's name, also as clients say it ("knurl:lab"). Throws as require_name() does.
 std::string servo_name(std::string_view said, std::string_view where);
-/// What no single key shows: a spin longer than the period allows, no device, two of one name.
+/// Checks what no single key shows: a spin longer than the period allows, no device, two of one name. Throws
+/// ConfigError.
 void check(const DaemonConfig& config);
-/// What needs the device's own figures: limits above what it can do. `where` names the device.
+/// Checks what needs the device's own figures: limits above what it can do. `where` names the device. Throws
+/// ConfigError.
 void check_limits(const SupervisorLimits& limits, const drivers::LinkConfig& link, std::string_view where);
 /// Every key of the file with unit and range, one a line, for --help.
 std::string config_help();

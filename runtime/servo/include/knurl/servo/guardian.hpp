@@ -1,16 +1,20 @@
 #pragma once
-// A process that outlives the servo: forked before real time starts, it holds the devices and the report
-// memory.
-//
-//   servo dies (killed, crashed)  -> every device zeroed at once, flight recorder written, the guardian ends
-//   servo is stopped (SIGSTOP)    -> every device zeroed within 5 ms; the servo is told: it ramps up from 0
-//   servo stands still > stall    -> that device zeroed; the servo is told likewise
-//   servo says goodbye            -> the guardian ends, no file
-//   the guardian dies             -> the servo ramps down and ends (Broker): a motor is not run unguarded,
-//                                    and a fork from a real-time process would cost its threads page faults
-//
-// A host that stops the whole virtual machine stops the guardian too: only a device's own watchdog helps
-// there.
+
+/// @file
+/// A process that outlives the servo: forked before real time starts, it holds the devices and the report
+/// memory.
+///
+/// ~~~{.unparsed}
+///   servo dies (killed, crashed)  -> every device zeroed at once, flight recorder written, the guardian ends
+///   servo is stopped (SIGSTOP)    -> every device zeroed within 5 ms; the servo is told: it ramps up from 0
+///   servo stands still > stall    -> that device zeroed; the servo is told likewise
+///   servo says goodbye            -> the guardian ends, no file
+///   the guardian dies             -> the servo ramps down and ends (Broker): a motor is not run unguarded,
+///                                    and a fork from a real-time process would cost its threads page faults
+/// ~~~
+///
+/// A host that stops the whole virtual machine stops the guardian too: only a device's own watchdog helps
+/// there.
 
 #include <atomic>
 #include <cstddef>
@@ -28,31 +32,43 @@
 
 namespace knurl::servo {
 
+/// A device as the guardian needs it.
 struct GuardedDevice {
+    /// The device.
     drivers::Device* device = nullptr;
-    const std::byte* segment = nullptr;  // protocol::device_layout
+    /// Its report memory (protocol::device_layout).
+    const std::byte* segment = nullptr;
 };
 
+/// How a guardian runs.
 struct GuardianOptions {
-    int priority = 0;      // SCHED_FIFO, above the servo's; 0: ordinary
-    int servo_cpu = -1;    // which it keeps off
-    double stall = 20e-3;  // s
+    /// SCHED_FIFO priority, above the servo's; 0: ordinary.
+    int priority = 0;
+    /// CPU that it keeps off; -1: none.
+    int servo_cpu = -1;
+    /// Time without a cycle after which it acts (s).
+    double stall = 20e-3;
+    /// Directory of flight records.
     std::string state_directory;
-    std::vector<int> close;  // descriptors of the servo's that it must not hold: the listening socket
+    /// Descriptors of the servo's that it must not hold: the listening socket.
+    std::vector<int> close;
 };
 
 /// Tells a stall of the servo from one of the whole machine: time counts only as far as the guardian itself
-/// ran. A servo that is late is waited for; one that the kernel calls stopped comes back by nobody's haste.
+/// ran. A servo that is late is waited for; one that the kernel calls stopped is not.
 class StallWatch {
   public:
+    /// `stall`: time without a beat after which to act (ns).
     explicit StallWatch(Nanoseconds stall) : stall_(stall) {}
 
-    /// One tick of the guardian's. `beat`: reports published; `enabled`: force may be on; `stopped`: by a
+    /// One tick of the guardian. `beat`: reports published; `enabled`: force may be on; `stopped`: by a
     /// signal or a debugger. True, once per stall: act.
     bool tick(Nanoseconds now, std::uint64_t beat, bool enabled, bool stopped = false) noexcept;
 
-    static constexpr Nanoseconds period = 1'000'000;         // between ticks while a device is enabled
-    static constexpr Nanoseconds longest_tick = 2 * period;  // a longer one counts as this
+    /// Time between ticks while a device is enabled (ns).
+    static constexpr Nanoseconds period = 1'000'000;
+    /// A longer tick counts as this (ns).
+    static constexpr Nanoseconds longest_tick = 2 * period;
 
   private:
     Nanoseconds stall_;
@@ -62,6 +78,7 @@ class StallWatch {
     bool acted_ = false;
 };
 
+/// The servo's handle on its guardian process.
 class Guardian {
   public:
     /// Forks. Call while the process has one thread and holds nothing that the child must not. Throws
@@ -72,13 +89,14 @@ class Guardian {
     Guardian(const Guardian&) = delete;
     Guardian& operator=(const Guardian&) = delete;
 
+    /// Process number of the guardian.
     pid_t pid() const { return pid_; }
     /// Becomes readable when the guardian has died.
     int pidfd() const { return pidfd_.get(); }
     /// How often it has zeroed device `i`. The guardian adds with release before it zeroes; Loop reads with
     /// acquire.
     const std::atomic<std::uint64_t>& acts(std::size_t i) const;
-    /// The devices are at rest: it ends, and is waited for.
+    /// The devices are at rest: the guardian ends, and its end is awaited.
     void goodbye() noexcept;
 
   private:

@@ -1,12 +1,14 @@
 #pragma once
-// The input log: while somebody records a device, its servo writes every input of `Servo::step` here, in
-// order. What is in it replays exactly (replay.hpp), from a keyframe on: a copy of what the servo remembers,
-// made while nobody holds the device.
-//
-//   InputLogHeader | ring of slots, as of the reports: one writer, readers whose mapping is read-only
-//
-// A record is a type and some bytes, in as many slots as it needs. The servo never waits for a reader: one
-// that is too slow is told that there is a gap.
+
+/// @file
+/// The input log: while somebody records a device, its servo writes every input of `Servo::step` here, in
+/// order. What is in it replays exactly (replay.hpp), from a keyframe on: a copy of what the servo remembers,
+/// made while nobody holds the device.
+///
+///     InputLogHeader | ring of slots, as of the reports: one writer, readers whose mapping is read-only
+///
+/// A record is a type and some bytes, in as many slots as it needs. The servo never waits for a reader: one
+/// that is too slow sees a gap.
 
 #include <array>
 #include <cstddef>
@@ -23,57 +25,103 @@
 
 namespace knurl::servo {
 
+/// Types of records, and what is in each.
 enum class InputType : std::uint16_t {
-    keyframe = 1,     // words: what the servo remembered before the next record
-    adopt,            // number, ClaimTerms
-    drop,             // number
-    drop_all,         //
-    commands,         // number, whole cells: those that this cycle took
-    commands_broken,  // number: its command ring made no sense
-    batch,            // number, BatchHeader, entries
-    batch_broken,     // number: its batches made no sense
-    cycle,            // CycleInput: ends the records of a cycle
-    asset,            // number of the claim, of the asset, digest of its source, which is elsewhere
-    asset_forgotten,  // number of the claim, of the asset
+    /// Words: what the servo remembered before the next record.
+    keyframe = 1,
+    /// A claim was taken over: number, ClaimTerms.
+    adopt,
+    /// A claim was dropped: number.
+    drop,
+    /// The servo is about to end: nothing.
+    drop_all,  //
+    /// Number of the claim, whole cells: the commands that this cycle took.
+    commands,
+    /// Number of the claim: its command ring made no sense.
+    commands_broken,
+    /// Number of the claim, BatchHeader, entries.
+    batch,
+    /// Number of the claim: its batches made no sense.
+    batch_broken,
+    /// CycleInput: ends the records of a cycle.
+    cycle,
+    /// Number of the claim, of the asset, digest of its source, which is elsewhere.
+    asset,
+    /// Number of the claim, of the asset.
+    asset_forgotten,
 };
 
 /// What a cycle was given besides what claims sent. Without the velocities where the device measures none.
 struct CycleInput {
+    /// Number of the cycle.
     std::uint64_t cycle = 0;
-    Nanoseconds deadline = 0, now = 0;      // arguments of step
-    Nanoseconds read_ns = 0, write_ns = 0;  // what its clock said
-    std::uint32_t status = 0;               // drivers::ReadStatus
-    std::uint32_t flags = 0;                // below
+    /// Argument of Servo::step (ns).
+    Nanoseconds deadline = 0;
+    /// Argument of Servo::step (ns).
+    Nanoseconds now = 0;
+    /// Time of its clock after the read (ns).
+    Nanoseconds read_ns = 0;
+    /// Time of its clock after the write (ns).
+    Nanoseconds write_ns = 0;
+    /// drivers::ReadStatus.
+    std::uint32_t status = 0;
+    /// Bit mask of the flags below.
+    std::uint32_t flags = 0;
+    /// Bit mask of buttons.
     std::uint32_t buttons = 0;
+    /// Padding; 0.
     std::uint32_t reserved = 0;
-    std::array<double, 8> position = {};  // of the sample that the device gave
+    /// Positions of the sample that the device gave (rad, m).
+    std::array<double, 8> position = {};
+    /// Velocities of that sample (rad/s, m/s).
     std::array<double, 8> velocity = {};
 
-    static constexpr std::uint32_t has_velocity = 1, calibrated = 2, written = 4, guardian = 8, jumped = 16;
+    /// Flag: JointSample::has_velocity.
+    static constexpr std::uint32_t has_velocity = 1;
+    /// Flag: JointSample::calibrated.
+    static constexpr std::uint32_t calibrated = 2;
+    /// Flag: what Device::write returned.
+    static constexpr std::uint32_t written = 4;
+    /// Flag: the guardian had acted.
+    static constexpr std::uint32_t guardian = 8;
+    /// Flag: the clock had jumped.
+    static constexpr std::uint32_t jumped = 16;
+    /// Bytes of it that are in the record.
     std::size_t bytes() const noexcept {
         return (flags & has_velocity) != 0 ? sizeof(CycleInput) : offsetof(CycleInput, velocity);
     }
 };
 static_assert(std::is_trivially_copyable_v<CycleInput> && sizeof(CycleInput) == 184);
 
-/// Written once, before the memory is shared.
+/// What the log is of. Written once, before the memory is shared.
 struct InputLogHeader {
-    static constexpr std::uint64_t magic_word = 0x65706174'6c6e6b;  // "knltape"
+    /// "knltape".
+    static constexpr std::uint64_t magic_word = 0x65706174'6c6e6b;
+    /// magic_word.
     std::uint64_t magic = magic_word;
-    std::uint64_t layout = 0;          // input_log_layout()
-    std::uint64_t device_figures = 0;  // figures_of its device
+    /// input_log_layout().
+    std::uint64_t layout = 0;
+    /// figures_of the device.
+    std::uint64_t device_figures = 0;
+    /// Options of the servo.
     ServoOptions options;
 };
 static_assert(std::is_trivially_copyable_v<InputLogHeader> && std::is_trivially_copyable_v<ClaimTerms>);
 
+/// Bytes of a slot.
 inline constexpr std::size_t input_log_slot_bytes = 128;
-inline constexpr std::size_t input_log_slot_payload = input_log_slot_bytes - 8;  // a cycle without velocities
-inline constexpr std::uint32_t input_log_slots = 65'536;  // 8 MiB: a minute at 1 kHz, less what is sent
+/// Bytes of a slot that a record may use: a cycle without velocities fits.
+inline constexpr std::size_t input_log_slot_payload = input_log_slot_bytes - 8;
+/// Number of slots: 8 MiB, a minute at 1 kHz, less what is sent.
+inline constexpr std::uint32_t input_log_slots = 65'536;
+/// Bytes before the slots.
 inline constexpr std::size_t input_log_header_bytes = 4096;
+/// Bytes of the whole log.
 inline constexpr std::size_t input_log_bytes =
     input_log_header_bytes + shm::broadcast_bytes(input_log_slots, input_log_slot_bytes);
+/// Most words of a keyframe.
 inline constexpr std::size_t max_keyframe_words = 512;
-/// No record is longer: the largest batch, or all cells of a command ring, and what stands before it.
+/// Most bytes of a record: the largest batch, or all cells of a command ring, and what stands before it.
 inline constexpr std::size_t max_input_record =
     protocol::max_batch_bytes + std::size_t{protocol::max_command_cells} * 64 + 4096;
 
@@ -82,36 +130,52 @@ std::uint64_t input_log_layout() noexcept;
 /// Hash over a device's figures and kinematics: a recording replays on no other.
 std::uint64_t figures_of(const drivers::Device& device);
 
-/// The servo's end. Made by another thread (the broker), used by the servo's alone. Nothing here allocates.
+/// The servo's end of the log. Made by another thread (the broker), used by the servo's alone. Nothing here
+/// allocates.
 class InputLog {
   public:
-    static constexpr std::uint64_t keyframe_every = 1024;  // cycles, at least, while nobody holds the device
+    /// Least number of cycles between two keyframes; they are made only while nobody holds the device.
+    static constexpr std::uint64_t keyframe_every = 1024;
 
     /// `memory`: input_log_bytes, zero.
     InputLog(std::byte* memory, const InputLogHeader& header);
+    /// Appends a record of these parts.
     void put(InputType type, std::initializer_list<std::span<const std::byte>> parts) noexcept;
-    /// Slots written so far; may be asked by any thread that maps the memory.
+    /// Slots written so far; any thread that maps the memory may call it.
     static std::uint64_t written(const std::byte* memory);
 
   private:
     shm::BroadcastWriter slots_;
 };
 
+/// A record.
 struct InputRecord {
+    /// Its type.
     InputType type{};
+    /// Its bytes.
     std::vector<std::byte> bytes;
 };
 
-/// A recorder's end. `memory` may be mapped read-only.
+/// A recorder's end of the log. `memory` may be mapped read-only.
 class InputLogReader {
   public:
-    /// From slot `from` on.
+    /// Reads from slot `from` on.
     InputLogReader(const std::byte* memory, std::uint64_t from);
 
-    enum class Next { nothing, record, gap };
-    /// `gap`: something was overwritten before it could be read; the records go on behind it.
+    /// What next() has found.
+    enum class Next {
+        /// Nothing new.
+        nothing,
+        /// A record.
+        record,
+        /// Something was overwritten before it could be read; the records go on behind it.
+        gap,
+    };
+    /// The next record.
     Next next(InputRecord& out);
-    std::uint64_t missed() const noexcept { return slots_.missed(); }  // slots
+    /// Slots that were overwritten before they could be read.
+    std::uint64_t missed() const noexcept { return slots_.missed(); }
+    /// The header.
     InputLogHeader header() const;
 
   private:

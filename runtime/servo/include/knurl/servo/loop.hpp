@@ -1,5 +1,7 @@
 #pragma once
-// The thread around Servo::step: when a cycle begins, and what happens when it does not begin in time.
+
+/// @file
+/// The thread around Servo::step: when a cycle begins, and what happens when it does not begin in time.
 
 #include <atomic>
 #include <cstdint>
@@ -20,17 +22,20 @@ class Servo;
 /// period ahead: a loop that can never keep up thus sleeps now and then, which a FIFO thread must.
 class Deadlines {
   public:
+    /// `rate` in Hz, `stall` in ns.
     Deadlines(double rate, Nanoseconds stall);
 
+    /// Sets t0: the first deadline is `now`.
     void start(Nanoseconds now) noexcept;
+    /// The present deadline.
     Nanoseconds current() const noexcept;
-    /// To the next deadline; `now` is when the cycle ended.
+    /// To the next deadline; `now`: when the cycle ended.
     void advance(Nanoseconds now) noexcept;
 
-    std::uint64_t overruns() const noexcept {
-        return overruns_;
-    }  // cycles that ended after the next had to begin
-    std::uint64_t restarts() const noexcept { return restarts_; }  // times that t0 was set anew
+    /// Cycles that ended after the next had to begin.
+    std::uint64_t overruns() const noexcept { return overruns_; }
+    /// Times that t0 was set anew.
+    std::uint64_t restarts() const noexcept { return restarts_; }
 
   private:
     double rate_;  // Hz
@@ -41,18 +46,29 @@ class Deadlines {
     std::uint64_t restarts_ = 0;
 };
 
+/// How a loop runs.
 struct LoopOptions {
-    double rate = 1000;    // Hz
-    Nanoseconds spin = 0;  // the last part of each sleep is spun
+    /// Rate (Hz).
+    double rate = 1000;
+    /// Last part of each wait that is spun (ns).
+    Nanoseconds spin = 0;
+    /// A longer gap sets t0 anew (ns).
     Nanoseconds stall = 20'000'000;
 };
 
 /// What the loop saw, read after it has ended.
 struct LoopCounts {
-    std::uint64_t cycles = 0, overruns = 0, restarts = 0;
-    Nanoseconds worst_lateness = 0;  // of a cycle's begin
+    /// Cycles.
+    std::uint64_t cycles = 0;
+    /// Cycles that ended after the next had to begin.
+    std::uint64_t overruns = 0;
+    /// Times that t0 was set anew.
+    std::uint64_t restarts = 0;
+    /// Latest begin of a cycle (ns).
+    Nanoseconds worst_lateness = 0;
 };
 
+/// The thread of one device.
 class Loop {
   public:
     /// `counters`: the device's, of which the loop writes Count::wakes. `guardian_acts`: how often the
@@ -62,10 +78,11 @@ class Loop {
 
     /// The thread's body, until stop().
     void run() noexcept;
-    /// From any thread: no cycle begins any more.
-    void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }  // orders nothing: join follows
+    /// From any thread: no cycle begins any more. Relaxed: it orders nothing, since a join follows.
+    void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
-    const LoopCounts& seen() const noexcept { return seen_; }  // once run() has returned
+    /// What it saw, once run() has returned.
+    const LoopCounts& seen() const noexcept { return seen_; }
 
   private:
     Servo& servo_;

@@ -1,12 +1,14 @@
 #pragma once
-// A servo in this process, on a virtual clock: evaluation of scenes, tests, benchmarks. Changes travel
-// through the very same rings as an application's; only the memory is not shared.
-//
-//     Offline servo(device);                      // active at once, gain 1, no silence
-//     OfflineClaim& hand = servo.claim();
-//     RepresentationId floor = hand.add(Plane{.stiffness = 800});
-//     hand.commit();
-//     const Report& report = servo.step();        // what was sent is in force in this cycle
+
+/// @file
+/// A servo in this process, on a virtual clock: evaluation of scenes, tests, benchmarks. Changes travel
+/// through the very same rings as an application's; only the memory is not shared.
+///
+///     Offline servo(device);                      // active at once, gain 1, no silence
+///     OfflineClaim& hand = servo.claim();
+///     RepresentationId floor = hand.add(Plane{.stiffness = 800});
+///     hand.commit();
+///     const Report& report = servo.step();        // what was sent is in force in this cycle
 
 #include <cstddef>
 #include <cstdint>
@@ -26,8 +28,11 @@ namespace knurl::servo {
 /// Zeroed heap memory aligned as a segment is.
 class OfflineMemory {
   public:
+    /// `bytes` zero bytes.
     explicit OfflineMemory(std::size_t bytes);
+    /// The memory.
     std::byte* data() const noexcept { return memory_.get(); }
+    /// Its size (bytes).
     std::size_t size() const noexcept { return size_; }
 
   private:
@@ -43,38 +48,48 @@ class OfflineMemory {
 /// The client's end of one claim: writes commands and batches, reads replies and feedback.
 class OfflineClaim {
   public:
+    /// In memory of its own.
     explicit OfflineClaim(const ClaimTerms& terms);
-    /// In memory of the caller's, a segment or other zero bytes as long as protocol::claim_layout says;
-    /// `row`: of the device's table, may be null.
+    /// In memory of the caller, a segment or other zero bytes as long as protocol::claim_layout says. `row`
+    /// of the device's table may be null.
     OfflineClaim(const ClaimTerms& terms, std::byte* memory, protocol::ClientRow* row);
 
-    // Commands. Each is pushed at once, as a group of its own, unless begin_group was called: then end_group
-    // pushes them together. Throws std::runtime_error when the ring is full.
+    /// Adds a representation. Each command is pushed at once, as a group of its own, unless begin_group was
+    /// called; then end_group pushes them together. Throws std::runtime_error when the ring is full.
     void add(RepresentationId id, Kind kind, const void* params, std::size_t bytes,
              const AddOptions& options = {});
+    /// Removes a representation. Throws as add does.
     void remove(RepresentationId id);
+    /// Places a probe. Throws as add does.
     void place_probe(std::uint32_t probe, const ProbePlacement& placement);
+    /// Allows force. Throws as add does.
     void arm() { state_command(protocol::CommandType::arm); }
+    /// Takes this claim's force away. Throws as add does.
     void disarm() { state_command(protocol::CommandType::disarm); }
+    /// Leaves a fault. Throws as add does.
     void reset_fault() { state_command(protocol::CommandType::reset_fault); }
+    /// The following commands are one group.
     void begin_group() { in_group_ = true; }
+    /// Pushes the group. Throws std::runtime_error when the ring is full.
     void end_group();
     /// Number of the last command issued.
     std::uint64_t issued() const noexcept { return issued_; }
 
-    // Parameters: merged until commit, and on until the servo has taken them.
-    /// Of a surface whose geometry alone has changed since it was added, that alone, as the application's client
-    /// sends it.
+    /// New parameters, merged until commit, and on until the servo has taken them. Of a surface whose
+    /// geometry alone has changed since it was added, that alone is sent, as the application's client does.
     void update(RepresentationId id, Kind kind, const void* params, std::size_t bytes);
+    /// Sends the parameters as one batch; returns its sequence. `report_cycle`: the report from which it was
+    /// computed. Throws std::runtime_error if the batch is larger than the claim's room.
     std::uint64_t commit(std::uint64_t report_cycle = 0, std::int64_t commit_ns = 0);
 
-    /// The lowest slot that was never used, and its next generation.
+    /// Adds a representation in the lowest slot that was never used, with its next generation.
     template <Listed R>
     RepresentationId add(const R& params, const AddOptions& options = {}) {
         const RepresentationId id{next_slot_++, 1};
         add(id, kind_of<R>, &params, sizeof params, options);
         return id;
     }
+    /// New parameters.
     template <Listed R>
     void update(RepresentationId id, const R& params) {
         update(id, kind_of<R>, &params, sizeof params);
@@ -82,15 +97,21 @@ class OfflineClaim {
 
     /// Replies that came since the last call, in order of their commands.
     std::vector<protocol::Reply> replies();
+    /// Feedback of one cycle.
     struct FeedbackSet {
+        /// Of the claim.
         protocol::FeedbackHeader header;
+        /// Of each representation.
         std::vector<protocol::FeedbackEntry> entries;
     };
     /// The newest feedback.
     const FeedbackSet& feedback();
 
+    /// The claim's segment.
     std::byte* memory() const noexcept { return memory_; }
+    /// Its layout.
     const protocol::ClaimLayout& layout() const noexcept { return layout_; }
+    /// The servo's end, for Servo::adopt.
     Claim& servo_side() noexcept { return servo_side_; }
 
   private:
@@ -127,17 +148,20 @@ class OfflineClaim {
     FeedbackSet feedback_set_;
 };
 
-/// Active at once with gain 1, no silence, no limits: what evaluation without a device assumes.
+/// Options that evaluation without a device assumes: active at once with gain 1, no silence, no limits.
 ServoOptions offline_options(double rate = 1000);
 
+/// A servo in this process, on a virtual clock. The head of this file has an example.
 class Offline {
   public:
+    /// A servo of this device, which must live as long.
     explicit Offline(drivers::Device& device, const ServoOptions& options = offline_options());
     ~Offline();
 
-    /// One more claim, taken over in the next step. The frame is the device's own, the limits are none with
+    /// One more claim, taken over in the next step. The frame is the device's own; there are no limits with
     /// `options.supervisor.off`, else the device's.
     OfflineClaim& claim(const protocol::ClaimCapacity& capacity = {});
+    /// One more claim with these terms.
     OfflineClaim& claim(ClaimTerms terms);
 
     /// One cycle, one period after the last; the first is at 0.
@@ -145,11 +169,17 @@ class Offline {
     /// One cycle that begins `late` after its deadline, `gap` after the last one's.
     const Report& step_after(Nanoseconds gap, Nanoseconds late = 0);
 
+    /// A counter of the device.
     std::uint64_t count(protocol::Count which) const noexcept;
+    /// The servo.
     Servo& servo() noexcept { return servo_; }
+    /// Its clock.
     VirtualClock& clock() noexcept { return clock_; }
+    /// The device's segment.
     std::byte* segment() const noexcept { return segment_.data(); }
+    /// The device.
     const drivers::Device& device() const noexcept { return device_; }
+    /// The servo's options.
     const ServoOptions& options() const noexcept { return options_; }
 
   private:

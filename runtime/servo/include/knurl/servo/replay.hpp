@@ -1,5 +1,7 @@
 #pragma once
-// Feeds an input log through the very same Servo::step again: same build, same device, same bits.
+
+/// @file
+/// Feeds an input log through the very same Servo::step again: same build, same device, same bits.
 
 #include <array>
 #include <functional>
@@ -22,9 +24,11 @@ class InputLogError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// A servo that is fed from an input log.
 class Replay {
   public:
-    /// What an asset of that digest was made of, aligned to 8. Throws InputLogError: it is not to be had.
+    /// Returns the source of the asset of that digest, aligned to 8. Throws InputLogError: it is not to be
+    /// had.
     using Sources = std::function<std::span<const std::byte>(const protocol::AssetDigest&)>;
 
     /// `like`: a device of the recorded one's figures; it is neither read nor written. `sources`: none, if no
@@ -32,12 +36,12 @@ class Replay {
     Replay(const drivers::Device& like, const ServoOptions& options, Sources sources = {});
     ~Replay();
 
-    /// One record, in the input log's order. Returns the report if that completed a cycle; null: it did not,
-    /// or the state of the servo is not known (before a keyframe). Throws InputLogError.
+    /// Takes one record, in the input log's order. Returns the report if that completed a cycle. Null: it did
+    /// not, or the state of the servo is not known (before a keyframe). Throws InputLogError.
     const Report* feed(const InputRecord& record);
     /// Records are missing here: nothing can be replayed up to the next keyframe.
     void gap() noexcept;
-    /// There was a keyframe, and no gap since.
+    /// True: there was a keyframe, and no gap since.
     bool exact() const noexcept { return exact_; }
 
   private:

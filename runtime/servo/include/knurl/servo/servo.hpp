@@ -1,5 +1,7 @@
 #pragma once
-// The cycle of one device: everything that happens between two deadlines, in one readable function.
+
+/// @file
+/// The cycle of one device: everything that happens between two deadlines, in one readable function.
 
 #include <cstdint>
 #include <memory>
@@ -15,23 +17,35 @@
 
 namespace knurl::servo {
 
+/// How a servo runs.
 struct ServoOptions {
-    double rate = 1000;  // Hz, 500-20 000
+    /// Rate (Hz), 500 to 20 000.
+    double rate = 1000;
+    /// Limits of the supervisor.
     SupervisorLimits supervisor;
-    double max_dt = 2e-3;           // s: representations never see a longer gap
-    bool silence = true;            // false: offline evaluation
-    bool start_active = false;      // active at once with gain 1, claims too: offline evaluation
-    bool sleep = true;              // false: each claim is looked at in each cycle; to compare with
-    bool clamp_stiffness = true;    // false only warns: stability sweeps
-    bool budget = true;             // false: each part is clamped by itself alone, for comparison
-    double rise_speed = 0.1;        // m/s, FadePolicy::rise_speed; infinity offline
-    double automatic_recovery = 0;  // s; 0: automatic_fade of the measured update interval
+    /// Longest dt that representations see (s).
+    double max_dt = 2e-3;
+    /// False: claims never fall silent (offline evaluation).
+    bool silence = true;
+    /// True: active at once with gain 1, claims too (offline evaluation).
+    bool start_active = false;
+    /// False: claims do not sleep, each is evaluated in each cycle; to compare with.
+    bool sleep = true;
+    /// False: stiffness is not clamped, only reported (stability sweeps).
+    bool clamp_stiffness = true;
+    /// False: each part is clamped by itself alone, for comparison.
+    bool budget = true;
+    /// FadePolicy::rise_speed (m/s); infinity offline.
+    double rise_speed = 0.1;
+    /// Meaning of `recovery = automatic` (s); 0: automatic_fade of the measured update interval.
+    double automatic_recovery = 0;
 };
 
-/// k_max = b/(T/2 + tau), or as measured (Colgate & Brown 1994 for the form), device frame.
+/// Largest stiffness k_max = b / (T/2 + tau) (N/m), device frame, or as measured; Colgate and Brown 1994 for
+/// the form.
 double max_stiffness(const drivers::LinkConfig& link, double rate) noexcept;
 
-/// The frame of a claim that asked for this workspace (request.workspace_radius 0: scale 1).
+/// The frame of a claim that requested this workspace (request.workspace_radius 0: scale 1).
 protocol::Frame frame_for(const drivers::LinkConfig& link, const protocol::ClaimRequest& request) noexcept;
 /// The device's limits in that frame's world units.
 Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::Frame& frame) noexcept;
@@ -39,12 +53,16 @@ Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::
 class InputLog;
 class Replay;
 
-/// What nothing of that claim is made of any more.
+/// An asset of which nothing of that claim is made any more.
 struct ReturnedAsset {
+    /// The claim.
     const Claim* claim = nullptr;
+    /// Number of the asset.
     std::uint32_t number = 0;
 };
 
+/// The cycle of one device. adopt() to record() are called by one other thread (the broker); they are
+/// wait-free, and false means that the mailbox is full: try again in the next cycle.
 class Servo {
   public:
     /// `segment`: memory of protocol::device_layout().total bytes. DeviceInfo is filled in by the caller;
@@ -52,18 +70,22 @@ class Servo {
     Servo(drivers::Device& device, Clock& clock, std::byte* segment, const ServoOptions& options);
     ~Servo();
 
-    // From one other thread (the broker), wait-free; false: the mailbox is full, try again next cycle.
-    bool adopt(Claim* claim) noexcept;  // taken over in the next cycle
-    bool drop(Claim* claim) noexcept;   // its force fades (50 ms), then it comes back through `released`
-    bool drop_all() noexcept;           // ramp down the device: the servo is about to end
-    Claim* released() noexcept;         // null: none; the broker frees it
-    /// The claim's asset of that number from the next cycle on, before its commands are looked at. It
-    /// outlives the claim, or its return. `digest`: of what it was made of, for the input log. False: the
+    /// Takes a claim over in the next cycle.
+    bool adopt(Claim* claim) noexcept;
+    /// The claim's force fades (50 ms), then it comes back through `released`.
+    bool drop(Claim* claim) noexcept;
+    /// Ramps down the device: the servo is about to end.
+    bool drop_all() noexcept;
+    /// A claim that came back, for the broker to free; null: none.
+    Claim* released() noexcept;
+    /// The claim has this asset by that number from the next cycle on, before its commands are taken. The
+    /// asset outlives the claim, or its return. `digest`: of its source, for the input log. False: the
     /// mailbox is full.
     bool give(Claim* claim, std::uint32_t number, const Asset* asset,
               const protocol::AssetDigest& digest = {}) noexcept;
-    /// It comes back through `returned` once nothing that is felt, or still fades, is made of it.
+    /// The asset comes back through `returned` once nothing that acts, or still fades, is made of it.
     bool forget(Claim* claim, std::uint32_t number) noexcept;
+    /// An asset that came back; none: no asset did.
     std::optional<ReturnedAsset> returned() noexcept;
     /// From the next cycle on every input goes into this log, which outlives the servo; null: no more. The
     /// same log once more: a keyframe as soon as nobody holds the device.
@@ -73,17 +95,18 @@ class Servo {
     /// ns).
     void step(Nanoseconds deadline, Nanoseconds now) noexcept;
 
-    /// After step: those who may wait for its report, for Waker::wake.
+    /// After step: the clients that may wait for its report, for Waker::wake.
     std::span<const shm::WakeTarget> wake_targets() const noexcept;
     /// The report of the last cycle.
     const Report& last() const noexcept;
-    // From the servo's thread, before the next step:
-    /// The guardian zeroed the device while this thread stood still: gain 0, then the ordinary ramp up.
+    /// From the servo's thread, before the next step. The guardian zeroed the device while this thread stood
+    /// still: gain 0, then the ordinary ramp up.
     void guardian_acted() noexcept;
-    /// The machine slept (CLOCK_BOOTTIME moved without CLOCK_MONOTONIC): a fault, latched.
+    /// From the servo's thread, before the next step. The machine slept (CLOCK_BOOTTIME moved without
+    /// CLOCK_MONOTONIC): a fault, latched.
     void clock_jumped() noexcept;
 
-    /// The output stage, for looking at.
+    /// The output stage.
     const Supervisor& supervisor() const noexcept;
 
   private:

@@ -1,6 +1,8 @@
 #pragma once
-// The stages of the supervisor that remember something between cycles. Each is a few numbers and one rule,
-// and can be tested against its closed form.
+
+/// @file
+/// The stages of the supervisor that remember something between cycles. Each is a few numbers and one rule,
+/// and can be tested against its closed form.
 
 #include <array>
 #include <cstddef>
@@ -13,14 +15,17 @@ namespace knurl::servo {
 /// drifts.
 class PowerMeter {
   public:
+    /// `window`: its length (s).
     explicit PowerMeter(double window) noexcept : part_time_(window / static_cast<double>(parts)) {}
 
+    /// Adds `work` (J) done in `dt` (s).
     void add(double work /* J */, double dt /* s */) noexcept;
-    double mean() const noexcept { return mean_; }  // W, over the last whole parts
+    /// Mean power over the last whole parts (W).
+    double mean() const noexcept { return mean_; }
+    /// Forgets all.
     void reset() noexcept;
 
-    // This and the others' `state`: what is remembered between cycles, for an input log's keyframe
-    // (state_words.hpp).
+    /// What is remembered between cycles, for an input log's keyframe (state_words.hpp).
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(work_, next_, filling_work_, filling_time_, mean_);
@@ -40,11 +45,12 @@ class PowerMeter {
 /// is sent.
 class PassivityObserver {
   public:
-    /// `work` = sent force of the last cycle . displacement since then; `contact`: a force was being sent.
+    /// Adds the `work` (J) of the last cycle: sent force times displacement since then. `contact`: a force
+    /// was being sent.
     void add(double work, bool contact) noexcept { work_ = contact ? work_ + work : 0; }
-    double generated() const noexcept {
-        return work_ > 0 ? work_ : 0;
-    }  // J; 0 while the hand has paid for it
+    /// Work put into the hand (J); 0 while the hand has paid for it.
+    double generated() const noexcept { return work_ > 0 ? work_ : 0; }
+    /// As of PowerMeter.
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(work_);
@@ -57,12 +63,17 @@ class PassivityObserver {
 /// Lets the wrench change by no more than slew x dt in a cycle: a fault gate far out of reach of contact.
 class SlewGate {
   public:
+    /// Largest rates of force (N/s) and torque (N m/s).
     SlewGate(double force_slew /* N/s */, double torque_slew /* N m/s */) noexcept
         : force_slew_(force_slew), torque_slew_(torque_slew) {}
 
-    bool clip(Wrench& wanted, double dt) noexcept;                // true: it did
-    double clipped_for() const noexcept { return clipped_for_; }  // s, in a row
+    /// Clips the wrench; true: it changed it.
+    bool clip(Wrench& wanted, double dt) noexcept;
+    /// Time for which it has clipped in a row (s).
+    double clipped_for() const noexcept { return clipped_for_; }
+    /// The last wrench was zero.
     void restart_from_zero() noexcept;
+    /// As of PowerMeter.
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(last_.force, last_.torque, clipped_for_);
@@ -79,13 +90,20 @@ class SlewGate {
 /// peak for `time`: continuous^2/peak^2 = 1 - exp(-time/tau).
 class ThermalLimit {
   public:
+    /// Heat up to which the peak force is allowed (1).
     static constexpr double full_until = 0.9;
 
+    /// Peak and continuous force (N), and how long a cold motor may give the peak (s).
     ThermalLimit(double peak, double continuous, double time) noexcept;
-    double allowed() const noexcept;  // N
+    /// Force that is allowed now (N).
+    double allowed() const noexcept;
+    /// Adds `dt` (s) of this force (N).
     void add(double force, double dt) noexcept;
+    /// Heat, 0 to 1.
     double heat() const noexcept { return heat_; }
+    /// Time constant tau (s).
     double time_constant() const noexcept { return tau_; }
+    /// As of PowerMeter.
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(heat_);

@@ -1,8 +1,10 @@
 #pragma once
-// Velocity from positions that come in encoder counts. Three answers for three uses: damping wants little
-// phase lag, friction and reports want little noise, prediction wants the trend.
-//
-// Windows are seconds, not samples: at 4 kHz sixteen samples would be four times shorter and twice as noisy.
+
+/// @file
+/// Velocity from positions that come in encoder counts. Three answers for three uses: damping wants little
+/// phase lag, friction and reports want little noise, prediction wants the trend.
+///
+/// Windows are seconds, not samples: at 4 kHz sixteen samples would be four times shorter and twice as noisy.
 
 #include <array>
 #include <cstddef>
@@ -14,10 +16,15 @@ namespace knurl::servo {
 /// First order low pass of the difference quotient, exact for any dt.
 class FirstOrderVelocity {
   public:
+    /// `cutoff` in Hz.
     explicit FirstOrderVelocity(double cutoff /* Hz */) noexcept;
+    /// Adds a difference quotient (m/s) over `dt` (s).
     void add(const Eigen::Vector3d& raw /* m/s */, double dt) noexcept;
+    /// The velocity (m/s).
     const Eigen::Vector3d& value() const noexcept { return value_; }
+    /// Back to 0.
     void reset() noexcept { value_.setZero(); }
+    /// What is remembered between cycles, for an input log's keyframe (state_words.hpp).
     template <class Visit>
     void state(Visit& visit) noexcept {  // as of the stages: state_words.hpp
         visit(value_);
@@ -38,13 +45,18 @@ class FirstOrderVelocity {
 /// n steps.
 class AdaptiveVelocity {
   public:
-    static constexpr std::size_t window = 16;   // kept positions
-    static constexpr double spacing = 0.95e-3;  // s, at least, between those kept: 16 ms at any rate
+    /// Positions that are kept.
+    static constexpr std::size_t window = 16;
+    /// Least time between those kept (s): 16 ms for all at any rate.
+    static constexpr double spacing = 0.95e-3;
 
     /// `band`: what noise may move a position by, per axis (m); one encoder count at the tip.
     void add(const Eigen::Vector3d& position, const Eigen::Vector3d& band, double dt) noexcept;
+    /// The velocity (m/s).
     const Eigen::Vector3d& value() const noexcept { return value_; }
+    /// Forgets all positions.
     void reset() noexcept;
+    /// What is remembered between cycles, for an input log's keyframe (state_words.hpp).
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(positions_, times_, newest_, kept_, time_, value_);

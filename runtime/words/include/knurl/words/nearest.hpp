@@ -1,5 +1,7 @@
 #pragma once
-// "Did you mean ...?": the word that somebody who made a slip probably meant. Stands below all other modules.
+
+/// @file
+/// "Did you mean ...?": the word that was probably meant by a misspelled one. This module uses no other one.
 
 #include <algorithm>
 #include <cstddef>
@@ -9,8 +11,8 @@
 
 namespace knurl::words {
 
-/// How many slips apart: a letter too many, too few, another, or two neighbours swapped (Damerau and Levenshtein, each
-/// pair swapped once at most). Upper and lower case are one, as are _ and -.
+/// How many slips apart: a letter too many, too few, another, or two neighbours swapped (Damerau and
+/// Levenshtein, each pair swapped once at most). Upper and lower case are one, as are _ and -.
 inline std::size_t slips(std::string_view a, std::string_view b) {
     const auto same = [](char c) {
         if (c == '_') return '-';
@@ -32,8 +34,9 @@ inline std::size_t slips(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
-/// The one of `known` that `word` was probably meant to be, the first of those that are as near; empty: none is near.
-/// Near is one slip in three letters or fewer, two in up to eight, a third of the letters in more; or it begins so.
+/// The one of `known` that `word` was probably meant to be, the first of those that are as near; empty: none
+/// is near. Near is one slip in three letters or fewer, two in up to eight, a third of the letters in more;
+/// or it begins so.
 template <class Words>
 std::string_view nearest(std::string_view word, const Words& known) {
     std::string_view best;

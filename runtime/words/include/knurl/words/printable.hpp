@@ -1,5 +1,7 @@
 #pragma once
-// What somebody else wrote (a file, a command line), as a part of a message of ours.
+
+/// @file
+/// Text of others (a file, a command line) as a part of one of our messages.
 
 #include <cstddef>
 #include <string>
@@ -7,8 +9,8 @@
 
 namespace knurl::words {
 
-/// `said` on one line, with ? for each byte that is no printable ASCII: a terminal obeys escape sequences, and also control
-/// characters beyond ASCII. Cut after `most` bytes, and then "..." says so.
+/// `said` on one line, with ? for each byte that is no printable ASCII: a terminal obeys escape sequences,
+/// and also control characters beyond ASCII. Cut after `most` bytes, and then "..." says so.
 inline std::string printable(std::string_view said, std::size_t most = std::string_view::npos) {
     std::string line;
     for (const char c : said.substr(0, most)) line += c >= ' ' && c <= '~' ? c : '?';
