@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <knurl/client/client.hpp>
+#include <knurl/reps/constant_force.hpp>
 
 #include "latency_floors.hpp"
 

@@ -10,6 +10,7 @@
 
 #include <knurl/client/client.hpp>
 #include <knurl/json/json.hpp>
+#include <knurl/reps/spring.hpp>
 
 #include "../rights.hpp"
 #include "program.hpp"

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <knurl/client/client.hpp>
+#include <knurl/reps/constant_force.hpp>
 
 #include "program.hpp"
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/scenefile/scene_file.hpp>
 
 namespace knurl::scenefile {

@@ -10,6 +10,7 @@
 
 #include <knurl/client/client.hpp>
 #include <knurl/json/json.hpp>
+#include <knurl/reps/shape.hpp>
 
 #include "program.hpp"
 

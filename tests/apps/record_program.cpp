@@ -12,6 +12,7 @@
 
 #include <knurl/client/client.hpp>
 #include <knurl/json/json.hpp>
+#include <knurl/reps/spring.hpp>
 
 #include "program.hpp"
 

@@ -7,6 +7,7 @@
 #include <generators.hpp>
 
 #include <knurl/protocol/asset.hpp>
+#include <knurl/reps/shape.hpp>
 
 #include "relay_stranger.hpp"
 

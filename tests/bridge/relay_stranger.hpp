@@ -8,6 +8,8 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <knurl/reps/constant_force.hpp>
+
 #include "frame_stream.hpp"
 #include "loopback.hpp"
 #include "relay_support.hpp"

@@ -25,6 +25,7 @@
 
 #include <knurl/client/client.hpp>
 #include <knurl/protocol/attach.hpp>
+#include <knurl/reps/all.hpp>
 #include <knurl/shm/socket.hpp>
 
 namespace {

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <knurl/reps/spring.hpp>
+
 #include "servo_process.hpp"
 
 namespace {

@@ -7,6 +7,8 @@
 #include <generators.hpp>
 #include <gtest/gtest.h>
 
+#include <knurl/reps/shape.hpp>
+
 #include "servo_process.hpp"
 
 namespace client_test {

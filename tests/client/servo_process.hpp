@@ -20,6 +20,7 @@
 #include <unistd.h>
 
 #include <knurl/client/client.hpp>
+#include <knurl/reps/constant_force.hpp>
 
 #include "../eventually.hpp"
 #include "bridge_process.hpp"

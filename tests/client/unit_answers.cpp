@@ -11,6 +11,7 @@
 #include <knurl/client/client.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/device_segment.hpp>
+#include <knurl/reps/all.hpp>
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/socket.hpp>
 

@@ -15,6 +15,7 @@
 #include <knurl/client/error.hpp>
 #include <knurl/link/local.hpp>
 #include <knurl/protocol/claim_segment.hpp>
+#include <knurl/reps/all.hpp>
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/triple_buffer.hpp>
 

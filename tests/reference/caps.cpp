@@ -1,6 +1,8 @@
 // The rimmed cap with one curvature and with two: within the rim, beyond it, under its centre, felt by thick
 // probes.
 
+#include <knurl/reps/cap.hpp>
+
 #include "surface_scenes.hpp"
 
 using namespace judge;

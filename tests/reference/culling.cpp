@@ -4,6 +4,13 @@
 #include <algorithm>
 #include <array>
 
+#include <knurl/reps/box.hpp>
+#include <knurl/reps/capsule.hpp>
+#include <knurl/reps/cylinder.hpp>
+#include <knurl/reps/polygon.hpp>
+#include <knurl/reps/sphere.hpp>
+#include <knurl/reps/torus.hpp>
+
 #include "judge.hpp"
 
 using namespace judge;

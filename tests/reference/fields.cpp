@@ -1,6 +1,15 @@
 // Fields and effects against their formulas: taylor, taylor6, viscosity, gravity, constant force, magnet,
 // constraint and vibration, with and without a device's limits.
 
+#include <knurl/reps/constant_force.hpp>
+#include <knurl/reps/constraint.hpp>
+#include <knurl/reps/gravity.hpp>
+#include <knurl/reps/magnet.hpp>
+#include <knurl/reps/taylor.hpp>
+#include <knurl/reps/taylor6.hpp>
+#include <knurl/reps/vibration.hpp>
+#include <knurl/reps/viscosity.hpp>
+
 #include "exact/effects.hpp"
 #include "judge.hpp"
 

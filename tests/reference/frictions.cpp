@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include <knurl/reps/plane.hpp>
+
 #include "exact/contact.hpp"
 #include "exact/friction.hpp"
 #include "judge.hpp"

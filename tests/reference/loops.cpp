@@ -1,6 +1,17 @@
 // Closed loops return their work where the model is conservative: planes of any mix of stiffness, curved
 // surfaces, springs, fields whose Jacobian is symmetric. Loops of about 3 mm at 1000 N/m, at most 1e-8 J.
 
+#include <knurl/reps/box.hpp>
+#include <knurl/reps/cap.hpp>
+#include <knurl/reps/capsule.hpp>
+#include <knurl/reps/constraint.hpp>
+#include <knurl/reps/cylinder.hpp>
+#include <knurl/reps/magnet.hpp>
+#include <knurl/reps/sphere.hpp>
+#include <knurl/reps/spring.hpp>
+#include <knurl/reps/taylor.hpp>
+#include <knurl/reps/torus.hpp>
+
 #include "plane_scenes.hpp"
 
 using namespace judge;

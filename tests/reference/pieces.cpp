@@ -3,6 +3,11 @@
 
 #include "exact/pieces.hpp"
 
+#include <knurl/reps/box.hpp>
+#include <knurl/reps/half_plane.hpp>
+#include <knurl/reps/polygon.hpp>
+#include <knurl/reps/shape.hpp>
+
 #include "surface_scenes.hpp"
 
 using namespace judge;

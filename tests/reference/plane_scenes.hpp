@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include <knurl/reps/plane.hpp>
+
 #include "exact/contact.hpp"
 #include "judge.hpp"
 

@@ -4,6 +4,11 @@
 
 #include "exact/solids.hpp"
 
+#include <knurl/reps/capsule.hpp>
+#include <knurl/reps/cylinder.hpp>
+#include <knurl/reps/sphere.hpp>
+#include <knurl/reps/torus.hpp>
+
 #include "surface_scenes.hpp"
 
 using namespace judge;

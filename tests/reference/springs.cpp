@@ -1,5 +1,7 @@
 // Springs: with and without rest length, damped, with an arm, with ends that move, and many at once.
 
+#include <knurl/reps/spring.hpp>
+
 #include "exact/effects.hpp"
 #include "judge.hpp"
 

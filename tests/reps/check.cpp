@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/check.hpp>
 #include <knurl/reps/describe.hpp>
 

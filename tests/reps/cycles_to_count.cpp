@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/scene.hpp>
 
 using namespace knurl;

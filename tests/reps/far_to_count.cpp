@@ -8,6 +8,7 @@
 #include <cstring>
 #include <vector>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/scene.hpp>
 
 using namespace knurl;

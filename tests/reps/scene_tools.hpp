@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/scene.hpp>
 
 #include "random_polygon.hpp"

@@ -14,6 +14,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include <knurl/reps/plane.hpp>
+#include <knurl/reps/spring.hpp>
 #include <knurl/servo/input_log.hpp>
 #include <knurl/servo/offline.hpp>
 

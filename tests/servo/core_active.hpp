@@ -1,6 +1,8 @@
 #pragma once
 // A servo in the middle of its work.
 
+#include <knurl/reps/plane.hpp>
+
 #include "core_support.hpp"
 
 namespace knurl::servo::testing {

@@ -1,5 +1,6 @@
 // Batches as the servo takes them: whole or not at all, never before the commands' turn, and told of.
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/describe.hpp>
 
 #include "core_claim_fixture.hpp"

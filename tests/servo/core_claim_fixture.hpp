@@ -1,6 +1,8 @@
 #pragma once
 // The two channels of a claim, and what comes of them.
 
+#include <knurl/reps/plane.hpp>
+
 #include "core_support.hpp"
 
 namespace knurl::servo::testing {

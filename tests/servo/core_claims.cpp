@@ -4,6 +4,10 @@
 #include <cmath>
 #include <thread>
 
+#include <knurl/reps/constant_force.hpp>
+#include <knurl/reps/plane.hpp>
+#include <knurl/reps/spring.hpp>
+
 #include "core_support.hpp"
 
 namespace knurl::servo {

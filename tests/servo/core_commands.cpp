@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/describe.hpp>
 
 #include "core_claim_fixture.hpp"

@@ -4,6 +4,8 @@
 #include <random>
 
 #include <knurl/drivers/sim_device.hpp>
+#include <knurl/reps/constant_force.hpp>
+#include <knurl/reps/spring.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 
 #include "core_active.hpp"

@@ -3,6 +3,8 @@
 
 #include <random>
 
+#include <knurl/reps/all.hpp>
+
 #include "core_claim_fixture.hpp"
 
 namespace knurl::servo {

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <random>
 
+#include <knurl/reps/plane.hpp>
+#include <knurl/reps/spring.hpp>
+
 #include "core_support.hpp"
 
 namespace knurl::servo {

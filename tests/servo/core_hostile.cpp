@@ -5,6 +5,8 @@
 #include <cstring>
 #include <random>
 
+#include <knurl/reps/all.hpp>
+
 #include "core_support.hpp"
 
 namespace knurl::servo {

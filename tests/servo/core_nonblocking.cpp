@@ -22,6 +22,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/servo/input_log.hpp>
 #include <knurl/shm/counters.hpp>
 

@@ -1,5 +1,7 @@
 // When an application counts as silent, and what happens to its force. Virtual time.
 
+#include <knurl/reps/plane.hpp>
+
 #include "core_support.hpp"
 
 namespace knurl::servo {

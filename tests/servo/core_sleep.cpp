@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include <knurl/reps/all.hpp>
+
 #include "core_support.hpp"
 
 namespace knurl::servo {

@@ -1,5 +1,6 @@
 // Time as the cycle sees it: its own length, stalls, jumps of the clock, the guardian, lateness.
 
+#include <knurl/reps/spring.hpp>
 #include <knurl/shm/counters.hpp>
 
 #include "core_active.hpp"

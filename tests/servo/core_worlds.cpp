@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <knurl/drivers/sim_device.hpp>
+#include <knurl/reps/plane.hpp>
 
 #include "core_support.hpp"
 

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/servo/input_log.hpp>
 #include <knurl/servo/replay.hpp>
 

@@ -14,6 +14,8 @@
 #include <functional>
 
 #include <knurl/client/frame_watch.hpp>
+#include <knurl/reps/shape.hpp>
+#include <knurl/reps/spring.hpp>
 
 #include "hold.hpp"
 #include "touch.hpp"

@@ -14,6 +14,7 @@
 
 #include <knurl/client/client.hpp>
 #include <knurl/client/energy_account.hpp>
+#include <knurl/reps/spring.hpp>
 
 #include "world.hpp"
 

@@ -15,6 +15,7 @@
 
 #include <knurl/client/client.hpp>
 #include <knurl/client/energy_account.hpp>
+#include <knurl/reps/shape.hpp>
 
 #include "world.hpp"
 

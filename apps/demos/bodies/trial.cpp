@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <knurl/reps/constant_force.hpp>
+
 namespace bodies {
 
 namespace {

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include <knurl/client/client.hpp>
+#include <knurl/reps/spring.hpp>
 
 #include "seconds.hpp"
 

@@ -8,6 +8,7 @@
 
 #include <knurl/client/client.hpp>
 #include <knurl/meshfile/mesh_file.hpp>
+#include <knurl/reps/shape.hpp>
 
 #include "record.hpp"
 

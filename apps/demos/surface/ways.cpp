@@ -10,6 +10,7 @@
 
 #include <knurl/geometry/height_field.hpp>
 #include <knurl/geometry/mesh.hpp>
+#include <knurl/reps/constant_force.hpp>
 
 #include "stated.hpp"
 #include "terrain_whole.hpp"

@@ -8,6 +8,7 @@
 #include <span>
 
 #include <knurl/reps/curved_contact.hpp>
+#include <knurl/reps/plane.hpp>
 #include <knurl/reps/proxy_path.hpp>
 #include <knurl/reps/wrench.hpp>
 

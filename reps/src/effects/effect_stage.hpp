@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/collapsed_springs.hpp>
 #include <knurl/reps/wrench.hpp>
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/curved_contact.hpp>
 #include <knurl/reps/hand_load.hpp>
 #include <knurl/reps/motion.hpp>

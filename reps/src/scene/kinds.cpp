@@ -92,6 +92,22 @@ std::span<const KindInfo> kinds() noexcept {
     return all_kinds;
 }
 
+static_assert(Representations::size <= max_kinds);
+
+template <Described R>
+Kind kind_number() noexcept {
+    return kind_of<R>;
+}
+
+namespace {
+// Names one kind_number for each kind of the list, so that each is made here.
+template <class... R>
+constexpr std::array<Kind (*)() noexcept, sizeof...(R)> numbers(TypeList<R...>) {
+    return {&kind_number<R>...};
+}
+[[gnu::used]] constexpr auto all_numbers = numbers(Representations{});
+}  // namespace
+
 std::uint64_t layout_hash() noexcept {
     Hash hash;
     for (const KindInfo& kind : all_kinds) {

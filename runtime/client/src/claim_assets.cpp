@@ -6,6 +6,7 @@
 
 #include <knurl/client/error.hpp>
 #include <knurl/link/text.hpp>
+#include <knurl/reps/all.hpp>
 #include <knurl/shm/deadline.hpp>
 
 #include "claim_state.hpp"

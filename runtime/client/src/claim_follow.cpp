@@ -5,6 +5,7 @@
 
 #include <knurl/client/error.hpp>
 #include <knurl/link/clock.hpp>
+#include <knurl/reps/all.hpp>
 
 #include "claim_state.hpp"
 #include "validate.hpp"

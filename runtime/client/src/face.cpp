@@ -5,6 +5,7 @@
 
 #include <knurl/client/error.hpp>
 #include <knurl/link/text.hpp>
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/describe.hpp>
 
 namespace knurl::detail {

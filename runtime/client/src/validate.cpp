@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include <knurl/client/error.hpp>
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/check.hpp>
 #include <knurl/reps/describe.hpp>
 

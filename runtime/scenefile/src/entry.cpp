@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/check.hpp>
 #include <knurl/reps/describe.hpp>
 #include <knurl/words/nearest.hpp>

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/words/nearest.hpp>
 
 #include "entry.hpp"

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/servo/claim.hpp>
 
 #include "claim_impl.hpp"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/check.hpp>
 
 namespace knurl::servo {

@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include <knurl/client/client.hpp>
+#include <knurl/reps/constant_force.hpp>
 
 #include "../relay_support.hpp"
 #include "proxy.hpp"

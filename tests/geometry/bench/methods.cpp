@@ -1,6 +1,7 @@
 #include "methods.hpp"
 
 #include <knurl/geometry/proxy.hpp>
+#include <knurl/reps/shape.hpp>
 
 #include "active_set.hpp"
 #include "mesh_surface.hpp"

@@ -8,6 +8,7 @@
 
 #include <Eigen/LU>
 
+#include <knurl/reps/capsule.hpp>
 #include <knurl/reps/curved_contact.hpp>
 #include <knurl/reps/scene.hpp>
 

@@ -6,7 +6,10 @@
 
 #include <optional>
 
+#include <knurl/reps/cap.hpp>
+#include <knurl/reps/plane.hpp>
 #include <knurl/reps/scene.hpp>
+#include <knurl/reps/sphere.hpp>
 
 #include "panel.hpp"
 

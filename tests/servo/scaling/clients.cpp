@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include <knurl/reps/plane.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 
 #include "lab.hpp"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <knurl/measure/sleeper.hpp>
+#include <knurl/reps/plane.hpp>
 
 #include "lab.hpp"
 #include "rig.hpp"

@@ -2,6 +2,10 @@
 
 #include <stdexcept>
 
+#include <knurl/reps/plane.hpp>
+#include <knurl/reps/sphere.hpp>
+#include <knurl/reps/spring.hpp>
+
 #include "lab.hpp"
 #include "rig.hpp"
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <stdexcept>
 
+#include <knurl/reps/plane.hpp>
 #include <knurl/servo/input_log.hpp>
 
 #include "goals.hpp"

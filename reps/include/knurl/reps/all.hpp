@@ -12,6 +12,7 @@
 #include <knurl/reps/cylinder.hpp>
 #include <knurl/reps/gravity.hpp>
 #include <knurl/reps/half_plane.hpp>
+#include <knurl/reps/kind.hpp>
 #include <knurl/reps/magnet.hpp>
 #include <knurl/reps/plane.hpp>
 #include <knurl/reps/polygon.hpp>
@@ -43,9 +44,6 @@ using Representations =
              Taylor, Taylor6, Viscosity, Gravity, Magnet, Constraint, Vibration, Shape>;
 #endif
 
-/// Position in the list: what "kind" means in shared memory.
-using Kind = std::uint32_t;
-
 namespace detail {
 template <class R, class... All>
 constexpr Kind index_in(TypeList<All...>) {
@@ -62,30 +60,5 @@ inline constexpr Kind kind_of = detail::index_in<R>(Representations{});
 /// R is in the list.
 template <class R>
 concept Listed = kind_of<R> < Representations::size;
-
-/// What is known of a kind at run time.
-struct KindInfo {
-    /// Name in scene files: Describe<R>::name.
-    std::string_view name;
-    /// One row per parameter: Describe<R>::fields.
-    std::span<const Field> fields;
-    /// Bytes of its parameters.
-    std::size_t size;
-    /// Leading bytes of its parameters that an update may bring alone.
-    std::size_t geometry_bytes;
-    /// True: a surface; false: an effect.
-    bool surface;
-    /// Checks parameters of `size` bytes.
-    Verdict (*validate)(const void* params) noexcept;
-    /// The texts that a Verdict's `reason` counts.
-    std::span<const std::string_view> contradictions;
-};
-
-/// All kinds, in the list's order.
-std::span<const KindInfo> kinds() noexcept;
-
-/// A hash over names, types, offsets, counts and sizes of all parameters: two builds that differ in it must
-/// not talk.
-std::uint64_t layout_hash() noexcept;
 
 }  // namespace knurl

@@ -16,5 +16,7 @@ inline constexpr std::uint32_t max_probes = 16;
 inline constexpr std::uint32_t max_parameter_bytes = 480;
 /// Most bytes of the servo's memory of one representation.
 inline constexpr std::size_t max_state_bytes = 192;
+/// Kinds of representations.
+inline constexpr std::uint32_t max_kinds = 32;
 
 }  // namespace knurl

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include <knurl/reps/all.hpp>
+#include <knurl/reps/kind.hpp>
 
 namespace knurl {
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <span>
 
-#include <knurl/reps/all.hpp>
 #include <knurl/reps/hand_budget.hpp>
+#include <knurl/reps/kind.hpp>
 #include <knurl/reps/scene_time.hpp>
 
 namespace knurl {
@@ -172,14 +172,14 @@ class Scene {
     void settle() noexcept;
 
     /// Adds a representation.
-    template <Listed R>
+    template <Described R>
     Verdict add(RepresentationId id, const R& params, const AddOptions& options = {}) noexcept {
-        return add(id, kind_of<R>, &params, sizeof params, options);
+        return add(id, kind_number<R>(), &params, sizeof params, options);
     }
     /// New parameters of a representation.
-    template <Listed R>
+    template <Described R>
     Verdict update(RepresentationId id, const R& params) noexcept {
-        return update(id, kind_of<R>, &params, sizeof params);
+        return update(id, kind_number<R>(), &params, sizeof params);
     }
 
     /// Meaning of `asset = number` (1 to max_assets) for the representations that are added or changed from

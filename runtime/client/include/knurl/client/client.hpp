@@ -36,7 +36,7 @@
 #include <knurl/link/network.hpp>
 #include <knurl/protocol/command.hpp>
 #include <knurl/protocol/report.hpp>
-#include <knurl/reps/all.hpp>
+#include <knurl/reps/kind.hpp>
 #include <knurl/reps/limits.hpp>
 #include <knurl/reps/scene.hpp>
 
@@ -150,7 +150,7 @@ class Reader;       // reports of one device
 }  // namespace detail
 
 /// A handle on a representation of type R.
-template <Listed R>
+template <Described R>
 class Handle;
 
 /// Reads the reports of a device without holding it. Copies share one position in the stream.
@@ -209,9 +209,9 @@ class Claim : public Observer {
 
     /// Adds a representation, in force from the next cycle on. Throws Error for parameters out of range, with
     /// the field, its value and its range.
-    template <Listed R>
+    template <Described R>
     Handle<R> add(const R& params, const AddOptions& options = {}) {
-        return Handle<R>(state_, add_raw(kind_of<R>, &params, sizeof params, options));
+        return Handle<R>(state_, add_raw(kind_number<R>(), &params, sizeof params, options));
     }
     /// All commands issued inside `changes` take effect in one cycle, or none does. If `changes` throws,
     /// nothing is sent. Do not call commit() inside.
@@ -305,12 +305,12 @@ class AnyHandle {
 };
 
 /// A handle on a representation of type R.
-template <Listed R>
+template <Described R>
 class Handle : public AnyHandle {
   public:
     /// Made by Claim::add.
     Handle(std::shared_ptr<detail::ClaimState> state, RepresentationId id)
-        : AnyHandle(std::move(state), id, kind_of<R>) {}
+        : AnyHandle(std::move(state), id, kind_number<R>()) {}
 
     /// New parameters, sent with the next commit. Throws Error for parameters out of range, and changes
     /// nothing then.

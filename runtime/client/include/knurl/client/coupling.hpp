@@ -34,6 +34,7 @@
 #include <knurl/client/client.hpp>
 #include <knurl/client/energy_account.hpp>
 #include <knurl/client/frame_watch.hpp>
+#include <knurl/reps/spring.hpp>
 
 namespace knurl {
 

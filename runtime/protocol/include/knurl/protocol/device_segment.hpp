@@ -13,7 +13,7 @@
 
 #include <knurl/protocol/bounds.hpp>
 #include <knurl/protocol/report.hpp>
-#include <knurl/reps/all.hpp>
+#include <knurl/reps/bounds.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 
 namespace knurl::protocol {
@@ -213,7 +213,7 @@ struct alignas(128) ClientRow {
     /// What it takes from damping, 1 - HandScales::damping (millionths).
     std::atomic<std::uint64_t> damping_cut_ppm;
     /// Number of representations of each kind.
-    std::atomic<std::uint64_t> present[Representations::size];
+    std::atomic<std::uint64_t> present[max_kinds];
 };
 
 /// "Knurl0".

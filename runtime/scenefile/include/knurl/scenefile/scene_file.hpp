@@ -27,7 +27,7 @@
 
 #include <knurl/geometry/height_field.hpp>
 #include <knurl/geometry/triangles.hpp>
-#include <knurl/reps/all.hpp>
+#include <knurl/reps/kind.hpp>
 #include <knurl/reps/probe.hpp>
 #include <knurl/reps/scene.hpp>
 

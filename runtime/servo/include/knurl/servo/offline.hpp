@@ -83,16 +83,16 @@ class OfflineClaim {
     std::uint64_t commit(std::uint64_t report_cycle = 0, std::int64_t commit_ns = 0);
 
     /// Adds a representation in the lowest slot that was never used, with its next generation.
-    template <Listed R>
+    template <Described R>
     RepresentationId add(const R& params, const AddOptions& options = {}) {
         const RepresentationId id{next_slot_++, 1};
-        add(id, kind_of<R>, &params, sizeof params, options);
+        add(id, kind_number<R>(), &params, sizeof params, options);
         return id;
     }
     /// New parameters.
-    template <Listed R>
+    template <Described R>
     void update(RepresentationId id, const R& params) {
-        update(id, kind_of<R>, &params, sizeof params);
+        update(id, kind_number<R>(), &params, sizeof params);
     }
 
     /// Replies that came since the last call, in order of their commands.
