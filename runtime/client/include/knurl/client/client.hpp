@@ -12,6 +12,9 @@
 ///         hand.commit();                        // all that changed takes effect in one cycle; "I am alive"
 ///     }
 ///
+/// Planes and caps come with this header. Every other representation has one of its own: <knurl/reps/spring.hpp>, or
+/// <knurl/reps/all.hpp> for all of them.
+///
 /// All calls throw knurl::Error. A Claim and its handles belong to one thread at a time; in the child of a
 /// fork they are inert: every call throws, no destructor does anything to the parent's claim.
 ///
