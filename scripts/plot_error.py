@@ -9,9 +9,10 @@ The input is knurl_bench_error's --json. Down and to the left is better; a ring 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from pictures import FAINT, INK, KNURL, machine_line, main
+from pictures import FAINT, INK, KNURL, METHOD, OTHERS, machine_line, main
 
-COLOURS = ["#c77700", "#7a4fa3", "#b3261e", "#3367d6", "#9aa0a6", "#8d6e63", "#5c8a00", "#ad1457", "#00838f", "#455a64"]
+WAYS = {"force held": METHOD["force"], "plane": METHOD["planes"], "plane, predicted": METHOD["default"], "cap": "#8ab6d6",
+        "cap, predicted": METHOD["caps"], "true surface in the servo": METHOD["mesh"]}
 TITLES = {
     "planes": "Planes: several at once",
     "curved": "Curved surfaces: where several meet",
@@ -51,8 +52,12 @@ def draw_panel(axes, panel, family, points):
     colour_of = {}
     for name in names:
         base = name.removesuffix(", float")
-        colour_of.setdefault(base, KNURL if any(p["knurl"] for p in points if p["implementation"] == base)
-                             else COLOURS[len([c for c in colour_of.values() if c != KNURL]) % len(COLOURS)])
+        if base in colour_of:
+            continue
+        own = any(p["knurl"] for p in points if p["implementation"] == base)
+        taken = {*colour_of.values(), *(WAYS.values() if panel["name"] == "surfaces" else ())}
+        free = [c for c in OTHERS if c not in taken] or OTHERS
+        colour_of[base] = WAYS[base] if panel["name"] == "surfaces" and base in WAYS else KNURL if own else free[0]
     exact = panel["exact"]
     floor = exact / 10 if exact > 0 else min(p["error"] for p in points) / 3
     top = max(p["error"] for p in points) * 4

@@ -14,19 +14,19 @@ import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from pictures import FAINT, INK, KNURL, machine_line, main
+from pictures import FAINT, INK, KNURL, METHOD, OTHERS, machine_line, main
 
 # method: (colour, marker, what the legend says)
 METHODS = {
     "walk": (KNURL, "o", "walk"),
-    "height field": ("#3367d6", "s", "height field, the same walk"),
-    "active set": ("#c77700", "o", "active set (god-object by planes)"),
-    "Embree point query": ("#7a4fa3", "o", "Embree's nearest point (no proxy: it jumps)"),
-    "mesh in a scene": (KNURL, "*", "the mesh in the servo's scene, whatever the application's rate"),
-    "plane": ("#b3261e", "v", "planes from an application"),
-    "cap": ("#8d6e63", "^", "caps from an application"),
+    "height field": (METHOD["heights"], "s", "height field, the same walk"),
+    "active set": (OTHERS[1], "o", "active set (god-object by planes)"),
+    "Embree point query": (OTHERS[6], "o", "Embree's nearest point (no proxy: it jumps)"),
+    "mesh in a scene": (METHOD["mesh"], "*", "the mesh in the servo's scene, whatever the application's rate"),
+    "plane": (METHOD["planes"], "v", "planes from an application"),
+    "cap": ("#8ab6d6", "^", "caps from an application"),
 }
-PREDICTED = {"plane": "#e8710a", "cap": "#5c8a00"}
+PREDICTED = {"plane": METHOD["default"], "cap": METHOD["caps"]}
 LEAST = 3e-11  # m: what errs less is drawn here
 
 

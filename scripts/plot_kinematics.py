@@ -8,9 +8,9 @@ The input is what knurl_bench_kinematics --error writes. Down and to the left is
 
 import matplotlib.pyplot as plt
 
-from pictures import FAINT, KNURL, machine_line, main
+from pictures import FAINT, KNURL, OTHERS, machine_line, main
 
-COLOURS = {"three spheres": KNURL, "last pose": "#c77700", "last pose moved on": "#7a4fa3", "centre": "#9aa0a6"}
+COLOURS = {"three spheres": KNURL, "last pose": OTHERS[0], "last pose moved on": OTHERS[1], "centre": OTHERS[4]}
 
 
 def draw(data):

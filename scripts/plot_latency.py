@@ -10,12 +10,12 @@ phase it is even from 0 to 1.
 
 import matplotlib.pyplot as plt
 
-from pictures import FAINT, KNURL, machine_line, main
+from pictures import FAINT, KNURL, OTHERS, machine_line, main
 
 LEFT = {  # colour
-    "servo.lateness": KNURL, "floor.bare_loop_lateness": "#9aa0a6", "report.blocking": "#3367d6",
-    "floor.eventfd_wake": "#b0bec5", "report.spinning": "#c77700", "command.less_cycle_wait": "#7a4fa3",
-    "report.blocking_after_write": "#ad1457", "floor.wake_and_udp": "#d7ccc8",
+    "servo.lateness": KNURL, "floor.bare_loop_lateness": "#9aa0a6", "report.blocking": OTHERS[3],
+    "floor.eventfd_wake": "#b0bec5", "report.spinning": OTHERS[0], "command.less_cycle_wait": OTHERS[1],
+    "report.blocking_after_write": OTHERS[2], "floor.wake_and_udp": "#d7ccc8",
 }
 RIGHT = "update.age_at_use_cycles"
 SMALLEST = 2.0**-10

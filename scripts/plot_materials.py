@@ -16,7 +16,7 @@ import tempfile
 import matplotlib.pyplot as plt
 import numpy as np
 
-from pictures import FAINT, save
+from pictures import FAINT, KNURL, OTHERS, save
 
 NAMES = {  # in the manual's order, and what to look for
     "concrete": "grains 1-3 mm apart hold and knock",
@@ -28,7 +28,7 @@ NAMES = {  # in the manual's order, and what to look for
     "sandpaper": "grit every 0.4 mm: a buzz",
 }
 STROKE, SPEED, PRESS = 40.0, 0.05, 1.0  # mm, m/s, N
-THERE, BACK = "#00796b", "#c77700"
+THERE, BACK = KNURL, OTHERS[0]
 
 
 def fail(text):

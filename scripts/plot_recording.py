@@ -15,10 +15,10 @@ import sys
 import matplotlib.pyplot as plt
 import numpy
 
-from pictures import FAINT, INK, KNURL, save
+from pictures import FAINT, INK, KNURL, OTHERS, save
 
 ACTIVE = 4  # DeviceState::active (runtime/protocol/include/knurl/protocol/report.hpp)
-PLACE, SENT = "#0072b2", "#d55e00"  # Okabe and Ito: told apart by the colour-blind
+PLACE, SENT = INK, OTHERS[0]
 
 
 def read(path):

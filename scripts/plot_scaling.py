@@ -12,10 +12,10 @@ import math
 import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from pictures import FAINT, INK, KNURL, machine_line, main
+from pictures import FAINT, INK, KNURL, METHOD, OTHERS, machine_line, main
 
-COLOURS = [KNURL, "#c77700", "#7a4fa3", "#3367d6", "#ad1457"]
-BAD = "#b3261e"
+COLOURS = [KNURL, *OTHERS]
+BAD = METHOD["force"]
 TITLES = {
     "clients, looked at": "Clients that say nothing", "clients, taken from": "Clients, a batch of each in every cycle",
     "readers": "Report readers", "representations": "Representations of a claim", "scene": "Spheres in a scene",

@@ -11,16 +11,16 @@ import sys
 
 import matplotlib.pyplot as plt
 
-from pictures import FAINT, INK, machine_line, save
+from pictures import FAINT, INK, METHOD, machine_line, save
 
 TRUE = "#9aa0a6"
 LOOKS = {  # colour, marker
-    "force from the application": ("#b3261e", "x"),
-    "planes as they come": ("#c77700", "o"),
-    "paper's recovery, 50 ms": ("#7a4fa3", "s"),
-    "cross-faded": ("#3f6fb5", "^"),
-    "predicted, faded (default)": ("#00796b", "D"),
-    "cap, predicted, faded": ("#004d40", "*"),
+    "force from the application": (METHOD["force"], "x"),
+    "planes as they come": (METHOD["planes"], "o"),
+    "paper's recovery, 50 ms": (METHOD["paper"], "s"),
+    "cross-faded": (METHOD["faded"], "^"),
+    "predicted, faded (default)": (METHOD["default"], "D"),
+    "cap, predicted, faded": (METHOD["caps"], "*"),
 }
 FACTORS = [  # table, axis, scale of x, logarithmic
     ("servo_rate", "servo rate, Hz", 1, True), ("recovery", "recovery or fade time, ms", 1e3, True),
@@ -56,9 +56,9 @@ def draw_bound(tables):
     left.plot(reach, reach, color=INK, lw=1, label="b / (T/2 + τ)")
     left.fill_between(reach, [0.9 * r for r in reach], [1.1 * r for r in reach], color="#e8eaed", lw=0, label="± 10 %")
     left.plot(x, column(bound, "eigenvalue"), "_", ms=9, color=FAINT, label="eigenvalue of the loop")
-    left.plot(x, column(bound, "measured, no dry friction"), "o", ms=4.5, mfc="none", color="#00796b",
+    left.plot(x, column(bound, "measured, no dry friction"), "o", ms=4.5, mfc="none", color=METHOD["default"],
               label="measured, no dry friction")
-    left.plot(x, column(bound, "measured, 0.05 N"), "^", ms=4, mfc="none", color="#c77700",
+    left.plot(x, column(bound, "measured, 0.05 N"), "^", ms=4, mfc="none", color=METHOD["planes"],
               label="measured, 0.05 N dry friction")
     left.set_xscale("log")
     left.set_yscale("log")
@@ -69,7 +69,7 @@ def draw_bound(tables):
     plain(left)
 
     damping = tables["damping"]
-    for mass, colour in (("0.15", "#00796b"), ("0.05", "#b3261e")):
+    for mass, colour in (("0.15", METHOD["default"]), ("0.05", METHOD["force"])):
         rows = [row for row in damping["rows"] if row["name"].startswith(mass + " kg")]
         pick = lambda name: [row["values"][damping["columns"].index(name)] for row in rows]
         bv = [row["x"] for row in rows]

@@ -15,10 +15,9 @@ import numpy as np
 from matplotlib.colors import LightSource, LinearSegmentedColormap
 
 import pictures
-from pictures import FAINT, INK, machine_line
+from pictures import FAINT, INK, METHOD, machine_line
 
-COLOURS = {"force": "#b3261e", "planes": "#c77700", "paper": "#7a4fa3", "knurl": "#00796b", "caps": "#4b6f9e",
-           "mesh": "#1a5fb4", "field": "#5f7d1c"}
+COLOURS = METHOD | {"knurl": METHOD["default"], "field": METHOD["heights"]}
 NAMES = {  # a title, and what is special about it
     "force": ("Force from the application", "held until the next one comes"),
     "planes": ("Planes, as they come", "the surface's tangent plane at the hand"),
