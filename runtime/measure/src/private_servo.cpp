@@ -23,7 +23,9 @@ namespace fs = std::filesystem;
 std::string servo_program() {
     const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
     // Installed, the two lie side by side; in a build tree each has a folder.
-    for (const fs::path& candidate : {here / "knurld", here.parent_path() / "knurld" / "knurld"}) {
+    const fs::path beside = here.parent_path(), above = beside.parent_path();
+    for (const fs::path& candidate :
+         {here / "knurld", beside / "knurld" / "knurld", above / "knurld" / "knurld"}) {
         if (fs::is_regular_file(candidate)) return candidate.string();
     }
     return "knurld";

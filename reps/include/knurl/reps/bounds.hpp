@@ -16,7 +16,9 @@ inline constexpr std::uint32_t max_probes = 16;
 inline constexpr std::uint32_t max_parameter_bytes = 480;
 /// Most bytes of the servo's memory of one representation.
 inline constexpr std::size_t max_state_bytes = 192;
-/// Kinds of representations.
+/// Most kinds of representations.
 inline constexpr std::uint32_t max_kinds = 32;
+/// Most assets of a scene; they are numbered from 1.
+inline constexpr std::uint32_t max_assets = 64;
 
 }  // namespace knurl

@@ -18,7 +18,9 @@ using Kind = std::uint32_t;
 
 /// R is a representation, and its header has been included.
 template <class R>
-concept Described = requires { Describe<R>::name; };
+concept Described = requires {
+    Describe<R>::name;
+};
 
 /// The kind of R. It is defined for the representations of the list alone: for any other one the linker says that this
 /// function is missing.

@@ -9,11 +9,16 @@
 #include <memory>
 #include <span>
 
+#include <knurl/reps/bounds.hpp>
 #include <knurl/reps/hand_budget.hpp>
 #include <knurl/reps/kind.hpp>
+#include <knurl/reps/probe.hpp>
 #include <knurl/reps/scene_time.hpp>
+#include <knurl/reps/wrench.hpp>
 
 namespace knurl {
+
+struct Asset;  // knurl/geometry/asset.hpp
 
 /// Names one representation of a scene. One of an older generation names nothing any more.
 struct RepresentationId {

@@ -10,14 +10,12 @@
 #include <optional>
 
 #include <knurl/geometry/proxy.hpp>
+#include <knurl/reps/bounds.hpp>
 #include <knurl/reps/concepts.hpp>
 #include <knurl/reps/material.hpp>
 #include <knurl/reps/motion.hpp>
 
 namespace knurl {
-
-/// Most assets of a scene; they are numbered from 1.
-inline constexpr std::uint32_t max_assets = 64;
 
 /// Direction of the force on facets.
 enum class Shading : std::uint32_t {
