@@ -138,7 +138,7 @@ HandScales HandBudget::slewed(const HandScales& targets, double dt) const noexce
 
 namespace {
 
-// J that the hand is given by raising the scales of `from` to those of `to`.
+// J that the hand receives when the scales rise from `from` to `to`.
 double cost(const HandScales& from, const HandScales& to, const SceneLoad& load) noexcept {
     return std::max(0.0, to.effects - from.effects) * load.in_effects.held +
            std::max(0.0, to.contacts - from.contacts) * load.in_contacts.held;
@@ -146,7 +146,7 @@ double cost(const HandScales& from, const HandScales& to, const SceneLoad& load)
 
 }  // namespace
 
-// With E = m v^2 / 2 + s V: what scales that rise add to it was taken from the hand before.
+// With E = m v^2 / 2 + s V: the energy that a rising scale adds must have been taken from the hand before.
 void HandBudget::pay(HandScales& next, const SceneLoad& load, double spent) noexcept {
     if (!(cost(scales_, next, load) > 0)) {  // nothing waits
         tank_ = 0;
@@ -155,12 +155,12 @@ void HandBudget::pay(HandScales& next, const SceneLoad& load, double spent) noex
     const double used = largest_eigenvalue(scales_.contacts * load.contacts + scales_.effects * load.effects);
     tank_ += scales_.contacts * load.in_contacts.freed + scales_.effects * load.in_effects.freed +
              spent_share * (1 - used) * spent;
-    tank_ = std::clamp(tank_, 0.0, cost(scales_, {}, load));  // more is of no use
+    tank_ = std::clamp(tank_, 0.0, cost(scales_, {}, load));  // more would never be spent
     const auto rise = [this](double from, double& to, double held) {
         const double costs = std::max(0.0, to - from) * held;
         if (costs > tank_) to = from + tank_ / held;
         tank_ = std::max(0.0, tank_ - costs);
-        if (to > 1 - 1e-9) to = 1;  // but for rounding
+        if (to > 1 - 1e-9) to = 1;  // removes rounding
     };
     rise(scales_.effects, next.effects, load.in_effects.held);
     rise(scales_.contacts, next.contacts, load.in_contacts.held);
