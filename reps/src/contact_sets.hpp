@@ -1,5 +1,6 @@
 #pragma once
-// The surfaces of each probe that are solved together and, during a cross-fade, those that were solved before:
+// The surfaces of each probe that are solved together and, during a cross-fade, those that were solved
+// before:
 //
 //   records, sorted by stiffness ──> set `now` ─┐
 //   their old records, or one frozen plane ──> set `old` ─┴─> contact stage

@@ -17,8 +17,8 @@ HandLoad isotropic_load(double stiffness, double damping) noexcept {
     return load;
 }
 
-// The hand's displacement (x, theta) displaces the point by x + theta cross arm, and a force there has the moment
-// arm cross force: K -> T^T K T.
+// The hand's displacement (x, theta) displaces the point by x + theta cross arm, and a force there has the
+// moment arm cross force: K -> T^T K T.
 HandLoad moved_by(const HandLoad& load, const Eigen::Vector3d& arm) noexcept {
     Matrix6 t = Matrix6::Identity();
     t.topRightCorner<3, 3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
@@ -99,8 +99,8 @@ bool LoadBound::exceeds() const noexcept {
 
 namespace {
 
-// The largest s <= 1 for which no eigenvalue of `taken` + s `contacts` is above 1: with L L^T = 1 - `taken`, it is
-// 1 / lambda_max(L^-1 contacts L^-T).
+// The largest s <= 1 for which no eigenvalue of `taken` + s `contacts` is above 1: with L L^T = 1 - `taken`,
+// it is 1 / lambda_max(L^-1 contacts L^-T).
 double contacts_left(const Matrix6& taken, const Matrix6& contacts) noexcept {
     if (contacts.isZero(0)) return 1;
     if (taken.isZero(0)) return 1 / largest_eigenvalue_above_1(contacts);

@@ -1,7 +1,7 @@
-// Cuts faces where they meet, in the simplest steps: split an edge at a vertex, split a face at a vertex, turn an
-// edge within a plane. A pierced face gets a vertex there, and so does the piercing edge. Two faces that meet along
-// a segment then have its ends as corners. So the segment is an edge, or an edge crosses it, which is the next step.
-// No face is triangulated anew, and the sum of all faces stays closed where it was.
+// Cuts faces where they meet, in the simplest steps: split an edge at a vertex, split a face at a vertex,
+// turn an edge within a plane. A pierced face gets a vertex there, and so does the piercing edge. Two faces
+// that meet along a segment then have its ends as corners. So the segment is an edge, or an edge crosses it,
+// which is the next step. No face is triangulated anew, and the sum of all faces stays closed where it was.
 
 #include <algorithm>
 #include <array>

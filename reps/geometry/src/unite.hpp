@@ -1,6 +1,6 @@
 #pragma once
-// What touches or crosses becomes one surface. The walk goes over edges, so it would pass below a sheet that shares
-// no edge with its own.
+// What touches or crosses becomes one surface. The walk goes over edges, so it would pass below a sheet that
+// shares no edge with its own.
 //
 //   pairs that are near ──> gaps shut ──> cut where they meet ──> drop what lies inside a body
 

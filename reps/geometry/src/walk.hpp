@@ -1,6 +1,7 @@
 #pragma once
-// The walk goes from a face over its neighbours to the point of the surface nearest to the hand, always downhill.
-// It works on any surface that gives a face's corners and the neighbours over its edges (mesh_surface.hpp).
+// The walk goes from a face over its neighbours to the point of the surface nearest to the hand, always
+// downhill. It works on any surface that gives a face's corners and the neighbours over its edges
+// (mesh_surface.hpp).
 //
 //   within ──> rests.   edge ──> the face over it.   corner ──> the fan around it: the first that is nearer.
 //
