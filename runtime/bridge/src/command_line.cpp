@@ -34,7 +34,7 @@ std::string bounds() {
         static_cast<double>(dead_after_ns) * 1e-9, delay_allowance);
 }
 
-/// Signals come through a descriptor.
+/// Signals arrive through a descriptor.
 shm::UniqueFd take_signals() {
     sigset_t set;
     ::sigemptyset(&set);
@@ -46,8 +46,8 @@ shm::UniqueFd take_signals() {
     return fd;
 }
 
-/// All peers wait for one thread, which must not wait for every program of this host: where we may, it runs
-/// before them, and still after all that is real time.
+/// All peers wait for one thread, so it should not wait for every program of this host. With the right to do
+/// so it gets a higher priority than these, but a lower one than any real-time thread.
 void go_before_others() {
     constexpr int nice = -11;
     ::setpriority(PRIO_PROCESS, 0, nice);
@@ -61,7 +61,7 @@ void raise_descriptor_limit() {
     ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/// What there is to say of the servo at the start: nothing, if it is there.
+/// A remark about the servo at the start; empty if it runs.
 std::string about(const std::string& servo) {
     try {
         detail::connect_local(servo, "knurl-bridge", servo_answer_time);
@@ -92,7 +92,7 @@ int serve(const std::string& servo, const std::string& listen, const std::string
         relay.run(signals.get());
         signalfd_siginfo what{};
         if (::read(signals.get(), &what, sizeof what) != sizeof what || what.ssi_signo != SIGHUP) return 0;
-        if (keys_file.empty()) return 0;  // nothing to read again: its terminal was closed
+        if (keys_file.empty()) return 0;  // its terminal was closed: there is no file to read again
         try {
             relay.admit(read_keys(keys_file));
             std::printf("knurl-bridge: %s: read again\n", keys_file.c_str());
