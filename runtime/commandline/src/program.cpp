@@ -28,7 +28,7 @@ int complain(const std::string& who, std::string text, int code) {
     return code;
 }
 
-/// What a failed write of standard output threw, which says only "cannot write to file".
+/// An exception of a failed write to standard output, which says only "cannot write to file".
 bool of_output(const std::exception& error) {
     return std::ferror(stdout) != 0 && (dynamic_cast<const std::system_error*>(&error) != nullptr ||
                                         dynamic_cast<const OutputError*>(&error) != nullptr);
