@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::string_view debounce_option = "debounce=";
 
-/// An address without what is no driver's own matter.
+/// The options that every driver's address may have, removed from it.
 struct AddressOptions {
     std::string what;
     double debounce = Debounce::usual;  // s
