@@ -134,11 +134,11 @@ class Play {
         if (stepping_ || !world_.lost()) return;
         if (lost_ < 0) lost_ = now_;
         if (now_ - lost_ < faded) return;
-        throw std::runtime_error(
-            fmt::format("the engine has lost the {}: it says a place that is no number; all was let go. "
-                        "Start again, with "
-                        "less stiffness (--stiffness, --spring) or more frames (--rate)",
-                        world_.bodies()[*world_.lost()].name));
+        throw std::runtime_error(fmt::format(
+            "the engine has lost the {}: its place is not a number; the hand let go of everything. "
+            "Start again, with "
+            "less stiffness (--stiffness, --spring) or more frames (--rate)",
+            world_.bodies()[*world_.lost()].name));
     }
 
     void watch() {

@@ -201,7 +201,7 @@ void Imd::shake_hands(std::chrono::milliseconds patience) {
     try {
         while (!reader_.greeted()) {
             if (!poll_for(socket_.get(), POLLIN, left(deadline)))
-                fail("it takes the connection and says nothing; does another program hold it already?");
+                fail("it accepts the connection and sends nothing; does another program hold it already?");
             receive();
             // A frame before our answer makes no sense: none is there yet.
             reader_.next();

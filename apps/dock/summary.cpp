@@ -99,7 +99,7 @@ std::string text_of(const Summary& s, const Docked& d, const DockOptions& o) {
             "{:.0f} K mean, {:.0f} K at most",
             s.simulation_kj, s.temperature, s.peak_temperature);
     } else {
-        line("the simulation says nothing of its energy");
+        line("the simulation does not report its energy");
     }
     const auto note = [&](std::uint64_t count, const std::string& what) {
         if (count > 0) line("in {} of {} frames {}", count, d.counts.frames, what);

@@ -264,7 +264,7 @@ Trial try_device(drivers::Device& device, const TrialOptions& options,
         say(fmt::format("turns it with {:g} and {:g} N m about x, y and z", twist / 2, twist));
         trial.turns = along_each_axis(bench, By::torque, twist, home_at, angle);
     }
-    say(fmt::format("a wall below: it presses itself on with {:g} N, ever stiffer until it hums",
+    say(fmt::format("a wall below: the tip presses on it with {:g} N, and it gets stiffer until it hums",
                     options.push / 2));
     trial.wall = wall(bench, home_at, trial.pushes.back().mass, count);
     bench.settle(0.5, home_at);

@@ -174,16 +174,14 @@ LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now
 
 std::string to_text(const LatencyComparison& comparison) {
     std::string text = fmt::format(
-        "\ncompared with the run of {}; each verdict at {:.2f} %, so that of twenty pairs of equal runs on "
-        "a steady machine at most one has any. The machine's floors moved by up to {:.2f} at the median, "
-        "{:.2f} at 99 %: what "
-        "differs by no more, or by no more than the stretches of either run differ, may be the machine; "
-        "where "
-        "they moved more than {:g} times there is no verdict:\n",
+        "\ncompared with the run of {}. Each verdict holds at {:.2f} %: of twenty pairs of equal runs on a "
+        "steady machine at most one has any. The machine's floors moved by up to {:.2f} at the median, "
+        "{:.2f} at 99 %. A difference that is no larger, or no larger than between the stretches of either "
+        "run, may be the machine. Where the floors moved more than {:g} times there is no verdict:\n",
         comparison.date, comparison.confidence * 100, comparison.moved, comparison.moved_tail,
         measure::most_moved);
     for (const std::string& warning : comparison.warnings)
-        text += fmt::format("not alike: {}; the difference may be that\n", warning);
+        text += fmt::format("not alike: {}; this may cause the difference\n", warning);
     text += fmt::format("{:<34} {:>4} {:>8} {:>8}  {:<24} {}\n", "what", "", "was", "is", "new to old",
                         "verdict");
     for (const PathComparison& path : comparison.paths) {

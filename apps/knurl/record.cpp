@@ -383,11 +383,10 @@ void add_record(commandline::Command& program) {
                 "no servo: what the guardian saved when one died (its file, or the directory: the newest)")
         .type_name("PATH");
     verb.footer(
-        "Ends well with Ctrl-C, and when the servo ends. What is recorded from a moment on in which nobody "
-        "holds the\n"
-        "device replays to the last bit, so start the recording before the application. The servo waits for "
-        "nothing:\n"
-        "what a slow or full disk does not take is dropped and counted. Less than 1 GB an hour at 1 kHz, and "
+        "Ctrl-C or the end of the servo completes the file. Replay is exact to the last bit from the first "
+        "moment at which\nnobody holds the device, so start the recording before the application. The servo "
+        "does not wait for the disk:\nwhat a slow or full disk does not take is dropped and counted. Less "
+        "than 1 GB an hour at 1 kHz, and "
         "once\n"
         "each mesh that an application sends.");
     verb.action([arguments] { return record(*arguments); });

@@ -95,10 +95,8 @@ void add_reset(commandline::Command& program) {
         "A device in fault is without force until it is reset: the machine was suspended, the hand was too "
         "fast.\n"
         "Afterwards it is idle; force comes when a program that holds it arms it. While the cause goes on, "
-        "or\n"
-        "the hand moves, it is refused with the reason. Who may connect to the servo may do so; over a "
-        "network\n"
-        "nobody: run it on the servo's own host.");
+        "or\nthe hand moves, the reset is refused with the reason. Every user who may connect to the servo "
+        "may reset;\nover a network nobody may: run it on the servo's own host.");
     verb.action([arguments] { return reset(*arguments); });
 }
 

@@ -123,7 +123,7 @@ void receive_answer(const shm::UniqueFd& connection, std::chrono::milliseconds a
         throw std::runtime_error(protocol::text_of(refused.text));
     }
     if (header.magic != protocol::attach_magic || header.type != expected || received.bytes != message.size())
-        throw std::runtime_error("what listens there is no servo of this version of Knurl");
+        throw std::runtime_error("the program that listens there is no servo of this version of Knurl");
     std::memcpy(message.data(), buffer, message.size());
     fds = std::move(received.fds);
 }

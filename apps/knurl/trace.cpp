@@ -98,7 +98,7 @@ std::string sentence(const Timeline& timeline, const Stretch& stretch, Around ar
     if (around == Around::late && !stretch.late)
         text += fmt::format(" (none of {} was late; no other was read as late)", timeline.reports.size());
     text += stretch.stamped ? fmt::format("; cycle {} in all its parts", *stretch.stamped)
-                            : "; of none the parts are known";
+                            : "; the parts of no cycle are known";
     return text;
 }
 

@@ -150,15 +150,15 @@ TEST(MeshFormats, WhatIsNoneIsRefusedAtItsPlace) {
          ":9: \"surf\" is a free-form surface, and only polygons are read; let the program that made it "
          "write triangles"},
         {"bowtie.obj", "v 0 0 0\nv 3 2 0\nv 3 0 0\nv 0 3 0\nf 1 2 3 4\n",
-         ":5: the outline of a polygon of 4 corners crosses itself, so nobody knows its inside; let the "
+         ":5: the outline of a polygon of 4 corners crosses itself, so its inside is not defined; let the "
          "program that "
          "made it write triangles"},
         {"star.obj", "v 0 3 0\nv 2 -3 0\nv -3 1 0\nv 3 1 0\nv -2 -3 0\nf 1 2 3 4 5\n",
-         ":6: the outline of a polygon of 5 corners crosses itself, so nobody knows its inside; let the "
+         ":6: the outline of a polygon of 5 corners crosses itself, so its inside is not defined; let the "
          "program that "
          "made it write triangles"},
         {"points.obj", v, ": holds points or lines but no triangle; give a surface"},
-        {"letter.obj", "Dear aunt,\n", ": holds nothing; give a file with triangles"},
+        {"letter.obj", "Dear aunt,\n", ": is without content; give a file with triangles"},
         {"cut.stl", stl_text().substr(0, 300),
          ":17: the file ends within a facet: it is cut off; write or fetch it again"},
         {"comma.stl", replaced(stl_text(), "vertex -1", "vertex -1,5"),

@@ -172,8 +172,8 @@ TEST(ArmFile, WhatIsNoSmallFileIsNotRead) {
         return "accepted";
     };
     const std::string mend = "; give an arm's TOML file";
-    EXPECT_EQ(said("/dev/zero"), "/dev/zero: is a device, pipe or socket, no file" + mend);
-    EXPECT_EQ(said(pipe), pipe + ": is a device, pipe or socket, no file" + mend)
+    EXPECT_EQ(said("/dev/zero"), "/dev/zero: is a device, pipe or socket, not a file" + mend);
+    EXPECT_EQ(said(pipe), pipe + ": is a device, pipe or socket, not a file" + mend)
         << "does not wait for a writer";
     EXPECT_EQ(said(folder), folder.string() + ": is a folder" + mend);
     EXPECT_EQ(said(huge), huge + ": is larger than 1 MiB, and an arm has some 3 KiB" + mend);

@@ -156,7 +156,7 @@ void read_frames(ArmFile& arm, const ArmTable& root) {
         if (!node->is_table()) root.fail("base", "base must be a table; write [base]");
         ArmTable table(arm, *node->as_table(), "[base]", {"rpy", "rpy_deg"});
         const auto rpy = table.angles("rpy", 3);
-        if (!rpy) table.fail("", "[base] says nothing; write rpy_deg = [0, 0, 90] or remove it");
+        if (!rpy) table.fail("", "[base] is empty; write rpy_deg = [0, 0, 90] or remove it");
         // As in URDF: about fixed x, then y, then z.
         arm.table.base.linear() = (Eigen::AngleAxisd((*rpy)[2], Eigen::Vector3d::UnitZ()) *
                                    Eigen::AngleAxisd((*rpy)[1], Eigen::Vector3d::UnitY()) *
@@ -167,7 +167,7 @@ void read_frames(ArmFile& arm, const ArmTable& root) {
         if (!node->is_table()) root.fail("tool", "tool must be a table; write [tool]");
         ArmTable table(arm, *node->as_table(), "[tool]", {"position"});
         const auto position = table.numbers("position", 3, {"m", -3, 3});
-        if (!position) table.fail("", "[tool] says nothing; write position = [0, 0, 0.05] or remove it");
+        if (!position) table.fail("", "[tool] is empty; write position = [0, 0, 0.05] or remove it");
         arm.table.tool.translation() = Eigen::Vector3d((*position)[0], (*position)[1], (*position)[2]);
     }
 }
@@ -306,7 +306,7 @@ ArmFile load_arm(const std::string& path) {
         throw std::runtime_error(path + ": cannot be read: " + error.message());
     if (std::filesystem::is_directory(status)) throw refuse("is a folder");
     if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-        throw refuse("is a device, pipe or socket, no file");
+        throw refuse("is a device, pipe or socket, not a file");
     errno = 0;
     std::ifstream file(path, std::ios::binary);
     if (!file.is_open()) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));

@@ -168,7 +168,7 @@ Driver driver() {
             .open = open,
             .usb = {std::begin(ids), std::end(ids)},
             .note =
-                "since it got power it may need its firmware, which is Novint's and not part of Knurl: add "
+                "after power-up it may need its firmware, which is Novint's and not part of Knurl: add "
                 "firmware=nvent_firmware.bin (whether one runs already, only opening it tells)"};
 }
 

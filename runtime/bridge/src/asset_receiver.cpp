@@ -76,7 +76,7 @@ bool AssetReceiver::offer(std::uint32_t stream, const std::shared_ptr<detail::As
                           std::span<const std::byte> payload, std::string& why) {
     AssetOffer offer;
     if (!take(payload, offer) || !payload.empty() || offer.ticket <= last_ticket_ || !door) {
-        why = "an offer of an asset that is none";
+        why = "a malformed offer of an asset";
         return false;
     }
     last_ticket_ = offer.ticket;
@@ -160,7 +160,7 @@ bool AssetReceiver::answers(std::string& why) {
 bool AssetReceiver::cancel(std::span<const std::byte> payload, std::string& why) {
     AssetTicket message;
     if (!take(payload, message) || message.ticket > last_ticket_) {
-        why = "an asset called off that was never offered";
+        why = "it cancelled an asset that was never offered";
         return false;
     }
     parcels_.erase(message.ticket);
@@ -173,7 +173,7 @@ bool AssetReceiver::cancel(std::span<const std::byte> payload, std::string& why)
 
 bool AssetReceiver::forget(std::uint32_t stream, std::span<const std::byte> payload, std::string& why) {
     AssetForget message;
-    why = "an asset to be forgotten that it does not have";
+    why = "it told the servo to forget an asset that it does not have";
     if (!take(payload, message)) return false;
     const auto found = held_.find({stream, message.number});
     if (found == held_.end() || found->second.forgotten) return false;

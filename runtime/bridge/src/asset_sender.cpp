@@ -145,7 +145,9 @@ bool AssetSender::ready(std::span<const std::byte> payload) noexcept {
     const auto parcel = take(message.ticket);
     if (!parcel) return true;  // it was withdrawn in the meantime
     if (parcel->sent < parcel->bytes || message.ready.number != parcel->number) {
-        refuse(*parcel, "the bridge says that an asset is ready which was not sent; build both alike");
+        refuse(*parcel,
+               "the bridge reports an asset as ready that was not sent; build application and bridge from "
+               "the same version");
         return false;
     }
     parcel->ready = message.ready;

@@ -21,15 +21,13 @@ namespace {
 
 constexpr const char* description =
     "Lets applications on other hosts use a servo of this host, as knurl://HOST:PORT. It is an ordinary\n"
-    "client of the servo. Without keys it listens for this host alone; with keys (made by `keygen`) all\n"
+    "client of the servo. Without keys it serves only this host; with keys (made by `keygen`) all\ntraffic "
     "is encrypted, and a key's role says what its owner may do.";
 std::string bounds() {
     return detail::format(
-        "Bounds: {} sessions, {} claims and observers each; {} at a time that have not said who they are "
-        "({} of one host), {:g} s each;\n"
-        "a session of which nothing is heard for {:g} s ends; {:g} s more than a local application before it "
-        "counts "
-        "as silent.",
+        "Bounds: {} sessions, {} claims and observers each; {} callers at a time before identification ({} "
+        "of one host), {:g} s each;\na session without a sign of life for {:g} s ends; its application "
+        "counts as silent {:g} s later than a local one.",
         max_sessions, max_streams, Relay::most_pending, Relay::most_pending_of_host, Relay::greeting_seconds,
         static_cast<double>(dead_after_ns) * 1e-9, delay_allowance);
 }
@@ -127,9 +125,9 @@ int bridge_main(int argc, char** argv) {
     app.servo(servo, "The servo's name").shows_default();
     app.option("--listen", listen, "HOST:PORT, for TCP and UDP; any but this host's own needs --keys")
         .shows_default();
-    app.option("--keys", keys, "File of those who may come in (mode 0600); read again on SIGHUP");
+    app.option("--keys", keys, "File with the keys that may connect (mode 0600); read again on SIGHUP");
     commandline::Command& keygen = app.verb("keygen", "Adds a key to a file");
-    keygen.option("--keys", file, "The file; made if there is none").shows_default();
+    keygen.option("--keys", file, "The file; created if it is missing").shows_default();
     keygen.option("--name", name, "Whose key it is").required();
     keygen.option("--role", role, "observe (reports), render (joins a device that is on), control (all)")
         .shows_default();

@@ -27,7 +27,8 @@ constexpr std::int64_t quick_for_ns = 200'000'000;
 // Interval of long pings (path_mtu.hpp).
 constexpr std::int64_t probe_ns = 500'000'000;
 constexpr std::string_view no_sense =
-    "it says what no knurl-bridge of this version does; build the application and the bridge from the same "
+    "its messages are not those of a knurl-bridge of this version; build the application and the bridge from "
+    "the same "
     "version";
 
 /// Refuses values with which no claim could compute.

@@ -102,11 +102,12 @@ void Connection::nonsense() const {
 
 Error Connection::refusal(const Refused& refused) const {
     const auto most = static_cast<std::uint32_t>(Error::Kind::exhausted);
-    return {static_cast<Error::Kind>(std::min(refused.kind, most)),
-            refused.text[0] != '\0'
-                ? protocol::printable(refused.text)
-                : detail::format("bridge {} refuses, and does not say why; see what it prints", bridge_.text),
-            static_cast<pid_t>(refused.holder_pid)};
+    return {
+        static_cast<Error::Kind>(std::min(refused.kind, most)),
+        refused.text[0] != '\0'
+            ? protocol::printable(refused.text)
+            : detail::format("bridge {} refuses the connection without a reason; see its log", bridge_.text),
+        static_cast<pid_t>(refused.holder_pid)};
 }
 
 /// Waits until data arrives, or waiting data can be sent.

@@ -112,7 +112,7 @@ bool Peer::take_frame(const Frame& frame, PeerContext& context) {
         case FrameType::asset_forget:
             return assets_.forget(frame.stream, frame.payload, why_);
         default:
-            return fail(detail::format("a frame of type {}, which none of ours has", frame.type));
+            return fail(detail::format("a frame of the unknown type {}", frame.type));
     }
 }
 

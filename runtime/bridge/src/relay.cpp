@@ -120,7 +120,7 @@ void Relay::accept_all(std::int64_t now) {
             continue;
         }
         if (!make_room(from, now)) {
-            log_.refused(from, numeric(from), "too many callers that have not said who they are", now);
+            log_.refused(from, numeric(from), "too many callers that are not identified yet", now);
             continue;
         }
         const auto free =
@@ -155,7 +155,7 @@ bool Relay::make_room(const sockaddr_storage& from, std::int64_t now) {
     }
     if (oldest == places) return false;
     if (most <= own + 1 && now - places_[oldest].peer->heard_ns() < give_way_ns) return false;
-    end(oldest, "it did not say who it is, and somebody else waits", now);
+    end(oldest, "it did not identify itself, and another caller waits", now);
     return true;
 }
 
@@ -357,7 +357,7 @@ void Relay::tick(std::int64_t now) {
         const std::string why =
             peer->greeted()
                 ? detail::format("nothing was heard of it for {} s", dead_after_ns / 1'000'000'000)
-                : detail::format("it did not say who it is within {:g} s", greeting_seconds);
+                : detail::format("it did not identify itself within {:g} s", greeting_seconds);
         end(i, why, now);
     }
 }

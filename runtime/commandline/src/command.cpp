@@ -215,7 +215,7 @@ struct Command::Impl {
     void require_once() const {
         for (const Option& option : options)
             if (option.given_twice())
-                throw UsageError("one thing is said twice: " + option.name() +
+                throw UsageError("an option is given twice: " + option.name() +
                                  " is given under both its names" + see_help());
     }
     /// A misspelt option is reported first, whatever else is missing because of it.

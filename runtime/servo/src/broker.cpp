@@ -189,7 +189,7 @@ struct Broker::Impl {
                     type_of(buffer, received.bytes) == static_cast<std::uint32_t>(MessageType::asset_offer);
                 if (received.truncated || (!received.fds.empty() && !with_asset)) {
                     throw RequestRefused(
-                        "attach: a message longer than any of ours, or with descriptors; not a Knurl "
+                        "attach: a message that is too long, or carries descriptors; is this a Knurl "
                         "client?");
                 }
                 if (with_asset) {

@@ -82,7 +82,7 @@ void require_sane(const InputRecord& record, const ClaimTerms& terms) {
     if (record.bytes.size() != after_number + sizeof terms || c.representations < 1 ||
         c.representations > protocol::max_representations || c.batch_bytes < 8 ||
         c.batch_bytes > protocol::max_batch_bytes || c.batch_bytes % 8 != 0)
-        nonsense(record, "adopts what is no claim");
+        nonsense(record, "adopts something that is no claim");
 }
 
 }  // namespace
