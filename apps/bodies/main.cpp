@@ -119,7 +119,7 @@ int run_compare(double rate) {
     return 0;
 }
 
-/// A servo of its own that does not start says why.
+/// If the program's own servo does not start, the error says why.
 knurl::Client connect(const Options& w, knurl::measure::PrivateServo* servo) {
     const double at_once = servo != nullptr ? 0.2 : w.wait;
     const auto wait = std::chrono::milliseconds(static_cast<int>(at_once * 1e3));
