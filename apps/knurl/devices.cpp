@@ -1,4 +1,4 @@
-// knurl devices: what is plugged in, what is in the way, and the command that mends it.
+// knurl devices: which devices are plugged in, what is missing, and the command that fixes it.
 
 #include <memory>
 #include <optional>
@@ -54,7 +54,7 @@ Seen inspect(const UsbDevice& device, const std::vector<ServoView>& servos) {
     return seen;
 }
 
-/// What to know before it is opened; empty: nothing, or it is open.
+/// A remark before it is opened; empty: none, or it is open.
 std::string note_of(const Seen& seen) {
     if (!seen.held_by.empty() || !seen.problem.empty()) return "";
     for (const drivers::Driver& driver : drivers::drivers())
