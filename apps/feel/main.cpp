@@ -99,7 +99,7 @@ std::unique_ptr<knurl::Mesh> mesh_here(const meshfile::MeshFile& file, const knu
     return mesh;
 }
 
-/// What of the file is felt otherwise than it stands there, and says so.
+/// Notes what is rendered differently from the file, and says so.
 void prepare(meshfile::MeshFile& file, const knurl::SendOptions& send, bool inside) {
     for (const std::string& line : file.notes) fmt::print("  {}\n", line);
     if (const auto middle = file.far_middle()) {
@@ -147,10 +147,10 @@ int run(Options& w) {
     std::unique_ptr<knurl::measure::PrivateServo> servo;
     if (w.demo) {
         const std::string& stroke = path.name;
-        // The premium15's workspace is about its origin; what is larger is made smaller, for its path as by
-        // the claim.
+        // The premium15's workspace is about its origin. A larger thing is scaled down, for the hand's path
+        // as by the claim.
         constexpr const char* device = "sim:premium15";
-        constexpr double reach = 0.089;  // m: a little less than the claim lets be of the device's own size
+        constexpr double reach = 0.089;  // m: slightly less than the claim leaves of the device's own size
         const double fits = std::max(1.0, size / 2 / reach);
         send.scale /= fits;
         if (fits > 1) fmt::print("  too large for the simulated device: felt at 1:{:.3g}\n", fits);
@@ -202,7 +202,7 @@ int run(Options& w) {
                    fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
         fmt::print("  {}\n", w.picture);
     }
-    // A person may come and go; a demonstration of nothing is none.
+    // A person may come and go, but a demonstration without a touch has failed.
     return result.faults != 0 || (w.demo && !touched && !stop) ? 1 : 0;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// JSON for programs, tests and benchmarks: a value, read from text and written as text. The parser and the writer are
-// nlohmann's, and only json.cpp compiles them: their header takes seconds in every source that includes it.
+// JSON for programs, tests and benchmarks: a value, read from text and written as text. Only json.cpp
+// compiles nlohmann's parser and writer: their header takes seconds in every source that includes it.
 
 #include <compare>
 #include <concepts>

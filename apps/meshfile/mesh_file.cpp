@@ -49,7 +49,7 @@ std::string bytes_of(const std::string& path) {
 Soup soup_of(std::string_view bytes, const std::string& path) {
     const std::string extension = std::filesystem::path(path).extension().string();
     const auto is = [&](const char* lower_case) { return same_word(extension, lower_case); };
-    // By what is inside, then by what the name says.
+    // By content first, then by the name.
     if (is_ply(bytes)) return read_ply(bytes, path);
     if (is(".ply")) bad(path, "is no PLY: its first line is not \"ply\"; write or fetch it again");
     if (is(".obj")) return read_obj(bytes, path);

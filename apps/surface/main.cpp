@@ -1,5 +1,5 @@
-// knurl-surface: lets a hand stroke a real relief through an application of 20 Hz, in several ways, and
-// judges them.
+// knurl-surface: a hand strokes a real relief through an application of 20 Hz, in several ways, which are
+// judged.
 
 #include <algorithm>
 #include <cstdio>
@@ -100,7 +100,7 @@ int run(const Options& options) {
         return 0;
     }
 
-    // Before a minute of measuring, not after it.
+    // Fails before a minute of measuring, not after it.
     if (!options.csv.empty()) knurl::measure::require_writable(options.csv);
     if (!options.json.empty()) knurl::measure::require_writable(options.json);
     auto client = knurl::Client::connect(
