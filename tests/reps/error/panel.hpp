@@ -29,7 +29,7 @@ struct Panel {
     std::string error_unit;
     std::string error_meaning;
     double exact = 0;      // smaller errors count as none: two such points differ only in time
-    double useless = 1e9;  // a scene in which Knurl's error is larger is left out
+    double useless = 1e9;  // Knurl's points with a larger error are skipped
     std::vector<Point> points;
 };
 
