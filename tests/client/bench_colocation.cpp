@@ -153,7 +153,7 @@ enum class Simulation { none, beside, under, everywhere };
 struct Placement {
     const char* name;
     Simulation simulation;
-    bool renders;  // on the servo's CPU
+    bool renders;  // a renderer runs beside the servo
     measure::Blocks cycle{}, late{}, age{}, pictures{};
     double steps = 0, seconds = 0;
     std::size_t drawn = 0;
