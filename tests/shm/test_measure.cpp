@@ -1,4 +1,4 @@
-// apps/measure: a figure never says more than its samples.
+// apps/measure: a figure never claims more than its samples show.
 
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,5 @@
-// apps/measure: a loop with nothing in it keeps a servo's time; a witness sees only what it may, and what
-// several see at once is counted once.
+// apps/measure: an empty loop keeps a servo's time; a witness sees only what it may, and what several see at
+// once counts once.
 
 #include <algorithm>
 #include <thread>

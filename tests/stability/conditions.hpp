@@ -1,6 +1,6 @@
 #pragma once
-// All that one simulated stroke depends on. The defaults are the stated centre of the sweep; README.md says
-// what each figure stands for.
+// All parameters of one simulated stroke. The defaults are the stated centre of the sweep; README.md explains
+// each figure.
 
 #include <cmath>
 #include <string>
@@ -16,7 +16,7 @@ namespace stability {
 struct Method {
     enum class Kind { force, plane, cap };
     Kind kind = Kind::plane;
-    bool predicted = false;  // asked where the hand will be (the client library's safe form)
+    bool predicted = false;  // evaluated where the hand will be (the client library's safe form)
     double recovery = 0;     // s; knurl::automatic: knurl::automatic_fade of the update interval
     knurl::PlaneUpdate update = knurl::PlaneUpdate::fade;
     bool passivity = false;  // with a passivity controller (Hannaford & Ryu 2002)
