@@ -12,7 +12,8 @@
 
 namespace knurl::drivers::example {
 
-/// The hardware: here two registers; elsewhere a USB node, whose I/O thread fills and empties such words.
+/// What the hardware is: here two registers; elsewhere a USB node, whose I/O thread fills and empties such
+/// words.
 struct Board {
     std::atomic<int> encoder = 0;    // counts of 10 um
     std::atomic<int> milliamps = 0;  // 2 N per ampere
