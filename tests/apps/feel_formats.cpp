@@ -1,4 +1,4 @@
-// A cube, 2 wide, in every form that a mesh file may have; and the one line that answers what is none.
+// A cube, 2 wide, in every form of mesh file; and the one-line message for each invalid file.
 
 #include <algorithm>
 
@@ -337,7 +337,7 @@ TEST(OtherFormats, AFileThatKeepsItsReaderBusyOrEatsMemoryEndsInOneLine) {
         }
         return std::string("was read");
     };
-    // A pipe into which nobody writes takes for ever.
+    // A pipe without a writer blocks for ever.
     const std::string busy = folder.path("busy.off");
     ASSERT_EQ(mkfifo(busy.c_str(), 0600), 0);
     EXPECT_EQ(refusal(busy, {.seconds = 1}),
