@@ -22,7 +22,7 @@ int run_check(const DeviceArguments& arguments) {
     try {
         arm = checked_arm(arguments.arm);
     } catch (const std::runtime_error& error) {
-        throw UsageError(error.what());  // a file that says nothing usable: exit code 2
+        throw UsageError(error.what());  // an unusable file: exit code 2
     }
     const ArmCheck checked = check(arm);
     fmt::print("{}", arguments.json ? report_json(arm, checked) : report_text(arm, checked));

@@ -16,16 +16,16 @@ using drivers::Nanoseconds;
 using drivers::ReadStatus;
 using Eigen::Vector3d;
 
-constexpr double fastest = 1;            // m/s: whoever tests a device does not want it to hit anything
+constexpr double fastest = 1;            // m/s: a tested device must not hit anything
 constexpr double fastest_turn = 30;      // rad/s
-constexpr double hold_stiffness = 50;    // N/m, towards where it began, between the trials
+constexpr double hold_stiffness = 50;    // N/m, towards the starting place, between trials
 constexpr double hold_damping = 2;       // N s/m
 constexpr double hold_twist = 0.05;      // N m/rad
 constexpr double twist_damping = 0.005;  // N m s/rad
 constexpr double longest_settling = 3;   // s
 constexpr double still = 1e-3, still_turn = 0.02, still_for = 0.05;  // m/s, rad/s, s
-constexpr int cold_orders = 3;                      // what the trial before has sent may still be on its way
-constexpr Nanoseconds longest_answer = 20'000'000;  // then it is none
+constexpr int cold_orders = 3;                      // orders of the previous trial may still be under way
+constexpr Nanoseconds longest_answer = 20'000'000;  // a later answer does not count
 constexpr Nanoseconds look = 10'000;                // between looks on a virtual clock
 
 Nanoseconds monotonic() {
@@ -112,7 +112,7 @@ void Bench::write(const Wrench& wanted, Nanoseconds began) {
     if (safe) {
         Eigen::Matrix<double, 8, 1> joints = jacobian_.topRows<3>().transpose() * wanted.force;
         if (link.renders_torque) joints += jacobian_.bottomRows<3>().transpose() * wanted.torque;
-        double scale = 1;  // all joints together, so that the direction stays
+        double scale = 1;  // common to all joints, so that the direction is kept
         for (int j = 0; j < link.actuated_joints; ++j) {
             const double limit = link.effort_limit[static_cast<std::size_t>(j)];
             if (std::abs(joints[j]) > limit) scale = std::min(scale, limit / std::abs(joints[j]));

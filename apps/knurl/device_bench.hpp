@@ -1,6 +1,6 @@
 #pragma once
-// A device on the bench: cycles in which a trial says what it shall exert and sees what it does. Nothing is
-// exerted when it runs away, nor afterwards.
+// A device on the bench: cycles in which a trial gives the wrench and observes the motion. If the device runs
+// away, the effort is zero from then on, and also after the end.
 
 #include <utility>
 #include <vector>
@@ -12,19 +12,19 @@
 
 namespace knurl::cli {
 
-/// What one cycle knows. Device frame.
+/// The state in one cycle. Device frame.
 struct Moment {
     double t = 0;  // s since this part began
     drivers::JointSample sample;
     Eigen::Vector3d position = Eigen::Vector3d::Zero();               // m
-    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  // of devices that sense it
+    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  // for devices that sense it
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();               // m/s, first order 100 Hz
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();       // rad/s, likewise
     drivers::ReadStatus status = drivers::ReadStatus::stale;
     double lateness = 0, transfer = 0;  // s; transfer is the last cycle's
 };
 
-/// The turn that takes a to b: its axis times its angle, rad.
+/// The rotation from a to b as a rotation vector, rad.
 Eigen::Vector3d turn_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
 
 class Bench {
@@ -34,7 +34,8 @@ class Bench {
     Bench(const Bench&) = delete;
     Bench& operator=(const Bench&) = delete;
 
-    /// Cycles for so long; `exert` says what the tip feels. It may end the part by returning false.
+    /// Runs cycles for so long; `exert` returns the wrench at the tip. It may end the part by returning
+    /// false.
     template <class Exert>
     void run(double seconds, Exert exert) {
         const drivers::Nanoseconds begin = now_;
@@ -47,23 +48,23 @@ class Bench {
             if (!go_on) return;
         }
     }
-    /// As RestTrial::round_trip. Each is waited for, so that no answer is another order's.
+    /// As RestTrial::round_trip. Each answer is awaited, so that none belongs to another order.
     std::vector<double> round_trips(int count);
-    /// Back to where it was at `home`, gently; at least for so long, and until it hardly moves.
+    /// Moves gently back to `home`; at least for so long, and until the tip hardly moves.
     void settle(double seconds, const Moment& home);
 
     const Moment& moment() const { return moment_; }
     const drivers::LinkConfig& link() const { return device_.link(); }
     const TrialOptions& options() const { return options_; }
     bool known() const { return known_; }
-    /// What one count of its coarsest joint is at the tip: m, rad.
+    /// The effect of one count of the coarsest joint at the tip: m, rad.
     std::pair<double, double> resolution() const;
 
   private:
     drivers::Nanoseconds clock() const;
     double wait();
     void read();
-    drivers::Nanoseconds next(drivers::Nanoseconds begin);  // waits and reads; returns when it began to read
+    drivers::Nanoseconds next(drivers::Nanoseconds begin);  // waits and reads; returns when the read began
     void write(const Wrench& wanted, drivers::Nanoseconds began);
 
     drivers::Device& device_;

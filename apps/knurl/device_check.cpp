@@ -17,7 +17,7 @@ namespace {
 using drivers::JointArray;
 using Eigen::Vector3d;
 
-constexpr int directions = 162;              // in which reach and force are looked for
+constexpr int directions = 162;              // in which reach and force are computed
 constexpr int places = 2000;                 // in the workspace
 constexpr double step = 0.004;               // m along a ray
 constexpr double farthest = 1.5;             // m
@@ -60,7 +60,7 @@ Posture posture_of(const CheckedArm& arm, const JointArray& joints) {
     return posture;
 }
 
-/// The limit that a posture oversteps; empty: none.
+/// The limit that a posture violates; empty: none.
 std::string overstepped(const CheckedArm& arm, const JointArray& q) {
     constexpr double grace = 1e-9;
     for (int i = 0; i < arm.profile.joints; ++i) {
@@ -97,8 +97,8 @@ double largest(const CheckedArm& arm, const Posture& posture, const std::vector<
     return least;
 }
 
-/// Over all directions it is least along the column of one motor: max over u of |J_i . u| is |J_i|. So the
-/// linear programme over the box of efforts needs no solver.
+/// Over all directions the force is least along the column of one motor: max over u of |J_i . u| is |J_i|. So
+/// the linear programme over the box of efforts needs no solver.
 Extreme weakest(const CheckedArm& arm, const Posture& posture, const std::vector<double>& limits, int* axis) {
     Extreme found{.value = std::numeric_limits<double>::infinity()};
     for (int i = 0; i < driven(arm); ++i) {
@@ -112,7 +112,8 @@ Extreme weakest(const CheckedArm& arm, const Posture& posture, const std::vector
     return found;
 }
 
-/// What one count of the coarsest axis does: m that the tip moves (rows from 0), rad that it turns (from 3).
+/// The effect of one count of the coarsest axis: translation of the tip in m (rows from 0), or rotation in
+/// rad (from 3).
 double resolution(const CheckedArm& arm, const Posture& posture, int from = 0) {
     double most = 0;
     for (int i = 0; i < arm.profile.joints; ++i) {
@@ -159,7 +160,7 @@ Ray ray(const CheckedArm& arm, const Vector3d& way) {
     Ray found;
     JointArray joints = arm.profile.centre;
     std::string stop;
-    // Advances as far as it goes in whole steps, then in halves of the last.
+    // Advances in whole steps as far as possible, then by halves of the last step.
     const auto advance = [&](double distance) {
         const auto next = drivers::reach(*arm.profile.mechanism, joints, distance * way);
         stop = next ? overstepped(arm, *next) : "the arm's length";

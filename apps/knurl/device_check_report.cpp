@@ -33,7 +33,7 @@ std::string joined(const std::vector<std::string>& words) {
     return text;
 }
 
-/// What somebody should know before using the arm.
+/// What a user should know before using the arm.
 std::vector<std::string> remarks(const CheckedArm& arm, const ArmCheck& c) {
     std::vector<std::string> all;
     if (!arm.unlimited.empty()) {

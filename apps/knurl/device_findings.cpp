@@ -1,4 +1,4 @@
-// What the figures of a trial mean for whoever has the device.
+// What a trial's figures mean for the owner of the device.
 
 #include <algorithm>
 #include <cmath>

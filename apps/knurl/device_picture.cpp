@@ -1,4 +1,4 @@
-// The arm and what it reaches, from the side and from above.
+// The arm and its reach, from the side and from above.
 
 #include <cerrno>
 #include <cmath>
@@ -33,7 +33,7 @@ Colour colour_of(double conditioning) {
     return {0.86 - 0.55 * good, 0.30 + 0.42 * good, 0.25 + 0.43 * good};
 }
 
-/// Cairo with what this picture is made of. Pixels from the left and from the top.
+/// Cairo with the elements of this picture. Pixels from the left and from the top.
 class Canvas {
   public:
     Canvas(int width, int height)
@@ -100,7 +100,7 @@ void draw_view(Canvas& canvas, const View& view, const std::vector<Ray>& slice, 
     const double wide = std::max(2.0, view.scale * 0.004);
     for (const Ray& along : slice) {
         for (const Reached& reached : along.steps) {
-            // Rays part on their way: dots grow with the distance.
+            // Rays diverge, so dots grow with the distance.
             const double gap = 2 * std::numbers::pi / rays * reached.position.norm() * view.scale;
             canvas.dot(view.x(reached.position), view.y(reached.position), 0.6 * std::max(wide, gap),
                        colour_of(reached.conditioning));

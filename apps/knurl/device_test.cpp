@@ -1,4 +1,4 @@
-// knurl device test ADDRESS: what a device does, beside what it says about itself.
+// knurl device test ADDRESS: what a device does, compared with its description.
 
 #include <algorithm>
 #include <atomic>
@@ -43,8 +43,8 @@ double degrees(double cosine) {
     return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI;
 }
 
-/// One device has several stiffnesses: each with what it is of. `with_hand`: the device as knurld would have
-/// it, if that is held; else null.
+/// One device has several stiffnesses; each is printed with its meaning. `with_hand`: the device as knurld
+/// would see it, held by a hand; else null.
 void print_walls(const Trial& trial, const drivers::LinkConfig* with_hand) {
     const WallTrial& wall = trial.wall;
     fmt::print("  stiffest wall    {:.0f} N/m{} measured, {}\n", wall.stiffness,
@@ -76,7 +76,7 @@ void print_text(const Trial& trial, const drivers::LinkConfig* with_hand) {
                                               : fmt::format("done after {:.1f} s", trial.homing.seconds));
     fmt::print("  rate             {:.1f} new samples a second of {:g} asked for; {} stale, {} bad\n",
                rest.sample_rate, trial.rate, rest.stale, rest.bad);
-    if (!rest.lateness.empty()) {  // on a virtual clock none of these times says anything of the device
+    if (!rest.lateness.empty()) {  // on a virtual clock these times say nothing about the device
         fmt::print("  lateness         {}{}\n", spread(rest.lateness, 0),
                    trial.real_time ? "" : " (no right to real time: as an ordinary process)");
         fmt::print("  read and write   {}\n", spread(rest.transfer, 1));
@@ -167,7 +167,7 @@ struct TestOptions {
     bool as_json = false;
 };
 
-/// A device that a servo runs has a name; what opens it is its address.
+/// A device of a running servo has a name; opening it needs its address.
 void require_address(const std::string& address) {
     if (address.find(':') != std::string::npos) return;
     for (const ServoView& servo : look_at_all()) {
@@ -185,8 +185,8 @@ void require_address(const std::string& address) {
     throw UsageError(fmt::format("\"{}\" is no address; write one of {}", address, known));
 }
 
-/// The address with the simulated hand let go, unless it says what the hand does: a simulated device is held
-/// if nothing is said, and a hand in the way is none of the device's faults.
+/// The address with the simulated hand released, unless it has options of the hand. By default the hand holds
+/// a simulated device, and its effect is no fault of the device.
 std::string without_hand(const std::string& address) {
     constexpr std::string_view of_the_hand[] = {"grip", "hand",   "hand_normal", "hand_damping",
                                                 "push", "finger", "tremor",      "live"};
@@ -200,7 +200,8 @@ std::string without_hand(const std::string& address) {
     return address + ",grip=0";
 }
 
-std::atomic<bool> interrupted = false;  // it may be pushing somebody's device: the motors first, then the end
+std::atomic<bool> interrupted = false;  // it may be pushing a real device: first the motors must stop, then
+                                        // the program
 
 void heed_interrupts() {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
@@ -214,7 +215,7 @@ int test(TestOptions options) {
     if (options.trial.virtual_time && !options.address.starts_with("sim:"))
         throw UsageError("--virtual is for simulated devices: a real one has only this time");
     const std::string address = without_hand(options.address);
-    // As knurld would have it, before it is let go of.
+    // As knurld would see it, before the hand is released.
     std::optional<drivers::LinkConfig> hand;
     if (address != options.address) hand = drivers::open_device(options.address)->link();
     const std::unique_ptr<drivers::Device> device = drivers::open_device(address);

@@ -20,7 +20,7 @@ namespace {
 using drivers::ReadStatus;
 using Eigen::Vector3d;
 
-constexpr double fastest_ringing = 0.5;  // m/s: a wall that does this hums
+constexpr double fastest_ringing = 0.5;  // m/s: a wall with this speed hums
 constexpr double calming_damping = 2;    // N s/m
 constexpr int servo_priority = 80;
 constexpr int round_trips = 1000;
@@ -77,10 +77,10 @@ RestTrial rest(Bench& bench, const drivers::LinkConfig& link, const TrialOptions
     return rest;
 }
 
-/// Which way and how it is moved: pushed (N, m, kg) or turned (N m, rad, kg m^2).
+/// How it is moved: pushed (N, m, kg) or turned (N m, rad, kg m^2).
 enum class By : std::uint8_t { force, torque };
 
-/// Half of what the way there and the way back differ by, sample by sample: gravity and drift are in both.
+/// Half the difference of the two directions, sample by sample: gravity and drift are in both.
 std::vector<Vector3d> both_ways(Bench& bench, By by, const Vector3d& push, const Moment& home) {
     constexpr double seconds = 0.03;
     std::array<std::vector<Vector3d>, 2> path;
@@ -101,8 +101,8 @@ std::vector<Vector3d> both_ways(Bench& bench, By by, const Vector3d& push, const
     return half;
 }
 
-/// From m x'' = F - b x': x + (b/m) (its integral) = a/2 (t - tau)^2. The root of twice that is a line in t:
-/// its slope is sqrt(a), its zero tau. Least squares over what is well above a count. `slowing`: b/m.
+/// From m x'' = F - b x': x + (b/m) (its integral) = a/2 (t - tau)^2. The square root of twice that is a line
+/// in t: its slope is sqrt(a), its zero tau. Least squares over values well above a count. `slowing`: b/m.
 struct Start {
     double acceleration = 0, delay = 0;
 };
@@ -134,7 +134,7 @@ PushTrial push(Bench& bench, By by, const Vector3d& axis, double large, const Mo
     const Vector3d way = strong.back();
     trial.cosine = way.norm() > 4 * count ? way.normalized().dot(axis) : 0;
     double slowing = 0;
-    for (int i = 0; i < 4; ++i) {  // the mass that b is divided by is what is sought
+    for (int i = 0; i < 4; ++i) {  // iterated, since the mass by which b is divided is unknown
         const Start a1 = fit(weak, axis, 1 / rate, count, slowing),
                     a2 = fit(strong, axis, 1 / rate, count, slowing);
         if (!(a2.acceleration > a1.acceleration && a1.acceleration > 0)) return trial;
@@ -157,12 +157,12 @@ std::vector<PushTrial> along_each_axis(Bench& bench, By by, double large, const 
     return pushes;
 }
 
-/// Pressed against a wall of this stiffness and knocked: does the ringing die away? It is brought to rest by
-/// damping first, so that what rings is the knock alone.
+/// Presses against a wall of this stiffness and knocks: does the ringing die away? First damping brings it to
+/// rest, so that only the knock rings.
 bool rings_down(Bench& bench, const Moment& home, double stiffness, double mass, double count) {
     const TrialOptions& options = bench.options();
     constexpr double calming = 0.5, knock = 0.01;  // s
-    // Its first and last third are compared: each holds a whole swing.
+    // Compares the first and the last third: each contains a whole period.
     const double listening = 3 * std::max(0.2, 1.2 * 2 * M_PI * std::sqrt(mass / stiffness));
     const Vector3d normal = Vector3d::UnitZ();
     bench.settle(0.4, home);
@@ -192,13 +192,14 @@ bool rings_down(Bench& bench, const Moment& home, double stiffness, double mass,
     return calm && late.size() <= std::max(early.size(), 2 * count);
 }
 
-/// `mass`: kg that a push along the wall's normal moves.
+/// `mass`: effective mass along the wall's normal, kg.
 WallTrial wall(Bench& bench, const Moment& home, double mass, double count) {
     WallTrial trial;
     const TrialOptions& options = bench.options();
     trial.predicted = servo::max_stiffness(bench.link(), options.rate);
     trial.held = bench.link().grip_damping > 0;
-    constexpr double most = 1e4, deepest = 10e-3;  // N/m; m, that the pressing may sink into the softest
+    constexpr double most = 1e4, deepest = 10e-3;  // N/m; m, depth in the softest wall under the pressing
+                                                   // force
     double stable = std::clamp(trial.predicted / 4, options.push / 2 / deepest, most), unstable = stable;
     if (!rings_down(bench, home, stable, mass, count)) return trial;
     while (unstable < most) {
@@ -250,7 +251,7 @@ Trial try_device(drivers::Device& device, const TrialOptions& options,
 
     const Moment home_at = bench.moment();
     const auto [step, turn] = bench.resolution();
-    // What is well above it is motion: a count, and what is seen as noise.
+    // A value well above a count and the measured noise is motion.
     const double count = std::max({step, trial.rest.tip_apart, 1e-6}),
                  angle = std::max({turn, trial.rest.turned_apart, 1e-5});
     if (!takes_force) return trial;
@@ -264,7 +265,7 @@ Trial try_device(drivers::Device& device, const TrialOptions& options,
         say(fmt::format("turns it with {:g} and {:g} N m about x, y and z", twist / 2, twist));
         trial.turns = along_each_axis(bench, By::torque, twist, home_at, angle);
     }
-    say(fmt::format("a wall below: it presses itself on with {:g} N, ever stiffer until it hums",
+    say(fmt::format("a wall below: the tip presses on it with {:g} N, and it gets stiffer until it hums",
                     options.push / 2));
     trial.wall = wall(bench, home_at, trial.pushes.back().mass, count);
     bench.settle(0.5, home_at);

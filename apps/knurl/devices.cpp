@@ -1,4 +1,4 @@
-// knurl devices: what is plugged in, what is in the way, and the command that mends it.
+// knurl devices: which devices are plugged in, what is missing, and the command that fixes it.
 
 #include <memory>
 #include <optional>
@@ -54,7 +54,7 @@ Seen inspect(const UsbDevice& device, const std::vector<ServoView>& servos) {
     return seen;
 }
 
-/// What to know before it is opened; empty: nothing, or it is open.
+/// A remark before it is opened; empty: none, or it is open.
 std::string note_of(const Seen& seen) {
     if (!seen.held_by.empty() || !seen.problem.empty()) return "";
     for (const drivers::Driver& driver : drivers::drivers())
@@ -64,7 +64,7 @@ std::string note_of(const Seen& seen) {
 
 void print_text(const std::vector<Seen>& plugged, const std::string& no_usb) {
     if (!no_usb.empty()) {
-        fmt::print("USB cannot be looked at: {}\n", no_usb);
+        fmt::print("USB devices cannot be listed: {}\n", no_usb);
     } else if (plugged.empty()) {
         fmt::print("nothing that Knurl drives is plugged into USB\n");
     }
@@ -128,8 +128,9 @@ int list(bool as_json) {
 }  // namespace
 
 void add_devices(commandline::Command& program) {
-    auto& verb = program.verb("devices",
-                              "What is plugged in, what is in the way (rights, firmware), and what mends it");
+    auto& verb = program.verb(
+        "devices",
+        "Lists the devices that are plugged in, what is missing (rights, firmware), and the remedy");
     auto as_json = std::make_shared<bool>(false);
     verb.flag("--json", *as_json, "the same for programs");
     verb.footer("Opens no device. Nothing plugged in is an answer too: exit code 0.");

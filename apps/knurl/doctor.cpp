@@ -1,4 +1,4 @@
-// knurl doctor: is this machine fit for a hand, at which rate, and what would make it better?
+// knurl doctor: is this machine fit for a hand, at which rate, and what would improve it?
 
 #include <algorithm>
 #include <atomic>
@@ -27,11 +27,11 @@ using json = knurl::Json;
 constexpr double rates[] = {500, 1000, 2000, 4000, 10'000};  // Hz
 constexpr double main_rate = 1000;
 constexpr int rounds = 3;           // the servo and the bare loop take turns
-constexpr double idle_share = 0.1;  // of the time: whether idle polling would help
+constexpr double idle_share = 0.1;  // share of the time for the test of idle polling
 
 struct DoctorArguments {
     double seconds = 50;
-    int servo_cpu = -1;  // -1: the last one that we may use
+    int servo_cpu = -1;  // -1: the last one allowed
     std::string idle = "sleep";
     double spin = 0;  // s
     bool json = false;
@@ -39,7 +39,7 @@ struct DoctorArguments {
 
 struct Idle {
     std::optional<double> sleeping, polling;  // us late at the median at main_rate, of the bare loop
-    std::string problem;                      // why it could not be tried
+    std::string problem;                      // why it could not be tested
 };
 
 struct Examination {
@@ -47,7 +47,7 @@ struct Examination {
     std::optional<unsigned> witness_cpu;
     bool real_time = true;
     std::vector<Finding> findings;
-    std::vector<RateVerdict> rates;  // those that were judged
+    std::vector<RateVerdict> rates;  // the judged rates
     Idle idle;
     bool interrupted = false;
 };
@@ -120,7 +120,7 @@ class Doctor {
                 try {
                     append(of_servo, servo_loop(servo.address(), length, stop_));
                 } catch (const std::exception&) {
-                    servo.require_running();  // says why it is not
+                    servo.require_running();  // says why it does not run
                     throw;
                 }
                 said = servo.said();
@@ -134,13 +134,13 @@ class Doctor {
                 gaps.insert(gaps.end(), more.begin(), more.end());
             }
         }
-        if (stop_) return;  // a part of the turns says less than the verdict promises
+        if (stop_) return;  // an incomplete set of turns cannot support the verdict
         result_.real_time = said.find("no real-time priority") == std::string::npos;
         result_.rates.push_back(
             judge(rate, figures(of_servo, gaps, rate), figures(bare, gaps, rate), result_.real_time));
     }
 
-    /// The bare loop once more, with idle CPUs polling: what that would bring.
+    /// Runs the bare loop once more, with idle CPUs polling: the effect of that setting.
     void try_idle(double seconds) {
         const auto length = static_cast<Nanoseconds>(seconds * 1e9);
         progress("with and without idle polling");
@@ -207,7 +207,7 @@ void print_text(const Examination& found, const DoctorArguments& arguments) {
     }
 }
 
-/// Of microseconds.
+/// From microseconds.
 json seconds(const std::optional<double>& us) {
     return us ? json(*us / 1e6) : json();
 }

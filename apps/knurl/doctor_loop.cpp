@@ -13,9 +13,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int loop_priority = 80, loop_witness_priority = 90;
-constexpr Nanoseconds settling = 100'000'000;  // of a servo that has just been armed: first faults, ramp
+constexpr Nanoseconds settling = 100'000'000;  // after arming: first page faults, ramp
 constexpr Nanoseconds looking_pace = 2'000'000;
-// The witness sleeps 1 ms at a time, and wakes later than the loop.
+// The witness sleeps 1 ms at a time, so it may notice a standstill later than the loop.
 constexpr Nanoseconds same_time = 2'000'000;
 
 }  // namespace
@@ -49,7 +49,7 @@ Beginnings servo_loop(const std::string& address, Nanoseconds length, const std:
     Beginnings seen;
     const Nanoseconds begin = now_ns() + settling, end = begin + length;
     for (Nanoseconds now = now_ns(); now < end && !stop; now = now_ns()) {
-        // Nobody waits for a report: a wake-up for each would be work of the servo's that is not the cycle's.
+        // Does not wait for reports: waking this thread for each would be extra work for the servo.
         sleep_until(now + looking_pace);
         while (const auto report = hand.next_report(0ns)) {
             if (report->deadline_ns < begin || report->deadline_ns >= end) continue;

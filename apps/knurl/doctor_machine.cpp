@@ -36,7 +36,7 @@ std::optional<long> number_in(const fs::path& path) {
     }
 }
 
-/// Numbers of the processes that have that file open, as far as we may look.
+/// The processes that have the file open, as far as permissions allow.
 std::vector<std::string> holders_of(const fs::path& root, const std::string& file) {
     std::vector<std::string> pids;
     std::error_code ignored;
@@ -252,7 +252,7 @@ Disturbance count_disturbances(const fs::path& root, unsigned cpu) {
                 rest = irq.find_first_not_of("0123456789") == std::string::npos ? word : rest + " " + word;
         }
         if (static_cast<std::size_t>(mine) >= counts.size()) continue;
-        // Of a numbered one the last word is who asked for it; of the others all is prose.
+        // A numbered interrupt ends with its device's name; for the others all the text is a description.
         counted.interrupts[irq + (rest.starts_with(' ') ? "" : " ") + rest] =
             counts[static_cast<std::size_t>(mine)];
     }
@@ -272,7 +272,8 @@ std::vector<Finding> look_at_disturbances(const Disturbance& before, const Distu
         const auto was = before.interrupts.find(name);
         const double rate =
             static_cast<double>(count - (was == before.interrupts.end() ? 0 : was->second)) / seconds;
-        // Those without a number are the kernel's own: timers and calls between CPUs, which a servo needs.
+        // Interrupts without a number are the kernel's own: timers and calls between CPUs, which a servo
+        // needs.
         if (rate >= worth_telling && std::isdigit(static_cast<unsigned char>(name.front())) != 0)
             busy.emplace_back(rate, name);
     }

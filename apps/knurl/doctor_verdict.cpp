@@ -11,11 +11,11 @@ namespace knurl::cli {
 namespace {
 
 constexpr double good_share = 0.999, usable_share = 0.99;
-constexpr Nanoseconds lets_go_after = 20'000'000;  // a servo that was late by more begins again from no force
+constexpr Nanoseconds lets_go_after = 20'000'000;  // after a longer delay a servo starts again without force
 
-/// Of two loops on one CPU, one with nothing in it: if that is late too, nothing in Knurl can help. Late
-/// cycles come in bursts: whether one loop has more of them is seen by how the stretches of both scatter, not
-/// by how many there are.
+/// Compares the servo with an empty loop on the same CPU: if that is late too, the machine is the cause. Late
+/// cycles come in bursts. So the scatter of the stretches of both loops decides whether one has more, not the
+/// totals.
 const char* whose(const LoopFigures& servo, const LoopFigures& bare) {
     if (bare.on_time < good_share) return "it is the machine";
     const auto share = [](const LoopFigures& loop, std::span<const std::size_t> drawn) {
@@ -36,7 +36,7 @@ const char* whose(const LoopFigures& servo, const LoopFigures& bare) {
                : "too few to say whether it is the machine or the servo; measure longer (--seconds)";
 }
 
-/// As many stretches of equal numbers of cycles as a bootstrap wants, and some more.
+/// Divides into stretches with equal numbers of cycles, slightly more than the bootstrap needs.
 void divide(LoopFigures& result, const Beginnings& beginnings, Nanoseconds half) {
     constexpr std::size_t blocks = 45;  // each of the doctor's three turns has fifteen
     const std::size_t n = beginnings.late.size();

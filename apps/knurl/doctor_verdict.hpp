@@ -1,5 +1,5 @@
 #pragma once
-// From how late cycles begin to what a person asks: may I run a hand at this rate on this machine?
+// From the lateness of cycles to the user's question: can I run a hand at this rate on this machine?
 
 #include <optional>
 #include <string>
@@ -11,18 +11,18 @@
 
 namespace knurl::cli {
 
-/// A loop that began late by less than half of its period is on time: the force then rests on a position that
-/// is at most half of a period older than it should be, which the bound b / (T/2 + tau) leaves room for.
+/// A loop that began late by less than half of its period counts as on time. Its force then depends on a
+/// position that is at most half a period too old, for which the bound b / (T/2 + tau) has room.
 struct LoopFigures {
-    std::size_t cycles = 0;                // of which standstills of the machine are taken out
+    std::size_t cycles = 0;                // without standstills of the machine
     double on_time = 0;                    // share, 0 to 1
-    std::optional<double> p50, p99, p999;  // us late; each has ten cycles above it, or is left out
+    std::optional<double> p50, p99, p999;  // us late; left out if fewer than ten cycles are above it
     double max = 0;                        // us late
     Stalls stalls;
-    std::vector<measure::Histogram> blocks;  // us late, of stretches one after another
-    std::vector<double> late_of_block;       // cycles of each that were not on time
+    std::vector<measure::Histogram> blocks;  // us late, of consecutive stretches
+    std::vector<double> late_of_block;       // cycles of each that were late
 };
-/// `beginnings` in the order in which they were seen, in some turns.
+/// `beginnings` in order of time, in several turns.
 LoopFigures figures(Beginnings beginnings, const std::vector<Gap>& gaps, double rate);
 
 enum class Fitness { good, usable, unfit };
@@ -33,11 +33,11 @@ struct RateVerdict {
     Fitness fitness = Fitness::unfit;
     std::string reason;
     LoopFigures servo, bare;
-    measure::Comparison lateness;  // of the medians, the servo's to the bare loop's
+    measure::Comparison lateness;  // ratio of the medians, servo to bare loop
 };
 
-/// good: at least 99.9 % of the servo's cycles on time, in real time. usable: 99 %. A machine that stands
-/// still for longer than the 20 ms after which a servo lets go is usable at best.
+/// good: at least 99.9 % of the servo's cycles on time, with real-time priority. usable: 99 %. A machine with
+/// standstills longer than the 20 ms after which a servo releases force is usable at best.
 RateVerdict judge(double rate, const LoopFigures& servo, const LoopFigures& bare, bool real_time);
 
 }  // namespace knurl::cli

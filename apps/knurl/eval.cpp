@@ -1,4 +1,4 @@
-// knurl eval: what a scene does to a hand that moves along a motion, without a servo, in an instant.
+// knurl eval: the forces of a scene along a motion, without a servo, at once.
 
 #include <cstdio>
 #include <cstring>
@@ -22,7 +22,7 @@ struct EvalArguments {
 };
 
 void append(fmt::memory_buffer& text, double value, char end) {
-    // 17 digits: every double comes back to the bit. Adding zero turns -0 into 0.
+    // 17 digits reproduce every double exactly. Adding zero turns -0 into 0.
     fmt::format_to(std::back_inserter(text), "{:.17g}{}", value + 0.0, end);
 }
 
@@ -45,7 +45,7 @@ std::string csv_of(const std::vector<EvaluatedCycle>& cycles) {
     return fmt::to_string(text);
 }
 
-constexpr double lowest_rate = 500, highest_rate = 20'000;  // Hz, as of a servo
+constexpr double lowest_rate = 500, highest_rate = 20'000;  // Hz, as for a servo
 
 int run_eval(const EvalArguments& arguments) {
     if (!(arguments.options.rate >= lowest_rate && arguments.options.rate <= highest_rate)) {

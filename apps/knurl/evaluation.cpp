@@ -29,7 +29,7 @@ struct CycleRange {
 };
 
 CycleRange cycles_within(const drivers::Motion& motion, double rate) {
-    // s: an end that a decimal file can only state so well is still the end
+    // s: an end that a decimal file states with rounding is included
     constexpr double rounding = 1e-9;
     const auto first = static_cast<std::int64_t>(std::ceil((motion.begin() - rounding) * rate));
     const auto last = static_cast<std::int64_t>(std::floor((motion.end() + rounding) * rate));
@@ -42,19 +42,19 @@ CycleRange cycles_within(const drivers::Motion& motion, double rate) {
     return {first, last};
 }
 
-/// Who is told about: "plane 'floor'", with the place in the file.
+/// The subject of a message: "plane 'floor'", with the place in the file.
 std::string called(const SceneFile& scene, const Change& change) {
     return fmt::format("{}:{}: {} '{}'", scene.path, change.line, kinds()[change.kind].name, change.id);
 }
 
-/// Plays a scene's changes into a claim, as an application would: adds and removals are commands of one
-/// group, updates one batch.
+/// Plays a scene's changes into a claim, like an application: the adds and removals of a cycle as one group
+/// of commands, the updates as one batch.
 class Player {
   public:
     Player(const SceneFile& scene, servo::OfflineClaim& claim, bool limited)
         : scene_(scene), claim_(claim), limited_(limited), ids_(scene.items) {}
 
-    /// Sends what takes effect in the cycle at `t`; `next_t` is the time of the cycle after it.
+    /// Sends what takes effect in the cycle at `t`; `next_t` is the time of the following cycle.
     void send(bool first, double t, double next_t) {
         claim_.begin_group();
         if (first) place_probes();
@@ -74,8 +74,8 @@ class Player {
                     break;
             }
         }
-        // A removal fades over the recovery in force. One that states another brings it along a cycle before,
-        // when it changes nothing that is felt.
+        // A removal fades over the recovery in force. A removal with another recovery sends it one cycle
+        // earlier, when it changes no force.
         for (std::size_t i = next_; i < scene_.changes.size() && due(scene_.changes[i], false, next_t); ++i) {
             const Change& change = scene_.changes[i];
             if (change.type != Change::Type::remove || ids_[change.item].generation == 0) continue;
@@ -86,7 +86,7 @@ class Player {
         if (batch) claim_.commit();
     }
 
-    /// Throws if the servo refused anything that was sent for this cycle; notes what it applies instead.
+    /// Throws if the servo refused a change of this cycle. Notes each value that it applies differently.
     void check(std::vector<std::string>& remarks) {
         const auto replies = claim_.replies();
         answered_ += replies.size();
@@ -121,7 +121,7 @@ class Player {
         sent_.clear();
     }
 
-    /// Notes where the hand's budget scales what is felt, and what is felt then.
+    /// Notes when the hand's budget scales forces, and which ones act then.
     void watch(double t) {
         const auto& felt = claim_.feedback();
         const HandScales scales = protocol::scales_of(felt.header);
@@ -133,7 +133,7 @@ class Player {
             if ((entry.flags & Feedback::touching) != 0) scaled_.insert(entry.id.slot);
     }
 
-    /// One line where it did: how much of what, and which parts together are why.
+    /// One line if it did: how much of which limit, and which parts together are the reason.
     void add_scaled(std::vector<std::string>& remarks, const Limits& limits) const {
         if (least_ == HandScales{}) return;
         std::string text, parts;
@@ -160,7 +160,7 @@ class Player {
     }
 
   private:
-    /// Entries at 0 s or before the motion are there from the start, wherever it starts.
+    /// Entries at 0 s or before the motion are there from the start, wherever it begins.
     static bool due(const Change& change, bool first, double t) {
         return change.at <= t || (first && change.at <= 0);
     }
@@ -207,7 +207,7 @@ class Player {
         return true;
     }
 
-    /// `params` with the change's values for what describes a change, not the thing.
+    /// `params` with the change's values for the fields that describe a change.
     static std::vector<std::byte> with_recovery_of(const Change& change, std::vector<std::byte> params) {
         for (const Field& field : kinds()[change.kind].fields) {
             if (!field.of_change) continue;
@@ -224,20 +224,20 @@ class Player {
 
     const SceneFile& scene_;
     servo::OfflineClaim& claim_;
-    const bool limited_;                        // by a device
-    std::vector<RepresentationId> ids_;         // per item; generation 0: not there
-    std::vector<RepresentationId> free_slots_;  // as they were last used
+    const bool limited_;                        // by a device's limits
+    std::vector<RepresentationId> ids_;         // per item; generation 0: not present
+    std::vector<RepresentationId> free_slots_;  // in order of last use
     // in force
     std::vector<std::vector<std::byte>> params_ = std::vector<std::vector<std::byte>>(scene_.items);
     std::vector<const Change*> sent_;               // for this cycle
-    std::set<std::uint32_t> clamped_, infeasible_;  // items that were remarked upon
-    std::set<std::uint32_t> scaled_;                // slots that were felt while the budget scaled
+    std::set<std::uint32_t> clamped_, infeasible_;  // items with a remark already
+    std::set<std::uint32_t> scaled_;                // slots that acted while the budget scaled
     HandScales least_;
     double scaled_since_ = 0;     // s
-    std::size_t next_ = 0;        // change
+    std::size_t next_ = 0;        // index of the next change
     std::uint32_t slots_ = 0;     // ever used
     std::uint64_t answered_ = 0;  // commands
-    std::string too_many_;        // what to say if this cycle's changes do not fit
+    std::string too_many_;        // the message if this cycle's changes do not fit
 };
 
 servo::ClaimTerms terms_for(const SceneFile& scene, const drivers::Device& device, bool limited,
@@ -256,7 +256,7 @@ EvaluatedCycle cycle_of(double t, const Report& report, const ProbePlacement& pr
                          .force = report.scene_force,
                          .torque = report.scene_torque,
                          .contact_point = report.contact_point};
-    // Where nothing is touched a report has the hand, which a probe may sit beside.
+    // Without contact a report has the hand's place, and a probe may be placed beside it.
     if ((report.flags & report_flags::touching) == 0 && !(probe0.offset == Vec3{})) {
         cycle.contact_point =
             to_plain(to_eigen(report.position) + to_eigen(report.orientation) * to_eigen(probe0.offset));
@@ -299,7 +299,7 @@ Evaluation evaluate(const SceneFile& scene, const drivers::Motion& motion, const
     result.cycles.reserve(static_cast<std::size_t>(cycles.last - cycles.first + 1));
     for (std::int64_t i = cycles.first; i <= cycles.last; ++i) {
         const double t = static_cast<double>(i) / options.rate;
-        // The ends of the span by rounding are its ends: beyond them a motion rests.
+        // An end beyond the motion by rounding is the motion's end: beyond it a motion rests.
         exact.at(std::clamp(t, motion.begin(), motion.end()));
         player.send(i == cycles.first, t, static_cast<double>(i + 1) / options.rate);
         const Report& report = servo.step();

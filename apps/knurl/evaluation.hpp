@@ -13,8 +13,8 @@ namespace knurl::cli {
 
 struct EvaluationOptions {
     double rate = 1000;       // Hz
-    std::string device;       // "sim:PROFILE"; empty: none, the probe is exactly on the motion
-    std::string motion_file;  // where the motion came from: the simulated hand reads it too
+    std::string device;       // "sim:PROFILE"; empty: no device, and the probe is exactly on the motion
+    std::string motion_file;  // the motion's file, which the simulated hand reads too
 };
 
 /// One cycle, in world coordinates (those of the motion).
@@ -23,16 +23,16 @@ struct EvaluatedCycle {
     Vec3 position;       // m, of the hand
     Vec3 force;          // N, of the scene, before the supervisor
     Vec3 torque;         // N m, about `position`
-    Vec3 contact_point;  // m, of probe 0; where it touches nothing, the probe itself
+    Vec3 contact_point;  // m, of probe 0; without contact, the probe itself
 };
 
 struct Evaluation {
     std::vector<EvaluatedCycle> cycles;
-    std::vector<std::string> remarks;  // one line each: what is applied is not what was asked for
+    std::vector<std::string> remarks;  // one line each: an applied value differs from the requested one
 };
 
-/// Throws std::runtime_error: no cycle in the motion's span, a device that cannot be opened, a scene that
-/// exceeds a bound of the servo's.
+/// Throws std::runtime_error: no cycle within the motion, a device that cannot be opened, or a scene that
+/// exceeds a bound of the servo.
 Evaluation evaluate(const scenefile::SceneFile& scene, const drivers::Motion& motion,
                     const EvaluationOptions& options);
 

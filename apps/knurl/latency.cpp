@@ -1,4 +1,5 @@
-// knurl latency: how late a touch is, both ways, beside the floors of this machine, in one interleaved run.
+// knurl latency: the latency of touch in both directions, beside this machine's floors, in one interleaved
+// run.
 
 #include <algorithm>
 #include <atomic>
@@ -38,9 +39,9 @@ namespace knurl::cli {
 namespace {
 
 constexpr Nanoseconds long_block = 50'000'000, short_block = 25'000'000, ping_pong_length = 5'000'000;  // ns
-constexpr int udp_calls = 4;                 // there is time for so many, however far the bridge is
+constexpr int udp_calls = 4;                 // per round, so that even a distant bridge has time for them
 constexpr std::uint64_t commands_every = 4;  // updates: so many commands at least
-constexpr int witness_priority = 95;         // above everybody: late only when the machine stands still
+constexpr int witness_priority = 95;         // highest: it is late only when the machine stands still
 constexpr int waker_priority = 60;           // of the thread in knurld that wakes sleepers; the servo's is 80
 
 constexpr const char* network_scheme = "knurl://";
@@ -83,17 +84,17 @@ Client connect(const LatencyArguments& arguments, measure::PrivateServo* servo) 
     try {
         return Client::connect(servo != nullptr ? servo->address() : arguments.connect, options);
     } catch (const Error&) {
-        if (servo != nullptr) servo->require_running();  // says why it is not
+        if (servo != nullptr) servo->require_running();  // says why it does not run
         throw;
     }
 }
 
-std::atomic<bool> interrupted = false;  // by Ctrl-C: what was measured so far is still worth having
+std::atomic<bool> interrupted = false;  // by Ctrl-C: the results so far are still useful
 
-/// What was to be measured, or as much of it as there was.
+/// The measurement, complete or as far as it got.
 struct Measurement {
     LatencyRecord record;
-    std::string ended;  // why there is no more of it; empty: it is complete
+    std::string ended;  // why it is incomplete; empty: complete
 };
 
 bool enough(const LatencyArguments& arguments, const LatencyRecord& record, Nanoseconds end, bool remote) {
@@ -150,14 +151,14 @@ Measurement run_blocks(LatencyPaths& paths, const Placement& placement, NetworkF
 
 void show(const LatencyArguments& arguments, const measure::Run& run, const Aside& aside) {
     if (arguments.json) measure::write_file(arguments.json_file, to_json(run, aside, arguments.percentile));
-    if (arguments.json && arguments.json_file == "-") return;  // standard output is the programs'
+    if (arguments.json && arguments.json_file == "-") return;  // standard output is for programs then
     std::string text = aside.text;
     if (arguments.percentile > 0) text += percentile_text(run, arguments.percentile);
     measure::print(std::cout, run);
     std::cout << text << std::flush;
 }
 
-/// Two runs that lie in files.
+/// Compares two saved runs.
 int compare_files(const LatencyArguments& arguments, const LatencyFile& before) {
     const LatencyComparison comparison = compare_runs(before, read_latency_file(arguments.measured));
     if (arguments.json) measure::write_file(arguments.json_file, to_json(comparison).dump(2) + "\n");
@@ -165,8 +166,7 @@ int compare_files(const LatencyArguments& arguments, const LatencyFile& before) 
     return 0;
 }
 
-/// Whether a helper's thread gets the priority that it should have; says what is lost, of the private servo
-/// too.
+/// True if a helper thread gets its priority; prints what is lost, also for the private servo.
 bool look_at_rights_here(const measure::PrivateServo* servo) {
     bool real_time = false;
     std::thread([&real_time] { real_time = measure::run_real_time(waker_priority); }).join();
@@ -186,7 +186,7 @@ bool look_at_rights_here(const measure::PrivateServo* servo) {
 int run_latency(const LatencyArguments& arguments) {
     check(arguments);
     if (!arguments.serve_echo.empty()) serve_echo(arguments.serve_echo);
-    // What cannot be read or written is found out before anything is measured.
+    // Unreadable or unwritable files must show before the measurement.
     if (arguments.json) measure::require_writable(arguments.json_file);
     std::optional<LatencyFile> before;
     if (!arguments.compare.empty()) before = read_latency_file(arguments.compare);
@@ -197,7 +197,7 @@ int run_latency(const LatencyArguments& arguments) {
     Claim hand = client.claim(arguments.device);
     const bool real_time = look_at_rights_here(own.get());
     const Load load(arguments.load);
-    // The client's threads were made before: only this one, which measures, is bound to a CPU.
+    // The client's threads exist already, so only this measuring thread is bound to a CPU.
     if (!measure::pin_this_thread(placement.client_cpu)) {
         fmt::print(stderr, "knurl latency: cannot run on CPU {} alone; figures will be worse\n",
                    placement.client_cpu);
@@ -213,7 +213,7 @@ int run_latency(const LatencyArguments& arguments) {
     const bool remote = way != Way::shared_memory;
     std::optional<measure::Witness> witness;
     if (remote) witness.emplace(measure::allowed_cpus(), witness_priority);
-    const double rate = hand.device().rate;  // as long as somebody is there to ask
+    const double rate = hand.device().rate;  // read before the servo may end
     std::signal(SIGINT, [](int) { interrupted = true; });
     const Measurement seen = run_blocks(paths, placement, network, arguments, way);
     std::signal(SIGINT, SIG_DFL);

@@ -41,9 +41,10 @@ std::function<void()> add_latency_options(commandline::Command& verb, LatencyArg
         .checked(check_address);
     verb.option("--echo", arguments.echo,
                 "a plain UDP and TCP echo on the servo's host: the floors of a measurement over a "
-                "network; default: an own one, where that is this host")
+                "network; default: one of its own, where that is this host")
         .type_name("HOST:PORT");
-    verb.option("--serve-echo", arguments.serve_echo, "be that echo, until interrupted, and measure nothing")
+    verb.option("--serve-echo", arguments.serve_echo,
+                "runs that echo until interrupted, and measures nothing")
         .type_name("HOST:PORT");
     verb.option("--device", arguments.device, "which of its devices; default: the only one")
         .type_name("NAME");
@@ -88,12 +89,10 @@ std::function<void()> add_latency_options(commandline::Command& verb, LatencyArg
         "A bridge that asks for keys: KNURL_KEY names the file with yours, as for every application "
         "(KNURL_KEY=~/anna.key knurl latency --servo knurl://lab:4096).\n"
         "A percentile with fewer than ten samples above it is left out (null).\n"
-        "Coordinated omission: whoever waits for a late answer before asking again asks too seldom just when "
-        "it is "
-        "late. So updates count from the times at which they were meant to be sent, and where samples are "
-        "due at a "
-        "pace, one that took longer stands also for those that it kept from being taken.\n"
-        "Ctrl-C ends a measurement: what it has seen is printed.");
+        "Coordinated omission: a program that waits for a late answer before its next request makes too few "
+        "requests just when answers are late. So updates count from the times at which they should have been "
+        "sent. Where samples are due at a fixed rate, a sample that took longer also stands for those that "
+        "it delayed.\nCtrl-C ends a measurement: its results so far are printed.");
     return [&arguments, &json] {
         arguments.json = json.given();
         if (arguments.json_file.empty()) arguments.json_file = "-";

@@ -32,8 +32,8 @@ std::optional<RemoteBound> remote_bound(const PathSamples& paths, std::span<cons
             ++bound.use.stalled;
         if (paths.to_write[i] <= limit) ++bound.write_within;
     }
-    // A wait uniform over the cycle brings a way of length w beyond it with probability (w - granted) /
-    // cycle.
+    // With a wait uniform over the cycle, a path of length w exceeds the bound with probability (w - granted)
+    // / cycle.
     const std::size_t pairs = std::min(udp_one_way.size(), wake.size());
     double beyond = 0;
     for (std::size_t i = 0; i < pairs; ++i)

@@ -14,7 +14,7 @@ namespace knurl::cli {
 
 namespace {
 
-constexpr double share_of_false_alarms = 0.05;  // of all verdicts of a comparison together
+constexpr double share_of_false_alarms = 0.05;  // over all verdicts of a comparison
 
 using measure::Result;
 
@@ -51,7 +51,7 @@ std::vector<std::string> warnings(const LatencyFile& before, const LatencyFile& 
     return all;
 }
 
-/// What a run has that is the machine and nothing of ours.
+/// Results that show the machine only.
 bool is_floor(const std::string& name) {
     return name.starts_with("floor.");
 }
@@ -67,7 +67,8 @@ std::optional<double> percentile_of(const Result& result, double q) {
     return q == 0.5 ? result.p50 : result.p99;
 }
 
-/// How far the floors have moved at this percentile: the farthest, and the two that went farthest apart.
+/// How far the floors have moved at this percentile: the largest move, and the largest difference between
+/// two.
 struct FloorsMoved {
     double farthest = 0, apart = 0;  // of the logarithm
 };
@@ -130,7 +131,7 @@ LatencyFile read_latency_file(const std::string& path) {
 LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now) {
     LatencyComparison all{.date = before.run.machine.date, .warnings = warnings(before, now), .paths = {}};
     for (const Result& result : now.run.results) {
-        // That one is 0, or something is broken.
+        // That result is 0, unless something is broken.
         if (find(before.run, result.name) == nullptr || result.name == "update.cycles_overlooked") continue;
         for (const double q : {0.5, 0.99}) {
             PathComparison& path = all.paths.emplace_back();
@@ -161,7 +162,7 @@ LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now
         auto pair = runs.begin();
         for (PathComparison& path : all.paths) {
             if (path.q != q) continue;
-            // A floor is the machine: how far it moved, and no verdict.
+            // A floor shows the machine: how far it moved, without a verdict.
             const double moved = is_floor(path.name) ? 0 : path.reference ? floors.apart : floors.farthest;
             path.result = measure::compare_apart(pair->first, pair->second, q,
                                                  {.drift = middle_of(drifts), .moved = moved}, how);
@@ -174,16 +175,14 @@ LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now
 
 std::string to_text(const LatencyComparison& comparison) {
     std::string text = fmt::format(
-        "\ncompared with the run of {}; each verdict at {:.2f} %, so that of twenty pairs of equal runs on "
-        "a steady machine at most one has any. The machine's floors moved by up to {:.2f} at the median, "
-        "{:.2f} at 99 %: what "
-        "differs by no more, or by no more than the stretches of either run differ, may be the machine; "
-        "where "
-        "they moved more than {:g} times there is no verdict:\n",
+        "\ncompared with the run of {}. Each verdict holds at {:.2f} %: of twenty pairs of equal runs on a "
+        "steady machine at most one has any. The machine's floors moved by up to {:.2f} at the median, "
+        "{:.2f} at 99 %. A difference that is no larger, or no larger than between the stretches of either "
+        "run, may be the machine. Where the floors moved more than {:g} times there is no verdict:\n",
         comparison.date, comparison.confidence * 100, comparison.moved, comparison.moved_tail,
         measure::most_moved);
     for (const std::string& warning : comparison.warnings)
-        text += fmt::format("not alike: {}; the difference may be that\n", warning);
+        text += fmt::format("not alike: {}; this may cause the difference\n", warning);
     text += fmt::format("{:<34} {:>4} {:>8} {:>8}  {:<24} {}\n", "what", "", "was", "is", "new to old",
                         "verdict");
     for (const PathComparison& path : comparison.paths) {

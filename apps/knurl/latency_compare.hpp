@@ -1,5 +1,5 @@
 #pragma once
-// Two runs of `knurl latency`: what became better or worse, and what may be noise.
+// Compares two runs of `knurl latency`: what improved or got worse, and what may be noise.
 
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace knurl::cli {
 
-/// What `knurl latency --json` leaves behind.
+/// The content of a file from `knurl latency --json`.
 struct LatencyFile {
     static constexpr const char* program = "knurl latency";
     static constexpr int version = 1;
@@ -20,10 +20,10 @@ struct LatencyFile {
     knurl::Json setting;  // of the measurement: servo, rate, load, ...
 };
 
-/// Throws std::runtime_error, with what to do: it cannot be read, is none of ours, or of another version.
+/// Throws std::runtime_error with the remedy: unreadable, not such a file, or of another version.
 LatencyFile read_latency_file(const std::string& path);
 
-/// Of one result in both runs, the percentile q. Where it has a floor it is compared as a multiple of it.
+/// One result in both runs at the percentile q. A result with a floor is compared as a multiple of it.
 struct PathComparison {
     std::string name;
     double q = 0;
@@ -35,17 +35,17 @@ struct PathComparison {
 struct LatencyComparison {
     std::string date;       // of the old run
     double confidence = 0;  // of each verdict
-    // How many times, up or down, the floor that moved farthest is what it was, at the median and at 99 %.
+    // The factor by which the most changed floor moved, at the median and at 99 %.
     double moved = 1, moved_tail = 1;
-    // another machine, another load, ...: what the difference may be as well
+    // other possible causes: another machine, another load, ...
     std::vector<std::string> warnings;
     std::vector<PathComparison> paths;
 };
 
-/// Medians and 99th percentiles of what both have (measure::compare_apart). All verdicts together are wrong
-/// for one in twenty pairs of equal runs at most on a steady machine, for more where it drifts for as long as
-/// a run takes (one in seven in a test's model): scripts/equal_runs counts. Floors have none: they say how far
-/// the machine moved, and what differs by no more than that has none either.
+/// Compares medians and 99th percentiles of common results (measure::compare_apart). On a steady machine at
+/// most one of twenty pairs of equal runs gets a wrong verdict; with drift as long as a run, more (one in
+/// seven in a test's model): scripts/equal_runs counts. Floors get no verdict: they show how far the machine
+/// moved, and a difference that is no larger gets none either.
 LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now);
 
 std::string to_text(const LatencyComparison& comparison);

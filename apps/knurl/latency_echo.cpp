@@ -9,7 +9,7 @@ namespace knurl::cli {
 
 namespace {
 
-constexpr Nanoseconds patience = 1'000'000'000;  // TCP loses nothing: it is only late
+constexpr Nanoseconds patience = 1'000'000'000;  // TCP loses nothing, it is only late
 constexpr int most_failures = 10;
 
 void say_missing(const std::string& what) {
@@ -67,7 +67,7 @@ void NetworkFloors::tcp_ping_pong(bool counts) {
 
 void serve_echo(const std::string& at) {
     const TcpEcho tcp(bridge::resolve(at));
-    shm::UniqueFd udp = udp_echo_socket(tcp.at());  // the port that was free, if it was left to us
+    shm::UniqueFd udp = udp_echo_socket(tcp.at());  // the port that was chosen, if none was given
     fmt::print("knurl latency: echoes at {} by UDP and TCP\n", tcp.at().text);
     std::fflush(stdout);
     serve_udp_echo(std::move(udp));

@@ -1,5 +1,5 @@
 #pragma once
-// The echoes beside a bridge: where they are, and how large what they send back is.
+// The echoes beside a bridge: where they are, and the size of their replies.
 
 #include <cstddef>
 #include <optional>
@@ -13,20 +13,20 @@
 
 namespace knurl::cli {
 
-/// The floors of a network; nothing of them where nobody echoes, and on one box nothing at all.
+/// The floors of a network. Empty without an echo, and on one host.
 class NetworkFloors {
   public:
-    /// `bridge`: "host:port"; empty: there is none. `echo`: of its host, "host:port"; empty: our own, if the
-    /// bridge is on this host. Says in one line on standard error what is missing and how it is had. Throws
-    /// std::runtime_error for an address that is none.
+    /// `bridge`: "host:port"; empty: none. `echo`: on the bridge's host, "host:port"; empty: one of its own,
+    /// if the bridge is on this host. Prints to standard error, in one line, what is missing and how to get
+    /// it. Throws std::runtime_error for an invalid address.
     NetworkFloors(const std::string& bridge, const std::string& echo, bridge::WireSizes sizes,
                   const Placement& placement);
 
     void udp_block(Nanoseconds length);
-    /// One TCP ping-pong, on a connection that is kept. `counts`: else its connection is still cold.
+    /// One TCP ping-pong on a kept connection. `counts`: false while the connection is cold.
     void tcp_ping_pong(bool counts);
 
-    /// The samples are somebody else's now.
+    /// The caller has taken the samples.
     void forget() {
         udp_samples_.clear();
         tcp_samples_.clear();
@@ -46,8 +46,8 @@ class NetworkFloors {
     std::vector<double> udp_samples_, tcp_samples_;
 };
 
-/// Echoes by UDP and by TCP at the same port, for a measurement from another host, until it is ended by a
-/// signal. Says where in a line on standard output.
+/// Echoes by UDP and by TCP at the same port, for measurements from another host, until a signal ends it.
+/// Prints its address to standard output.
 [[noreturn]] void serve_echo(const std::string& at);
 
 }  // namespace knurl::cli

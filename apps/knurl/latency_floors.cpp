@@ -17,11 +17,11 @@ namespace {
 
 constexpr std::size_t cold_samples = 2;
 
-/// Takes samples, less the cold ones. Where one is due every `interval`, one that took longer kept others
-/// from being taken; they would have waited from their own time on.
+/// Collects samples without the cold ones. Where a sample is due every `interval`, one that took longer
+/// delayed others; these are added, each with its wait from its own due time.
 struct Collector {
     std::vector<double>& samples;
-    Nanoseconds interval = 0;  // 0: each begins when the one before is done
+    Nanoseconds interval = 0;  // 0: each begins when the previous one ends
     std::size_t seen = 0;
     void take(Nanoseconds value) {
         if (seen++ < cold_samples) return;
@@ -48,9 +48,9 @@ void ping_pong_block(const Placement& placement, Nanoseconds length, std::vector
         std::atomic<std::uint64_t> word = 0;
     };
     Line ping, pong;
-    // The partner begins on its maker's CPU: a maker that spins in real time would never let it leave.
+    // The partner starts on its maker's CPU, and a maker that spins in real time would never let it leave.
     std::binary_semaphore ready(0);
-    // An ordinary thread: a real-time one that spins would keep the servo from its CPU.
+    // An ordinary thread, since a real-time thread that spins would keep the servo from its CPU.
     std::thread partner([&] {
         settle_on(placement.servo_cpu, 0);
         ready.release();
@@ -69,7 +69,7 @@ void ping_pong_block(const Placement& placement, Nanoseconds length, std::vector
     for (std::uint64_t i = 1; i <= rounds && answered && now_ns() < end; ++i) {
         const Nanoseconds begin = now_ns();
         ping.word.store(i, std::memory_order_release);
-        // A partner that gets no time on its CPU is waited for no longer than that.
+        // Limits the wait for a partner that gets no time on its CPU.
         for (std::uint32_t looks = 1; pong.word.load(std::memory_order_acquire) != i; ++looks) {
             if (looks % 1024 != 0 || now_ns() < end + patience) continue;
             answered = false;
@@ -84,8 +84,9 @@ void ping_pong_block(const Placement& placement, Nanoseconds length, std::vector
 void eventfd_block(const Placement& placement, Nanoseconds length, std::vector<double>& samples) {
     constexpr Nanoseconds pace = 1'000'000;  // of the writer, as a servo's
     const shm::UniqueFd event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-    std::atomic<Nanoseconds> written = 0;  // release before the write, acquire after the wake: its stamp
-    // the sleeper is about to be: a write that finds it awake measures nothing
+    std::atomic<Nanoseconds> written = 0;  // release before the write, acquire after the wake: carries its
+                                           // stamp
+    // the sleeper is about to sleep: a write that finds it awake measures nothing
     std::atomic<bool> asleep = false;
     std::atomic<bool> done = false;
     std::thread writer([&] {

@@ -1,5 +1,5 @@
 #pragma once
-// A load that can be stated: what else the machine does while it is measured.
+// A reproducible load: what else the machine does during the measurement.
 
 #include <atomic>
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace knurl::cli {
 
-/// On each CPU that we may use one thread of ordinary priority, until this object goes. "spin": it counts.
-/// "memory": it moves 32 MiB to and fro, which passes through every cache. "none": there is no thread.
+/// One thread of ordinary priority on each allowed CPU, until this object ends. "spin": it counts. "memory":
+/// it moves 32 MiB to and fro, through all caches. "none": no thread.
 class Load {
   public:
     explicit Load(const std::string& kind);
@@ -19,7 +19,7 @@ class Load {
     Load& operator=(const Load&) = delete;
 
     std::size_t threads() const { return threads_.size(); }
-    /// How often they have gone round, all together: it is no load if this stands still.
+    /// Total number of rounds; if it stands still there is no load.
     std::size_t rounds() const { return rounds_; }
 
   private:

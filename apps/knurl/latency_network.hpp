@@ -1,5 +1,5 @@
 #pragma once
-// What `knurl latency` says of the network between: the same in text and for programs.
+// What `knurl latency` prints about the network: the same as text and for programs.
 
 #include <string>
 

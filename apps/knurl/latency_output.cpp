@@ -33,7 +33,7 @@ std::string to_json(const measure::Run& run, const Aside& aside, double percenti
         more["percentile"] = {{"of", percentile}, {"values", values}};
     }
     if (!aside.comparison.is_null()) more["comparison"] = aside.comparison;
-    // The blocks are a line each, and stay so: what comes on top is put in at the end.
+    // The blocks stay one per line; additions go to the end.
     std::string text = measure::to_json(run);
     text.erase(text.rfind('}'));
     text.erase(text.find_last_not_of(" \n") + 1);

@@ -1,5 +1,5 @@
 #pragma once
-// What `knurl latency` says beside the table, for people and for programs.
+// The output of `knurl latency` besides the table, for people and for programs.
 
 #include <cstdint>
 #include <string>
@@ -11,15 +11,15 @@ namespace knurl::cli {
 
 /// What stands beside the table.
 struct Aside {
-    knurl::Json setting, network, comparison;  // null: there is none
+    knurl::Json setting, network, comparison;  // null: none
     std::uint64_t merged = 0, lost = 0;        // updates
     std::string ended, text;
 };
 
-/// One percentile more of each result. What has too few samples says how many it needs.
+/// One additional percentile of each result. A result with too few samples states how many it needs.
 std::string percentile_text(const measure::Run& run, double percentile);
 
-/// All of it. `percentile`: one more; 0: none.
+/// The whole output. `percentile`: an additional one; 0: none.
 std::string to_json(const measure::Run& run, const Aside& aside, double percentile);
 
 }  // namespace knurl::cli

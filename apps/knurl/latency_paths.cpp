@@ -17,11 +17,11 @@ constexpr std::size_t cold_reports = 2, cold_commands = 2;
 constexpr std::size_t remembered_cycles = 16;
 constexpr std::uint64_t distinct_forces = 4096;
 constexpr double force_step = 1.0 / (1 << 20);  // N; a power of two, so that every sum of steps is exact
-// While the claim's gain still ramps up, forces are not what they are known by: the largest shows the ramp
-// best.
+// While the claim's gain still ramps up, forces differ from their identifying values. The largest shows the
+// ramp best.
 constexpr double largest_force = distinct_forces * force_step;
 constexpr Nanoseconds felt_within = 5'000'000'000;
-constexpr Nanoseconds last_use_within = 50'000'000;  // after a block: updates that are still on their way
+constexpr Nanoseconds last_use_within = 50'000'000;  // after a block: for updates still under way
 
 double force_of(std::uint64_t update) {
     return static_cast<double>(update % distinct_forces + 1) * force_step;
@@ -80,12 +80,12 @@ void LatencyPaths::see(const HandReport& report) {
     const Nanoseconds last_deadline =
         newest_ && newest_->cycle + 1 == report.cycle ? newest_->deadline_ns : report.deadline_ns;
     newest_ = report;
-    clock_offset_ = hand_.network().clock_offset.count();  // moves while it is learned
+    clock_offset_ = hand_.network().clock_offset.count();  // changes while it is estimated
     reads_.push_back(report.read_ns);
     if (reads_.size() > remembered_cycles) reads_.pop_front();
     if (cold_ > 0) return;
     samples_.servo_lateness.push_back(static_cast<double>(report.read_ns - report.deadline_ns));
-    // After a standstill a servo begins a new row of deadlines: the cycles that it left out were late, too.
+    // After a standstill a servo starts a new grid of deadlines: the skipped cycles were late, too.
     constexpr Nanoseconds at_most = 1'000'000'000;
     for (Nanoseconds due = std::max(last_deadline, report.deadline_ns - at_most) + period_;
          due <= report.deadline_ns - period_; due += period_)
@@ -105,7 +105,7 @@ void LatencyPaths::note(const HandReport& report, Nanoseconds had, std::vector<d
 
 void LatencyPaths::used(const Update& update, const HandReport& report) {
     samples_.commit_to_write.push_back(static_cast<double>(ours(report.write_ns) - update.intended));
-    // An update may slip in between the read and the taking: then it did not wait at all.
+    // An update may arrive between the read and the taking: then it did not wait.
     samples_.wait_for_use.push_back(
         std::max(0.0, static_cast<double>(ours(report.read_ns) - update.committed)));
     if (update.basis_read > 0) {
@@ -142,7 +142,7 @@ void LatencyPaths::updates_block(Nanoseconds length, bool spinning) {
         if (now > end + last_use_within) break;
         if (now >= due && due < end) {
             commit_update(due);
-            due += step();  // the intended times stay where they were drawn, however late this loop is
+            due += step();  // the intended times stay as drawn, however late this loop is
         }
         const Nanoseconds next = due < end ? due : now + period_;
         const auto report =
@@ -198,7 +198,7 @@ void LatencyPaths::command(bool counts) {
     hand_.arm();
     const Nanoseconds took = now_ns() - begin;
     if (!counts) return;
-    // It is there no sooner than this; from then on it waits for the servo, whoever brought it.
+    // The earliest arrival; from then on the update waits for the servo.
     const Nanoseconds there = begin + round_trip() / 2;
     const Nanoseconds since = (there - deadline()) % period_;
     const Nanoseconds wait = since > 0 ? period_ - since : -since;
@@ -211,8 +211,8 @@ void LatencyPaths::commands_block(Nanoseconds length, const std::function<void(b
     const auto sleep_at_random = [this] {
         sleep_until(now_ns() + static_cast<Nanoseconds>(static_cast<double>(period_) * random()));
     };
-    // Where a round trip takes milliseconds cold caches are nothing beside it, and a block may have time for
-    // one pair alone.
+    // With a round trip of milliseconds cold caches do not matter, and a block may have time for only one
+    // pair.
     const std::size_t cold = round_trip() > 1'000'000 ? 0 : cold_commands;
     const Nanoseconds end = now_ns() + length;
     for (std::size_t pairs = 0; now_ns() < end; ++pairs) {

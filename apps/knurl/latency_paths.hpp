@@ -1,6 +1,6 @@
 #pragma once
-// The two ways of a haptics server, as an application sees them: its update to the motors, the hand's report
-// to it.
+// The two paths of a haptics server as an application sees them: its update to the motors, and the hand's
+// report to it.
 
 #include <cstdint>
 #include <deque>
@@ -30,23 +30,23 @@ struct PathSamples {
     std::vector<double> spinning, blocking, descriptor;  // read of the device -> the client has the report
     // from the cycle's deadline
     std::vector<double> spinning_deadline, blocking_deadline, descriptor_deadline;
-    std::vector<double> servo_lateness;  // deadline -> the device has been read; of cycles left out as well
-    // per update, the cycles that began after its commit and did not use it: 0
+    std::vector<double> servo_lateness;  // deadline -> the device has been read; skipped cycles included
+    // per update, the cycles that began after its commit and did not use it: expected 0
     std::vector<double> overlooked;
     // blocking: write to the motors (then it publishes) -> the client has it
     std::vector<double> after_write;
-    std::vector<double> command;            // asked -> answered
-    std::vector<double> command_less_wait;  // the same, less the wait for the servo's next cycle
+    std::vector<double> command;            // sent -> answered
+    std::vector<double> command_less_wait;  // the same, minus the wait for the servo's next cycle
     // With an application that sleeps between its updates and its reports:
     // commit is called -> the cycle that uses it begins; -> has written
     std::vector<double> to_use, to_write;
-    std::vector<Span> commits;  // of each of these, by our clock
-    std::uint64_t merged = 0;   // updates that a later one overtook before the servo looked
-    std::uint64_t lost = 0;     // updates whose force was never seen
+    std::vector<Span> commits;  // of each of these, by the local clock
+    std::uint64_t merged = 0;   // updates replaced by a later one before the servo looked
+    std::uint64_t lost = 0;     // updates without a visible force
 };
 
-/// An application whose updates can be told apart by the force that they make: a constant force of a few
-/// millinewtons, another one for each update.
+/// An application whose updates are identified by their force: a constant force of a few millinewtons,
+/// different for each update.
 class LatencyPaths {
   public:
     /// Arms the claim and waits until its force arrives in full. Throws knurl::Error or std::runtime_error.
@@ -55,21 +55,21 @@ class LatencyPaths {
     // Blocks of about that length.
     /// Spins for reports and commits updates at random phase: uniform over a cycle, drawn beforehand.
     void updates_and_spinning_block(Nanoseconds length) { updates_block(length, true); }
-    /// The same, sleeping for whatever comes first, a report or the next update's time.
+    /// The same, sleeping until the next event: a report or the next update's time.
     void updates_and_blocking_block(Nanoseconds length) { updates_block(length, false); }
     void blocking_block(Nanoseconds length);
     void descriptor_block(Nanoseconds length);
-    /// Commands that change nothing (an `arm` of what is armed), at random phase, each by itself. `beside`
-    /// runs after each, at random phase too; false: what came before is still left out.
+    /// Commands that change nothing (an `arm` of an armed claim), at random phase, one at a time. `beside`
+    /// runs after each, also at random phase; false: earlier samples are still left out.
     void commands_block(Nanoseconds length, const std::function<void(bool counts)>& beside);
 
     const PathSamples& samples() const { return samples_; }
-    /// The samples are somebody else's now; the counts go on.
+    /// The caller has taken the samples; the counters continue.
     void forget();
     Nanoseconds period() const { return period_; }
-    /// To the bridge and back, as the clocks are told; 0 on one box.
+    /// To the bridge and back, by the clock estimate; 0 on one host.
     Nanoseconds round_trip() const { return hand_.network().round_trip.count(); }
-    /// A deadline of the servo's, the newest known, by our clock.
+    /// The newest known deadline of the servo, by the local clock.
     Nanoseconds deadline() const { return newest_ ? ours(newest_->deadline_ns) : 0; }
 
   private:
@@ -87,7 +87,7 @@ class LatencyPaths {
     void used_by_sleeper(const Update& update, const HandReport& report);
     void catch_up();
     void see(const HandReport& report);
-    /// A time stamp of the servo's, by our own clock.
+    /// A time stamp of the servo, converted to the local clock.
     Nanoseconds ours(Nanoseconds servos) const { return servos - clock_offset_; }
     void note(const HandReport& report, Nanoseconds had, std::vector<double>& from_read,
               std::vector<double>& from_deadline);
@@ -100,9 +100,9 @@ class LatencyPaths {
     std::uint64_t updates_ = 0;
     std::deque<Update> pending_;
     std::optional<HandReport> newest_;
-    std::deque<Nanoseconds> reads_;  // of the device, by the newest cycles
-    Nanoseconds clock_offset_ = 0;   // of the servo's host to this one, as far as it is known
-    std::size_t cold_ = 0;           // reports of this block that are still left out
+    std::deque<Nanoseconds> reads_;  // times of the newest cycles' device reads
+    Nanoseconds clock_offset_ = 0;   // of the servo's host to this one, as estimated
+    std::size_t cold_ = 0;           // reports of this block still to be left out
     PathSamples samples_;
 };
 

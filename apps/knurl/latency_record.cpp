@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t most_kept = 100'000;
 
-/// Two things that happen one after the other and know nothing of each other.
+/// Two independent durations in sequence.
 std::vector<double> one_after_another(const std::vector<double>& a, const std::vector<double>& b) {
     std::vector<double> sums(std::min(a.size(), b.size()));
     std::transform(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(sums.size()), b.begin(), sums.begin(),
@@ -102,7 +102,7 @@ std::vector<measure::Result> LatencyRecord::results() const {
         add("command.less_cycle_wait", "floor.eventfd_wake");
         return all;
     }
-    // Over a network a report wakes the bridge, goes one way, and wakes the reader; an answer likewise.
+    // Over a network a report wakes the bridge, goes one way, and wakes the reader; an answer does too.
     add("update.remote_to_use");
     add("update.remote_to_write");
     add("report.blocking_after_write", "floor.wake_and_udp");

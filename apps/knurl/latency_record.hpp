@@ -1,5 +1,5 @@
 #pragma once
-// All that `knurl latency` has seen, in bounded memory however long it looks.
+// All results of `knurl latency`, in bounded memory for any duration.
 
 #include <map>
 #include <string>
@@ -16,22 +16,22 @@ struct FloorSamples {
     std::vector<double> ping_pong, eventfd, bare_loop, udp_one_way, tcp_round_trip;  // ns
 };
 
-/// Where a report comes from: a floor that is measured here says nothing about another host.
+/// The origin of reports: a floor measured here says nothing about another host.
 enum class Way { shared_memory, loopback, network };
 
 class LatencyRecord {
   public:
     LatencyRecord(Nanoseconds period, Way way) : period_(period), way_(way) {}
 
-    /// What a round of blocks has brought. A block of each result is of the same rounds.
+    /// Adds a round of blocks. A block of each result covers the same rounds.
     void add(const PathSamples& paths, const FloorSamples& floors);
     std::size_t updates() const { return updates_; }
     std::size_t commands() const { return commands_; }
     std::size_t remote_updates() const { return remote_updates_; }
 
-    /// The table, each thing beside its floor.
+    /// The table, each result beside its floor.
     std::vector<measure::Result> results() const;
-    /// Of the first 100 000 remote updates, of which each is kept. None: see remote_bound().
+    /// From the first 100 000 remote updates, all of which are kept. None: see remote_bound().
     std::optional<RemoteBound> bound(std::span<const measure::Gap> gaps) const;
 
   private:

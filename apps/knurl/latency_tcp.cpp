@@ -35,14 +35,14 @@ bool later(ssize_t result) {
     return result < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
 }
 
-/// What one peer has sent and has not got back yet.
+/// Bytes that one peer has sent and not received back yet.
 struct Peer {
     shm::UniqueFd fd;
     Nanoseconds heard = 0;
     std::array<char, 4096> bytes;
     std::size_t begin = 0, end = 0;
 
-    // It is read again only when it has got back all that it sent.
+    // Reads again only after all has been sent back.
     short wanted() const { return begin == end ? POLLIN : POLLOUT; }
 
     void accept(shm::UniqueFd from) {
@@ -76,7 +76,7 @@ struct TcpEcho::Impl {
     std::array<Peer, places> peers;
     std::thread thread;
 
-    /// A free place, else that of whoever has been silent longest.
+    /// A free place, or else the place of the peer that has been silent longest.
     Peer& place() {
         return *std::ranges::min_element(peers, {}, [](const Peer& p) { return p.fd ? p.heard : 0; });
     }
@@ -86,7 +86,7 @@ struct TcpEcho::Impl {
         if (fd)
             place().accept(std::move(fd));
         else if (errno != EAGAIN && errno != ECONNABORTED && errno != EINTR)
-            sleep_until(now_ns() + breath);  // no descriptors: it waits in the queue
+            sleep_until(now_ns() + breath);  // out of descriptors: the peer waits in the queue
     }
 
     void run() {
@@ -94,7 +94,7 @@ struct TcpEcho::Impl {
         for (;;) {
             sources[0] = {.fd = stop.get(), .events = POLLIN, .revents = 0};
             sources[1] = {.fd = listener.get(), .events = POLLIN, .revents = 0};
-            for (std::size_t i = 0; i < places; ++i)  // poll() passes over the free ones: -1
+            for (std::size_t i = 0; i < places; ++i)  // poll() skips free places: -1
                 sources[i + 2] = {.fd = peers[i].fd.get(), .events = peers[i].wanted(), .revents = 0};
             if (::poll(sources.data(), sources.size(), -1) < 0) continue;
             if (sources[0].revents != 0) return;
@@ -152,7 +152,7 @@ std::optional<double> TcpCaller::round_trip(Nanoseconds until) {
     const Nanoseconds begin = now_ns();
     const ssize_t sent = ::send(fd_.get(), sent_.data(), sent_.size(), MSG_NOSIGNAL);
     if (sent != static_cast<ssize_t>(sent_.size()) || !take(until)) {
-        fd_.reset();  // in the middle of a message nothing that follows can be told apart
+        fd_.reset();  // after a partial message nothing can be parsed
         return std::nullopt;
     }
     return static_cast<double>(now_ns() - begin);
@@ -166,7 +166,7 @@ bool TcpCaller::take(Nanoseconds until) {
         if (got <= 0) return false;
         there += static_cast<std::size_t>(got);
     }
-    return came_ == sent_;  // else it is something else that answers there
+    return came_ == sent_;  // else it is no such echo
 }
 
 }  // namespace knurl::cli

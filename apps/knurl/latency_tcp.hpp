@@ -1,5 +1,5 @@
 #pragma once
-// What no command over the bridge can beat on this network: a plain TCP ping-pong of the same size.
+// The lower bound for commands over the bridge on this network: a plain TCP ping-pong of the same size.
 
 #include <cstddef>
 #include <memory>
@@ -13,9 +13,9 @@
 
 namespace knurl::cli {
 
-/// Listens, and sends back whatever comes, in one thread, at once (TCP_NODELAY). Each peer has a few KiB and
-/// no more: one that does not read is not read from, and delays nobody. When all places are taken, a new peer
-/// gets that of the one that has been silent longest.
+/// Listens, and echoes all data at once, in one thread (TCP_NODELAY). Each peer has a few KiB: one that does
+/// not read is not read from, and delays nobody. When all places are taken, a new peer replaces the one that
+/// has been silent longest.
 class TcpEcho {
   public:
     static constexpr std::size_t places = 8;
@@ -36,11 +36,11 @@ class TcpEcho {
 /// One connection to such an echo.
 class TcpCaller {
   public:
-    /// Waits for the connection until then; connected() tells.
+    /// Waits for the connection until then; connected() has the result.
     TcpCaller(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds until);
     bool connected() const { return static_cast<bool>(fd_); }
-    /// Sends that many bytes and waits until they are all back: the round trip in ns. None: not by then, or
-    /// the other end has closed.
+    /// Sends that many bytes and waits until all are back: the round trip in ns. None: not in time, or the
+    /// other end has closed.
     std::optional<double> round_trip(Nanoseconds until);
 
   private:

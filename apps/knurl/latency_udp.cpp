@@ -20,10 +20,10 @@ namespace {
 
 constexpr Nanoseconds pace = 1'000'000;
 constexpr std::size_t cold_datagrams = 2;
-constexpr int most_calls = 20;  // until somebody answers
+constexpr int most_calls = 20;  // until an answer arrives
 constexpr Nanoseconds call_interval = 100'000'000;
 
-/// One datagram back. An empty one is the sign to look whether to stop.
+/// Echoes one datagram. An empty one asks to check for the end.
 void echo_one(int fd) {
     char bytes[2048];
     sockaddr_storage from{};
@@ -43,12 +43,12 @@ class Caller {
                 fmt::format("cannot reach the echo at {}: {}", echo.text, std::strerror(errno)));
     }
 
-    /// False: it did not come back by then.
+    /// False: it did not return in time.
     bool call(std::span<char> datagram, Nanoseconds until) {
         ++number_;
         std::memcpy(datagram.data(), &number_, sizeof number_);
         ::send(fd_.get(), datagram.data(), datagram.size(), MSG_NOSIGNAL);
-        for (std::uint64_t got = 0; got != number_;) {  // an earlier one may come late
+        for (std::uint64_t got = 0; got != number_;) {  // an earlier one may arrive late
             if (!ready(fd_.get(), POLLIN, until)) return false;
             if (::recv(fd_.get(), &got, sizeof got, MSG_TRUNC) < static_cast<ssize_t>(sizeof got))
                 return false;
@@ -122,7 +122,7 @@ void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds
         sleep_until(at);
         const Nanoseconds sent = now_ns();
         if (!caller.call(datagram, end) || answered++ < cold_datagrams) continue;
-        // Those that were due meanwhile would have waited from their own time on.
+        // Samples that were due in the meantime would have waited from their own due times on.
         for (Nanoseconds took = now_ns() - sent; took > 0; took -= pace)
             samples.push_back(static_cast<double>(took) / 2);
     }

@@ -1,5 +1,5 @@
 #pragma once
-// What no bridge can beat on this network: a plain UDP echo with blocking readers at both ends.
+// The lower bound for a bridge on this network: a plain UDP echo with blocking readers at both ends.
 
 #include <cstddef>
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace knurl::cli {
 
-/// Sends each datagram back whence it came, in a thread on the servo's CPU, at a free port of 127.0.0.1.
+/// Returns each datagram to its sender, in a thread on the servo's CPU, at a free port of 127.0.0.1.
 class UdpEcho {
   public:
     explicit UdpEcho(const Placement& placement);
@@ -31,10 +31,10 @@ class UdpEcho {
 /// Throws std::runtime_error.
 shm::UniqueFd udp_echo_socket(const bridge::Endpoint& at);
 
-/// Whether somebody echoes there: asks for two seconds.
+/// Is there an echo? Tries for two seconds.
 bool udp_echoes(const bridge::Endpoint& echo);
 
-/// Half of a round trip of `bytes`, one each millisecond, appended in ns. Those that are lost are left out.
+/// Half of a round trip of `bytes`, one each millisecond, appended in ns. Lost datagrams are left out.
 void udp_echo_block(const bridge::Endpoint& echo, std::size_t bytes, Nanoseconds length,
                     std::vector<double>& samples);
 

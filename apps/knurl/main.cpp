@@ -1,4 +1,4 @@
-// knurl VERB: what people ask of a haptics server from a terminal.
+// knurl VERB: the tools of a haptics server for the terminal.
 
 #include <knurl/commandline/program.hpp>
 

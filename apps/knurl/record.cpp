@@ -43,7 +43,7 @@ struct RecordArguments {
 
 constexpr auto servo_answers_within = std::chrono::seconds(2);
 constexpr int look_every = 10;                         // ms; the rings hold seconds
-constexpr auto flush_every = std::chrono::seconds(1);  // what a crash of this program costs at most
+constexpr auto flush_every = std::chrono::seconds(1);  // the most that a crash of this program loses
 constexpr std::uint64_t cycles_to_a_keyframe = 10;     // when nobody holds the device
 
 std::int64_t clock_ns(clockid_t clock) {
@@ -52,7 +52,7 @@ std::int64_t clock_ns(clockid_t clock) {
     return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
 }
 
-/// The memory of one device of a running servo: its reports and its input log.
+/// The shared memory of one device of a running servo: its reports and its input log.
 class Source {
   public:
     Source(const protocol::ServoAddress& servo, const std::string& wanted)
@@ -100,7 +100,7 @@ class Source {
         shm::UniqueFd source;
         std::uint64_t bytes = 0;
     };
-    /// The source of an asset that a claim has: the servo told of it before. None: it could not.
+    /// The source of a claim's asset, which the servo has announced. None: it could not get it.
     std::optional<Sent> sent(const protocol::AssetDigest& digest) {
         listen();
         const auto found = sent_.find(digest);
@@ -109,7 +109,7 @@ class Source {
         sent_.erase(found);
         return result;
     }
-    /// Takes what the servo says. False: it has ended.
+    /// Reads the servo's messages. False: the servo has ended.
     bool listen() {
         for (;;) {
             protocol::RecordedAsset message;
@@ -138,7 +138,7 @@ class Source {
         return chosen_device(servo, names, wanted);
     }
 
-    static constexpr std::size_t most_unclaimed = 64;  // told of, but not in the input log yet
+    static constexpr std::size_t most_unclaimed = 64;  // announced, but not in the input log yet
     shm::UniqueFd connection_;
     std::map<protocol::AssetDigest, Sent> sent_;
     shm::Segment reports_, input_log_;
@@ -160,13 +160,13 @@ shm::UniqueFd take_signals() {
     return fd;
 }
 
-/// Moves what is new into the file, and knows how much of it replays.
+/// Moves new data into the file, and tracks how much of it can be replayed.
 class Recorder {
   public:
     Recorder(Source& source, RecordingWriter& file) : source_(source), file_(file) {}
 
     void drain() {
-        // Reports first: the inputs of those that are there are there already.
+        // Reports first: the inputs of all reports there are available already.
         drain_reports(true);
         for (auto next = source_.inputs().next(record_); next != servo::InputLogReader::Next::nothing;
              next = source_.inputs().next(record_)) {
@@ -182,12 +182,12 @@ class Recorder {
         }
         say_lost();
     }
-    /// Once the servo's first cycle is there: whoever claims the device from now on is in a recording that
-    /// replays, which is not so for who does while the servo has not taken the input log yet.
+    /// After the servo's first cycle with the input log. A claim from now on is in a recording that replays;
+    /// an earlier claim is not.
     void say_when_begun(const std::string& text) {
         if (inputs_ > 0 && !std::exchange(begun_, true)) fmt::print(stderr, "knurl record: {}\n", text);
     }
-    /// The device is in somebody's hands: said once.
+    /// Somebody holds the device: said once.
     void say_when_exact() {
         if (!has_to_say() || said_) return;
         said_ = true;
@@ -202,11 +202,11 @@ class Recorder {
     }
     bool lost() const { return lost_; }
 
-    /// So far, for who waits.
+    /// Progress so far.
     std::string so_far() const {
         return fmt::format("{} cycles, {:.1f} MB", reports_, static_cast<double>(file_.bytes()) * 1e-6);
     }
-    /// The reports of the inputs that were taken last, so that all that is said counts the same cycles.
+    /// Also takes the reports of the last inputs, so that all figures count the same cycles.
     void finish() {
         drain();
         drain_reports(true);
@@ -236,8 +236,8 @@ class Recorder {
 
   private:
     void drain_reports(bool flushing) {
-        // While an asset is written nothing else can be: what does not fit into a chunk stays in the ring,
-        // which counts what it loses.
+        // While an asset is written nothing else is. What does not fit into a chunk stays in the ring, which
+        // counts its losses.
         constexpr std::uint64_t most_waiting = 50'000;
         Report report;
         for (std::uint32_t n = 0;
@@ -260,7 +260,7 @@ class Recorder {
         if (std::exchange(lost_, true)) return;
         fmt::print(stderr, "knurl record: {}; dropping what does not fit\n", file_.problem());
     }
-    /// Of an application's asset: in front of the input that tells of it.
+    /// An application's asset, placed before the input that refers to it.
     void take_asset() {
         protocol::AssetDigest digest;
         constexpr std::size_t at = 2 * sizeof(std::uint64_t);
@@ -269,7 +269,7 @@ class Recorder {
         const auto sent = source_.sent(digest);
         if (file_.has(digest) || (sent && keep(digest, *sent))) return;
         file_.missing(digest);
-        gap();  // nothing from here to the next keyframe can be replayed
+        gap();  // replay is impossible from here to the next keyframe
     }
     bool keep(const protocol::AssetDigest& digest, const Source::Sent& sent) {
         try {
@@ -298,7 +298,7 @@ class Recorder {
             ++inputs_;
             std::uint64_t cycle = 0;
             std::memcpy(&cycle, record_.bytes.data(), sizeof cycle);
-            // Those before the first report have nothing to be compared with, and count for nothing.
+            // Cycles before the first report have nothing for comparison and do not count.
             if (exact_ && reports_ > 0)
                 count_exact(cycle);
             else if (exact_)
@@ -387,11 +387,10 @@ void add_record(commandline::Command& program) {
                 "no servo: what the guardian saved when one died (its file, or the directory: the newest)")
         .type_name("PATH");
     verb.footer(
-        "Ends well with Ctrl-C, and when the servo ends. What is recorded from a moment on in which nobody "
-        "holds the\n"
-        "device replays to the last bit, so start the recording before the application. The servo waits for "
-        "nothing:\n"
-        "what a slow or full disk does not take is dropped and counted. Less than 1 GB an hour at 1 kHz, and "
+        "Ctrl-C or the end of the servo completes the file. Replay is exact to the last bit from the first "
+        "moment at which\nnobody holds the device, so start the recording before the application. The servo "
+        "does not wait for the disk:\nwhat a slow or full disk does not take is dropped and counted. Less "
+        "than 1 GB an hour at 1 kHz, and "
         "once\n"
         "each mesh that an application sends.");
     verb.action([arguments] { return record(*arguments); });

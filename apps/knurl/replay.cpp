@@ -1,4 +1,4 @@
-// knurl replay: what was recorded, once more through the same cycle, compared to the last bit.
+// knurl replay: runs a recording through the same cycle, compared to the last bit.
 
 #include <algorithm>
 #include <cerrno>
@@ -46,7 +46,7 @@ std::string difference(const Report& recorded, const Report& replayed) {
     return "the bits of a NaN or of a zero's sign";
 }
 
-/// The device of the recording, for its figures and its mechanism.
+/// Opens the recording's device, for its parameters and its mechanism.
 std::unique_ptr<drivers::Device> device_of(const RecordingInfo& info) {
     std::unique_ptr<drivers::Device> device;
     try {
@@ -87,7 +87,7 @@ class CsvFile {
     std::unique_ptr<std::FILE, Close> file_;
 };
 
-/// Recorded and replayed reports meet by their cycle; either may come first.
+/// Matches recorded and replayed reports by cycle; either may come first.
 class Comparison {
   public:
     static constexpr std::size_t most_waiting = 100'000;
@@ -121,7 +121,7 @@ class Comparison {
     std::optional<std::string> difference_;
 };
 
-/// What people feel of a run, in four numbers.
+/// A run's force in four numbers.
 struct ForceStatistics {
     double sum = 0, squares = 0, most = 0;  // N
     std::uint64_t cycles = 0, felt = 0;
@@ -141,7 +141,7 @@ struct ForceStatistics {
     }
 };
 
-/// The recorded motion, felt with another scene.
+/// Evaluates the recorded motion with another scene.
 class Again {
   public:
     Again(const std::string& path, double rate)
@@ -175,7 +175,7 @@ class Again {
     ForceStatistics recorded_;
 };
 
-/// Through the servo's cycle, as far as that is possible.
+/// Replays through the servo's cycle, as far as possible.
 class Replaying {
   public:
     Replaying(RecordingReader& recording, const std::string& path) : path_(path) {
@@ -214,7 +214,7 @@ class Replaying {
             }
     }
     bool possible() const { return again_.has_value(); }
-    /// Empty: it has been replayed. Else why there was nothing to replay.
+    /// Empty: it was replayed. Else the reason why not.
     std::string why_not(const std::optional<std::uint64_t>& cut_off_at) const {
         if (!why_not_.empty() || comparison_.equal() > 0 || comparison_.first_difference()) return why_not_;
         if (cut_off_at)
@@ -242,7 +242,7 @@ class Replaying {
     std::vector<std::byte> source_;
     Comparison comparison_;
     std::uint64_t gaps_ = 0, inputs_ = 0;
-    bool begins_ = false;  // there was a moment to begin with
+    bool begins_ = false;  // there was a cycle from which to start
     std::string why_not_;
 };
 
@@ -253,7 +253,7 @@ int replay(const ReplayArguments& arguments) {
     if (!arguments.csv.empty()) csv.emplace(arguments.csv);
     if (!arguments.scene.empty()) other.emplace(arguments.scene, recording.info().options.rate);
     Replaying replaying(recording, arguments.file);
-    // What cannot be replayed can still be exported and felt.
+    // A recording that cannot be replayed can still be exported and evaluated.
     const bool required = !csv && !other;
     if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not({}));
 
@@ -267,7 +267,7 @@ int replay(const ReplayArguments& arguments) {
         if (other) other->add(recording.report);
     }
     if (csv) csv->finish();
-    // Where nothing can be replayed the reason says so.
+    // If nothing can be replayed the reason mentions it.
     if (const auto at = recording.cut_off_at(); at && !(required && !replaying.why_not(at).empty()))
         fmt::print(stderr, "knurl replay: {}: cut off; its first {} bytes are whole, and are used\n",
                    arguments.file, *at);

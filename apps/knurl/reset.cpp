@@ -1,4 +1,4 @@
-// knurl reset: leaves the fault of a device, whoever holds it. Nothing is switched on by it.
+// knurl reset: leaves a device's fault, whoever holds it. It enables nothing.
 
 #include <chrono>
 #include <memory>
@@ -63,8 +63,8 @@ int reset(const ResetArguments& arguments) {
     }
     Observer observer = client.observe(name);
     client.reset_fault(name);
-    // What goes wrong again at once is told now, not to whoever comes next. Reports up to the cycle in which it
-    // was reset still show the fault, and under load several of them wait here.
+    // A fault that returns at once is reported now, not to the next user. Reports up to the cycle of the
+    // reset still show the old fault, and under load several of them wait here.
     const auto newest = observer.latest();
     const std::uint64_t reset_by = newest ? newest->cycle + 1 : 0;
     constexpr std::uint64_t cycles = 20;
@@ -95,10 +95,8 @@ void add_reset(commandline::Command& program) {
         "A device in fault is without force until it is reset: the machine was suspended, the hand was too "
         "fast.\n"
         "Afterwards it is idle; force comes when a program that holds it arms it. While the cause goes on, "
-        "or\n"
-        "the hand moves, it is refused with the reason. Who may connect to the servo may do so; over a "
-        "network\n"
-        "nobody: run it on the servo's own host.");
+        "or\nthe hand moves, the reset is refused with the reason. Every user who may connect to the servo "
+        "may reset;\nover a network nobody may: run it on the servo's own host.");
     verb.action([arguments] { return reset(*arguments); });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the shapes of a scene file are made of, built in this process.
+// Builds the assets of a scene file in this process.
 
 #include <memory>
 #include <string>
@@ -12,7 +12,7 @@ namespace knurl::cli {
 
 struct SceneAssets {
     std::vector<std::unique_ptr<Asset>> assets;  // 1, 2, ...
-    std::vector<std::string> remarks;            // one line each: what was mended
+    std::vector<std::string> remarks;            // one line each: what was repaired
 };
 
 /// Throws std::runtime_error: one line with the place in the scene file, what is wrong and what to do.

@@ -1,5 +1,5 @@
 #pragma once
-// How a servo's state reads.
+// A servo's state as text.
 
 #include <cstdint>
 #include <string>

@@ -30,16 +30,15 @@ std::string name_of(const std::string& socket) {
 }
 
 /// One row, or none if it is free. The broker writes the identity between two odd-even steps of `sequence`;
-/// the servo's words are each whole by themselves.
+/// each word of the servo is consistent by itself.
 std::optional<ClientView> read_row(const protocol::ClientRow& row) {
-    constexpr int attempts = 100;  // an identity changes only when somebody comes or goes
+    constexpr int attempts = 100;  // an identity changes only when a client comes or goes
     ClientView view;
     for (int i = 0; i < attempts; ++i) {
         // pairs with the broker's release
         const std::uint64_t before = row.sequence.load(std::memory_order_acquire);
         std::uint64_t name[protocol::name_bytes / 8];
-        // Each acquire keeps the second look at `sequence` behind it: had the broker begun to change them, it
-        // is seen.
+        // Each acquire keeps the second read of `sequence` behind it, so a change by the broker is detected.
         const std::uint64_t pid = row.pid.load(std::memory_order_acquire);
         const std::uint64_t role = row.role.load(std::memory_order_acquire);
         const std::uint64_t shared = row.shared.load(std::memory_order_acquire);
@@ -123,7 +122,7 @@ void receive_answer(const shm::UniqueFd& connection, std::chrono::milliseconds a
         throw std::runtime_error(protocol::text_of(refused.text));
     }
     if (header.magic != protocol::attach_magic || header.type != expected || received.bytes != message.size())
-        throw std::runtime_error("what listens there is no servo of this version of Knurl");
+        throw std::runtime_error("the program that listens there is no servo of this version of Knurl");
     std::memcpy(message.data(), buffer, message.size());
     fds = std::move(received.fds);
 }
@@ -222,7 +221,7 @@ std::vector<Report> ServoWatch::history(std::size_t device) const {
     std::vector<Report> all;
     Report report;
     for (std::uint64_t n = end > held ? end - held : 0; n < end; ++n) {
-        // What the servo overwrites meanwhile is the oldest.
+        // The servo overwrites the oldest meanwhile.
         if (reader.at(n, &report)) all.push_back(report);
     }
     return all;
@@ -240,7 +239,7 @@ ServoView not_seen(const std::string& socket, const std::string& why) {
             .devices = {}};
 }
 
-/// What to do about a folder that is another's.
+/// What to do about another user's folder.
 std::string who_may_look(const std::string& directory) {
     struct stat status {};
     const ::group* owners = ::stat(directory.c_str(), &status) == 0 ? ::getgrgid(status.st_gid) : nullptr;
@@ -271,7 +270,7 @@ std::vector<ServoView> look_at_all() {
             }
         }
         if (none && none != std::errc::no_such_file_or_directory && none != std::errc::not_a_directory) {
-            // Whoever may not look into the service's folder still sees what lies elsewhere.
+            // A user without access to the service's folder still sees servos in other folders.
             const std::string remedy =
                 none == std::errc::permission_denied
                     ? who_may_look(directory)

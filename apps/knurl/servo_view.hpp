@@ -1,6 +1,6 @@
 #pragma once
-// A look at a running servo: what its report memory says, read through a mapping that cannot be written.
-// Looking claims nothing, and the servo does nothing for it.
+// A view of a running servo: its report memory, through a read-only mapping. It claims nothing, and costs the
+// servo nothing.
 
 #include <algorithm>
 #include <chrono>
@@ -26,13 +26,13 @@ struct ClientView {
     pid_t pid = 0;
     std::string name;
     bool observer = false;                               // else it holds the device
-    bool shared = false;                                 // lets others hold it too
+    bool shared = false;                                 // others may hold it too
     bool armed = false;                                  // its force may follow
-    bool silent = false;                                 // its representations act on its silence
+    bool silent = false;                                 // its representations act on silence
     double update_rate = 0;                              // Hz, measured; 0: not yet
-    double age = 0;                                      // s, of its newest batch when it was used
+    double age = 0;                                      // s, age of its newest batch when used
     double gain = 0;                                     // 0-1
-    HandScales scales;                                   // what the hand's budget leaves of its forces
+    HandScales scales;                                   // factors of its forces by the hand's budget
     std::uint64_t commits = 0, refused = 0, merged = 0;  // batches
     std::uint64_t missed = 0;                            // reports
     std::vector<std::uint64_t> present;                  // representations of each kind
@@ -52,27 +52,26 @@ struct DeviceView {
 struct ServoView {
     std::string name;     // "default"
     std::string socket;   // path
-    std::string problem;  // why it cannot be looked at; empty: it can
-    bool dead = false;    // the socket is one that a killed servo left behind
-    bool unseen = false;  // we may or can not look: nothing is known of what is there
+    std::string problem;  // why it cannot be read; empty: it can
+    bool dead = false;    // a killed servo left the socket behind
+    bool unseen = false;  // no permission, or an error: the content is unknown
     pid_t pid = 0;
     std::vector<DeviceView> devices;
 };
 
-/// The mapped memory of a servo's devices; may be looked at again and again.
+/// The mapped memory of a servo's devices; may be read repeatedly.
 class ServoWatch {
   public:
-    /// Throws std::runtime_error: nobody listens there, nobody answers in time, or the servo is of another
-    /// build.
+    /// Throws std::runtime_error: no servo listens, none answers in time, or it is of another build.
     explicit ServoWatch(const std::string& socket,
                         std::chrono::milliseconds answer_time = std::chrono::seconds(2));
     explicit ServoWatch(const protocol::ServoAddress& servo);
 
     ServoView look() const;
-    /// Of each device, the reports since the last call (the first one begins with the newest). What was
-    /// overwritten before it could be looked at is left out.
+    /// For each device, the reports since the last call (the first call starts with the newest). Reports that
+    /// were overwritten unread are left out.
     std::vector<std::vector<Report>> new_reports();
-    /// All reports of a device that its memory still holds, one after another.
+    /// All reports of a device still in its memory, in order.
     std::vector<Report> history(std::size_t device) const;
 
   private:
@@ -84,7 +83,7 @@ class ServoWatch {
     std::vector<shm::BroadcastReader> reports_;
 };
 
-/// The broker's next message; throws what it refuses us for, and whatever is not `expected`.
+/// The broker's next message; throws for a refusal, and for any message except `expected`.
 void receive_answer(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
                     protocol::MessageType expected, std::span<std::byte> message,
                     std::vector<shm::UniqueFd>& fds);
@@ -95,22 +94,22 @@ Message answer(const shm::UniqueFd& connection, protocol::MessageType expected,
     receive_answer(connection, answer_time, expected, std::as_writable_bytes(std::span(&message, 1)), fds);
     return message;
 }
-/// Says Hello. `segments`: the report memory of each device.
+/// Sends Hello. `segments`: the report memory of each device.
 protocol::Welcome greet(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
                         std::vector<shm::UniqueFd>& segments);
 
-/// The servo that --servo means. Throws UsageError.
+/// The servo named by --servo. Throws UsageError.
 protocol::ServoAddress servo_said(const std::string& said);
-/// Throws std::runtime_error, which names the servo that was probably meant.
+/// Throws std::runtime_error, with the name of the servo that was probably meant.
 shm::UniqueFd connect_to_servo(const protocol::ServoAddress& servo);
 
-/// Which of a servo's devices is meant, by its place in `names`; `wanted` may be empty where there is one. Throws
-/// std::runtime_error, which says those that there are, or the one that was probably meant.
+/// The index of the wanted device in `names`; `wanted` may be empty if there is only one. Throws
+/// std::runtime_error with the existing names, or the one that was probably meant.
 std::size_t chosen_device(const std::string& servo, const std::vector<std::string>& names,
                           const std::string& wanted);
 
-/// All servos whose sockets lie in protocol::servo_directories(), by name; dead ones, strangers, and folders
-/// that may not be read say so.
+/// All servos with sockets in protocol::servo_directories(), by name. Dead ones, strangers, and unreadable
+/// folders are marked.
 std::vector<ServoView> look_at_all();
 
 }  // namespace knurl::cli

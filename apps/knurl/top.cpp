@@ -1,5 +1,5 @@
-// knurl top: what a servo does with its time and its clients with it, live. Read-only: the servo does nothing
-// for it.
+// knurl top: how a servo spends its time, and what its clients do, live. Read-only: it costs the servo
+// nothing.
 
 #include <chrono>
 #include <memory>
@@ -24,7 +24,7 @@ namespace {
 using measure::Nanoseconds, measure::now_ns;
 using json = knurl::Json;
 
-// While a servo is sought: every look asks for it, and whoever types Ctrl-C waits for the look.
+// While the program searches a servo, each look waits for an answer, and Ctrl-C waits for the look.
 constexpr std::chrono::milliseconds answer_time{100};
 
 struct TopArguments {
@@ -41,7 +41,7 @@ struct Look {
     std::string problem;
 };
 
-/// Looks again and again, also at the servo that takes the place of one that has ended.
+/// Looks repeatedly, and finds a servo that replaces an ended one.
 class Looker {
   public:
     explicit Looker(const protocol::ServoAddress& servo) : socket_(servo.socket), servo_(servo) { begin(); }
@@ -76,7 +76,7 @@ class Looker {
         then_ = now_ns();
     }
 
-    /// One that has ended leaves its memory as it was, one that is stopped as well: who answers now?
+    /// An ended or stopped servo leaves its memory unchanged: finds out which servo answers now.
     void find_again(Look& look) {
         try {
             ServoWatch now(socket_, answer_time);
@@ -126,7 +126,7 @@ int watch(const TopArguments& arguments) {
         if (!terminal.wait(1 / arguments.hertz)) return 0;
         const Look look = looker.look();
         terminal.show(arguments.json ? line_of(servo.name, look) : text_of(servo.name, look));
-        commandline::flush_output();  // whoever read it may have gone
+        commandline::flush_output();  // the reader of a pipe may have gone
         problem = look.problem;
     }
     if (!problem.empty()) throw std::runtime_error(problem);

@@ -16,7 +16,7 @@ inline constexpr std::array<std::string_view, 7> cycle_parts = {"read",      "ki
 
 struct ClientRates {
     ClientView client;
-    double updates = 0;  // taken by the servo, a second; what it did not take alone is in `merged`
+    double updates = 0;  // taken by the servo, per second; skipped updates are in `merged`
     std::uint64_t merged = 0, refused = 0, missed = 0;
 };
 
@@ -24,7 +24,7 @@ struct DeviceRates {
     DeviceView device;
     double rate = 0;  // Hz, measured
     std::uint64_t late = 0, overruns = 0;
-    /// us, means of the cycles that were stamped (one in 64); none: none was in this time.
+    /// us, means over the stamped cycles (one in 64); none: no cycle was stamped in this time.
     std::optional<std::array<double, cycle_parts.size()>> parts;
     double step = 0;   // us, of all parts
     double sleep = 0;  // us, the rest of the measured period
@@ -34,11 +34,11 @@ struct DeviceRates {
     std::vector<ClientRates> clients;
 };
 
-/// Of the parts of a cycle, where none was stamped in this time, what the look before said.
+/// If no cycle was stamped in this time, keeps the parts of the previous look.
 void keep_parts(const DeviceRates& before, DeviceRates& now);
 
-/// `seconds` between the looks; `seen`: the reports that came in between. A device that counts less than
-/// before is another servo's: its rates are 0.
+/// `seconds` between the looks; `seen`: the reports in between. A device with lower counts than before
+/// belongs to another servo: its rates are 0.
 DeviceRates rates_between(const DeviceView& before, const DeviceView& now, double seconds,
                           const std::vector<Report>& seen);
 

@@ -27,7 +27,7 @@ std::size_t width_of(const std::string& text) {
     return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), is_mark));
 }
 
-/// At most so wide; what is marked stays so.
+/// Limits the width and keeps marks.
 std::string cut(const std::string& text, std::size_t columns) {
     std::string kept;
     std::size_t width = 0;
@@ -36,7 +36,7 @@ std::string cut(const std::string& text, std::size_t columns) {
     return kept;
 }
 
-/// What stands between two spaces or more.
+/// The parts between two or more spaces.
 std::vector<std::string> fields(const std::string& line, std::size_t from) {
     std::vector<std::string> found;
     while ((from = line.find_first_not_of(' ', from)) != std::string::npos) {
@@ -104,8 +104,8 @@ Terminal::Terminal(bool page) : page_(page && ::isatty(STDOUT_FILENO) != 0) {
     const char* none = std::getenv("NO_COLOR");
     colours_ = page_ && (none == nullptr || *none == '\0');
     ::sigemptyset(&signals_);
-    // SIGWINCH too: then it wakes us, though nobody handles it. Without a page there is nothing to tidy up,
-    // and whoever suspends us may do so.
+    // SIGWINCH is included, so that it wakes the wait though it has no handler. Without a page there is
+    // nothing to restore, so suspension needs no handling.
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&signals_, signal);
     if (page_)
         for (const int signal : {SIGTSTP, SIGWINCH}) ::sigaddset(&signals_, signal);
@@ -115,7 +115,7 @@ Terminal::Terminal(bool page) : page_(page && ::isatty(STDOUT_FILENO) != 0) {
 
 Terminal::~Terminal() {
     leave();
-    // One that came meanwhile has been obeyed by now.
+    // A signal that arrived meanwhile has been handled by now.
     const timespec none{};
     while (::sigtimedwait(&signals_, nullptr, &none) > 0) {
     }
@@ -147,7 +147,7 @@ void Terminal::draw() const {
             ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0;
         const std::size_t columns = known ? size.ws_col : 80, rows = known ? size.ws_row : 24;
         const bool hint = keys_ && keys_->there() && rows > 2;
-        // First erased, then written: behind a line that ends in the last column nothing can be erased.
+        // Erases first, then writes: after a line that ends in the last column nothing can be erased.
         fmt::print("\033[H\033[J{}", shown(fitted(shown_, columns, hint ? rows - 1 : rows), colours_));
         if (hint) fmt::print("\033[{};1H{}", rows, std::string("q: end").substr(0, columns));
     } else {
@@ -161,7 +161,7 @@ bool Terminal::wait(double seconds) {
     ::clock_gettime(CLOCK_MONOTONIC, &now);
     const double end = static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9 + seconds;
     for (double left = seconds; left > 0;) {
-        // A key comes through a descriptor: whoever waits for a signal does not see it before the next look at it.
+        // A key comes through a descriptor, so a wait for signals sees it only at the next check.
         constexpr double key_pace = 0.1;  // s
         const bool keys = keys_ && keys_->there();
         for (char key = keys ? keys_->next() : '\0'; key != '\0'; key = keys_->next())

@@ -1,5 +1,5 @@
 #pragma once
-// The terminal of a verb that shows something live.
+// The terminal for a verb with live output.
 
 #include <csignal>
 #include <cstddef>
@@ -10,33 +10,32 @@
 
 namespace knurl::cli {
 
-// Around what is wrong, which a terminal that has colours shows in red.
+// Around faulty values, which a colour terminal shows in red.
 inline constexpr char wrong_begins = '\1', wrong_ends = '\2';
 inline std::string wrong(const std::string& text) {
     return wrong_begins + text + wrong_ends;
 }
-/// The marks as escape sequences, or left out.
+/// The marks as escape sequences, or removed.
 std::string shown(const std::string& text, bool colours);
 
-/// `text` as it fits a terminal: a line that is too wide goes on in the next ones, indented by four more,
-/// broken where it has two spaces or more; what still is too wide is cut off; of lines that find no room the
-/// last one says how many.
+/// `text` fitted to a terminal. A line that is too wide continues in the next ones, indented by four more,
+/// broken at two spaces or more; the rest is cut off. If lines do not fit, the last one states their number.
 std::string fitted(const std::string& text, std::size_t columns, std::size_t rows);
 
-/// While this lives, interrupts end waits instead of the program. On a terminal it has a page of its own, of
-/// the size that the terminal has at the moment, and what was there before comes back afterwards (also when
-/// it is suspended); elsewhere the text goes out as it is.
+/// While this lives, interrupts end waits instead of the program. On a terminal it uses a separate page of
+/// the present size, and restores the old content afterwards (also when suspended). Elsewhere the text is
+/// written as it is.
 class Terminal {
   public:
-    /// `page`: make one, if standard output is a terminal that can.
+    /// `page`: create one, if standard output is a terminal that supports it.
     explicit Terminal(bool page);
     ~Terminal();
     Terminal(const Terminal&) = delete;
     Terminal& operator=(const Terminal&) = delete;
 
-    /// Replaces what is there; elsewhere, follows it.
+    /// Replaces the old text; elsewhere, follows it.
     void show(const std::string& text);
-    /// False: somebody asked the program to end meanwhile, by a signal or the key q.
+    /// False: a signal or the key q asked the program to end.
     bool wait(double seconds);
 
   private:

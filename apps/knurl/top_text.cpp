@@ -13,14 +13,14 @@ namespace {
 
 using json = knurl::Json;
 
-/// "12 merged (+3)": in all, and in this time.
+/// "12 merged (+3)": in total, and in this time.
 std::string counted(std::uint64_t all, std::uint64_t now, std::string_view what) {
     std::string text = fmt::format("{} {}", all, what);
     if (now > 0) text += fmt::format(" (+{})", now);
     return text;
 }
 
-/// Likewise, of what should not be: marked while it goes on.
+/// Likewise for errors: marked while they continue.
 std::string counted_wrong(std::uint64_t all, std::uint64_t now, std::string_view what) {
     const std::string text = counted(all, now, what);
     return "  " + (now > 0 ? wrong(text) : text);
@@ -77,7 +77,7 @@ std::string text_of(const DeviceRates& rates) {
     const bool off = state_of(device) == DeviceState::fault || state_of(device) == DeviceState::disconnected;
     std::string text =
         fmt::format("{} ({})  {}", device.info.name, device.info.address, off ? wrong(state) : state);
-    constexpr double all_of_them = 0.99;  // of the cycles; the rest is the moment of the look
+    constexpr double all_of_them = 0.99;  // of the cycles; the rest lies in the moment of the look
     const std::string rate = fmt::format("{:.1f} of {:g} Hz", rates.rate, device.info.rate);
     text += fmt::format("  {}  force {:.2f} of {:.3g} N  k_max {:.4g} N/m\n",
                         rates.rate < all_of_them * device.info.rate ? wrong(rate) : rate, force_of(device),

@@ -1,5 +1,5 @@
 // knurl trace: one cycle and its neighbours on a timeline, for chrome://tracing or ui.perfetto.dev.
-// Read-only: the servo does nothing for it.
+// Read-only: it costs the servo nothing.
 
 #include <algorithm>
 #include <iostream>
@@ -23,7 +23,7 @@ namespace {
 
 using measure::now_ns, measure::sleep_until;
 
-// for a servo that does not move, and for a cycle that is stamped
+// for a servo that stands still, and for a stamped cycle
 constexpr Nanoseconds patience = 1'000'000'000;
 
 struct TraceArguments {
@@ -41,7 +41,7 @@ std::size_t find_device(const ServoView& view, const TraceArguments& arguments) 
     return chosen_device(arguments.servo, names, arguments.device);
 }
 
-/// Looks at a servo's counters so often that the parts of each cycle that it stamps are known by themselves.
+/// Reads a servo's counters so often that the parts of each stamped cycle can be separated.
 Timeline watch(TraceArguments arguments) {
     const protocol::ServoAddress address = servo_said(arguments.servo);
     arguments.servo = address.name;
@@ -59,8 +59,7 @@ Timeline watch(TraceArguments arguments) {
     const std::uint64_t first = newest();
     for (Nanoseconds now = begin; now < end || (parts.seen().empty() && now < end + patience);
          now = now_ns()) {
-        // Two looks at once: what the second's counters say is of a moment between two reports near each
-        // other.
+        // Two looks, so that the counters of the second belong to a moment between two close reports.
         const std::uint64_t before = (view = servo.look(), newest());
         view = servo.look();
         parts.look(view.devices[place], before, newest());
@@ -98,7 +97,7 @@ std::string sentence(const Timeline& timeline, const Stretch& stretch, Around ar
     if (around == Around::late && !stretch.late)
         text += fmt::format(" (none of {} was late; no other was read as late)", timeline.reports.size());
     text += stretch.stamped ? fmt::format("; cycle {} in all its parts", *stretch.stamped)
-                            : "; of none the parts are known";
+                            : "; the parts of no cycle are known";
     return text;
 }
 

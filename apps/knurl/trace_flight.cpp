@@ -21,7 +21,7 @@ std::vector<std::string> split(const std::string& line, char at) {
     return words;
 }
 
-/// The columns that a timeline needs, wherever they stand.
+/// The columns that a timeline needs, in any position.
 class Columns {
   public:
     explicit Columns(const std::vector<std::string>& names) : size_(names.size()) {
@@ -48,7 +48,7 @@ class Columns {
     std::map<std::string, std::size_t> places_;
 };
 
-/// False: one of the numbers is none.
+/// False: a value is not a number.
 bool parse(const Columns& columns, const std::vector<std::string>& row, Report& report) {
     std::uint32_t state = 0;
     const auto vector = [&](const std::string& name, Vec3& v) {

@@ -6,8 +6,8 @@
 
 namespace knurl::cli {
 
-/// What the guardian of a servo that died has saved: all reports, no parts. A last line that is not whole is
-/// left out, and said in `cut`. Throws std::runtime_error with the line where it is no such file.
+/// Reads what the guardian of a dead servo has saved: all reports, no parts. An incomplete last line is left
+/// out and reported in `cut`. Throws std::runtime_error with the line if it is no such file.
 Timeline read_flight_record(const std::string& path, bool& cut);
 
 }  // namespace knurl::cli

@@ -30,14 +30,14 @@ const CycleParts* parts_of(const Timeline& timeline, std::uint64_t cycle) {
     return found == timeline.parts.end() ? nullptr : &*found;
 }
 
-/// The place of a cycle, if it is among the reports.
+/// The index of a cycle, if it is among the reports.
 std::optional<std::size_t> place_of(const Timeline& timeline, std::uint64_t cycle) {
     const auto found = std::ranges::lower_bound(timeline.reports, cycle, {}, &Report::cycle);
     if (found == timeline.reports.end() || found->cycle != cycle) return std::nullopt;
     return static_cast<std::size_t>(found - timeline.reports.begin());
 }
 
-/// Writes events whose times count from the first one.
+/// Writes events with times relative to the first one.
 class Writer {
   public:
     explicit Writer(Nanoseconds zero) : zero_(zero) {}
@@ -75,7 +75,7 @@ class Writer {
     Nanoseconds zero_;
 };
 
-/// One cycle, from `free` at the earliest: when the one before it had ended. Returns when this one has.
+/// Draws one cycle, from `free` (the end of the previous one) at the earliest. Returns the end of this one.
 Nanoseconds draw(Writer& writer, const Report& report, const CycleParts* parts, bool late, Nanoseconds free) {
     const Nanoseconds from = std::max(report.deadline_ns, free);
     const Nanoseconds read = std::max(report.read_ns, from);
@@ -108,8 +108,8 @@ bool was_late(const Timeline& timeline, std::size_t i) {
 }  // namespace
 
 void PartsWatch::look(const DeviceView& device, std::uint64_t before, std::uint64_t after) {
-    // The cycle that stamps publishes its parts last of all: when a later one has been reported they are
-    // there. And the next that stamps has not begun.
+    // The stamped cycle publishes its parts at its very end, so they are there when a later cycle has been
+    // reported. And the next stamped cycle must not have begun.
     if (before % every == 0 || before / every != after / every) return;
     const auto count = [&device](const std::string& name) {
         const auto found = device.counters.find(name);
@@ -138,7 +138,7 @@ Stretch choose(const Timeline& timeline, Around around, std::size_t neighbours) 
             if (stretch.late) stretch.middle = i;
         }
     }
-    // The nearest cycle with parts: every one in 64 has some, if it was watched.
+    // The nearest cycle with parts: one in 64 has them, if it was watched.
     std::size_t nearest = 0, distance = std::numeric_limits<std::size_t>::max();
     for (const CycleParts& parts : timeline.parts) {
         const auto place = place_of(timeline, parts.cycle);
@@ -152,7 +152,7 @@ Stretch choose(const Timeline& timeline, Around around, std::size_t neighbours) 
     if (known && around == Around::last) stretch.middle = nearest;
     stretch.begin = stretch.middle - std::min(stretch.middle, neighbours);
     stretch.end = std::min(reports.size(), stretch.middle + neighbours + 1);
-    // One that is further away than all would be from each other shows nothing of this moment.
+    // A cycle further away than stamped cycles are from each other says nothing about this moment.
     if (known && distance <= std::max<std::size_t>(neighbours, PartsWatch::every)) {
         stretch.begin = std::min(stretch.begin, nearest);
         stretch.end = std::max(stretch.end, nearest + 1);

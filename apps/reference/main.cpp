@@ -44,7 +44,8 @@ struct Column {
     std::string_view name, unit, meaning;
 };
 
-/// Of the CSV that the guardian, `knurl replay --csv` and PlotJuggler show. Names are checked against the code's own.
+/// The CSV columns of the guardian, `knurl replay --csv` and PlotJuggler. Their names are checked against the
+/// code's.
 constexpr Column report_table[] = {
     {"cycle", "", "number of the cycle, from the start of the servo"},
     {"deadline_ns", "ns", "CLOCK_MONOTONIC: when the cycle should have begun"},
@@ -70,7 +71,7 @@ constexpr Column report_table[] = {
     {"touches", "", "how often a touch has begun"},
 };
 
-/// The columns of the table stand in the code's list, in this order.
+/// Checks that the code's list has these columns in this order.
 void check_columns() {
     const std::string all = fmt::format(",{},", servo::report_columns);
     std::size_t at = 0;
@@ -169,7 +170,7 @@ const Rows& exit_codes() {
     return rows;
 }
 
-/// Compared with what the sources read by tests/build/reference.py.
+/// tests/build/reference.py compares these with the variables that the sources read.
 const Rows& environment() {
     static const Rows rows{
         {"`KNURL_RUNTIME_DIR`", "all",

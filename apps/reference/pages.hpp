@@ -1,5 +1,5 @@
 #pragma once
-// What the pages of the reference are made of.
+// The parts of the reference's pages.
 
 #include <string>
 #include <string_view>

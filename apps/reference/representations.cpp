@@ -1,4 +1,4 @@
-// Every kind of representation by its table of fields (knurl/reps/field.hpp).
+// Every kind of representation, from its table of fields (knurl/reps/field.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +63,7 @@ T read(const std::byte* params, std::size_t offset) {
     return value;
 }
 
-/// All equal: that one number. Of points as many as are used.
+/// One number if all are equal. Of points, as many as are in use.
 std::string reals_of(const Field& field, const std::byte* params) {
     std::size_t count = field.reals();
     if (field.type == Field::Type::points)
@@ -111,7 +111,7 @@ std::vector<Rows> all_rows(TypeList<R...>) {
     return {rows_of<R>()...};
 }
 
-/// The rows that all surfaces have alike.
+/// The rows that all surfaces share.
 Rows common_rows(const std::vector<Rows>& all) {
     Rows common;
     bool first = true;

@@ -15,7 +15,7 @@ class Debounced final : public Device {
 
     ReadStatus read(Nanoseconds now, JointSample& sample) noexcept override {
         const ReadStatus status = device_->read(now, sample);
-        // Garbage says nothing of the buttons either.
+        // In a bad sample the buttons are not valid either.
         sample.buttons = status == ReadStatus::ok ? buttons_(now, sample.buttons) : buttons_.told();
         return status;
     }

@@ -1,5 +1,5 @@
 #pragma once
-// A device whose buttons do not bounce, made of any.
+// Wraps any device so that its buttons do not bounce.
 
 #include <memory>
 
@@ -7,7 +7,7 @@
 
 namespace knurl::drivers {
 
-/// The device itself where `hold` is 0, or where it has no buttons: then nothing stands between.
+/// Returns the device itself if `hold` is 0 or it has no buttons.
 std::unique_ptr<Device> debounced(std::unique_ptr<Device> device, double hold);
 
 }  // namespace knurl::drivers

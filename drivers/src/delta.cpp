@@ -8,7 +8,7 @@ namespace knurl::drivers {
 
 namespace {
 
-constexpr double longest = 10;  // m: beyond it somebody wrote millimetres
+constexpr double longest = 10;  // m: a longer one was probably given in millimetres
 
 void check(const DeltaTable& table) {
     const std::pair<const char*, double> lengths[] = {{"r", table.r}, {"s", table.s}, {"a", table.a},
@@ -49,7 +49,7 @@ Delta::Delta(const DeltaTable& table)
     for (std::size_t i = 0; i < 3; ++i) {
         legs_[i] = {.cosine = std::cos(table.leg[i]), .sine = std::sin(table.leg[i])};
     }
-    // (second - first) x (third - first) points along +z or -z, by the order in which the legs are named.
+    // (second - first) x (third - first) points along +z or -z, depending on the order of the legs.
     const double turn = (legs_[1].cosine - legs_[0].cosine) * (legs_[2].sine - legs_[0].sine) -
                         (legs_[1].sine - legs_[0].sine) * (legs_[2].cosine - legs_[0].cosine);
     side_ = turn > 0 ? 1 : -1;
@@ -64,7 +64,7 @@ Delta::Cranks Delta::cranks(std::span<const double, 3> joints) const noexcept {
 }
 
 Eigen::Vector3d Delta::three_spheres(const Cranks& ends) const noexcept {
-    // Each sphere's centre: where the platform's centre would be with a leg of no length.
+    // Each sphere's centre: the platform's centre if the leg had no length.
     std::array<Eigen::Vector3d, 3> centre;
     for (std::size_t i = 0; i < 3; ++i) {
         const double u = ends[i].x() - outwards_, v = -across_;

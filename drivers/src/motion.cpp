@@ -95,7 +95,7 @@ MotionSample Motion::sample(double t, std::size_t& hint) const noexcept {
     if (t > end()) {
         return {.position = rows_.back().position, .orientation = rows_.back().orientation};
     }
-    // The segment i with rows_[i].t <= t < rows_[i+1].t; the last one also holds its end.
+    // The segment i with rows_[i].t <= t < rows_[i+1].t; the last segment includes its end.
     const std::size_t last = rows_.size() - 2;
     const auto holds = [&](std::size_t i) {
         return i <= last && rows_[i].t <= t && (t < rows_[i + 1].t || i == last);
@@ -115,7 +115,7 @@ MotionSample Motion::sample(double t, std::size_t& hint) const noexcept {
     const double span = to.t - from.t;
     MotionSample result{.velocity = (to.position - from.position) / span,
                         .angular_velocity = turn_[hint] / span};
-    if (t == to.t) {  // only in the last segment; exactly the row, without rounding
+    if (t == to.t) {  // only in the last segment; gives the row without rounding
         result.position = to.position;
         result.orientation = to.orientation;
         return result;
@@ -128,7 +128,7 @@ MotionSample Motion::sample(double t, std::size_t& hint) const noexcept {
 
 Motion parse_motion(std::string_view text, const std::string& name) {
     std::vector<MotionRow> rows;
-    std::size_t columns = 0;  // 4 or 8, fixed by the first row
+    std::size_t columns = 0;  // 4 or 8, as in the first row
     std::size_t number = 0;
     bool first = true;
     while (!text.empty()) {

@@ -13,7 +13,7 @@ std::optional<JointArray> reach(const Mechanism& mechanism, const JointArray& fr
                                 const Eigen::Vector3d& position,
                                 const std::optional<Eigen::Quaterniond>& orientation) {
     constexpr int steps = 300;
-    constexpr double longest = 0.02;  // m and, times ten, rad in one step
+    constexpr double longest = 0.02;  // m and, times ten, rad per step
     const auto joints = static_cast<std::size_t>(mechanism.joints());
     JointArray q = from;
     TipPose pose;

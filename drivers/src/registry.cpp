@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::string_view debounce_option = "debounce=";
 
-/// An address without what is no driver's own matter.
+/// The options that every driver's address may have, removed from it.
 struct AddressOptions {
     std::string what;
     double debounce = Debounce::usual;  // s
@@ -51,7 +51,7 @@ AddressOptions options_of(std::string_view address, std::size_t at) {
             !(given.debounce >= 0 && given.debounce <= Debounce::longest)) {
             std::ostringstream why;
             why << address << ": cannot use " << item << "; give 0 to " << Debounce::longest
-                << " s that a button is left alone after an edge (0: every edge of its contacts is told)";
+                << " s for which a button's further edges are ignored after an edge (0: all count)";
             throw std::runtime_error(why.str());
         }
     }

@@ -8,8 +8,8 @@
 
 namespace knurl::drivers {
 
-/// The shorter turn that takes a to b, in the frame that both are given in. By atan2: acos loses half of the
-/// digits of a small angle.
+/// The shorter rotation from a to b, in the frame of both. Uses atan2, since acos loses half the digits of a
+/// small angle.
 inline Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
     Eigen::Quaterniond step = b * a.conjugate();
     if (step.w() < 0) {

@@ -10,8 +10,8 @@ namespace knurl::drivers {
 
 namespace {
 
-constexpr double longest_link = 10;         // m: beyond it somebody wrote millimetres
-constexpr double singular_coupling = 1e-9;  // of the largest entry to the power of the size
+constexpr double longest_link = 10;         // m: a longer one was probably given in millimetres
+constexpr double singular_coupling = 1e-9;  // relative to the largest entry to the power of the size
 
 void check(const SerialChainTable& table) {
     const auto n = static_cast<Eigen::Index>(table.rows.size());

@@ -67,7 +67,7 @@ BroadcastPlaces<> broadcast_places(const std::byte* memory, std::uint32_t slots,
     require_aligned(memory, "report ring");
     require_power_of_two(slots, "report ring");
     require_whole_words(slot_bytes, "report ring");
-    auto* bytes = const_cast<std::byte*>(memory);  // readers only ever load
+    auto* bytes = const_cast<std::byte*>(memory);  // readers only load
     return {.end = reinterpret_cast<std::uint64_t*>(bytes),
             .slots = reinterpret_cast<std::uint64_t*>(bytes + line_bytes),
             .count = slots,

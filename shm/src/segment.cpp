@@ -18,7 +18,7 @@ namespace {
 
 constexpr int size_seals = F_SEAL_SHRINK | F_SEAL_GROW;
 
-/// All that mapped_region wants of a thing that can be mapped.
+/// The interface that mapped_region requires.
 struct Mappable {
     int fd;
     ipc::mapping_handle_t get_mapping_handle() const {
@@ -52,7 +52,7 @@ Segment::Segment(UniqueFd fd, std::size_t bytes, Access access, std::string_view
                              : access == Access::private_copy ? ipc::copy_on_write
                                                               : ipc::read_only;
     try {
-        // MAP_POPULATE: the first touch of a page costs microseconds, which no cycle has.
+        // MAP_POPULATE: the first touch of a page costs microseconds, for which no cycle has time.
         mapping_ = std::make_unique<Mapping>(
             Mapping{ipc::mapped_region(Mappable{fd_.get()}, mode, 0, bytes, nullptr, MAP_POPULATE)});
     } catch (const ipc::interprocess_exception& error) {
@@ -81,7 +81,7 @@ Segment Segment::create(std::string_view name, std::size_t bytes) {
 
 namespace {
 
-/// A descriptor of our own on a memfd of exactly that size, sealed so.
+/// Duplicates the descriptor of a memfd after checking its exact size and its seals.
 UniqueFd received(int fd, std::size_t expected_bytes, int needed, const char* seals_by_name) {
     const std::string who = "received segment (descriptor " + std::to_string(fd) + ")";
     UniqueFd own(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
@@ -113,7 +113,7 @@ Segment Segment::open_sealed(int fd, std::size_t expected_bytes) {
 
 UniqueFd Segment::seal(Segment written) {
     UniqueFd fd = std::move(written.fd_);
-    written = Segment();  // a file that is mapped for writing cannot be sealed against it
+    written = Segment();  // a file that is mapped for writing cannot be sealed against writes
     if (::fcntl(fd.get(), F_ADD_SEALS, size_seals | F_SEAL_WRITE | F_SEAL_SEAL) != 0)
         throw_errno("segment: cannot seal against writing", "unmap it everywhere first");
     return fd;

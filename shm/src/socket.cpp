@@ -44,7 +44,7 @@ const sockaddr* generic(const sockaddr_un& address) {
     return reinterpret_cast<const sockaddr*>(&address);
 }
 
-/// Removes the socket of a dead process. Asking the socket itself is the only sure sign of life.
+/// Removes the socket of a dead process. Only a connection attempt shows whether a process is alive.
 void take_over(const std::filesystem::path& path, const sockaddr_un& address) {
     struct stat status {};
     if (::lstat(path.c_str(), &status) != 0) return;
@@ -61,8 +61,9 @@ void take_over(const std::filesystem::path& path, const sockaddr_un& address) {
         throw_errno("socket " + path.string() + ": cannot replace the one left behind", "remove it");
 }
 
-/// Held from the probe until we listen: otherwise two that start together both find the dead socket, and the
-/// slower one removes the live socket of the faster. A lock on the folder leaves no file behind.
+/// Held from the probe until this process listens. Otherwise two processes that start together both find the
+/// dead socket, and the slower one removes the faster one's live socket. A lock on the folder leaves no file
+/// behind.
 UniqueFd lock_folder(const std::filesystem::path& folder) {
     using namespace std::chrono_literals;
     constexpr int attempts = 200;
@@ -85,7 +86,7 @@ UniqueFd listen_at(const std::filesystem::path& path, mode_t mode, int backlog) 
     UniqueFd fd = new_socket(SOCK_NONBLOCK);
     if (::bind(fd.get(), generic(address), sizeof address) != 0)
         throw_errno("socket " + path.string() + ": cannot bind", "see the rights of its folder");
-    // Before listen: until then nobody gets in, whatever the mode was.
+    // Before listen: until then nobody can connect, whatever the mode was.
     if (::chmod(path.c_str(), mode) != 0 || ::listen(fd.get(), backlog) != 0)
         throw_errno("socket " + path.string() + ": cannot listen", "see the rights of its folder");
     return fd;
@@ -138,8 +139,7 @@ bool send_message(int fd, std::span<const std::byte> bytes, std::span<const int>
 
 Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
     Received result;
-    // What a hostile sender could send at most is reserved first: a bad_alloc later would leak its
-    // descriptors.
+    // Reserves for the most that a hostile sender can send: a later bad_alloc would leak its descriptors.
     result.fds.reserve(max_fds);
     iovec data{.iov_base = buffer.data(), .iov_len = buffer.size()};
     alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(max_fds * sizeof(int))> control{};
@@ -149,8 +149,8 @@ Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
     message.msg_control = control.data();
     message.msg_controllen = control.size();
     ssize_t n = -1;
-    // A peer that hung up with something of ours unread is told as a reset, once, before what it had sent
-    // itself.
+    // When a peer hangs up with unread data of ours, the first read reports a reset, before the peer's own
+    // data.
     bool reset = false;
     do {
         n = ::recvmsg(fd, &message, MSG_CMSG_CLOEXEC | (block == Block::no ? MSG_DONTWAIT : 0));

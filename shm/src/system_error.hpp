@@ -8,7 +8,7 @@
 
 namespace knurl::shm {
 
-/// What helps against an error that has one cause, whoever meets it; against the others `otherwise`.
+/// The remedy for an error with one cause, whoever meets it; for other errors `otherwise`.
 inline std::string remedy_for(int error, const std::string& otherwise) {
     switch (error) {
         case EMFILE:

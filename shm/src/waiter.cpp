@@ -18,7 +18,7 @@ namespace {
 
 void signal_event(int event_fd) noexcept {
     const std::uint64_t one = 1;
-    // EAGAIN: the counter is full, so it is readable already.
+    // EAGAIN: the counter is full, so the descriptor is readable already.
     [[maybe_unused]] const ssize_t written = ::write(event_fd, &one, sizeof one);
 }
 
@@ -71,7 +71,7 @@ void Waiter::drain() noexcept {
 }
 
 struct Waker::Table {
-    // Between the waker's thread and the broker only; the servo never takes it.
+    // Between the waker's thread and the broker; the servo never takes it.
     std::mutex mutex;
     std::array<WakeTarget, max_entries> entries;
     std::size_t count = 0;
@@ -107,9 +107,9 @@ std::size_t Waker::run_once() noexcept {
 std::size_t Waker::wake(std::span<const WakeTarget> wake_targets) noexcept {
     const Waiting waiting = who_waits(wake_targets);
     if (waiting.count == 0) return 0;
-    // The way through the thread costs a sleeper some 9 us, which one alone need not pay. The servo pays them
-    // instead, so not where a crowd takes its time already. Should the thread be at it too, from a poke
-    // before: only one of the two finds the flag up.
+    // A wake-up through the thread costs a sleeper some 9 us, which a single sleeper can avoid. Then the
+    // servo pays this time instead, so not when there are many sleepers. If an earlier poke lets the thread
+    // act too, only one of the two finds the flag set.
     const WakeTarget& last = wake_targets[waiting.last];
     if (waiting.count == 1 && wake_targets.size() <= few && last.event_fd >= 0)
         wake_one(last);
@@ -119,11 +119,11 @@ std::size_t Waker::wake(std::span<const WakeTarget> wake_targets) noexcept {
 }
 
 void Waker::poke() noexcept {
-    // Release: pairs with the acquire loads in run; whoever sees the poke sees the flag that caused it, and
-    // stop_.
+    // Release: pairs with the acquire loads in run. A thread that sees the poke sees the flag that caused it,
+    // and stop_.
     pokes_.fetch_add(1, std::memory_order::release);
     fence_after_publish<>();
-    // Relaxed: the fence orders it. Cleared by whoever wakes, so that one sleep costs one futex call.
+    // Relaxed: the fence orders it. The waking thread clears it, so one sleep costs one futex call.
     if (sleeping_.load(std::memory_order::relaxed) != 0 && sleeping_.exchange(0) != 0)
         futex(pokes_, FUTEX_WAKE, 1);
 }
@@ -134,8 +134,8 @@ void Waker::run() noexcept {
         run_once();
         sleeping_.store(1, std::memory_order::relaxed);
         fence_after_publish<>();
-        // A poke after this load changes pokes_, which the kernel compares before it sleeps; one before it is
-        // seen here.
+        // A poke after this load changes pokes_, which the kernel compares before it sleeps; an earlier poke
+        // is seen here.
         if (pokes_.load(std::memory_order::acquire) == seen && !stop_.load(std::memory_order::relaxed))
             futex(pokes_, FUTEX_WAIT, seen);
         sleeping_.store(0, std::memory_order::relaxed);

@@ -62,7 +62,7 @@ class BodiesProgram : public testing::Test {
     const std::filesystem::path temporary_ = home_.path("tmp");
 };
 
-/// The number behind that text; not there: the test has failed.
+/// The number after that text; the test fails if it is missing.
 double figure(const std::string& in, const std::string& behind) {
     const auto at = in.find(behind);
     EXPECT_NE(at, std::string::npos) << behind << " in " << in;
@@ -72,7 +72,7 @@ double figure(const std::string& in, const std::string& behind) {
 TEST_F(BodiesProgram, ShowsItselfWithoutADevice) {
     const std::string picture = home_.path("b.png"), csv = home_.path("b.csv");
     Outcome shown;
-    // Its hand goes by the clock: on a machine that stalls just then the cube is no longer within reach.
+    // The hand moves by the clock: if the machine stalls, the cube is out of reach.
     for (int tries = 0; tries < 3 && shown.err.find("lets go of the cube") == std::string::npos; ++tries)
         shown = run({KNURL_BODIES_PROGRAM, "--demo", "--device", "sim:generic6", "--fingers", "3",
                      "--picture", picture, "--csv", csv});
@@ -152,7 +152,7 @@ struct OnAServo : BodiesProgram {
         ASSERT_TRUE(eventually([&] { return lifted(); })) << "it weighs 1 N";
     }
     knurl::HandReport newest() { return observer_.latest().value_or(knurl::HandReport{}); }
-    /// And the hand has come to where it wants to be.
+    /// And the hand has reached its wanted place.
     bool lifted() {
         const knurl::HandReport now = newest();
         return now.position.z > 0.005 && now.scene_force.z < -0.5 &&
@@ -174,7 +174,7 @@ TEST_F(OnAServo, TakesWithTheButtonAndTheDeviceIsAtRestHoweverItEnds) {
         while (observer_.next_report(0ms)) {
         }
         EXPECT_EQ(program.end(signal), signal == SIGKILL ? 128 + SIGKILL : 0) << program.said();
-        // It fades: to nothing, and without a step.
+        // The force fades to zero, without a step.
         knurl::HandReport last = newest();
         double step = 0;
         EXPECT_TRUE(eventually([&] {
@@ -220,7 +220,7 @@ TEST_F(OnAServo, TakesLetsGoPutsBackAndEndsByKeys) {
     program.type(' ');
     ASSERT_TRUE(program.shows("holds the cube")) << program.shown;
     mouse_.up(15);
-    // Where the machine stalls just then it is lost, which is said; a person puts it back and takes it again.
+    // If the machine stalls the cube is lost, with a message; a person resets and takes it again.
     const auto lifted_or_seconds_later = [&] {
         int looks = 0;
         (void)eventually([&] { return lifted() || ++looks == 5000; });

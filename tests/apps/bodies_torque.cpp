@@ -69,7 +69,7 @@ TEST(BodiesTorque, ThreeFingersPushLiftAndStack) {
     }
 }
 
-/// A block beside the hand, which the hand itself does not meet: its other finger does.
+/// A block beside the hand: only the hand's other finger touches it.
 TEST(BodiesTorque, AFingerBesideTheMiddleTurnsTheHandByItsForceTimesItsLever) {
     World world({{.name = "block", .half = {0.02, 0.01, 0.02}, .mass = 0.5, .position = {0, 0.02, -0.03}}});
     Script script({-0.04, 0, -0.03});

@@ -84,8 +84,8 @@ TEST_P(AtRate, RoughlyHandledBodiesHaveNoMoreEnergyThanTheHandPutIn) {
     }
 }
 
-/// The most that the bodies ever had more than the hand had put in by then, J, in light bodies that are
-/// pushed about at random, stiffly, at 60 frames a second.
+/// The largest excess, J, of the bodies' energy over the hand's input so far: light bodies, pushed at random,
+/// stiffly, at 60 frames a second.
 double most_from_nothing(unsigned seed, const CoupledOptions& coupled) {
     World world({{.name = "box", .half = {0.02, 0.02, 0.02}, .mass = 0.05, .position = {0.02, 0, -0.03}},
                  {.name = "other", .half = {0.02, 0.02, 0.02}, .mass = 0.1, .position = {-0.03, 0, -0.03}}});
@@ -249,7 +249,7 @@ TEST_P(AtRate, BodiesThatJumpAreNoStepInTheHandAndNoWork) {
 
 TEST(BodiesTrial, ABodyThatJumpsOntoTheHandIsMetAnewAndDoesNotPushItOut) {
     World world(usual_bodies());
-    // Pushes the cube away, and then waits where it was at first.
+    // Pushes the cube away, and then waits at the cube's first place.
     const Vector3d there = world.after(cube).position;
     Script script({-0.06, 0, 0});
     script.rest(0.3).to({-0.06, 0, -0.035}, 0.1).to(there + Vector3d(0.005, 0, 0), 0.06).rest(1.5);
@@ -285,7 +285,7 @@ TEST(BodiesTrial, WhatIsTakenAndLetGoAtOnceWhileItIsTouchedIsNoStep) {
     EXPECT_LT(step, 0.1) << "N in a cycle";
 }
 
-/// N, the largest change of the force in a cycle from then on.
+/// N, the largest change of the force per cycle from then on.
 struct Step {
     double from, most = 0, force = 0;
     Vector3d last = Vector3d::Zero();
@@ -298,7 +298,7 @@ struct Step {
 };
 
 TEST_P(AtRate, WhatIsTakenAnewWhileTheSpringsStillFadeIsNoStep) {
-    for (const double lift : {0.0015, 0.06})  // m: it lies there still, and is in the air
+    for (const double lift : {0.0015, 0.06})  // m: the cube still lies there, and is in the air
         for (const double after : {0.005, 0.02, 0.05, 0.1, 0.18, 0.3}) {  // s
             SCOPED_TRACE("lifted by " + std::to_string(lift) + ", after " + std::to_string(after));
             World world(usual_bodies());

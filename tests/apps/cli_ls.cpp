@@ -66,7 +66,7 @@ TEST(Ls, ADirectoryThatIsNotThereHasNoServos) {
 
 TEST(Ls, WhereItMayNotLookItSaysSoAndFails) {
     KNURL_NEEDS(missing_other_user());
-    const Folder folder;  // the programs, for who may not look
+    const Folder folder;  // the programs, for a user without access
     const Home home;
     ASSERT_EQ(::chmod(home.path("").c_str(), 0700), 0);
     const Outcome outcome = knurl_without_rights(folder, {"ls"});

@@ -1,4 +1,4 @@
-// How a servo is named: every form that a program prints is taken by every option.
+// How a servo is named: every option accepts every form that a program prints.
 
 #include <algorithm>
 #include <csignal>
@@ -52,7 +52,7 @@ TEST_F(Names, AnAlmostRightOneIsAnsweredWithTheOneThatRuns) {
         EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     }
     EXPECT_NE(knurl({"top", "--servo", "somewhere"}).err.find("there is only knurl:lab"), std::string::npos);
-    servo_.end(SIGKILL);  // its socket stays, and nobody is meant by it
+    servo_.end(SIGKILL);  // its socket stays, and names no servo
     EXPECT_EQ(knurl({"top", "--servo", "lba"}).err.find("knurl:lab"), std::string::npos);
 }
 

@@ -1,4 +1,4 @@
-// `knurl reset`: leaves a fault, whoever holds the device, and switches nothing on.
+// `knurl reset`: leaves a fault, whoever holds the device, and enables nothing.
 
 #include <chrono>
 
@@ -25,7 +25,7 @@ DeviceState state_of(Reader& reader) {
     return report ? report->state : DeviceState::disconnected;
 }
 
-/// As a suspended machine does: the servo's clock has jumped when it goes on. A gap above 1 s is a fault.
+/// Like a suspended machine: the servo's clock has jumped when it continues. A gap above 1 s is a fault.
 template <class Reader>
 void suspend(const Servo& servo, Reader& reader) {
     ASSERT_TRUE(eventually([&] { return reader.latest().has_value(); }));

@@ -1,4 +1,4 @@
-// Exit codes and files, whatever the three standard streams are.
+// Exit codes and files, in any state of the three standard streams.
 
 #include <csignal>
 
@@ -62,7 +62,7 @@ TEST(Streams, AWrongCommandLineIsTwoWhateverTheStreamsAre) {
         EXPECT_EQ(redirected({knurl_program(), "frobnicate"}, streams).code, 2) << streams;
 }
 
-/// The recording is whole: it has its index, and replays.
+/// The recording is complete: it has its index, and replays.
 void expect_whole(const std::string& file) {
     const Outcome replayed = knurl({"replay", file});
     EXPECT_EQ(replayed.code, 0) << replayed.err;
@@ -73,7 +73,7 @@ void expect_whole(const std::string& file) {
 TEST(Streams, ARecordingIsWholeWhateverTheStreamsAre) {
     const Home home;
     Servo servo({"--device", "sim:cartesian3", "--priority", "0"});
-    // What was open is none of the recording's business: its file must not get the number of a stream.
+    // The recording's file must not get the number of a standard stream.
     for (const char* streams : {"<&- >&- 2>&-", "2>&-", "<&-", "2>/dev/full", ">/dev/full 2>/dev/full"}) {
         const std::string file = home.path("r.mcap");
         ::unlink(file.c_str());

@@ -1,4 +1,4 @@
-// "Did you mean ...?", and what is none.
+// "Did you mean ...?", and when there is no suggestion.
 
 #include <string>
 #include <vector>

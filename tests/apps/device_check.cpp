@@ -1,4 +1,4 @@
-// `knurl device check`: its figures against closed forms, its picture, and what it says about a bad file.
+// `knurl device check`: its figures against closed forms, its picture, and its message about a bad file.
 
 #include <algorithm>
 #include <cmath>
@@ -92,7 +92,7 @@ TEST(DeviceCheck, TheLargestForceIsGivenInEveryDirection) {
     EXPECT_GT(std::min({out, sideways, up}), 0.98) << "all around";
 }
 
-/// Three axes that cross in the tip beside three that slide: each torque is one motor's.
+/// Three axes that cross at the tip and three that slide: each torque belongs to one motor.
 TEST(DeviceCheck, TorqueAndAngularResolutionAreThoseOfTheMotorsThatTurnIt) {
     const Folder folder;
     const std::string path = folder.file("gantry.toml", R"(name = "gantry"

@@ -1,5 +1,5 @@
-// `knurl devices`: what is plugged in, what is in the way, and the command that mends it. On a bus that
-// umockdev plays.
+// `knurl devices`: which devices are plugged in, what is missing, and the command that fixes it. On a bus
+// that umockdev emulates.
 
 #include <cstring>
 #include <filesystem>
@@ -60,7 +60,7 @@ Outcome on_the_bus(const std::string& text, const std::string& words) {
                 knurl_program() + " " + words});
 }
 
-/// The same as nobody, to whom the node is read-only.
+/// The same as user nobody, who may only read the node.
 Outcome as_nobody(const std::string& words) {
     const Folder folder;
     std::filesystem::permissions(folder.path(""), std::filesystem::perms(0755));

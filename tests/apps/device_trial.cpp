@@ -1,4 +1,4 @@
-// `knurl device test`: finds what a device does, and what is wrong with one that does otherwise than it says.
+// `knurl device test`: measures a device, and finds what differs from its description.
 
 #include "../../apps/knurl/device_trial.hpp"
 
@@ -25,15 +25,15 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// A simulated device without a hand, changed by what may be wrong with one.
+/// A simulated device without a hand, with faults.
 class Broken final : public drivers::Device {
   public:
-    double effort = 1;                       // what the motors make of an effort
+    double effort = 1;                       // ratio of the motors' effort to the command
     double last_effort = 1;                  // ... of the last motor's
     double moves_back = 1;                   // -1: joint 0's encoder counts the wrong way
-    std::uint64_t stale = 0;                 // one of so many samples does not come; 0: all do
+    std::uint64_t stale = 0;                 // one of so many samples is missing; 0: none
     bool exerts = false, exerted = false;    // now; ever
-    drivers::Nanoseconds answers_after = 0;  // ns, each order and nothing else; 0: whenever it is asked
+    drivers::Nanoseconds answers_after = 0;  // ns, after each order and only then; 0: at any time
 
     explicit Broken(const std::string& options = "", const std::string& arm = "cartesian3")
         : inner_(drivers::open_device("sim:" + arm + ",grip=0,coulomb=0" + options)) {}

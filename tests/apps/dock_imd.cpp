@@ -1,4 +1,4 @@
-// IMD against a simulation of the test's own, with every fault that such a one may have.
+// IMD against a simulation in the test, with every possible fault.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ std::optional<ImdFrame> await(Imd& imd) {
     return {};
 }
 
-/// What it says of a simulation with this fault, at whichever frame that comes.
+/// The error for a simulation with this fault, at whichever frame it occurs.
 std::string complaint(FakeImdOptions fault) {
     fault.steps_per_second = 100'000;
     FakeImd simulation(fault);

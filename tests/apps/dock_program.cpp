@@ -1,4 +1,4 @@
-// knurl-dock as a person runs it: on a simulated device, with a simulation of the test's own.
+// knurl-dock as a person runs it: on a simulated device, with a simulation in the test.
 
 #include <csignal>
 #include <cstdlib>
@@ -75,7 +75,7 @@ TEST_F(DockProgram, AsksForFramesAsTheEngineIsFast) {
     const Outcome docked =
         dock(simulation, {"--rate", "50", "--seconds", "3", "--json", folder_.path("f.json")});
     ASSERT_EQ(docked.code, 0) << docked.err;
-    // 100 of its steps are a frame; a loaded machine lets it be slower, and then there are fewer.
+    // A frame takes 100 of its steps; on a loaded machine it may be slower, with fewer steps.
     const knurl::Json of = figures();
     const double wanted = double(of["steps_per_second"]) / 50;
     EXPECT_NEAR(simulation.rate(), wanted, 0.5 * wanted);
@@ -106,7 +106,7 @@ TEST_F(DockProgram, LetsGoWhileItIsStoppedAndTakesHoldAgain) {
     for (int i = 0; i < 3; ++i) {
         ASSERT_TRUE(simulation.eventually_pulled(is_pulled)) << i;
         bool let_go = false;
-        // One that is stopped just within a message is left alone: another try then.
+        // A stop just within a message sends nothing: repeats then.
         for (int tries = 0; tries < 4 && !let_go; ++tries) {
             ::kill(program.pid(), SIGSTOP);
             let_go = simulation.eventually_pulled(is_let_go, std::chrono::seconds(8));
@@ -157,7 +157,7 @@ TEST_F(DockProgram, RoughHandlingAtTheStiffestScaleThatItTakesIsNoKick) {
     for (const char* rate : {"60", "2"}) {
         SCOPED_TRACE(rate);
         double step = 0;  // N in a cycle, beside what the hand does by moving
-        // A program that is held up takes hold where the hand was: another try then.
+        // A delayed program takes hold at the hand's old place: repeats then.
         for (int tries = 0; tries < 4 && (tries == 0 || step > 0.5); ++tries) {
             FakeImd simulation({.atoms = 300});
             const Outcome docked =

@@ -17,7 +17,7 @@ struct Outcome {
     double pull = 0;     // kcal/mol/A, mean
 };
 
-/// Pulled as hard as may be for 200 frames, at 30 kcal/mol/A at most; from the hundredth on each has `later`
+/// Pulled as hard as allowed for 200 frames, at 30 kcal/mol/A at most; from the hundredth on each has `later`
 /// steps instead of `steps`.
 Outcome pulled(int steps, int later, bool bounded) {
     constexpr double mobility = 4e-4;  // A a step for 1 kcal/mol/A: water's oxygen
@@ -56,11 +56,11 @@ TEST(DockPullBound, HeatIsBoundedAtEveryFrameRateAndThroughAChangeOfIt) {
 }
 
 TEST(DockPullBound, WithoutTheBoundItWouldBurn) {
-    // What the test above is worth.
+    // Shows that the test above can fail.
     for (const int steps : {50, 500, 4000}) EXPECT_GT(pulled(steps, steps, false).hottest, 600) << steps;
 }
 
-/// Told modulo its box, as GROMACS tells places, with the heat's own way, and unwrapped as `knurl-dock` does.
+/// The place modulo its box, as GROMACS sends it, with thermal motion, and unwrapped as in `knurl-dock`.
 double farthest_from_the_truth(int steps, unsigned seed, bool bounded) {
     constexpr double mobility = 7e-4, box = 18.6;  // A a step for 1 kcal/mol/A; A
     constexpr std::size_t atoms = 648;
@@ -73,7 +73,7 @@ double farthest_from_the_truth(int steps, unsigned seed, bool bounded) {
         const double acting = sent;
         const double most =
             bound.force({.temperature = 300, .atoms = atoms, .steps = steps, .way = way, .pushed = acting});
-        // To and fro, as hard as may be, 20 frames each.
+        // Back and forth, as hard as allowed, 20 frames each.
         sent = (i / 20 % 2 ? -1 : 1) * std::min(5.0, bounded ? most : 5.0);
         const double moved = mobility * steps * acting + std::sqrt(8.6e-4 * steps) * normal(random);
         truth += moved;

@@ -34,15 +34,15 @@ bool is_let_go(const FakeImd::Forces& forces) {
     return forces.size() == 1 && forces.begin()->second == std::array<float, 3>{};
 }
 
-/// What a claim's reports say of what is not its own.
+/// The part of a claim's reports that comes from others.
 struct Part {
     std::uint64_t cycle = 0;
     std::int64_t read_ns = 0;
     Vector3d force = Vector3d::Zero();
 };
 
-/// The largest change from a cycle to the next. While the machine stood still the hand went on, so a cycle
-/// that came late is no witness.
+/// The largest change between consecutive cycles. While the machine stood still the hand moved on, so a late
+/// cycle does not count.
 class Steps {
   public:
     void see(const Part& part) {
@@ -74,7 +74,7 @@ class DockShared : public testing::Test {
         servo_.emplace(
             std::vector<std::string>{"--device", "sim:premium15", "--hand", home_.path("hand.csv")});
     }
-    /// Holds an atom that hardly gives way, so that the spring pulls as far as the hand goes.
+    /// Holds an atom that hardly gives way, so that the spring pulls as far as the hand moves.
     Background dock() {
         return Background({KNURL_DOCK_PROGRAM, simulation_.address(), "--share", "--at-once", "--atom", "4",
                            "--csv", home_.path("dock.csv"), "--json", home_.path("dock.json"), "--wait",
@@ -91,7 +91,7 @@ class DockShared : public testing::Test {
                                           .stiffness = 800})) {
             hand.arm();
         }
-        /// The newest report, and what it says of the others; none if it is not known of just that cycle.
+        /// The newest report, and the others' part; none if that is unknown for this very cycle.
         std::optional<Part> others() {
             report = hand.next_report(10s);
             hand.commit();
@@ -116,7 +116,7 @@ class DockShared : public testing::Test {
     }
 
     const Home home_;
-    // the hand has gone on when its first frame comes
+    // the hand has moved on when its first frame arrives
     FakeImd simulation_{{.mobility = 1e-6, .pause_at = 0}};
     std::optional<Servo> servo_;
 };

@@ -1,4 +1,4 @@
-// `knurl doctor`: the form of what it says. How good the machine is, is no test's business.
+// `knurl doctor`: the form of its output. No test depends on the quality of the machine.
 
 #include <cstdint>
 #include <sstream>

@@ -1,4 +1,4 @@
-// What `knurl doctor` reads from the kernel's files, on machines that are made of files.
+// What `knurl doctor` reads from the kernel's files, on machines made of files.
 
 #include <filesystem>
 #include <fstream>

@@ -1,4 +1,4 @@
-// From lateness to a verdict, on loops that are made up.
+// From lateness to a verdict, on invented loops.
 
 #include <doctor_verdict.hpp>
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ Beginnings loop(double rate, std::size_t cycles, std::size_t late = 0, Nanosecon
     return made;
 }
 
-/// Every so often one begins late.
+/// Late beginnings at regular intervals.
 Beginnings scattered(std::size_t cycles, std::size_t late) {
     Beginnings made = loop(1000, cycles);
     for (std::size_t i = 0; i < late; ++i) made.late[i * cycles / late] = 800 * us;

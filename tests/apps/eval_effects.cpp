@@ -1,4 +1,4 @@
-// What `knurl eval` says of springs and constant forces, against closed forms in long double.
+// The forces of springs and constant forces from `knurl eval`, against closed forms in long double.
 
 #include <algorithm>
 #include <cmath>

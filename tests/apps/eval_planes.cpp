@@ -1,4 +1,4 @@
-// What `knurl eval` says of planes, against closed forms in long double.
+// The forces of planes from `knurl eval`, against closed forms in long double.
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +32,7 @@ TEST(EvalPlane, PressesBackWithStiffnessTimesDepthLessDampingAndNeverPulls) {
         const Real speed = i < 100 ? -0.1L : 0.2L;
         const Real force = z < 0 ? std::max(Real{0}, -800 * z - 10 * speed) : 0;
         outweighed = outweighed || (z < -1e-4L && force == 0);
-        // Exactly on the surface the damping comes in with a step: either answer is right there.
+        // Exactly on the surface the damping begins with a step: either answer is right there.
         if (std::abs(z) > 1e-12L) {
             EXPECT_NEAR(row.f[2], static_cast<double>(force), 1e-11) << "cycle " << i;
         }
@@ -132,8 +132,7 @@ std::vector<double> after_update(const std::string& more, const std::vector<std:
     return forces;
 }
 
-/// The share of a change that is felt in its n-th cycle (1 is the first): it takes effect at once, in equal
-/// steps.
+/// The share of a change that acts in its n-th cycle (1 is the first): it starts at once, in equal steps.
 double share(std::size_t n, double period, double time) {
     return time > 0 ? std::min(1.0, static_cast<double>(n) * period / time) : 1;
 }
@@ -162,7 +161,7 @@ TEST(EvalPlane, TheTimeOfAFadeDoesNotDependOnTheRate) {
 }
 
 TEST(EvalPlane, ThePapersUpdateLowersThePlaneToTheProbeAndRaisesItLinearly) {
-    // Force drops to nothing and comes back over 50 ms, or what is stated (paper, figure 7).
+    // The force drops to zero and returns over 50 ms, or over the stated time (paper, figure 7).
     for (const auto& [more, time] :
          {std::pair("update = 'paper'\n", 0.05), {"recovery = 0.02\nupdate = 'paper'\n", 0.02}}) {
         const auto forces = after_update(more);

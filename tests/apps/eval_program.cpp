@@ -1,4 +1,4 @@
-// `knurl eval` as a program: its cycles, its devices, and what it says to bad input.
+// `knurl eval` as a program: its cycles, its devices, and its messages about bad input.
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +40,7 @@ TEST(EvalCycles, AMotionOfOneRowIsOneCycle) {
 }
 
 TEST(EvalOutput, SurvivesAsDoubles) {
-    // 1/3 has no short decimal: what comes back must be the very double that the motion's row is.
+    // 1/3 has no short decimal: the output must be exactly the double of the motion's row.
     const auto result = eval("", "0,0.33333333333333331,0,0\n0.001,0.1,0,0\n");
     EXPECT_EQ(result.rows.front().x[0], 1. / 3);
     EXPECT_EQ(result.rows.back().x[0], 0.1);
@@ -77,7 +77,7 @@ TEST(EvalDevice, ItsLimitsApplyAndAreTold) {
 }
 
 TEST(EvalDevice, WhatTheHandFeelsInAllIsBoundedAndTold) {
-    // Five fingers of 1000 N/m on a device that stands 3105: none is scaled alone, together all are.
+    // Five fingers of 1000 N/m on a device with a limit of 3105: none is scaled alone, together all are.
     std::string scene;
     for (int finger = 0; finger < 5; ++finger) scene += "[[probe]]\noffset = [0, 0, 0]\n";
     for (int finger = 0; finger < 5; ++finger)

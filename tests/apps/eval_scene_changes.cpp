@@ -1,4 +1,4 @@
-// Scene files: what changes in the course of time, and what an update keeps.
+// Scene files: changes over time, and what an update keeps.
 
 #include "eval_scene_text.hpp"
 

@@ -1,4 +1,4 @@
-// Scene files: what they may say of each representation.
+// Scene files: the valid content for each representation.
 
 #include <limits>
 

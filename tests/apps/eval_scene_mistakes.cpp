@@ -1,11 +1,11 @@
-// Scene files: what a person reads who writes something else than a scene.
+// Scene files: the message for each mistake.
 
 #include "eval_scene_text.hpp"
 
 namespace knurl::scenefile {
 namespace {
 
-// Every mistake: where it is (line:column of the word to mend) and what a person reads.
+// Every mistake: its place (line:column of the word to correct) and its message.
 struct Mistake {
     const char* name;
     const char* text;

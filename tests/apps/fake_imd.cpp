@@ -43,7 +43,7 @@ std::uint32_t at(const std::string& bytes, std::size_t place) {
     return word;
 }
 
-/// False: `stop` said so first.
+/// False: `stop` came first.
 bool readable(int fd, int stop, double seconds = -1) {
     pollfd two[] = {{.fd = stop, .events = POLLIN, .revents = 0}, {.fd = fd, .events = POLLIN, .revents = 0}};
     ::poll(two, fd >= 0 ? 2 : 1, seconds < 0 ? -1 : static_cast<int>(std::ceil(seconds * 1e3)));
@@ -69,7 +69,7 @@ FakeImd::FakeImd(FakeImdOptions options)
         if (!readable(listening_.get(), stop_.get())) return;
         const shm::UniqueFd fd(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC));
         serve(fd.get());
-        // What was said at the end is read as well, but not if a frame could not be sent: then it closes.
+        // Reads the last messages as well, unless a frame could not be sent: then it closes.
         while (!unheard_ && readable(fd.get(), stop_.get(), 10) && read_orders(fd.get())) {
         }
         const std::lock_guard lock(mutex_);
@@ -109,7 +109,7 @@ void FakeImd::serve(int fd) {
         ::shutdown(fd, SHUT_WR);
         return;
     }
-    // `go` comes within a second; who says something else instead has no simulation.
+    // `go` must arrive within a second; a client that sends anything else gets no simulation.
     if (!readable(fd, stop_.get(), 5) || !read_orders(fd)) return;
     while (readable(-1, stop_.get(), rate_ / options_.steps_per_second)) {
         if (options_.pause_at == frame_ && !readable(-1, stop_.get(), options_.pause)) return;

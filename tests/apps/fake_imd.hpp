@@ -1,7 +1,7 @@
 #pragma once
-// A simulation that speaks IMD, version 2, and has the faults that a test wants: a few atoms in a thick
-// liquid, each pulled back to its place by nothing. It answers as GROMACS does: what it was sent is read when
-// a frame goes out, and forces stay until replaced.
+// A simulation that speaks IMD, version 2, with the faults that a test needs: a few atoms in a thick liquid,
+// without restoring forces. Like GROMACS it reads its input when a frame is sent, and forces stay until
+// replaced.
 
 #include <array>
 #include <atomic>
@@ -18,9 +18,9 @@ namespace knurl::test {
 
 struct FakeImdOptions {
     int atoms = 9;
-    bool swapped = false;  // speaks in the byte order that is not this machine's
+    bool swapped = false;  // uses the byte order that is not this machine's
     int version = 2;
-    bool greets = true;       // else it takes the connection and says nothing
+    bool greets = true;       // else it accepts the connection and sends nothing
     int handshake_bytes = 8;  // fewer: it closes then
     double steps_per_second = 2000;
     double mobility = 2e-3;   // A a step for 1 kcal/mol/A
@@ -47,8 +47,7 @@ class FakeImd {
     FakeImd& operator=(const FakeImd&) = delete;
 
     std::string address() const;
-    /// Waits until the forces on the atoms, as they stand, satisfy `so`, and until frames follow. False: not
-    /// for so long.
+    /// Waits until the present forces on the atoms satisfy `so`, and until frames follow. False: timeout.
     template <class So>
     bool eventually_pulled(So so, std::chrono::seconds patience = std::chrono::seconds(30)) {
         std::unique_lock lock(mutex_);

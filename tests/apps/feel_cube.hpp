@@ -1,5 +1,5 @@
 #pragma once
-// A cube, 2 wide, in every form that a mesh file may have.
+// A cube, 2 wide, in every form of mesh file.
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-// Meshes as people have them in files, and what is said of those that are none.
+// Mesh files as people have them, and the messages for invalid ones.
 
 #include <cmath>
 #include <cstring>
@@ -78,7 +78,7 @@ TEST(MeshFiles, TheSameThingComesOutOfEveryFormat) {
         const knurl::meshfile::MeshFile file = knurl::meshfile::load_mesh(folder.file(name, text));
         EXPECT_EQ(file.triangles.size(), ball.triangles.size());
         EXPECT_NEAR(file.size(), 0.2 * std::sqrt(3), 0.02);
-        // Outside stays outside, and what shares an edge does so after welding.
+        // The outside stays outside, and faces with a common edge keep it after welding.
         const knurl::Mesh mesh(file.triangles_of());
         EXPECT_EQ(mesh.notes().edges_open, 0u);
         EXPECT_EQ(mesh.notes().faces_turned, 0u);

@@ -1,4 +1,4 @@
-// A cube, 2 wide, in every form that a mesh file may have; and the one line that answers what is none.
+// A cube, 2 wide, in every form of mesh file; and the one-line message for each invalid file.
 
 #include <algorithm>
 
@@ -150,15 +150,15 @@ TEST(MeshFormats, WhatIsNoneIsRefusedAtItsPlace) {
          ":9: \"surf\" is a free-form surface, and only polygons are read; let the program that made it "
          "write triangles"},
         {"bowtie.obj", "v 0 0 0\nv 3 2 0\nv 3 0 0\nv 0 3 0\nf 1 2 3 4\n",
-         ":5: the outline of a polygon of 4 corners crosses itself, so nobody knows its inside; let the "
+         ":5: the outline of a polygon of 4 corners crosses itself, so its inside is not defined; let the "
          "program that "
          "made it write triangles"},
         {"star.obj", "v 0 3 0\nv 2 -3 0\nv -3 1 0\nv 3 1 0\nv -2 -3 0\nf 1 2 3 4 5\n",
-         ":6: the outline of a polygon of 5 corners crosses itself, so nobody knows its inside; let the "
+         ":6: the outline of a polygon of 5 corners crosses itself, so its inside is not defined; let the "
          "program that "
          "made it write triangles"},
         {"points.obj", v, ": holds points or lines but no triangle; give a surface"},
-        {"letter.obj", "Dear aunt,\n", ": holds nothing; give a file with triangles"},
+        {"letter.obj", "Dear aunt,\n", ": is without content; give a file with triangles"},
         {"cut.stl", stl_text().substr(0, 300),
          ":17: the file ends within a facet: it is cut off; write or fetch it again"},
         {"comma.stl", replaced(stl_text(), "vertex -1", "vertex -1,5"),
@@ -337,7 +337,7 @@ TEST(OtherFormats, AFileThatKeepsItsReaderBusyOrEatsMemoryEndsInOneLine) {
         }
         return std::string("was read");
     };
-    // A pipe into which nobody writes takes for ever.
+    // A pipe without a writer blocks for ever.
     const std::string busy = folder.path("busy.off");
     ASSERT_EQ(mkfifo(busy.c_str(), 0600), 0);
     EXPECT_EQ(refusal(busy, {.seconds = 1}),

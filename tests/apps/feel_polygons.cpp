@@ -1,4 +1,4 @@
-// Polygons as triangles: every place within the outline lies in one triangle, every other in none.
+// Polygons as triangles: every point inside the outline lies in one triangle, every other in none.
 
 #include <cmath>
 #include <random>

@@ -24,7 +24,7 @@ const measure::Machine machine{.processor = "a",
                                .build = "gcc",
                                .date = "2026-01-01"};
 
-/// A path and its floor on a machine that is so many times slower than another.
+/// A path and its floor on a machine that is slower by this factor.
 cli::LatencyFile file(double slower, double path, unsigned seed, int blocks = 40) {
     std::mt19937_64 random(seed);
     measure::Blocks floor_blocks, path_blocks;

@@ -1,4 +1,4 @@
-// The plain echoes beside a bridge: what comes in goes back, whoever else is there.
+// The plain echoes beside a bridge: all input is returned, whatever other peers do.
 
 #include <array>
 #include <memory>
@@ -29,10 +29,10 @@ bridge::Endpoint any_port() {
     return bridge::resolve("127.0.0.1:0");
 }
 
-/// A peer that does what no measurement does.
+/// A peer with behaviour that no measurement has.
 class RawPeer {
   public:
-    static constexpr int little = 4096;  // bytes that it has room for: the echo has to wait for it soon
+    static constexpr int little = 4096;  // bytes of its buffers: the echo soon has to wait for it
     explicit RawPeer(const TcpEcho& echo, int room = little, int segment = 0)
         : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
         ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
@@ -48,12 +48,12 @@ class RawPeer {
             bytes = bytes.subspan(static_cast<std::size_t>(sent));
         }
     }
-    /// What goes in without waiting.
+    /// Sends what fits without waiting.
     std::size_t send_now(std::span<const char> bytes) const {
         const ssize_t sent = ::send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
         return static_cast<std::size_t>(std::max<ssize_t>(0, sent));
     }
-    /// False: nothing has gone in for a while. (An echo that is slow, not stuck, makes a test weaker, not
+    /// False: nothing was accepted for a while. (An echo that is slow, not stuck, makes a test weaker, not
     /// wrong.)
     bool takes_more() const {
         constexpr int a_while = 50;  // ms
@@ -72,7 +72,7 @@ class RawPeer {
         const auto came = receive(bytes.size());
         return std::ranges::equal(came, bytes);
     }
-    /// Sends until nothing more goes in.
+    /// Sends until nothing more is accepted.
     void stuff() const {
         const std::vector<char> much(1 << 16);
         while (send_now(much) > 0) {
@@ -99,8 +99,8 @@ TEST(TcpEcho, AnswersExactlyWhatCameHoweverItWasSplitAndHoweverOftenItHadToWait)
     const RawPeer peer(echo, 1 << 18);
     std::vector<char> sent, came;
     for (int round = 0; round < 6; ++round) {
-        // Nothing of it is read until nothing more goes in: every buffer on the way is full, and the echo
-        // waits in the middle of what it took, or with no room at all.
+        // Reads nothing until nothing more is accepted: every buffer on the path is full, and the echo waits
+        // within a message, or without any room.
         do {
             std::vector<char> part(1 + random() % (random() % 2 == 0 ? 7 : 90'000));
             for (char& byte : part) byte = static_cast<char>(random());
@@ -194,7 +194,7 @@ TEST(TcpCaller, TakesNothingButItsOwnBytesForAnAnswer) {
     EXPECT_TRUE(caller.round_trip(now_ns() + patience_ns));
     EXPECT_TRUE(caller.round_trip(now_ns() + patience_ns));
 
-    // Listens, and says the same whatever it is asked.
+    // Listens, and gives the same answer to everything.
     const shm::UniqueFd other(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
     bridge::Endpoint at = any_port();
     ASSERT_EQ(::bind(other.get(), at.get(), at.length), 0);

@@ -1,4 +1,4 @@
-// What is said of the network is the same in text and in JSON.
+// The network's figures are the same in text and in JSON.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// `knurl latency`: the form of what it says. How fast the machine is, is no test's business.
+// `knurl latency`: the form of its output. No test depends on the speed of the machine.
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ const json& named(const json& all, const std::string& name) {
     return all;
 }
 
-/// Where the machine forbids real-time priority, one line more says so, whatever else there is to say.
+/// If the machine forbids real-time priority, one more line says so.
 std::ptrdiff_t lines_besides_rights(const std::string& said) {
     std::istringstream lines(said);
     std::ptrdiff_t count = 0, of_rights = 0;
@@ -118,7 +118,7 @@ TEST_F(Latency, EachSampleIsInABlockAndInTheHistogram) {
         for (const json& block : result["blocks"]) in_blocks += count(block);
         EXPECT_EQ(in_blocks, result["n"]) << result["name"];
         EXPECT_EQ(count(result["histogram"]), result["n"]) << result["name"];
-        // Blocks of one round each: block i of a path and of its floor are of the same moments.
+        // Blocks of one round each: block i of a path and of its floor cover the same moments.
         EXPECT_EQ(result["blocks"].size(), all["results"][0]["blocks"].size()) << result["name"];
     }
 }
@@ -169,7 +169,7 @@ TEST(LatencyOf, AServoThatEndsLeavesWhatWasMeasuredUntilThen) {
     Servo servo({"--name", "mine", "--device", "sim:cartesian3"});
     Background latency({knurl_program(), "latency", "--connect", "knurl:mine", "--for", "600", "--json",
                         home.path("L.json")});
-    // Each update is a batch: once the force is there these are of some blocks.
+    // Each update is a batch: once the force is there some blocks have updates.
     std::uint64_t before = 0;
     ASSERT_TRUE(eventually([&] {
         const json servos = json::parse(knurl({"ls", "--json"}).out);
@@ -213,7 +213,7 @@ void expect_commands_beside_tcp(const json& all, std::size_t least) {
     EXPECT_TRUE(named(all, "command.round_trip")["ratio"].is_number());
 }
 
-/// What is printed is one cycle of 1 ms and 1.2 x the floors of the table beside it.
+/// The printed bound is one cycle of 1 ms and 1.2 x the floors of the table beside it.
 void expect_remote_bound(const json& all, std::size_t least) {
     for (const char* name : {"update.remote_to_use", "update.remote_to_write"})
         EXPECT_GE(named(all, name)["n"], least) << name;
@@ -242,8 +242,8 @@ TEST(LatencyOf, ARunningServoIsMeasuredThroughItsBridgeBesidePlainEchoes) {
     const json& network = all["network"];
     EXPECT_EQ(network["encrypted"], false);
     EXPECT_EQ(network["command_bytes"], 72);
-    // Both ends have the same clock here: the estimate is right if that lies within what it says it may be
-    // off.
+    // Both ends have the same clock here: the estimate is right if its error is within the stated
+    // uncertainty.
     EXPECT_LE(std::abs(network["clock_offset_s"].get<double>()),
               network["clock_uncertainty_s"].get<double>());
     EXPECT_LE(std::abs(network["drift_ppm"].get<double>()), network["drift_uncertainty_ppm"].get<double>());
@@ -309,8 +309,8 @@ TEST(LatencyOf, WhereNobodyEchoesOneLineSaysSoAndTheRestIsMeasured) {
 
 TEST(LatencyOf, ARealTimeClientThatSpinsLeavesTheFloorsTheirShare) {
     KNURL_NEEDS(missing_real_time(10));
-    // Once, the partner of floor.cache_line began on the CPU where its maker span above it, and both waited
-    // for ever.
+    // Once, the partner of floor.cache_line started on the CPU where its maker span with higher priority, and
+    // both waited for ever.
     const Folder folder;
     const Outcome outcome =
         knurl({"latency", "--priority", "10", "--updates", "20", "--json", folder.path("L.json")});

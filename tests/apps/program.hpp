@@ -1,5 +1,5 @@
 #pragma once
-// Runs the programs as a person does, and looks at what they say.
+// Runs the programs as a person does, and checks their output.
 
 #include <csignal>
 #include <string>
@@ -27,7 +27,7 @@ std::string knurld_program();
 /// `knurl WORDS...`
 Outcome knurl(std::vector<std::string> words);
 
-/// A program that runs beside the test. Ended by SIGTERM at the latest with this object.
+/// A program that runs beside the test. SIGTERM ends it with this object at the latest.
 class Background {
   public:
     explicit Background(const std::vector<std::string>& words);
@@ -36,9 +36,9 @@ class Background {
     Background& operator=(const Background&) = delete;
 
     pid_t pid() const { return pid_; }
-    /// Waits until it has said this, on either stream. False: it has ended, or has not for half a minute.
+    /// Waits until it has printed this, on either stream. False: it has ended, or not within half a minute.
     bool says(const std::string& text);
-    /// All that it has said, up to its end.
+    /// Its whole output, up to its end.
     const std::string& said() const { return said_; }
     /// Sends the signal and waits for its end: the exit code, 128 + signal if it was killed.
     int end(int signal);
@@ -51,13 +51,13 @@ class Background {
     std::string said_;
 };
 
-/// A knurld, where KNURL_RUNTIME_DIR says; it listens, else the test has failed.
+/// A knurld in KNURL_RUNTIME_DIR; it listens, else the test has failed.
 class Servo : public Background {
   public:
     explicit Servo(const std::vector<std::string>& words);
 };
 
-/// A program on a terminal. Ended by SIGKILL at the latest with this object.
+/// A program on a terminal. SIGKILL ends it with this object at the latest.
 class OnTerminal {
   public:
     explicit OnTerminal(const std::vector<std::string>& words, unsigned short columns = 100,
@@ -80,7 +80,7 @@ class OnTerminal {
     shm::UniqueFd terminal_;
 };
 
-/// A directory that goes away with this object.
+/// A directory that is removed with this object.
 class Folder {
   public:
     Folder();
@@ -96,10 +96,10 @@ class Folder {
     std::string path_;
 };
 
-/// Whether this process can start another one that has no right to real-time priority.
+/// Can this process start another one without the right to real-time priority?
 Missing missing_loss_of_rights();
-/// `knurl WORDS...` of a copy in `folder`, and knurld beside it: without real-time priority, 64 KiB to lock;
-/// as nobody, where this is somebody who may become that.
+/// `knurl WORDS...` of a copy in `folder`, with knurld beside it: without real-time priority, 64 KiB to lock;
+/// as user nobody, if this user may become that.
 Outcome knurl_without_rights(const Folder& folder, std::vector<std::string> words);
 
 /// A directory for sockets and saved state, to which KNURL_RUNTIME_DIR and KNURL_STATE_DIR point.

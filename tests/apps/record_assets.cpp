@@ -32,7 +32,7 @@ class Ball {
         send(level);
         EXPECT_TRUE(eventually([this] { return arm(); }));
     }
-    /// Another one in its place, under the same number.
+    /// Another one in its place, with the same number.
     void send_again(int level) {
         shape_->remove();
         claim_.forget(params_.asset);
@@ -80,7 +80,7 @@ class Ball {
             .position = {0, 0, -radius_ - 0.004},
             .stiffness = 500};
         shape_.emplace(claim_.add(params_));
-        // Below the hand it is felt first of all: a shape that began around the hand would push nobody out.
+        // First below the hand: a shape that begins around the hand would push it nowhere.
         if (!claim_.wait_applied(claim_.commit(), 5s)) ADD_FAILURE() << "the ball is not there";
     }
 
@@ -200,7 +200,7 @@ TEST(RecordAssets, OneThatDoesNotFitOnTheDiskIsCountedAndNamed) {
     const Home home;
     Servo servo({"--device", device});
     const std::string path = home.path("full.mcap");
-    // A limit on the file's size stands for a disk: 1 MiB in blocks of 1 KiB; the mesh takes 2.3.
+    // A limit on the file's size represents a full disk: 1 MiB in blocks of 1 KiB; the mesh takes 2.3.
     Background recorder(
         {"/bin/bash", "-c", "ulimit -f 1024; exec \"$0\" record \"$1\"", knurl_program(), path});
     ASSERT_TRUE(recorder.says("recording device"));

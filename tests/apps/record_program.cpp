@@ -1,5 +1,4 @@
-// `knurl record` beside a servo and an application, `knurl replay` of what it made, and readers that are not
-// ours.
+// `knurl record` beside a servo and an application, `knurl replay` of its result, and independent readers.
 
 #include <csignal>
 #include <cstring>
@@ -26,7 +25,7 @@ using testing::Not;
 
 constexpr const char* device = "sim:premium15,tremor=0.3";
 
-/// An application that feels something: it holds the device, in contact, until it is gone.
+/// An application with contact: it holds the device until it ends.
 class Application {
   public:
     Application()

@@ -1,7 +1,7 @@
 // knurl_bench_crowd [--clients 64] [--seconds 4] [--rounds 3] [--keys 0|1] [--bridge-priority N] [--json
 // FILE]: that many applications on one device, each with a claim, a force, 100 updates a second and every
-// report; by turns all local, all through one bridge, and the same while one more floods it. What it costs:
-// processor time of the bridge, and of the servo's thread for a cycle; and whether each update was really
+// report. In turns all local, all through one bridge, and the same while one more application floods it.
+// Measures the processor time of the bridge, and of the servo's thread per cycle; and whether each update was
 // applied.
 
 #include <algorithm>
@@ -65,7 +65,7 @@ struct Cost {
     double seconds = 0;
 };
 
-/// Where the applications go.
+/// The applications' connection.
 struct Way {
     std::string address, key;
     const BridgeProcess* bridge = nullptr;  // none: they are local
@@ -83,8 +83,8 @@ knurl::Client connect_by(const Way& way) {
     return knurl::Client::connect(way.address, {.name = "crowd", .wait = 60s, .key_file = way.key});
 }
 
-/// One that was let in commits 20 times in a millisecond, and sends 50 datagrams that are none beside that:
-/// what one machine behind a network can do without taking this one's processors.
+/// An admitted application commits 20 times a millisecond, and also sends 50 invalid datagrams: what one
+/// machine behind a network can do without taking this one's processors.
 void flood(const Way& way, const std::atomic<bool>& done) {
     knurl::Client client = connect_by(way);
     knurl::Claim hand = client.claim("", {.shared = true, .representations = 4});
@@ -146,7 +146,7 @@ void run(const fs::path& thread, const Way& way, int clients, double seconds, Co
         });
     ready.wait();
     if (way.flooded) crowd.emplace_back([&] { flood(way, done); });
-    std::this_thread::sleep_for(300ms);  // a benchmark's pace: what their coming cost is not counted
+    std::this_thread::sleep_for(300ms);  // not counted: the cost of their connecting
     knurl::Client watcher = knurl::Client::connect("knurl:default", {.wait = 20s});
     knurl::Observer observer = watcher.observe();
     const auto begun = std::chrono::steady_clock::now();
@@ -227,7 +227,7 @@ int main(int argc, char** argv) try {
     const std::string key = keys ? (servo.socket().parent_path() / "bridge.keys").string() : "";
     if (keys) knurl::bridge::add_key(key, knurl::bridge::make_key("crowd", knurl::bridge::Role::control));
     const BridgeProcess bridge(keys ? std::vector<std::string>{"--keys", key} : std::vector<std::string>{});
-    if (priority > 0) {  // on a crowded machine: as if the bridge had a CPU when it wants one
+    if (priority > 0) {  // on a crowded machine: as if the bridge had a CPU whenever it needs one
         const sched_param real_time{.sched_priority = priority};
         if (::sched_setscheduler(bridge.pid(), SCHED_FIFO, &real_time) != 0)
             throw std::runtime_error("--bridge-priority takes the right to SCHED_FIFO");

@@ -1,5 +1,5 @@
 #pragma once
-// Sockets on this host's own address, at whichever port is free.
+// Sockets on this host's own address, at any free port.
 
 #include <cstdint>
 
@@ -28,7 +28,7 @@ inline shm::UniqueFd bound(int type, std::uint16_t port = 0) {
     return fd;
 }
 
-/// At another of this host's addresses: 127.0.0.2 is as good as another host's.
+/// At another of this host's addresses: 127.0.0.2 stands for another host's.
 inline shm::UniqueFd bound_at(const char* host, int type = SOCK_DGRAM) {
     shm::UniqueFd fd(::socket(AF_INET, type | SOCK_CLOEXEC, 0));
     sockaddr_in address = loopback(0);

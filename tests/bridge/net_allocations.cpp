@@ -1,4 +1,4 @@
-// operator new is ours, and OpenSSL allocates through us: it is asked before it has allocated anything.
+// Replaces operator new, and hooks OpenSSL's allocator before it has allocated anything.
 
 #include "net_allocations.hpp"
 

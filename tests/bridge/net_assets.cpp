@@ -1,5 +1,5 @@
-// Assets on their way, each end alone: how much of one may be on the way at once, and what the bridge makes
-// of what comes.
+// Assets in transfer, each end alone: how much of one may be under way, and what the bridge does with what
+// arrives.
 
 #include <cstring>
 #include <deque>
@@ -29,8 +29,8 @@ struct Path {
 };
 
 struct Course {
-    std::int64_t longest_queue_ns = 0;  // that a command would have stood in
-    double used = 0;                    // share of what the link carries
+    std::int64_t longest_queue_ns = 0;  // delay for a command in the queue
+    double used = 0;                    // share of the link's capacity
 };
 
 Course send(CongestionWindow& window, const Path& path, std::size_t pieces) {
@@ -158,7 +158,7 @@ struct AssetReceiving : testing::Test {
         if (!bytes.empty()) std::memcpy(frame.data() + sizeof header, bytes.data(), bytes.size());
         return receiver->piece(frame, why);
     }
-    /// What the peer is told next: the refusal, "taken", "ready"; empty: nothing.
+    /// The peer's next message: the refusal, "taken", "ready"; empty: none.
     std::string told() {
         peer->pump();
         const Frame* const frame = peer->next();
@@ -177,7 +177,7 @@ struct AssetReceiving : testing::Test {
                 return "no sense";
         }
     }
-    /// All of it, and what is said of it in the end.
+    /// The whole asset, and its final answer.
     std::string deliver(std::uint64_t ticket, std::uint32_t number, const std::vector<std::byte>& bytes) {
         EXPECT_TRUE(offer(ticket, number, bytes.size())) << why;
         for (std::size_t at = 0; at < bytes.size(); at += asset_piece_bytes) {
@@ -239,7 +239,7 @@ TEST_F(AssetReceiving, what_the_claim_may_not_have_is_refused_before_a_byte_of_i
     EXPECT_NE(told().find("4 are on their way"), std::string::npos);
     EXPECT_EQ(door->offered.size(), 1u);
     door->last = nullptr;
-    // Another claim of the same connection has its own numbers; what it may hold is its own, too.
+    // Another claim of the same connection has its own numbers and its own limit.
     receiver->drop(1);
     EXPECT_TRUE(offer(++ticket, 1, protocol::max_asset_bytes, 2));
     EXPECT_EQ(told(), "");

@@ -21,7 +21,7 @@ sockaddr_storage host(std::uint32_t number) {
 
 struct Callers : testing::Test {
     CallerRate rate;
-    /// Of so many calls of that host from `now` on, as quick as that.
+    /// How many of so many calls from that host are heard, from `now` on, at that interval.
     std::int64_t heard(std::uint32_t number, int calls, std::int64_t interval_ns) {
         std::int64_t count = 0;
         for (int i = 0; i < calls; ++i, now += interval_ns) count += rate.allows(host(number), now) ? 1 : 0;

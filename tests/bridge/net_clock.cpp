@@ -1,4 +1,4 @@
-// The clock of another host: whatever the way there does, the truth lies inside what the estimate states.
+// The clock of another host: for any path, the truth lies inside the stated interval.
 
 #include <cmath>
 #include <random>
@@ -13,7 +13,7 @@ namespace {
 using Ns = std::int64_t;
 constexpr double ms = 1e6, s = 1e9;  // in ns
 
-/// Another host's clock and a way to it, by a seed.
+/// Another host's clock and the path to it, by a seed.
 struct World {
     explicit World(unsigned seed) : random(seed) {}
 
@@ -46,7 +46,7 @@ struct World {
     std::mt19937_64 random;
 };
 
-/// ns by which the truth lies outside of what is stated: 0 or less is right.
+/// ns by which the truth lies outside the stated interval: 0 or less is right.
 double outside(const ClockEstimate& estimate, const World& world, double now) {
     const Ns t = World::floor(now);
     return std::abs(static_cast<double>(estimate.offset_at(t)) - world.truth(now)) -
@@ -91,7 +91,7 @@ TEST(ClockEstimate, StatesNothingButTheTruthWhateverTheWayDoes) {
             double end = 0;
             const bool came = world.exchange(estimate, t, &end);
             if (!estimate.known()) continue;
-            // Offsets of 1e16 ns are told apart by 2 ns in the test's own arithmetic.
+            // The test's own arithmetic resolves offsets of 1e16 ns to 2 ns.
             ASSERT_LE(outside(estimate, world, end), 4) << "seed " << seed << " exchange " << i;
             ASSERT_LE(outside(estimate, world, end + uniform(0, 1) * s), 4)
                 << "seed " << seed << " exchange " << i;
@@ -115,8 +115,8 @@ TEST(ClockEstimate, IsTightOnAQuietNetwork) {
         double end = 0;
         for (int i = 0; i < 100; ++i) world.exchange(estimate, (1000 + 100 * i) * ms, &end);
         const Ns now = World::floor(end);
-        // Ways of 0.1 ms at least: what is left is that, and what the drift may have wandered in 6 s (12 us);
-        // the estimate is far better.
+        // Paths take at least 0.1 ms: that remains, plus the drift's wander over 6 s (12 us); the estimate
+        // itself is far better.
         EXPECT_LT(static_cast<double>(estimate.uncertainty(now)), 0.14 * ms) << "seed " << seed;
         EXPECT_LT(std::abs(static_cast<double>(estimate.offset_at(now)) - world.truth(end)), 0.02 * ms)
             << "seed " << seed;

@@ -1,4 +1,4 @@
-// Frames over TCP: whole or not at all, in order, bounded; the same with TLS and without.
+// Frames over TCP: whole or not at all, in order, bounded; with TLS and without.
 
 #include <random>
 
@@ -117,7 +117,7 @@ TEST_P(Frames, ToAReaderThatHasStoppedAreBounded) {
     EXPECT_TRUE(pair.client.wants_write());
     EXPECT_EQ(pair.client.state(), FrameStream::State::open)
         << "to close it or to wait is the caller's to say";
-    // It was not the end: once the reader reads, everything that was taken arrives.
+    // It was not the end: once the reader reads, all accepted frames arrive.
     int received = 0;
     EXPECT_TRUE(serve({&pair.client, &pair.server}, [&] {
         for (const Received& frame : take_all(pair.server)) received += frame.payload == payload;
@@ -177,8 +177,8 @@ TEST_P(Frames, AreNotAllocatedOneByOne) {
     const std::int64_t blocks = openssl_blocks();
     for (int i = 0; i < 1000; ++i) carry();
     EXPECT_EQ(allocations() - before, 0u);
-    // OpenSSL 3.0 makes and frees four notes of 40 bytes for each record; nobody can forbid it, and nothing
-    // stays.
+    // OpenSSL 3.0 makes and frees four notes of 40 bytes for each record; this cannot be prevented, and
+    // nothing stays.
     EXPECT_LE(openssl_allocations() - openssl, GetParam() ? 4000u : 0u);
     EXPECT_EQ(openssl_blocks(), blocks);
 }
@@ -249,7 +249,7 @@ TEST_F(Hostile, AFloodOfFramesIsReadByPartsAndTheRestWaitsOutside) {
     for (int i = 0; i < 10'000; ++i) flood += wire_frame(10, "0123456789");
     write(flood);
     server.pump();
-    // One turn gives at most what the buffer holds, so that other peers get theirs.
+    // One turn returns at most the buffer's content, so that other peers get their turns.
     EXPECT_LE(take_all(server).size(), (8 + small.payload + 16 * 1024) / 18);
 }
 

@@ -1,5 +1,5 @@
-// The bridge's log: who is in is always to be seen, and whoever is turned away again and again costs a line a
-// minute.
+// The bridge's log: connections are always visible, and a peer that is refused again and again costs one line
+// a minute.
 
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// Two ends of a TCP connection on loopback, and what the tests of the connection share.
+// Two ends of a TCP connection on loopback, and helpers for the tests of the connection.
 
 #include <array>
 #include <cstring>
@@ -64,8 +64,7 @@ inline std::vector<Received> take_all(FrameStream& stream) {
     return all;
 }
 
-/// Looks after the streams as a program does that polls, until `done`; false: nothing more happened for a
-/// second.
+/// Serves the streams like a polling program, until `done`; false: nothing happened for a second.
 inline bool serve(std::initializer_list<FrameStream*> streams, const std::function<bool()>& done) {
     for (int rounds = 0; rounds < 100'000; ++rounds) {
         for (FrameStream* stream : streams) stream->pump();

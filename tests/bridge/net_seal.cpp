@@ -39,8 +39,8 @@ TEST_F(Seal, TheOtherEndReadsItAndTheWireDoesNot) {
     EXPECT_EQ(text_of(datagram).substr(0, datagram.size() - tag_bytes), "headerthe hand is at 1, 2, 3");
 }
 
-/// The key of RFC 8439, 2.8.2, with our nonce; the bytes are from the RFC's pseudo-code in Python integers,
-/// which gives the RFC's own tag for the RFC's own input.
+/// The key of RFC 8439, 2.8.2, with this project's nonce. The bytes come from the RFC's pseudo-code in Python
+/// integers, which gives the RFC's own tag for the RFC's own input.
 TEST_F(Seal, IsTheCipherOfTheRfc) {
     const Datagram datagram =
         sealed(0x0807060504030201, "PQRSabcd", "Ladies and Gentlemen of the class of '99");

@@ -1,5 +1,5 @@
 #pragma once
-// The servo's end of one claim of a peer; its servo is played by the test.
+// The servo's end of one claim of a peer; the test plays its servo.
 
 #include <deque>
 
@@ -13,7 +13,7 @@ inline constexpr std::uint32_t batch_capacity = 4096;  // bytes
 inline constexpr std::int64_t start_ns = 1'000'000'000'000, cycle_ns = 1'000'000;
 inline constexpr std::uint8_t stream_id = 5;
 
-/// The servo's side of the claim: what it was given, and what it will say.
+/// The servo's side of the claim: what it received, and what it will answer.
 struct Played {
     std::size_t room = 1000;  // cells
     std::vector<std::vector<std::byte>> groups;
@@ -54,7 +54,7 @@ class PlayedChannel final : public detail::ClaimChannel {
     Played& played_;
 };
 
-/// A datagram that reached the peer.
+/// A datagram that arrived at the peer.
 struct Came {
     DatagramHeader header;
     ReportPiece piece;
@@ -75,7 +75,7 @@ struct Stream : testing::Test {
         attached.channel = std::make_unique<PlayedChannel>(servo);
         return attached;
     }
-    /// Where datagrams go from now on.
+    /// Sets the destination of datagrams.
     void bind(PeerStream& stream) {
         PeerAddress to;
         const sockaddr_in at = loopback(port_of(peer));
@@ -83,7 +83,7 @@ struct Stream : testing::Test {
         to.length = sizeof at;
         stream.bind(to);
     }
-    /// The cycle `number` ends, so many ms after cycle 0. `unseen`: of those before it that the bridge
+    /// Ends cycle `number`, so many ms after cycle 0. `unseen`: number of earlier cycles that the bridge
     /// missed.
     bool cycle(PeerStream& stream, std::int64_t number, std::uint64_t unseen = 0) {
         Report report;
@@ -93,7 +93,7 @@ struct Stream : testing::Test {
         out.flush();
         return good;
     }
-    /// All that came, up to an empty one of our own: a busy kernel may deliver after send() has returned.
+    /// All that arrived, up to an empty one from here: a busy kernel may deliver after send() has returned.
     std::vector<Came> datagrams() {
         std::vector<Came> all;
         std::array<std::byte, datagram_bytes> bytes;

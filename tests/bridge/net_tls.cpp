@@ -1,4 +1,4 @@
-// Who comes in, who does not, and what each side says about it.
+// Who is admitted, who is not, and each side's message about it.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ Key key_of(std::string name, int secret) {
 void settle(Pair& pair) {
     const auto settled = [](const FrameStream& s) { return s.state() != FrameStream::State::handshaking; };
     EXPECT_TRUE(serve({&pair.client, &pair.server}, [&] {
-        take_all(pair.client);  // a client learns by its first read what the server thinks of its key
+        take_all(pair.client);  // a client learns by its first read whether the server accepts its key
         take_all(pair.server);
         return settled(pair.client) && is_closed(pair.server);
     }));
@@ -122,7 +122,7 @@ TEST(Tls, ABridgeThatHangsUpInTheHandshakeIsNoMatterOfKeys) {
     EXPECT_EQ(pair.client.how_it_ended(), FrameStream::End::broken) << "it may be restarting";
 }
 
-/// A server that ignores the client's key and shows a certificate of its own making.
+/// A server that ignores the client's key and shows a self-made certificate.
 TEST(Tls, ACertificateInsteadOfTheKeyIsRefused) {
     SSL_CTX* ctx = SSL_CTX_new(TLS_server_method());
     EVP_PKEY* pkey = EVP_EC_gen("P-256");
@@ -171,7 +171,7 @@ TEST(Tls, ADamagedByteEndsTheConnectionAndNothingOfItIsGiven) {
     Sockets left = connected_sockets(), right = connected_sockets();
     FrameStream client(std::move(left.client), false, TlsContext::client(key));
     FrameStream server(std::move(right.server), true, TlsContext::server({key}));
-    // We are the wire between them.
+    // The test is the wire between them.
     const auto carry = [](int from, int to, bool damage) {
         std::array<char, 4096> bytes;
         const ssize_t got = ::recv(from, bytes.data(), bytes.size(), MSG_DONTWAIT);

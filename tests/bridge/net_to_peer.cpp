@@ -1,4 +1,4 @@
-// What goes to a peer: which reports, when, and what stands in them.
+// What is sent to a peer: which reports, when, and with which content.
 
 #include "feedback_assembly.hpp"
 #include "net_stream.hpp"
@@ -7,7 +7,7 @@ namespace knurl::bridge::test {
 namespace {
 
 struct Reports : Stream {
-    /// The numbers of the cycles, of so many, whose reports came.
+    /// The numbers of the cycles whose reports arrived.
     std::vector<std::int64_t> reported(double rate, std::int64_t cycles) {
         PeerStream stream(stream_id, attachment(), rate);
         bind(stream);
@@ -31,7 +31,7 @@ TEST_F(Reports, KeepToTheGridOfTheRateAskedFor) {
     EXPECT_EQ(reported(1000, 100), every(1, 100)) << "the servo's own rate";
     EXPECT_EQ(reported(500, 100), every(2, 100));
     EXPECT_EQ(reported(5000, 100), every(1, 100)) << "more than there are";
-    // One that does not divide the servo's is right in the mean.
+    // A rate that does not divide the servo's is right on average.
     EXPECT_EQ(reported(300, 1000).size(), 300u);
     EXPECT_EQ(reported(700, 1000).size(), 700u);
 }

@@ -1,4 +1,4 @@
-// What a peer sends to the servo: in which order it comes through, and what of it ends the peer.
+// What a peer sends to the servo: the order in which it arrives, and what ends the peer.
 
 #include "net_stream.hpp"
 
@@ -123,7 +123,7 @@ TEST_F(Stream, ABatchThatDoesNotFitItsClaimReachesNobody) {
     EXPECT_EQ(servo.batches, (std::vector<std::uint64_t>{1}));
     by_datagram(3, batch(3, 64, 64));
     by_datagram(4, batch(4, 64, 72));
-    by_datagram(5, batch(5, 60, 60));  // the servo counts in eights
+    by_datagram(5, batch(5, 60, 60));  // the servo counts in multiples of eight
     by_datagram(6, batch(6, batch_capacity + 8, batch_capacity + 8));
     EXPECT_EQ(servo.batches, (std::vector<std::uint64_t>{1, 3}));
     EXPECT_TRUE(stream.batch(batch(2, 64, 64), why)) << "late, which is nobody's fault";

@@ -1,5 +1,4 @@
-// A name that stands for several addresses: `localhost` does on many a box, and a bridge listens at one of
-// them.
+// A name with several addresses, like `localhost` on many hosts, where a bridge listens at one of them.
 
 #include <fstream>
 #include <set>
@@ -17,7 +16,7 @@
 namespace knurl::bridge::test {
 namespace {
 
-/// As a name would be found that has these addresses.
+/// As if a name with these addresses had been looked up.
 std::vector<Endpoint> addresses(std::initializer_list<std::string> all) {
     std::vector<Endpoint> result;
     for (const std::string& each : all) result.push_back(resolve(each));
@@ -82,7 +81,7 @@ TEST(Addresses, to_listen_at_are_tried_too_and_the_first_that_is_free_is_taken) 
     }
 }
 
-/// Takes every second port that the kernel may choose, for datagrams, at this host. Fewer than all: this user
+/// Occupies every second port that the kernel may choose, for UDP, at this host. Fewer than all: this user
 /// may not have so many descriptors.
 std::vector<shm::UniqueFd> half_of_the_ports_for_datagrams(const char* host, bool& all) {
     rlimit descriptors{};
@@ -116,8 +115,7 @@ TEST(Addresses, of_a_host_that_has_several_all_answer_whoever_asked_there) {
     KeyRing ring;
     const std::string key = ring.add("carl", Role::control);
     const auto expect_answers = [&](const BridgeProcess& bridge, const char* host) {
-        // The clock's datagrams, then a claim's: a socket that is connected to `host` takes nothing of
-        // others.
+        // The clock's datagrams, then a claim's: a socket connected to `host` accepts none from others.
         Client client = Client::connect("knurl://" + at(host, bridge.port()),
                                         {.name = "test", .wait = 10s, .key_file = key});
         Claim hand = client.claim("", {.shared = true});

@@ -40,15 +40,15 @@ std::vector<std::byte> source_of(const knurl::test::MadeMesh& shape) {
     return bytes;
 }
 
-// Both hold the device, and the same ball comes up under the hand: in each cycle that both know of both have
-// felt the same, to the last bit.
+// Both hold the device, and the same ball rises under the hand. In each cycle that both have seen, both have
+// the same feedback, to the last bit.
 TEST(Assets, a_mesh_is_felt_as_on_one_box) {
     const ServoUp servo;
     KeyRing ring;
     const std::string key = ring.add("anna", Role::control);
     BridgeProcess bridge({"--keys", ring.file()});
     Client far_client = connect_to(bridge, key), near_client = Client::connect("knurl:default");
-    // Neither is silent before minutes: a machine that stands still would fade one of them alone.
+    // Silent only after minutes: else a machine that stands still would fade only one of them.
     Claim far_hand = far_client.claim("", {.shared = true, .update_interval = 60s}),
           near_hand = near_client.claim("", {.shared = true, .update_interval = 60s});
     far_hand.arm();
@@ -66,7 +66,7 @@ TEST(Assets, a_mesh_is_felt_as_on_one_box) {
         balls[i].set(params);
         EXPECT_TRUE(hands[i]->wait_applied(hands[i]->commit(), 10s));
     }
-    // Not in the same cycle: what has come up has to have come to rest.
+    // Some cycles later, when the shapes have come to rest.
     const std::uint64_t from = far_hand.latest()->cycle + 500;
     std::map<std::uint64_t, Vec3> felt[2];
     int both = 0;
@@ -105,7 +105,7 @@ TEST_F(Sent, whoever_calls_it_off_while_it_travels_has_its_number_free_again) {
         for (int reports = 0; reports < 3 * i; ++reports) hand.next_report(1s);
         if (const auto sent = sending.done()) hand.forget(sent->asset);  // a machine that stood still
     }
-    // Several at once, more than may be on their way: each gets through in its turn.
+    // Several at once, more than may be under way: each gets through in its turn.
     std::vector<Sending> sendings;
     for (int i = 0; i < 10; ++i) sendings.push_back(hand.begin_sending(triangles_of(small)));
     for (std::uint32_t i = 0; i < 10; ++i) {
@@ -139,7 +139,7 @@ TEST_F(Sent, a_bridge_that_was_killed_gets_it_again) {
     EXPECT_EQ(hand.send(triangles_of(knurl::test::icosphere(1, 0.1))).asset, 2u);
 }
 
-// 20 MB, nearly all of them vertices of no triangle: the way is what is tried, not the builder.
+// 20 MB, nearly all of them vertices without a triangle: this tests the transfer, not the builder.
 TEST_F(Sent, a_large_one_costs_nobody_a_report_nor_an_update) {
     constexpr double rate = 250;  // a busy machine's pauses fit into a socket's buffer
     Client client = connect_to(bridge, {}, rate), other = connect_to(bridge, {}, rate);
@@ -241,7 +241,7 @@ TEST_F(Stranger, bytes_that_are_no_mesh_are_refused_and_the_connection_stays) {
 TEST_F(Stranger, pieces_of_no_sense_end_that_session_alone) {
     for (int which = 0; which < 4; ++which) {
         const std::uint32_t id = attach();
-        offer(id, 1, 1, 3 * asset_piece_bytes - 1);  // not complete before the piece that does not fit
+        offer(id, 1, 1, 3 * asset_piece_bytes - 1);  // incomplete before the piece that does not fit
         const std::vector<std::byte> bytes(4 * asset_piece_bytes);
         if (which == 0) pieces(id, 1, bytes);  // one too many
         if (which == 1) pieces(id, 1, bytes, asset_piece_bytes);

@@ -1,4 +1,4 @@
-// Hosts whose clocks have nothing to do with each other: one has been up for a day longer than the other.
+// Hosts with unrelated clocks: one has been up for a day longer than the other.
 
 #include <cerrno>
 #include <cstring>
@@ -28,8 +28,8 @@ constexpr bool watched = true;
 constexpr bool watched = false;
 #endif
 
-/// While it lives, CLOCK_MONOTONIC of what this process starts is `apart` ahead of ours (time_namespaces(7)).
-/// Where the right to make it is missing, or the kernel's support, why() says so.
+/// While it lives, CLOCK_MONOTONIC of this process's children is `apart` ahead of this process's
+/// (time_namespaces(7)). Without the right to create it, or the kernel's support, why() gives the reason.
 class OtherClock {
   public:
     OtherClock()
@@ -46,14 +46,14 @@ class OtherClock {
         if (!offsets) why_ = "its offset cannot be set";
     }
     ~OtherClock() {
-        // Nobody's clock may stay another one for the tests that follow.
+        // The clock must not stay changed for the following tests.
         if (made_ && ::setns(before_.get(), CLONE_NEWTIME) != 0) std::abort();
     }
     OtherClock(const OtherClock&) = delete;
     OtherClock& operator=(const OtherClock&) = delete;
 
-    const std::string& why() const { return why_; }  // there is none; empty: there is
-    /// This process has it as well from here on, before it has any threads.
+    const std::string& why() const { return why_; }  // the reason why there is none; empty: there is one
+    /// Puts this process in it too, from here on; before it has any threads.
     void enter() const {
         const shm::UniqueFd space(::open("/proc/self/ns/time_for_children", O_RDONLY | O_CLOEXEC));
         ASSERT_EQ(::setns(space.get(), CLONE_NEWTIME), 0) << std::strerror(errno);

@@ -1,5 +1,5 @@
-// Of what came over the data channel: which datagram is a copy, which report is late or lost, what is forged,
-// and how long a datagram may be. No sockets; KNURL_SEED repeats a run.
+// Datagrams of the data channel: which is a copy, which report is late or lost, what is forged, and how long
+// a datagram may be. No sockets; KNURL_SEED repeats a run.
 
 #include <algorithm>
 #include <random>

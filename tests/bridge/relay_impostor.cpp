@@ -208,7 +208,7 @@ TEST(Impostor, what_it_says_of_itself_and_its_devices) {
 }
 
 TEST(Impostor, what_it_answers_to_a_claim) {
-    const char* const nonsense = "what no knurl-bridge of this version does";
+    const char* const nonsense = "not those of a knurl-bridge of this version";
     const char* const no_bridge = "is no knurl-bridge of this version";
     const Bytes ask_more = framed(FrameType::refused, 0, raw(Refused{.kind = 4, .holder_pid = 1}));
     const auto terms = [](auto change) { return attached_with([&](Attached& a) { change(a.terms); }); };
@@ -252,7 +252,7 @@ TEST(Impostor, more_answers_than_questions_end_it) {
     for (const auto& answers : conversations) {
         const Impostor bridge(answers);
         Client client = connect_to(bridge);
-        expect_refused({"", {}, disconnected, "what no knurl-bridge of this version does"}, [&] {
+        expect_refused({"", {}, disconnected, "not those of a knurl-bridge of this version"}, [&] {
             Claim hand = client.claim();
             hand.arm();
         });

@@ -1,8 +1,8 @@
-// knurl_bench_colocation: what a simulation, and a renderer, cost the servo and each other on one machine, by
-// where they run. Blocks of each placement by turns, in an order that changes from round to round.
+// knurl_bench_colocation: what a simulation and a renderer cost the servo and each other on one machine, by
+// their placement. The placements alternate in blocks, in an order that changes from round to round.
 //   knurl_bench_colocation --one PID HOST:PORT --all PID HOST:PORT [--blocks N] [--json FILE]
-// Of two running simulations that speak IMD: one with a single thread, one with as many as it likes.
-// scripts/dock --placement starts them, and says what else is to be said.
+// For two running simulations that speak IMD: one with a single thread, one with any number. scripts/dock
+// --placement starts them and states the other conditions.
 
 #include <algorithm>
 #include <cstdio>
@@ -28,11 +28,11 @@ using namespace client_test;
 namespace fs = std::filesystem;
 namespace measure = knurl::measure;
 
-constexpr auto block_time = 1100ms;  // a percentile of 99 needs a thousand cycles
-constexpr auto settle_time = 150ms;  // of which nothing is counted
+constexpr auto block_time = 1100ms;  // the 99th percentile needs a thousand cycles
+constexpr auto settle_time = 150ms;  // left out of the figures
 constexpr double same = 1.05;        // times the median without a simulation
 
-/// A simulation that computes only in its turns.
+/// A simulation that computes only in its blocks.
 class Engine {
   public:
     Engine(pid_t pid, const std::string& address) : pid_(pid), imd_(address, 20s) {
@@ -55,7 +55,7 @@ class Engine {
         const fs::directory_iterator tasks("/proc/" + std::to_string(pid_) + "/task");
         return static_cast<std::size_t>(std::distance(tasks, fs::directory_iterator()));
     }
-    /// Of steps computed since it began, as far as frames have come.
+    /// Number of steps computed since its start, by the frames received.
     std::int64_t step() {
         while (const auto frame = imd_.next())
             if (frame->energies) step_ = frame->energies->step;
@@ -76,7 +76,7 @@ double cpu_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// As a renderer of 60 Hz: 8 ms of a processor for each picture, through 16 MiB.
+/// Like a renderer of 60 Hz: 8 ms of a processor for each picture, through 16 MiB.
 class Renderer {
   public:
     explicit Renderer(unsigned cpu)
@@ -85,7 +85,7 @@ class Renderer {
               run();
           }) {}
     ~Renderer() { end(); }
-    /// ms from when a picture was due until it was there.
+    /// ms from a picture's due time until it was ready.
     std::vector<double> end() {
         stop_ = true;
         if (thread_.joinable()) thread_.join();
@@ -104,7 +104,7 @@ class Renderer {
                 for (int i = 0; i < 1000; ++i, at = (at + 64) % memory.size()) ++memory[at];
             const measure::Nanoseconds now = measure::now_ns();
             pictures_.push_back(1e-6 * static_cast<double>(now - due));
-            due = std::max(due + period, now - period);  // what has fallen out is not drawn later
+            due = std::max(due + period, now - period);  // skipped pictures are not drawn later
             measure::sleep_until(due);
         }
     }
@@ -113,7 +113,7 @@ class Renderer {
     std::thread thread_;
 };
 
-/// An application that sleeps until a report comes, beside others that do, so that the waker wakes it.
+/// An application that sleeps until a report comes, beside others that do too, so that the waker wakes it.
 class Sleeper {
   public:
     Sleeper(knurl::Client& client, unsigned cpu) : watch_(client.observe()) {
@@ -127,7 +127,7 @@ class Sleeper {
         thread_.join();
     }
     struct Seen {
-        std::vector<double> late, age;  // us: the servo's own, the report's when it was had
+        std::vector<double> late, age;  // us: the servo's own lateness, and the report's age at arrival
     };
     Seen take() {
         const std::lock_guard lock(mutex_);
@@ -154,7 +154,7 @@ enum class Simulation { none, beside, under, everywhere };
 struct Placement {
     const char* name;
     Simulation simulation;
-    bool renders;  // beside the servo
+    bool renders;  // a renderer runs beside the servo
     measure::Blocks cycle{}, late{}, age{}, pictures{};
     double steps = 0, seconds = 0;
     std::size_t drawn = 0;
@@ -277,7 +277,7 @@ int run(const Options& options) {
     measure::Run run{.machine = measure::this_machine(), .results = {}};
     Engine one(options.one, options.one_address), all(options.all, options.all_address);  // first: they fork
     Bench bench(one, all, servo_cpu, other);
-    measure::pin_this_thread(other);  // only now: the servo would have inherited it
+    measure::pin_this_thread(other);  // only now, since the servo would have inherited it
     std::vector<Placement> placements{
         {"none", Simulation::none, false},
         {"one thread on the other core", Simulation::beside, false},

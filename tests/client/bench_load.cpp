@@ -1,6 +1,6 @@
-// knurl_bench_load: what the servo's cycle takes while a million triangles are sent and built, beside the
-// same cycle while nobody does anything and while somebody else uses the caches. Thread CPU time of single
-// cycles, in blocks by turns, at least 30 of each for a verdict.
+// knurl_bench_load: the servo's cycle while a million triangles are sent and built, beside the same cycle in
+// quiet, and beside other use of the caches. Thread CPU time of single cycles, in alternating blocks, at
+// least 30 of each for a verdict.
 //   knurl_bench_load [--blocks N] [--triangles N] [--json FILE]
 
 #include <algorithm>
@@ -29,10 +29,10 @@ using namespace client_test;
 namespace fs = std::filesystem;
 namespace measure = knurl::measure;
 
-constexpr double most = 1.1;         // times the quiet servo's 99 %
-constexpr auto block_time = 1100ms;  // a percentile of 99 needs a thousand cycles; a load takes longer
+constexpr double most = 1.1;         // times the quiet servo's 99th percentile
+constexpr auto block_time = 1100ms;  // the 99th percentile needs a thousand cycles; a load takes longer
 
-/// Somebody else: at idle priority, as the builder has it, through 32 MiB to and fro.
+/// Other work: at idle priority, like the builder, through 32 MiB back and forth.
 class OtherWork {
   public:
     OtherWork()
@@ -97,7 +97,7 @@ class Bench {
   private:
     template <class Do>
     std::vector<double> block(Do&& work) {
-        wait(100ms);  // what came before has settled, and its memory is given back
+        wait(100ms);  // until the previous block has settled and its memory is returned
         reader_.keep_time(hand_.latest().value().deadline_ns);
         wait(5ms);
         reader_.begin();
@@ -121,7 +121,7 @@ class Bench {
     std::chrono::nanoseconds load_time_{};
 };
 
-/// Prints and returns how many times as long a percentile is as before.
+/// Prints and returns the ratio of a percentile to the one before.
 measure::Comparison compared(const char* what, double q, const measure::Blocks& before,
                              const measure::Blocks& now) {
     const auto result = measure::compare({.blocks = before.all(), .reference = {}},
@@ -140,8 +140,8 @@ int run(const Options& options) {
     const auto cpus = measure::allowed_cpus();
     if (cpus.size() < 2) throw std::runtime_error("it needs a CPU beside the servo's; this process has one");
     Bench bench(options, cpus.front());
-    measure::pin_this_thread(cpus.front());  // only now: the servo would have inherited it
-    bench.loading();                         // how long that takes, and all memory touched once
+    measure::pin_this_thread(cpus.front());  // only now, since the servo would have inherited it
+    bench.loading();                         // measures its duration, and touches all memory once
     measure::Blocks quiet, other, loading;
     for (int i = 0; i < options.blocks; ++i) {
         quiet.add(bench.quiet());

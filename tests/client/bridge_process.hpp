@@ -1,5 +1,5 @@
 #pragma once
-// A real knurl-bridge before the servo of KNURL_RUNTIME_DIR.
+// A real knurl-bridge for the servo of KNURL_RUNTIME_DIR.
 
 #include <csignal>
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace client_test {
 
 class BridgeProcess {
   public:
-    /// `arguments` behind --listen, which takes whichever port is free: its first line says which.
+    /// `arguments` follow --listen, which takes any free port: the bridge's first line has it.
     explicit BridgeProcess(std::vector<std::string> arguments = {},
                            const std::string& listen = "127.0.0.1:0") {
         arguments.insert(arguments.begin(), {KNURL_BRIDGE, "--listen", listen});
@@ -58,20 +58,20 @@ class BridgeProcess {
         return static_cast<std::uint16_t>(std::stoi(address_.substr(address_.rfind(':') + 1)));
     }
 
-    /// The next line that it says.
+    /// The next line of its output.
     std::string line() {
         std::string text;
         for (char c = 0; ::read(output_, &c, 1) == 1 && c != '\n';) text += c;
         return text;
     }
-    /// Reads on to the next line with these words. Empty: it has ended without.
+    /// Reads up to the next line with these words. Empty: it has ended without one.
     std::string line_with(const std::string& words) {
         for (;;) {
             std::string text = line();
             if (text.empty() || text.find(words) != std::string::npos) return text;
         }
     }
-    /// It has said something that was not read yet.
+    /// There is unread output.
     bool has_line() const {
         pollfd one{.fd = output_, .events = POLLIN, .revents = 0};
         return ::poll(&one, 1, 0) == 1;

@@ -1,7 +1,7 @@
 #pragma once
-// A hand, a servo and a slow application around the library's prediction, on a virtual clock: the hand is a
-// mass that wants to follow a path, the servo evaluates a Scene at 1 kHz, the application reads the hand at
-// 20 Hz and its answer is felt 25 ms later, cross-faded over 10 ms.
+// A hand, a servo and a slow application around the library's prediction, on a virtual clock. The hand is a
+// mass that follows a path, the servo evaluates a Scene at 1 kHz, and the application reads the hand at 20
+// Hz. Its answer acts 25 ms later, cross-faded over 10 ms.
 
 #include <functional>
 #include <limits>
@@ -19,17 +19,17 @@ inline constexpr int update_cycles = 50;  // 20 Hz
 inline constexpr int latency_cycles = 25;
 inline constexpr knurl::Lateness lateness{.latency = latency_cycles * dt, .interval = update_cycles * dt};
 
-/// How the application answers.
+/// How the application responds.
 enum class Way {
     none,       // with the plane where the hand was
-    unchecked,  // with the plane where it will be, whatever that does
-    safe,       // as the library does
+    unchecked,  // with the plane where it will be, without a check
+    safe,       // like the library
 };
 
 struct Hand {
     double mass = 0.1;             // kg
     double damping = 3;            // N s/m ...
-    bool damped_to_path = false;   // ... against moving; true: against moving otherwise than the path
+    bool damped_to_path = false;   // ... against motion; true: against deviation from the path's motion
     Vector3d grip{300, 300, 300};  // N/m, towards the path
     double push = 0;               // N, downwards
     // The device in it.
@@ -60,8 +60,8 @@ struct Run {
     double seconds = 1;
     double judged_from = 0;  // s
     double phase = 0;        // s, of the first update
-    // Of the world in which the model, the servo's scene and the library are, that one of the device's is. All
-    // else stays in the device's units.
+    // The world's metre and newton for one of the device, for the model, the servo's scene and the library.
+    // All else stays in the device's units.
     double metre = 1, newton = 1;
 };
 
@@ -79,7 +79,7 @@ struct Outcome {
     double asked = 0;                 // calls of the model per update
 };
 
-/// What the true surface does to a hand: of nearest points by default, of several planes at once otherwise.
+/// The true surface's effect on a hand: from nearest points by default, else from several planes at once.
 using Truth = std::function<Vector3d(const Vector3d& p)>;
 
 Outcome run(const Run& how, const Model& model, const Path& path, const Truth& truth = {});

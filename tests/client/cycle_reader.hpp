@@ -1,7 +1,7 @@
 #pragma once
-// The CPU time of single cycles of a servo at 1 kHz, from outside. Of a thread that sleeps the kernel knows
-// exactly how long it has run, and how often (proc(5), schedstat): between two looks in the middle of two
-// sleeps lies one cycle, wake-up and all.
+// The CPU time of a servo's single cycles at 1 kHz, from outside. For a sleeping thread the kernel knows
+// exactly how long it has run, and how often (proc(5), schedstat). Between two reads in the middle of two
+// sleeps lies one cycle, wake-up included.
 
 #include <atomic>
 #include <cstdint>
@@ -27,7 +27,7 @@ inline std::filesystem::path servo_thread(pid_t pid) {
     throw std::runtime_error("knurld has no servo thread");
 }
 
-/// Looks at the servo's thread once in each of its sleeps, from another CPU, above everybody's priority.
+/// Reads the servo's thread once in each of its sleeps, from another CPU, with the highest priority.
 class CycleReader {
   public:
     CycleReader(pid_t servo, unsigned cpu) : file_(servo_thread(servo) / "schedstat") {
@@ -40,7 +40,7 @@ class CycleReader {
         stop_ = true;
         thread_.join();
     }
-    /// When its cycles begin (ns, CLOCK_MONOTONIC), of any of them.
+    /// The beginning (ns, CLOCK_MONOTONIC) of any cycle.
     void keep_time(knurl::measure::Nanoseconds deadline) { deadline_ = deadline; }
     /// The cycles' CPU time from now on, us, until collect().
     void begin() {
@@ -72,7 +72,7 @@ class CycleReader {
                                               phase = (now - deadline_) % period;
             knurl::measure::sleep_until(now - phase + period + period / 2);
             const Look here = look();
-            // Else it was not looked at in time, or was pushed aside within a cycle.
+            // Else the read was late, or the thread was preempted within a cycle.
             if (here.times == last.times + 1) {
                 const std::lock_guard lock(mutex_);
                 cycles_.push_back(static_cast<double>(here.ran - last.ran) * 1e-3);

@@ -1,4 +1,4 @@
-// Getting in: what a user sees when something is wrong, in one line each.
+// Connecting: what a user sees when something is wrong, in one line each.
 
 #include <grp.h>
 #include <gtest/gtest.h>
@@ -35,8 +35,7 @@ TEST(Attach, without_the_right_says_whose_socket_it_is_and_what_to_do) {
     connect();
     const pid_t child = ::fork();
     if (child == 0) {
-        // Root may open everything, so somebody else has to try; any other user is stopped by a socket of
-        // mode 0.
+        // Root may open everything, so another user has to try; a socket of mode 0 stops any other user.
         const auto leave_root = [] {
             return ::setgroups(0, nullptr) == 0 && ::setgid(65534) == 0 && ::setuid(65534) == 0;
         };
@@ -114,7 +113,7 @@ TEST(Attach, observers_need_no_claim_and_disturb_none) {
     Observer observer = client.observe();
     const auto seen = observer.next_report(10s);
     ASSERT_TRUE(seen);
-    // The same cycle, in the world of the one and in the device's frame of the other.
+    // The same cycle, in the world of one claim and in the device's frame of the other.
     auto mine = hand.next_report(10s);
     while (mine && mine->cycle < seen->cycle) mine = hand.next_report(10s);
     ASSERT_TRUE(mine);

@@ -1,5 +1,4 @@
-// What a claim promises: changes that belong together arrive together, bad ones never, silence and forks do
-// no harm.
+// The guarantees of a claim: related changes arrive together, bad ones never; silence and forks do no harm.
 
 #include <limits>
 #include <random>
@@ -77,7 +76,7 @@ TEST(Claim, what_is_committed_together_is_felt_in_one_cycle) {
     for (int i = 1; i <= 60; ++i) {
         const double force = 0.1 + 0.002 * i;
         x->set(at_once({force, 0, 0}));
-        // No wait for anything: so that the commit falls into any phase of the cycle.
+        // No wait for an event, so that the commit falls into any phase of the cycle.
         std::this_thread::sleep_for(std::chrono::microseconds(random() % 2000));
         y->set(at_once({0, force, 0}));
         z->set(at_once({0, 0, force}));
@@ -115,7 +114,7 @@ TEST(Claim, a_group_that_fails_half_way_leaves_nothing_behind) {
     }),
                  Error);
     EXPECT_EQ(kept.params().force.x, 0.1) << "its removal was taken back";
-    hand.add(at_once({0, 0, 0.1}));  // the place of the one that was not sent is free
+    hand.add(at_once({0, 0, 0.1}));  // the place of the unsent one is free
     EXPECT_THROW(hand.add(at_once({0, 0, 0.1})), Error);
     EXPECT_THROW(hand.together([&] { hand.commit(); }), Error);
     EXPECT_TRUE(hand.wait_applied(hand.commit(), 10s));
@@ -247,7 +246,7 @@ TEST(Claim, that_falls_silent_fades_and_comes_back_with_the_next_commit) {
     read_until(hand, [](const HandReport& report) { return report.scene_force.x == 0.5; });
     const auto start = hand.latest();
     ASSERT_TRUE(hand.wait_applied(hand.commit(), 10s));
-    // From here on nothing is committed. 250 ms count as silence, over a network 450 ms; then it fades within
+    // No commits from here on. 250 ms count as silence, over a network 450 ms; then the force fades within
     // 100 ms. Judged by the servo's own stamps.
     const std::int64_t whole_ns = ServoProcess::through_bridge() ? 400'000'000 : 200'000'000;
     double previous = 0.5;

@@ -1,4 +1,4 @@
-// A height field from an application's memory into the hand, and what is refused on the way.
+// A height field from an application's memory to the hand, and the refusals on the way.
 
 #include <cmath>
 #include <vector>
@@ -18,7 +18,7 @@ using knurl::Heights;
 using knurl::SentShape;
 using knurl::Vec3;
 
-/// 8 by 6 cm of hills of 2 mm, their middle at x = y = 0, over or under which the hand rests.
+/// 8 by 6 cm of hills of 2 mm, centred at x = y = 0; the hand rests over or under them.
 template <class Real>
 struct Hills {
     HeightGrid grid{.columns = 81, .rows = 61, .dx = 1e-3, .dy = 1e-3, .corner = {-0.04, -0.03, 0}};
@@ -32,13 +32,13 @@ struct Hills {
 };
 
 struct SentField : Sent {
-    /// Sets it and waits; the cycle from which on reports have it in force. Older ones may not be read yet.
+    /// Sets it and waits. Returns the first cycle with it in force; older reports may still be unread.
     std::uint64_t set_now(auto& shape, const knurl::Shape& params) {
         shape.set(params);
         EXPECT_TRUE(hand->wait_applied(hand->commit(), 10s));
         return shape.feedback()->cycle;
     }
-    /// What is 1 mm above the asset's origin at its middle comes to lie `deep` m above the hand.
+    /// The point 1 mm above the asset's origin at its middle comes to lie `deep` m above the hand.
     knurl::Shape under_the_hand(std::uint32_t asset, double deep) const {
         return {
             .asset = asset, .position = {at.x, at.y, at.z - 0.001 + deep}, .stiffness = 200, .recovery = 0};
@@ -88,7 +88,7 @@ TEST_F(SentField, it_is_felt_as_in_process) {
 }
 
 TEST_F(SentField, heights_in_double_keep_their_digits_far_above_sea_level) {
-    // As float they would be rounded to 0.24 mm there, a quarter of the hills.
+    // As floats they would be rounded to 0.24 mm there, a quarter of the hills.
     const Hills<double> low(0), high(4000);
     const SentShape a = hand->send(low.heights()), b = hand->send(high.heights());
     EXPECT_NEAR(b.low.z - a.low.z, 4000, 1e-8);
@@ -134,7 +134,7 @@ TEST_F(SentField, it_replaces_a_mesh_under_the_hand_and_a_mesh_replaces_it) {
         params.asset = next;
         shape.set(params);
         hand->commit();
-        // Both are the same plane: nothing is felt of it, in no cycle.
+        // Both are the same plane: the difference shows in no cycle.
         int cycles = 0;
         read_until(*hand, [&](const HandReport& r) {
             EXPECT_NEAR(r.scene_force.z, 200 * (params.position.z - r.position.z), 1e-6)

@@ -17,7 +17,7 @@ namespace {
 using namespace knurl;
 using namespace client_test;
 
-/// A file that goes with the test.
+/// A file that is removed at the end of the test.
 class File {
   public:
     explicit File(const std::string& text) {
@@ -35,26 +35,26 @@ class File {
     std::string path_ = (std::filesystem::temp_directory_path() / "knurl-hands-XXXXXX").string();
 };
 
-/// Pushes along x with this force (N), also while nobody speaks to this hand.
+/// Pushes along x with this force (N), also while its application is silent.
 void push(Claim& hand, double force) {
     hand.add(at_once({force, 0, 0}), {.on_silence = OnSilence::hold});
     hand.arm();
 }
-/// Waits until all of it is sent.
+/// Waits until the whole force is sent.
 void feel(Claim& hand, double force) {
     read_until(hand, [&](const HandReport& report) {
         return is_active(report) && std::abs(report.sent_force.x - force) < 1e-9;
     });
 }
 
-/// The report that comes so many cycles after the newest.
+/// The report that many cycles after the newest.
 HandReport after(Claim& hand, std::uint64_t cycles) {
     while (!hand.latest()) hand.commit();
     const std::uint64_t now = hand.latest()->cycle;
     return read_until(hand, [&](const HandReport& report) { return report.cycle > now + cycles; });
 }
 
-/// Nanoseconds between the deadlines of neighbouring cycles: the least of 50. A stall of the machine makes
+/// Nanoseconds between the deadlines of neighbouring cycles: the minimum of 50. A stall of the machine makes
 /// some longer, none shorter.
 std::int64_t period_of(Claim& hand) {
     HandReport last = read_until(hand, is_active);

@@ -68,7 +68,7 @@ struct Held {
     Claim hand = client.claim();
     Vec3 at = hand.device().workspace_centre;  // where the simulated hand rests
 
-    /// Once it is so, with force.
+    /// Waits until it is so, with force.
     template <class Wanted>
     HandFeedback until(const AnyHandle& what, Wanted wanted) {
         std::optional<HandFeedback> felt;
@@ -192,7 +192,7 @@ TEST(Follow, counts_the_updates_that_come_too_seldom) {
     auto floor = held.hand.add(Plane{.offset = -1, .stiffness = 200});
     held.hand.arm();
     read_until(held.hand, is_on);
-    // An inclined floor, so that the hand is pushed along it, and a curvature for which that is too fast.
+    // An inclined floor, which pushes the hand along, and a curvature too large for that speed.
     const auto inclined = [&](double curvature) -> SurfaceModel {
         const Vector n = Vector(0.6, 0, 0.8), through = to_eigen(held.at) + 0.003 * n;
         return [=](const Vec3& q) {

@@ -1,4 +1,4 @@
-// Reports: polled, waited for, through a descriptor; none lost without being counted.
+// Reports: polled, waited for, through a descriptor; losses are always counted.
 
 #include <algorithm>
 #include <map>
@@ -19,8 +19,8 @@ bool readable(int fd, int timeout_ms = 0) {
     return ::poll(&one, 1, timeout_ms) == 1;
 }
 
-/// To the end of what a servo that stands still has said. Some of it may be on its way over a network yet, or
-/// lost there: then nothing more comes.
+/// To the last report of a servo that stands still. Over a network some may still be under way, or lost: then
+/// nothing more comes.
 void read_to(Observer& observer, std::uint64_t last_cycle) {
     for (auto report = observer.latest(); report && report->cycle < last_cycle;)
         report = observer.next_report(1s);
@@ -46,7 +46,7 @@ TEST(Reports, a_reader_that_slept_is_told_exactly_how_many_it_missed) {
     Observer sleeper = client.observe(), watch = client.observe();
     const auto before = sleeper.next_report(10s);
     ASSERT_TRUE(before);
-    // 4095 reports are kept: let four times as many pass, for over a network some of those are lost.
+    // 4095 reports are kept. Lets four times as many pass, since over a network some of those are lost.
     for (int passed = 0; passed < 16'000;) passed += watch.next_report(1s) ? 1 : 0;
     const auto after = sleeper.next_report(10s);
     ASSERT_TRUE(after);
@@ -95,11 +95,11 @@ TEST(Reports, the_descriptor_is_readable_exactly_while_a_report_is_unread) {
     ASSERT_TRUE(readable(fd, 10'000)) << "from the start, without a read before";
     for (int round = 0; round < 5; ++round) {
         ASSERT_TRUE(observer.next_report(10s));
-        // Let three more come, then hold the servo: now nothing changes by itself.
+        // Lets three more come, then stops the servo: now nothing changes by itself.
         const auto cycle = observer.latest()->cycle;
         while (watch.next_report(10s)->cycle < cycle + 3) {
         }
-        ASSERT_TRUE(readable(fd, 10'000));  // its waker comes after the report, and is held with it
+        ASSERT_TRUE(readable(fd, 10'000));  // its waker comes after the report, and stops with it
         servo.stop();
         ASSERT_TRUE(readable(fd));
         ASSERT_TRUE(observer.next_report(0ns));
@@ -190,7 +190,7 @@ TEST(Reports, newest_tells_of_a_contact_that_has_ended_meanwhile) {
     EXPECT_FALSE(hand.newest(10s)->touched) << "told once";
 }
 
-/// What this process says on standard error, into a file.
+/// Redirects this process's standard error into a file.
 class Errors {
   public:
     Errors()

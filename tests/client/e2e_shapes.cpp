@@ -1,4 +1,4 @@
-// A mesh from an application's memory into the hand, and what is refused on the way.
+// A mesh from an application's memory to the hand, and the refusals on the way.
 
 #include <array>
 #include <cstring>
@@ -86,7 +86,7 @@ TEST_F(Sent, what_is_no_mesh_is_refused_with_its_triangle_and_nothing_is_lost) {
     EXPECT_EQ(sent.asset, 1u) << "the refused ones took no number";
 }
 
-/// The servo gives a number back in one of its cycles: until then it is taken.
+/// The servo returns a number in one of its cycles: until then it is taken.
 std::uint32_t number_when_it_is_free(knurl::Claim& hand, const knurl::test::MadeMesh& mesh) {
     std::optional<SentShape> sent;
     EXPECT_TRUE(eventually([&] {
@@ -161,7 +161,7 @@ TEST_F(Sent, more_than_a_claim_may_hold_is_refused_with_what_it_would_take) {
     EXPECT_EQ(sent.asset, 1u);
 }
 
-// What the library would never do.
+// Messages that the library would never send.
 struct ByHand : Sent {
     static std::vector<std::byte> source(const knurl::test::MadeMesh& shape) {
         knurl::protocol::AssetSource header;
@@ -231,7 +231,7 @@ TEST_F(ByHand, a_second_one_under_the_number_of_one_that_is_being_built_is_refus
     ASSERT_TRUE(eventually([&] { return answer_to([&] { held.emplace(); }) == "accepted"; }));
     auto first = held->offer(3, memory_of(large), large.size());
     EXPECT_NE(held->refused(3, memory_of(small), small.size()).find("being built"), std::string::npos);
-    // Whoever hangs up calls it off, and the number is free.
+    // A hang-up cancels it, and the number is free.
     first.reset();
     EXPECT_TRUE(eventually([&] { return held->refused(3, memory_of(small), small.size()) == "accepted"; }));
 }

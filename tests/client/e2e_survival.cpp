@@ -43,7 +43,7 @@ TEST(Survival, a_claim_outlives_its_servo_and_force_stays_off_until_armed_again)
         ADD_FAILURE() << "armed without a servo";
     } catch (const Error& error) {
         EXPECT_EQ(error.kind, Error::Kind::disconnected) << error.what();
-        // Through a bridge too it is the servo that has to be started.
+        // Through a bridge, too, the servo has to be started.
         EXPECT_NE(std::string(error.what()).find("' has gone"), std::string::npos) << error.what();
     }
     auto late = hand.add(at_once({0, 0.4, 0}));  // kept for its return
@@ -148,7 +148,7 @@ TEST(Survival, an_application_that_is_killed_frees_the_device_though_its_child_l
         Claim hand = client.claim();
         const pid_t child = ::fork();
         if (child == 0) {
-            // Keeps every descriptor that a careless child keeps, for as long as the test lives.
+            // Keeps every descriptor that a careless child would keep, for the duration of the test.
             ::close(test_lives[1]);
             char nothing;
             while (::read(test_lives[0], &nothing, 1) < 0) {

@@ -1,5 +1,5 @@
 #pragma once
-// Surfaces as applications know them: nearest points, as any geometry kernel gives them.
+// Surfaces as applications have them: nearest points, as from any geometry kernel.
 
 #include <algorithm>
 #include <cmath>
@@ -79,7 +79,7 @@ struct Wall {
 };
 using Walls = std::vector<Wall>;
 
-/// The point nearest to p that lies in front of all walls, by trying every set of them that may hold it.
+/// The point nearest to p in front of all walls, by trying every set of walls that may hold it.
 inline Vector3d nearest_free(const Walls& walls, const Vector3d& p) {
     const auto free = [&](const Vector3d& x) {
         return std::all_of(walls.begin(), walls.end(), [&](const Wall& w) { return w.height(x) > -1e-9; });
@@ -104,7 +104,7 @@ inline Vector3d nearest_free(const Walls& walls, const Vector3d& p) {
     return best;
 }
 
-/// What a hand is answered that is behind several walls at once.
+/// The answer for a hand that is behind several walls at once.
 enum class Behind { edge, deepest, shallowest };
 
 /// A room between walls that meet in concave corners.

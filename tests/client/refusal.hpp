@@ -9,7 +9,7 @@
 
 namespace client_test {
 
-/// What `call` is refused with. Fails the test if it is not.
+/// The text with which `call` is refused. Fails the test if it is not.
 template <class Call>
 knurl::Error refusal(Call call) {
     try {

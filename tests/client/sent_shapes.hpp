@@ -1,5 +1,5 @@
 #pragma once
-// A claim that sends shapes to a servo of its own, and a hand that they are pressed against.
+// A claim that sends shapes to its own servo, and a hand against which they are pressed.
 
 #include <optional>
 #include <string>
@@ -30,7 +30,7 @@ struct Sent : testing::Test {
     void SetUp() override {
         servo.emplace();
         client.emplace(connect());
-        // Not silent before minutes: a machine that stands still would fade what is judged.
+        // Silent only after minutes: else the force under test would fade on a machine that stands still.
         hand.emplace(client->claim("", {.update_interval = std::chrono::minutes(1)}));
         at = hand->device().workspace_centre;  // where the simulated hand rests
     }

@@ -1,7 +1,6 @@
 #pragma once
-// A real knurld with a simulated device, in a folder of its own that goes with it; with
-// KNURL_TEST_TRANSPORT=bridge a real knurl-bridge stands before it, and connect() goes through that; with
-// bridge-with-key that one lets nobody in without a key.
+// A real knurld with a simulated device, in a folder that is removed at the end. KNURL_TEST_TRANSPORT=bridge
+// puts a real knurl-bridge before it, which connect() uses; with bridge-with-key that bridge requires a key.
 
 #include <chrono>
 #include <csignal>
@@ -38,7 +37,7 @@ class ServoProcess {
         std::string name = (std::filesystem::temp_directory_path() / "knurl-client-XXXXXX").string();
         if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test: " + name);
         folder_ = name;
-        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // who waits for a dead servo's guardian must be its parent
+        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // only a parent can wait for a dead servo's guardian
         std::filesystem::permissions(folder_, std::filesystem::perms::owner_all |
                                                   std::filesystem::perms::others_exec |
                                                   std::filesystem::perms::group_exec);
@@ -52,7 +51,7 @@ class ServoProcess {
     ~ServoProcess() {
         bridge_.reset();
         if (pid_ > 0) end(SIGKILL);
-        // They save what the servo flew: into a folder that is gone already they would make it anew.
+        // They save the flight record, and would create a folder anew that is gone already.
         for (const pid_t guardian : guardians_) ::waitpid(guardian, nullptr, 0);
         std::error_code ignored;
         std::filesystem::remove_all(folder_, ignored);
@@ -64,7 +63,7 @@ class ServoProcess {
         const char* transport = std::getenv("KNURL_TEST_TRANSPORT");
         return transport != nullptr && std::string(transport).starts_with("bridge");
     }
-    /// What the servo sees as the owner of this process's claims.
+    /// The owner of this process's claims, as the servo sees it.
     pid_t claimant() const { return bridge_ ? bridge_->pid() : ::getpid(); }
 
     void start() {
@@ -100,7 +99,7 @@ class ServoProcess {
     std::filesystem::path socket() const { return folder_ / "default.sock"; }
 
   private:
-    /// The bridge's arguments; whoever connects from here has the key.
+    /// The bridge's arguments; connections from here have the key.
     std::vector<std::string> keys() const {
         if (std::string(std::getenv("KNURL_TEST_TRANSPORT")) != "bridge-with-key") return {};
         const std::string file = (folder_ / "keys").string();
@@ -119,7 +118,7 @@ class ServoProcess {
     std::optional<BridgeProcess> bridge_;
 };
 
-/// Patient: a sanitizer's build on a busy machine takes its time to start.
+/// Patient: a sanitizer build on a busy machine starts slowly.
 inline knurl::Client connect(bool reattach = true) {
     const char* address =
         ServoProcess::through_bridge() ? std::getenv("KNURL_TEST_ADDRESS") : "knurl:default";
@@ -131,8 +130,7 @@ inline knurl::Client connect_beside() {
     return knurl::Client::connect("knurl:default", {.name = "beside", .wait = 20s});
 }
 
-/// Reads on until a report satisfies `wanted`, committing all the while. Fails the test's way out after a
-/// minute.
+/// Reads until a report satisfies `wanted`, and keeps committing. Fails after a minute.
 template <class Wanted>
 knurl::HandReport read_until(knurl::Claim& hand, Wanted wanted) {
     const auto deadline = std::chrono::steady_clock::now() + 60s;
@@ -153,7 +151,7 @@ knurl::HandReport read_until(knurl::Claim& hand, Wanted wanted) {
 inline bool is_active(const knurl::HandReport& report) {
     return report.state == knurl::DeviceState::active;
 }
-/// Active, or on the way: the half second of the ramp up is waited for only where the whole force matters.
+/// Active, or ramping up: the half second of the ramp matters only where the whole force does.
 inline bool is_on(const knurl::HandReport& report) {
     return is_active(report) || report.state == knurl::DeviceState::ramp_up;
 }

@@ -1,4 +1,4 @@
-// What a user may write as an address, and what each mistake is answered with.
+// The valid addresses, and the answer to each mistake.
 
 #include <gtest/gtest.h>
 

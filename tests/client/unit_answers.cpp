@@ -1,5 +1,5 @@
-// What the servo answers, and what the application hears of it. The servo is played here, in memory of its
-// own: it can be made to answer what a real one answers only when the two disagree.
+// The servo's answers, and what the application gets of them. The test plays the servo, in its own memory, so
+// it can give answers that a real one gives only when the two disagree.
 
 #include <cstdlib>
 #include <filesystem>
@@ -53,7 +53,7 @@ class PlayedServo {
         std::filesystem::remove_all(folder_);
     }
 
-    /// The next command's header; its ring is real.
+    /// The next command's header; the ring is real.
     protocol::CommandHeader next_command() {
         while (commands_.available() == 0) std::this_thread::yield();
         std::array<std::byte, shm::cell_bytes> cell;
@@ -126,7 +126,7 @@ class Answers : public ::testing::Test {
     Client client = Client::connect("knurl:default", {.reattach = false});
     Claim hand = client.claim();
 
-    /// What `call`, which waits, throws when the servo refuses its command so.
+    /// The text that `call`, which waits, throws when the servo refuses its command so.
     template <class Call>
     std::string refused(Call call, protocol::RefusalReason reason, double value) {
         std::jthread played([&] {
@@ -266,7 +266,7 @@ TEST_F(Answers, a_batch_says_how_many_commands_came_before_it_and_which_report_i
     const auto basis = hand.next_report(1s);
     force.set({.force = {1, 0, 0}});
     servo.cycle();
-    hand.next_report(1s);  // newer than what the change was computed from
+    hand.next_report(1s);  // newer than the report of the change
     hand.commit();
     const auto header = servo.take();
     ASSERT_TRUE(header);
@@ -281,7 +281,7 @@ TEST_F(Answers, a_batch_says_how_many_commands_came_before_it_and_which_report_i
 
 TEST_F(Answers, the_age_of_updates_is_what_the_servo_measured) {
     protocol::FeedbackHeader header;
-    for (const std::int64_t age : {9, 7, 8, 100, 8}) {  // ms; one late wake-up says nothing
+    for (const std::int64_t age : {9, 7, 8, 100, 8}) {  // ms; one late wake-up has no effect
         header.batch = hand.commit();
         header.batch_report_cycle = 1;
         header.batch_age_ns = age * 1'000'000;

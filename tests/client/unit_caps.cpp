@@ -1,4 +1,4 @@
-// What a cap gains over a plane where the model knows, or can be asked, how its surface curves; and when
+// The advantage of a cap over a plane where the model states its curvature, or can be queried; and where
 // neither is enough.
 
 #include <cmath>
@@ -73,7 +73,7 @@ TEST(Caps, from_a_model_without_curvature_are_planes) {
 }
 
 TEST(Caps, are_checked_where_the_hand_lands_by_their_own_height) {
-    // A hump that the model tells too sharp: its plane at p* leaves the landing free, its cap does not.
+    // A hump whose stated curvature is too large: its plane at p* leaves the landing free, its cap does not.
     const auto hump = [](double curvature) -> SurfaceModel {
         return [=](const Vec3& q) -> SurfacePoint {
             return {.foot = {q.x, q.y, 0}, .normal = {0, 0, 1}, .curvature = q.x > 0.009 ? curvature : 0};

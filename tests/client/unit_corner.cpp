@@ -1,5 +1,5 @@
 // In a concave corner one plane is not enough: the hand sinks into the side that was not sent. The library
-// sends all that meet there, found from a model that answers with one point at a time.
+// sends all faces that meet there, found from a model that answers with one point at a time.
 
 #include <cmath>
 #include <numbers>
@@ -72,7 +72,7 @@ TEST(Corner, of_a_room_has_three_sides) {
 TEST(Corner, holds_a_hand_that_rests_in_it) {
     const Walls walls = floor_and_wall(90 * degree);
     for (const Behind behind : every_behind) {
-        // In, then 2 s of being pressed into both sides, more now and then.
+        // In, then 2 s of pressure into both sides, with changing strength.
         const Path path = [&](double t) {
             const double more = 0.004 * std::sin(2 * std::numbers::pi * 1.3 * t);
             return Vector3d(std::min(-0.03 + 0.1 * t, 0.006 + more), 0, -0.006 + more);

@@ -1,5 +1,5 @@
-// A hand in the hand's own springs, a spring in a Scene as the servo has it, and a body in water: heavy, slow
-// and never still, as an atom is. All of it on a clock of its own.
+// A hand in its own springs, a spring in a Scene as in the servo, and a body in water: heavy, slow and never
+// still, like an atom. All on a virtual clock.
 
 #include <cmath>
 #include <limits>
@@ -44,16 +44,16 @@ struct Atom {
     std::mt19937 random;
     std::normal_distribution<double> normal;
     Vector3d position = Vector3d::Zero(), velocity = Vector3d::Zero();
-    double work = 0;  // J, that it really got
+    double work = 0;  // J, actually received
 };
 
-/// How a hand pulls: somewhere else within `reach`, every `least` s or up to `more` s later.
+/// How a hand pulls: to another place within `reach`, every `least` s or up to `more` s later.
 struct Handling {
     double reach = 0.06, least = 0.5, more = 0.8;
     int cycles = 60'000;
     int regrip_every = 0;          // cycles; 0: it is held all the time
-    int burst = 1;                 // frames that the client gets at once, so held up is it
-    double metre = 1, newton = 1;  // of the claim's world, that one of the hand's is
+    int burst = 1;                 // frames that the client gets at once, because it is delayed
+    double metre = 1, newton = 1;  // of the claim's world, per unit of the hand's
 };
 
 struct Hand {
@@ -86,9 +86,9 @@ struct Hand {
 struct Outcome {
     Coupling::Account account;
     Coupling::Counts counts;
-    double work = 0;        // J that the body really got
+    double work = 0;        // J that the body actually received
     double step = 0;        // N, largest in a cycle
-    double end_step = 0;    // N, of it what the hand did not do by moving
+    double end_step = 0;    // N, the part that the hand's motion does not explain
     double felt = 0;        // N rms
     double spring_law = 0;  // N rms, of a spring of that stiffness from the hand to the body
 };
@@ -119,12 +119,12 @@ Outcome pull(double rate, bool keep_account, unsigned seed, const Handling& hand
     std::vector<Vec3> waiting;
     for (int i = 0; i < cycles; ++i) {
         const double t = i * cycle;
-        // Let go of for two seconds, by which the spring has faded and is not felt.
+        // Released for two seconds, in which the spring fades out completely.
         const int held_for = handling.regrip_every > 0 ? i % handling.regrip_every : 1;
         if (held_for == 0) coupling.hold(to_plain(atom.position), there(hand.position));
         if (held_for + 2000 == handling.regrip_every) {
             coupling.let_go(t);
-            acting = sent = Vector3d::Zero();  // let go of at once
+            acting = sent = Vector3d::Zero();  // released at once
         }
         Probe probe;
         probe.position = metre * hand.position;
@@ -139,7 +139,7 @@ Outcome pull(double rate, bool keep_account, unsigned seed, const Handling& hand
         coupling.feel(report_at(there(hand.position)), spring);
         if (t >= next) {
             next += 1 / rate;
-            acting = sent;  // as GROMACS does: read at the next frame
+            acting = sent;  // like GROMACS: read at the next frame
             waiting.push_back(to_plain(atom.position));
             if (std::ssize(waiting) >= handling.burst) {
                 for (std::size_t n = 0; n + 1 < waiting.size(); ++n) coupling.superseded(waiting[n]);
@@ -178,7 +178,7 @@ TEST_P(CouplingRates, AMinuteOfRandomPullingMakesNoEnergyAndNoSteps) {
         EXPECT_LE(account.created, 0.01 * account.hand_in);
         EXPECT_LE(outcome.step, 0.1) << "N in a cycle";
         EXPECT_LT(outcome.felt, 1.05 * outcome.spring_law);
-        // A frame sees all of the force's work, but for the one under way.
+        // A frame covers all of the force's work, except that of the frame under way.
         if (GetParam() >= 20) {
             EXPECT_NEAR(account.body, outcome.work, 0.01 * outcome.work);
         }
@@ -193,7 +193,7 @@ TEST_P(CouplingRates, WhoTakesHoldAgainAndAgainIsChargedForAllOfIt) {
         EXPECT_LE(outcome.end_step, 0.055) << "N, wherever the hand went meanwhile";
         EXPECT_GT(outcome.account.body, 0.1) << "J: the body was pulled";
         EXPECT_LE(outcome.account.created, 0.01 * outcome.account.hand_in);
-        // The frame under way at the end of a hold, of eight seconds, is never told.
+        // The frame under way at the end of a hold, of eight seconds, is never reported.
         EXPECT_NEAR(outcome.account.body, outcome.work, (0.01 + 1.5 / (8 * GetParam())) * outcome.work);
     }
 }
@@ -265,7 +265,7 @@ TEST(Coupling, InAWorldOfAnySizeTheHandFeelsTheSame) {
 }
 
 TEST(Coupling, WithoutItsAccountSlowFramesMakeEnergy) {
-    // What the tests above are worth.
+    // Shows that the tests above can fail.
     const Outcome outcome = pull(1, false, 1);
     EXPECT_GT(outcome.account.created, 0.5 * outcome.account.hand_in);
 }
@@ -303,7 +303,7 @@ TEST(Coupling, CountsOfAForceWhatReachesTheHand) {
     coupling.hold({}, {});
     for (int i = 0; i <= 10; ++i) {
         HandFeedback felt = felt_as({-0.2 * i, 0, 0});
-        felt.share = 0.5;  // the device cannot be as stiff as this spring and another's wall together
+        felt.share = 0.5;  // the device cannot render this spring and another claim's wall together
         coupling.feel(report_at({0.001 * i, 0, 0}), felt);
     }
     EXPECT_NEAR(coupling.account().hand, 0.25 * 200 * 0.01 * 0.01, 1e-12);
@@ -331,7 +331,7 @@ TEST(Coupling, ALateSimulationIsWaitedForAndAStoppedOneFadesAndComesBackWithoutA
     EXPECT_EQ(coupling.counts().stops, 1u);
     EXPECT_LE(coupling.account().created, 1e-12);
 
-    coupling.feel(report_at({0.03, 0, 0}), felt_as({}));  // meanwhile the hand went elsewhere
+    coupling.feel(report_at({0.03, 0, 0}), felt_as({}));  // meanwhile the hand moved elsewhere
     const Vec3 push = coupling.frame({}, 2);
     EXPECT_EQ(push, Vec3{}) << "nothing is in the spring";
     EXPECT_EQ(coupling.watch(2.01), Coupling::State::holding);

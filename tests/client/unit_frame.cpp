@@ -48,8 +48,7 @@ TEST(Frame, lengths_scale_and_angles_do_not) {
 }
 
 TEST(Frame, power_keeps_one_ratio_between_force_and_torque) {
-    // F.v and torque.w are both powers: if their ratios differed, a lever in the world would gain or lose
-    // work.
+    // F.v and torque.w are both powers: with different ratios a lever in the world would gain or lose work.
     std::mt19937 random(7);
     std::uniform_real_distribution<double> any(-1, 1);
     const auto vector = [&] { return Vec3{any(random), any(random), any(random)}; };

@@ -1,5 +1,5 @@
-// Something answers on the socket, but it is no servo of this version: each case is refused with one line,
-// nothing hangs, no descriptor is kept.
+// Another program answers on the socket, but it is no servo of this version: each case is refused with one
+// line, nothing hangs, and no descriptor is kept.
 
 #include <cstdlib>
 #include <filesystem>
@@ -31,7 +31,7 @@ std::span<const std::byte> bytes_of(const Message& message) {
     return std::as_bytes(std::span(&message, 1));
 }
 
-/// Answers each connection's first message in its own way.
+/// Answers each connection's first message as told.
 class Impostor {
   public:
     using Answer = std::function<void(const shm::UniqueFd&)>;
@@ -133,7 +133,7 @@ TEST(Handshake, whatever_is_not_a_welcome_is_no_servo_of_this_version) {
     }
     const Error error = refusal_by([](const shm::UniqueFd& peer) {
         protocol::Welcome message;
-        message.devices = 3;  // and not one descriptor
+        message.devices = 3;  // without any descriptor
         shm::send_message(peer, bytes_of(message));
     });
     EXPECT_EQ(error.kind, Error::Kind::incompatible);

@@ -1,6 +1,6 @@
-// Pending changes against a servo that takes when it likes. Whatever the interleaving, what the servo has
-// after a take is to the last byte what the application had committed with that batch: nothing lost, nothing
-// torn, nothing stale. The channel is the real one; the servo's side of it is played here.
+// Pending changes with a servo that takes at any time. For every interleaving, after a take the servo has to
+// the last byte what the application had committed with that batch: nothing lost, torn or stale. The channel
+// is the real one; the test plays the servo's side.
 
 #include <cmath>
 #include <cstring>
@@ -33,14 +33,14 @@ constexpr ClaimCapacity capacity{.representations = 8, .batch_bytes = 4096};
 std::span<const std::byte> bytes_of(const Plane& plane) {
     return std::as_bytes(std::span(&plane, 1));
 }
-// Every fourth is of another material than those before: what lies behind the geometry changes now and then.
+// Every fourth has another material than before, so the fields behind the geometry change at times.
 Plane plane_at(double offset) {
     Plane plane{.offset = offset, .stiffness = 100};
     plane.friction.dynamic = std::floor(offset / 4);
     return plane;
 }
 
-/// What a world holds: generation and offset of the plane in each slot.
+/// The content of a world: generation and offset of the plane in each slot.
 using World = std::map<std::uint32_t, std::pair<std::uint32_t, double>>;
 
 /// The servo's command processor, in its simplest form: adds and removals arrive in order and at once.
@@ -72,7 +72,7 @@ class ServoSide {
             if (found == world.end() || found->second.first != entry.id.generation) continue;
             if (entry.version <= versions_[entry.id.slot]) continue;
             versions_[entry.id.slot] = entry.version;
-            Plane& plane = planes_[entry.id.slot];  // what is not sent stays as it is
+            Plane& plane = planes_[entry.id.slot];  // fields that are not sent stay as they are
             std::memcpy(&plane, params, entry.bytes);
             const Plane want = plane_at(plane.offset);
             const bool whole = std::memcmp(&plane, &want, sizeof plane) == 0;
@@ -109,7 +109,7 @@ struct Pair {
     std::map<std::uint64_t, World> committed;
     std::uint64_t sequence = 0;
 
-    /// `forgetful`: the deliberately wrong library, which believes that every batch was taken.
+    /// `forgetful`: a deliberately wrong library, which assumes that every batch was taken.
     void commit(bool forgetful = false) {
         const auto entries = table.batch();
         const protocol::BatchHeader header{.sequence = ++sequence,
@@ -124,8 +124,8 @@ struct Pair {
     }
 };
 
-/// One random run; how many of its takes left the servo with something else than the application had
-/// committed.
+/// One random run. Returns how many of its takes left the servo with other parameters than the application
+/// had committed.
 int wrong_takes(std::uint32_t seed, bool forgetful) {
     std::mt19937 random(seed);
     Pair pair;
@@ -198,14 +198,14 @@ TEST(Pending, shrinks_to_the_last_change_once_the_batch_before_was_taken) {
     pair.table.batch();
     EXPECT_EQ(pair.table.batch_entries(), 2u) << "the first batch was not taken: both are still pending";
     pair.servo.take();
-    pair.commit();  // learns of the take: one publish late, so it carries both once more
+    pair.commit();  // learns of the take one publish late, so it carries both once more
     pair.servo.take();
     pair.commit();
     EXPECT_EQ(pair.table.batch_entries(), 0u);
 }
 
 TEST(Pending, a_batch_that_changes_everything_always_fits) {
-    // Capacity is checked when something is added, so that commit can never fail for want of room.
+    // Capacity is checked when something is added, so commit can never fail for lack of room.
     const ClaimCapacity small{.representations = 8, .batch_bytes = 900};
     Table table(small);
     std::vector<RepresentationId> ids;

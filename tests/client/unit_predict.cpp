@@ -1,5 +1,5 @@
-// Prediction must help where it can and never do harm. Three ways in the closed loop of closed_loop.hpp: the
-// plane where the hand was, the plane where it will be unchecked, and the library's.
+// Prediction must help where it can and never do harm. Three variants in the closed loop of closed_loop.hpp:
+// the plane where the hand was, the unchecked plane where it will be, and the library's.
 
 #include <cmath>
 #include <numbers>
@@ -119,7 +119,7 @@ TEST(Prediction, is_no_worse_than_none_when_the_hand_reverses_at_3_Hz) {
                 };
                 const double without = stroke(Way::none, model, path, 3).rms_error;
                 const double with = stroke(Way::safe, model, path, 3).rms_error;
-                // Which valley a hand ends in is up to chance, with prediction and without.
+                // The valley in which a hand ends is random, with prediction and without.
                 EXPECT_LE(with, 1.15 * without) << "wave " << wave << " m, phase " << phase;
                 none += without;
                 plane += with;
@@ -204,7 +204,7 @@ TEST(Prediction, looks_at_most_20_mm_ahead) {
 }
 
 TEST(Prediction, asks_below_the_surface_only_where_the_hand_is_already) {
-    // A hand that dives: the normal part of its way ends at the surface.
+    // A hand that dives: the normal part of its path ends at the surface.
     double lowest = 1;
     const SurfaceModel model = [&](const Vec3& q) -> SurfacePoint {
         if (q.x != 0) lowest = std::min(lowest, q.z);  // not at the hand, not at the landing

@@ -1,5 +1,5 @@
-// Prediction in worlds of any size: what it gives the hand is the same. Where the sizes are powers of two, to the last
-// bit; elsewhere as nearly as rounding lets a hand go the same way.
+// Prediction in worlds of any scale: the hand gets the same. For powers of two to the last bit, else within
+// the effect of rounding on the hand's path.
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-// newest(): which edges and contacts it tells, whatever was read of the reports between.
+// newest(): the edges and contacts that it reports, whichever reports in between were read.
 
 #include <random>
 #include <vector>
@@ -10,7 +10,7 @@ namespace {
 
 using namespace knurl;
 
-/// What a servo says of buttons and contacts.
+/// The buttons and contacts in a servo's reports.
 struct Servo {
     Report report;
     Report cycle(std::uint32_t buttons, bool touching = false) {
@@ -63,7 +63,7 @@ TEST(Since, AGapThatBeginsAndEndsAlikeTellsTheEdgesBetween) {
     const HandFrame let_go = told(since, servo.report);
     EXPECT_EQ(let_go.pressed, 0x1u);
     EXPECT_EQ(let_go.released, 0x1u);
-    // Pressed twice, of which one press was let go.
+    // Pressed twice, with one release in between.
     since.add(servo.cycle(0x0));
     told(since, servo.report);
     servo.cycle(0x1), servo.cycle(0x0);

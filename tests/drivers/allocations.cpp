@@ -1,5 +1,5 @@
 // Counts allocations: the linker routes this program's malloc family here (-Wl,--wrap), and operator new is
-// ours.
+// replaced.
 
 #include "allocations.hpp"
 

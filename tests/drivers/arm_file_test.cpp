@@ -1,5 +1,4 @@
-// Arms from files: what a file says is what the device says; where files are looked for; and any of them
-// simulated.
+// Arms from files: the device has what the file says; the search for files; and every arm simulated.
 
 #include <algorithm>
 #include <cmath>

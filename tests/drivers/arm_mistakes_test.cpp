@@ -123,8 +123,8 @@ TEST(ArmFile, SaysWhatIsWrongWhereAndWhatToDo) {
 }
 
 TEST(ArmFile, AFileThatIsDamagedIsRefusedAndNeverMore) {
-    // Bytes changed, cut or put in: read as an arm that has a tip, or refused in one line that names the
-    // file.
+    // Bytes changed, cut or inserted: the file is read as an arm with a tip, or refused in one line that
+    // names it.
     constexpr std::uint64_t seed = 5;
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 engine(seed);
@@ -161,7 +161,7 @@ TEST(ArmFile, WhatIsNoSmallFileIsNotRead) {
     fs::create_directory(folder);
     const std::string huge = folder / "huge.toml", pipe = folder / "pipe.toml";
     std::ofstream(huge) << good;
-    fs::resize_file(huge, 5'000'000'000);  // all holes: takes no room
+    fs::resize_file(huge, 5'000'000'000);  // a sparse file: takes no space
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
     const auto said = [](const std::string& path) -> std::string {
         try {
@@ -172,8 +172,8 @@ TEST(ArmFile, WhatIsNoSmallFileIsNotRead) {
         return "accepted";
     };
     const std::string mend = "; give an arm's TOML file";
-    EXPECT_EQ(said("/dev/zero"), "/dev/zero: is a device, pipe or socket, no file" + mend);
-    EXPECT_EQ(said(pipe), pipe + ": is a device, pipe or socket, no file" + mend)
+    EXPECT_EQ(said("/dev/zero"), "/dev/zero: is a device, pipe or socket, not a file" + mend);
+    EXPECT_EQ(said(pipe), pipe + ": is a device, pipe or socket, not a file" + mend)
         << "does not wait for a writer";
     EXPECT_EQ(said(folder), folder.string() + ": is a folder" + mend);
     EXPECT_EQ(said(huge), huge + ": is larger than 1 MiB, and an arm has some 3 KiB" + mend);

@@ -1,6 +1,6 @@
 #pragma once
-// What lies behind an address of the conformance suite: motors, cable and encoder as the far side has them,
-// so that the suite need not believe the driver.
+// The far side of each address in the conformance suite: its motors, cable and encoder, so that the suite
+// need not trust the driver.
 
 #include <algorithm>
 #include <cmath>
@@ -25,24 +25,24 @@ class Bench {
     virtual ~Bench() = default;
 
     virtual bool has_motors() const { return false; }
-    /// Its motors are still there when the device is closed.
+    /// Its motors still exist when the device is closed.
     virtual bool outlives_its_device() const { return true; }
     virtual bool has_cable() const { return false; }
     virtual bool has_encoder() const { return false; }
-    /// An I/O thread of its own lies between the cycle and it, which sleeps until the first read. (Where a
-    /// write goes straight to the other side, only the caller keeps to the order.)
+    /// A separate I/O thread lies between the cycle and it, which sleeps until the first read. (Where a write
+    /// goes straight to the other side, only the caller keeps this order.)
     virtual bool sleeps_until_read() const { return false; }
-    /// It has nothing to say while nothing moves, which is no fault.
+    /// It is silent while nothing moves, which is no fault.
     virtual bool may_be_silent() const { return false; }
 
-    /// The largest |effort| that reached a motor since this was asked last, as a share of that motor's limit;
-    /// the present one if none did. `device`: null once it is closed.
+    /// The largest |effort| that reached a motor since the last call, as a share of that motor's limit; the
+    /// present one if none did. `device`: null once it is closed.
     virtual double share(const Device* /*device*/) { return 0; }
-    /// Packets of efforts that have reached it, ever.
+    /// Total number of effort packets that have reached it.
     virtual std::size_t packets() { return 0; }
     virtual void pull(Device& /*device*/) {}
     virtual void plug_in_again(Device& /*device*/) {}
-    /// The other side, if it has one, stands still; false: there is none.
+    /// Stops the other side, if there is one; false: there is none.
     virtual bool freeze(bool /*frozen*/) { return false; }
     /// Turns the first encoder by so many counts.
     virtual void turn(int /*counts*/) {}
@@ -136,7 +136,7 @@ class SharedSimBench final : public Bench {
     std::vector<double> limits_;
 };
 
-/// Something on the emulated bus, which is there as long as the tests.
+/// A device on the emulated bus, which exists as long as the tests.
 class UsbBench : public Bench {
   public:
     /// Everything is plugged in before anything is opened.

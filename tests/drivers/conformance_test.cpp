@@ -1,5 +1,5 @@
-// What every device must do, whatever it is. Each registered driver has a line in `addresses`; a driver
-// without one fails the test. What lies behind each is in conformance_bench.hpp.
+// The requirements for every device. Each registered driver has a line in `addresses`; a driver without one
+// fails the test. conformance_bench.hpp has each far side.
 
 #include <algorithm>
 #include <chrono>
@@ -35,7 +35,7 @@ struct Enrolled {
     std::function<std::unique_ptr<Bench>()> bench;
 };
 
-/// Every driver of this build, those of the tests as well.
+/// Every driver of this build, including those of the tests.
 std::map<std::string, Enrolled> addresses() {
     static const bool once = [] {
         drivers().push_back(example::slider_driver(board));
@@ -95,7 +95,7 @@ class EveryDevice : public testing::TestWithParam<std::string> {
         bench_->moment();
         largest_ = std::max(largest_, bench_->share(device_.get()));
     }
-    /// Cycles until it is so; false if it never is.
+    /// Runs cycles until it is so; false if it never is.
     template <class Condition>
     bool until(const JointEfforts& efforts, Condition&& so, Nanoseconds period = millisecond) {
         constexpr int patience = 5000;
@@ -163,7 +163,7 @@ TEST_P(EveryDevice, IsReadBeforeAnythingIsWrittenAndIsInItsWorkspace) {
     }
 }
 
-// A guardian is forked between opening and the first read: from a process whose threads do nothing.
+// A guardian is forked between opening and the first read: from a process whose threads are idle.
 TEST_P(EveryDevice, IsSentNothingBeforeItIsReadAndNothingThatWasWrittenBefore) {
     if (!bench_->sleeps_until_read()) GTEST_SKIP() << "no thread of its own writes to it";
     bench_->share(device_.get());  // what came before
@@ -251,7 +251,7 @@ TEST_P(EveryDevice, LimitsWhatItsMotorsGetWhateverIsWrittenAndForgetsWhatWasTooM
     JointEfforts efforts{};
     efforts.fill(most);
     ASSERT_TRUE(until(efforts, [&] { return bench_->share(device_.get()) > 0.95; }));
-    // 30 ms of its own time, whose filters are to be done with it by then; then as long as the cable takes.
+    // 30 ms of the device's time, after which its filters have settled; then as long as the cable takes.
     for (int i = 0; i < 30; ++i) cycle(limits(0.02));
     EXPECT_TRUE(until(
         limits(0.02), [&] { return bench_->share(device_.get()) < 0.05; }, 0));
@@ -286,7 +286,7 @@ TEST_P(EveryDevice, NeverWaitsForItsOtherSideAndSellsNoOldSampleAsNew) {
     ASSERT_TRUE(until(limits(0.1), [&] { return status_ == ReadStatus::ok; }));
     const bool frozen = bench_->freeze(true);
     int fresh = 0;
-    long slept = 0;  // so often the thread gave up its processor of its own accord
+    long slept = 0;  // voluntary context switches of the thread
     auto thousand = std::async(std::launch::async, [&] {
         const auto sleeps = [] {
             rusage use{};
@@ -304,7 +304,8 @@ TEST_P(EveryDevice, NeverWaitsForItsOtherSideAndSellsNoOldSampleAsNew) {
     bench_->freeze(false);
     thousand.wait();
     EXPECT_TRUE(returned) << "it waited until its other side went on";
-    // The mock's own locks around system calls make it wait now and then; a driver that waits does in each.
+    // The mock's own locks around system calls make it wait at times; a driver that waits does so in each
+    // cycle.
     EXPECT_LT(slept, 100) << "of 1000 cycles";
     if (frozen && !bench_->may_be_silent()) {
         EXPECT_LE(fresh, 4) << "those that were on their way";
@@ -312,7 +313,7 @@ TEST_P(EveryDevice, NeverWaitsForItsOtherSideAndSellsNoOldSampleAsNew) {
     EXPECT_TRUE(until({}, [&] { return status_ == ReadStatus::ok; }));
 }
 
-// A sample bears no time of its own: it is that of the read that brought it. So none may be older than the
+// A sample has no time stamp: its time is that of the read that returned it. So none may be older than the
 // one before.
 TEST_P(EveryDevice, ShowsSamplesInTheOrderOfTheirTime) {
     if (!bench_->has_encoder()) GTEST_SKIP() << "nothing but its hand, or nothing at all, turns its joints";

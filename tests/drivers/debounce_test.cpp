@@ -1,4 +1,4 @@
-// Buttons that bounce: what of their contacts becomes an edge, and when.
+// Buttons that bounce: which changes of their contacts become an edge, and when.
 
 #include <bit>
 #include <random>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
 
-/// "0001011111": a reading a millisecond of one button, and what is told of it.
+/// "0001011111": a reading of one button each millisecond; returns what is reported.
 std::string told(const std::string& contacts, double hold = Debounce::usual) {
     Debounce debounce(hold);
     std::string levels;
@@ -74,7 +74,7 @@ TEST(Debounce, WhateverTheContactsDoEdgesAreApartAndEveryLevelThatStaysIsTold) {
     }
 }
 
-/// A probe at rest with contacts that a test sets, and samples that may be of no use.
+/// A probe at rest whose contacts a test sets, and whose samples may be bad.
 class Clicker final : public Device {
   public:
     static inline std::uint32_t contacts = 0;

@@ -1,5 +1,5 @@
-// Stamper's delta against its inverse in long double, which has a closed form that shares nothing with the
-// forward solution, and against derivatives of that inverse.
+// Stamper's delta, compared with its inverse in long double, whose closed form shares nothing with the
+// forward solution, and with derivatives of that inverse.
 
 #include <array>
 #include <cmath>
@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using Real = long double;
 using Vector = Eigen::Matrix<Real, 3, 1>;
 
-/// A number and how fast it changes: derivatives without a difference.
+/// A number with its rate of change: exact derivatives.
 struct Moving {
     Real value = 0, rate = 0;
 };
@@ -217,7 +217,7 @@ TEST(Delta, StepsAreBoundedAndFourAreTheWorstInTheWorkspace) {
 }
 
 TEST(Delta, AnyAnglesGiveAPoseOnAllThreeToriOrNone) {
-    // Far outside of what a hand can reach: whatever is answered closes the legs and is finite.
+    // Far outside a hand's reach: any answer must close the legs and be finite.
     constexpr std::uint64_t seed = 16;
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random{std::mt19937_64(seed)};

@@ -1,5 +1,5 @@
-// Mechanisms against references of their own: 4x4 matrices in long double with exact derivatives, central
-// differences, and the PHANToM's closed form.
+// Mechanisms, compared with independent references: 4x4 matrices in long double with exact derivatives,
+// central differences, and the PHANToM's closed form.
 
 #include <array>
 #include <cmath>
@@ -170,7 +170,7 @@ TEST_P(RandomChains, JacobianIsTheDerivativeOfThePose) {
         Jacobian jacobian;
         ASSERT_TRUE(chain.forward(q, pose, jacobian));
         for (std::size_t joint = 0; joint < rows; ++joint) {
-            // Positions in long double: only the difference quotient's own error (h^2) is left.
+            // Positions in long double: only the difference quotient's own error (h^2) remains.
             constexpr double h = 1e-5;
             JointArray ahead = q, behind = q;
             ahead[joint] += h;
@@ -212,7 +212,7 @@ TEST(Premium15, IsThePhantomsClosedForm) {
         ASSERT_TRUE(profile.mechanism->forward(q, pose, jacobian));
         EXPECT_LT((pose.position - (closed_form(q) - closed_form(profile.centre))).norm(), 1e-15);
         EXPECT_TRUE(jacobian.bottomRows<3>().isZero(0)) << "no torque passes through the gimbal";
-        // Each motor moves its own arm alone: q3 turns the forearm about its own elbow, whatever q2 is.
+        // Each motor moves only its own arm: q3 turns the forearm about its own elbow, for any q2.
         EXPECT_NEAR((jacobian.block<3, 1>(0, 1).norm()), l1, 1e-15);
         EXPECT_NEAR((jacobian.block<3, 1>(0, 2).norm()), l2, 1e-15);
     }

@@ -55,7 +55,7 @@ class LiveHandTest : public testing::Test {
     Nanoseconds now_ = 0;
 
     void step() { device_->read(now_ += 1'000'000, sample_); }
-    /// Cycles, on the virtual clock, until it is so; the listener reads in its own time.
+    /// Runs cycles, on the virtual clock, until it is so; the listener reads at its own pace.
     template <class Wanted>
     bool eventually(Wanted wanted) {
         const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);

@@ -1,4 +1,4 @@
-// Motion files: what is read, what is refused and how, and where a motion is between its rows.
+// Motion files: which are read, which are refused and how, and a motion's place between its rows.
 
 #include <filesystem>
 #include <fstream>
@@ -163,7 +163,7 @@ TEST(Motion, HintChangesNothingButTheSearch) {
 }
 
 TEST(MotionDevice, IsExactlyOnTheMotion) {
-    // Rows at i/3000 s, which no whole nanosecond is.
+    // Rows at i/3000 s, which is no whole nanosecond.
     std::vector<MotionRow> rows;
     for (int i = 0; i <= 300; ++i) {
         rows.push_back({.t = i / 3000.0, .position = {std::sin(i * 0.1), i * 1e-3, 0}});

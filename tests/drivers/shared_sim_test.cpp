@@ -1,5 +1,4 @@
-// The simulated device in a process of its own: what servo and guardian write is what its log says it
-// received.
+// The simulated device in a separate process: its log contains what servo and guardian write.
 
 #include "shared_sim.hpp"
 
@@ -111,7 +110,7 @@ TEST_F(SharedSim, LogsEachChangeOnceAndCountsWritesThatItMissed) {
     }
     EXPECT_EQ(fake.log().size(), records) << "equal efforts are no change";
     EXPECT_EQ(fake.mapping()->writes.load(), 6U) << "but they are counted";
-    // A burst faster than it looks: whatever it did not see is in `missed`.
+    // A burst faster than its looks: what it did not see is in `missed`.
     for (int i = 1; i <= 500; ++i) {
         device->write(0, {i % 2 == 0 ? 1.0 : 2.0});
     }

@@ -1,4 +1,4 @@
-// The simulated device as a device: its clock, encoders, faults, address and what it says about itself.
+// The simulated device as a device: its clock, encoders, faults, address and description.
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ std::string refusal(const std::string& address) {
     return "accepted";
 }
 
-/// A servo in small: a wall and some random efforts, driven for a while.
+/// A small servo: a wall and some random efforts, run for a while.
 std::uint64_t digest_of_a_run(const std::string& address, Nanoseconds begin, Nanoseconds period) {
     SimDevice device(sim_profile(address), parse_motion("0,0,0,0.01\n1,0.05,0,-0.01\n", "m"));
     std::mt19937_64 engine(1);
@@ -61,7 +61,7 @@ TEST(SimClock, TheSameCallsGiveTheSameBits) {
 }
 
 TEST(SimClock, SubStepsAreAtMostAHundredMicroseconds) {
-    // A read after 1 ms is the same as ten reads of 100 us; one of 50 us differs by the integrator's order.
+    // A read after 1 ms equals ten reads of 100 us; one of 50 us differs by the integrator's order.
     const auto position = [](Nanoseconds period) {
         SimDevice device(sim_profile("cartesian3,coulomb=0"));
         device.place({0.01});
@@ -287,8 +287,8 @@ TEST(SimOracles, CountPeakForceAndWorkOnTheHand) {
     }
     const SimState& state = device.state();
     EXPECT_NEAR(state.peak_motor_force, 3, 0.02);
-    // The motors drew the hand's spring and let it go again: what the hand got it dissipated (it cannot be
-    // more).
+    // The motors stretched the hand's spring and released it: the hand dissipated what it received (it cannot
+    // be more).
     EXPECT_GT(state.motor_work, 0);
     EXPECT_GT(state.energy_to_hand, 0);
     EXPECT_LT(state.energy_to_hand, state.motor_work);

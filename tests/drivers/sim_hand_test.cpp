@@ -1,4 +1,4 @@
-// The simulated hand: what it does with a motion, a push, a grip and a tremor.
+// The simulated hand: its behaviour with a motion, a push, a grip and a tremor.
 
 #include <cmath>
 
@@ -57,7 +57,7 @@ TEST(Hand, FollowsItsMotionWithinWhatItsSpringsAllow) {
     Bench bench("cartesian3,coulomb=0", stroke());
     bench.device.notify(Notice::claim_active);
     bench.run(0.9);
-    // Steady on a straight line: the device's own damping, 0.2 N s/m, is all that the spring must overcome.
+    // At constant speed on a straight line the spring must overcome only the device's own damping, 0.2 N s/m.
     const Vector3d wanted = bench.device.state().hand_wants;
     EXPECT_LT((wanted - stroke().sample(0.8999).position).norm(), 1e-6);
     const Vector3d velocity(0.04, 0.02, 0);
@@ -106,7 +106,7 @@ TEST(Hand, PushesDownWhileItPlays) {
     bench.device.notify(Notice::claim_active);
     // Nothing below: 1.5 N against 60 N/m along z.
     EXPECT_NEAR(bench.run(3).position.z(), -1.5 / 60, 1e-5);
-    // A floor that holds it at its path feels the 1.5 N.
+    // A floor that holds it at its path gets the 1.5 N.
     for (int i = 0; i < 3000; ++i) {
         const double z = bench.device.state().position.z(), v = bench.device.state().velocity.z();
         bench.device.write(bench.now, {0, 0, std::max(0.0, -2000 * z - 5 * v)});
@@ -173,7 +173,7 @@ TEST(Hand, TurnsATipThatHasOrientation) {
     EXPECT_LT(turning.run(3).orientation.angularDistance(goal), 1e-3);
     EXPECT_LT(turning.device.state().position.norm(), 1e-3);
 
-    // A motion that starts turned: so does the device.
+    // A motion that starts with a rotation: the device does, too.
     Bench turned("generic6", Motion({{.t = 0, .position = {0.02, 0.01, 0}, .orientation = goal}}, true));
     EXPECT_LT(turned.device.state().orientation.angularDistance(goal), 1e-6);
     EXPECT_LT(turned.run(0.5).orientation.angularDistance(goal), 1e-3);

@@ -21,7 +21,7 @@ SimDevice make(const std::string& address) {
     return SimDevice(sim_profile(address));
 }
 
-/// Joint efforts that are the force at the tip.
+/// Joint efforts equivalent to the force at the tip.
 JointEfforts efforts_for(const SimDevice& device, const Vector3d& force) {
     TipPose pose;
     Jacobian jacobian;
@@ -164,7 +164,7 @@ TEST(Mechanics, DryFrictionHoldsAgainstLessAndStopsWhatMoves) {
     const Vector3d stopped = device.state().position;
     run(device, 0.5, millisecond);
     EXPECT_EQ(device.state().position, stopped);
-    // A larger force moves it with the difference.
+    // A larger force moves it with the excess.
     device.place({});
     run(device, 0.1, millisecond, {0.15, 0, 0});
     EXPECT_NEAR(device.state().velocity.x(), (0.15 - 0.05) / 0.1 * 0.1, 1e-12);
@@ -204,7 +204,7 @@ TEST(Mechanics, GravityPullsTheDevicesMassAlone) {
     EXPECT_NEAR(device.state().position.z(), -0.1 * 9.81 / 200, 1e-5) << "hangs in the hand's spring";
 }
 
-/// The largest swing (m) of a tip that a hand lets down on a wall of stiffness k at 1 kHz and presses there.
+/// The largest swing (m) of a tip that a hand lowers onto a wall of stiffness k at 1 kHz and presses there.
 double swing_on_a_wall(const std::string& address, double k) {
     SimDevice device(sim_profile(address + ",push=1.5"),
                      parse_motion("0,0,0,0.005\n0.1,0,0,-0.002\n", "down"));

@@ -1,5 +1,5 @@
-// Singular postures and joint limits: what a hand that moves through them gets. Efforts are J^T F, never with
-// an inverse, and scaled down together where one motor is at its limit, as the servo's last stage does.
+// Singular postures and joint limits: the force on a hand that moves through them. Efforts are J^T F, never
+// with an inverse, and scaled down together where one motor is at its limit, as in the servo's last stage.
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +45,7 @@ struct Random {
     }
 };
 
-/// A posture in which the arm is stretched, or the wrist, or both: as near to singular as a search finds.
+/// A posture with the arm stretched, or the wrist, or both: as near to singular as a search finds.
 JointArray most_singular(const SimProfile& profile, Random& random) {
     JointArray best = profile.centre;
     double least = 2;
@@ -109,12 +109,12 @@ TEST_P(Singular, EffortsOnAPathThroughTheWorstPostureNeverJumpAndAreBounded) {
             }
             if (pose_here) nearest = std::min(nearest, conditioning(jacobian, profile.joints));
             if (pose_here && had_pose) {
-                // No more than the Jacobian itself changes.
+                // The change is at most that of the Jacobian itself.
                 const double change = (jacobian - j_before).topRows<3>().norm() * force.norm();
                 const double largest = *std::max_element(link.effort_limit.begin(), link.effort_limit.end());
                 ASSERT_LE((efforts - before).norm(), 3 * std::min(change, largest) + 1e-12) << GetParam();
                 if (GetParam() != "falcon") {
-                    // ... and a chain's links are so short that this is nothing that a hand could feel.
+                    // ... and a chain's links are so short that a hand could not feel it.
                     ASSERT_LT((efforts - before).norm(), 1e-3 * largest * profile.joints) << GetParam();
                 }
             }
@@ -134,7 +134,7 @@ TEST_P(Singular, AHandThatDragsTheTipPastItsReachIsHeldWithoutAKick) {
     for (int trial = 0; trial < 6; ++trial) {
         const Vector3d away = 0.5 * random.direction();
         SimProfile profile = sim_profile(GetParam() + ",hand=40");
-        // None but the arm's own; but no delta is built to come to where its legs are stretched.
+        // Only the arm's own stops; but no delta is built to reach the place where its legs are stretched.
         if (GetParam() != "falcon") profile.stop_radius = 1;
         SimDevice device(profile,
                          Motion({{.t = 0, .position = Vector3d::Zero()}, {.t = 1, .position = away}}));
@@ -169,8 +169,8 @@ INSTANTIATE_TEST_SUITE_P(Arms, Singular,
                          [](const auto& arm) { return arm.param; });
 
 TEST(DeltasEdge, WhereItSaysNoPoseTheMotorsCouldHoldLittleInTheLostDirection) {
-    // Just before the legs stop holding the platform, limits scale the force in the lost direction away: so
-    // zero efforts beyond are a small jump (1.1 N of 8 at most), and beyond the stops.
+    // Just before the legs cease to hold the platform, the limits scale away the force in the lost direction.
+    // So zero efforts beyond are a small jump (1.1 N of 8 at most), and it lies beyond the stops.
     const SimDevice device(sim_profile("falcon"));
     const auto& delta = *device.profile().mechanism;
     Random random{std::mt19937_64(33)};

@@ -1,4 +1,5 @@
-// What building a mesh takes: the thread's CPU time a triangle, and memory; beside sorting as many numbers.
+// The cost of building a mesh: the thread's CPU time per triangle, and memory; beside sorting as many
+// numbers.
 
 #include <algorithm>
 #include <random>

@@ -36,7 +36,7 @@ double nanoseconds(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double, std::nano>(to - from).count();
 }
 
-/// What reading the clock itself takes.
+/// The time of reading the clock itself.
 double clock_cost() {
     double least = 1e9;
     for (int i = 0; i < 10000; ++i) {
@@ -60,7 +60,7 @@ struct Times {
     }
 };
 
-/// The state is put back, so that a cycle can be done again: eight times between two looks at the clock.
+/// Restores the state, so that a cycle can be repeated: eight times between two clock readings.
 template <class State, class Do>
 double time_cycle(State& state, double clock, bool cold, Do&& cycle) {
     const State before = state;
@@ -114,7 +114,7 @@ void walk_on(const Asset& mesh, std::size_t faces, const std::vector<test::Hand>
     free.print((name + " free").c_str(), faces);
 }
 
-/// Zilles and Salisbury's way in every cycle, on the same faces and tree.
+/// The method of Zilles and Salisbury in every cycle, on the same faces and tree.
 void active_set_on(const Mesh& mesh, const std::vector<test::Hand>& hands, double clock) {
     const MeshData& data = mesh.data();
     const detail::MeshSurface<Face> surface(data, data.faces.data(), data.faces.size());
@@ -136,7 +136,7 @@ void active_set_on(const Mesh& mesh, const std::vector<test::Hand>& hands, doubl
     touching.print("active set touching", mesh.faces());
 }
 
-/// What a single look at memory takes then, code and page table and all.
+/// The time of a single memory access then, with code and page table.
 void look_cold(std::size_t bytes, double clock) {
     const auto memory = std::make_unique<char[]>(bytes);
     std::fill_n(memory.get(), bytes, char{1});
@@ -150,7 +150,7 @@ void look_cold(std::size_t bytes, double clock) {
     look.print("a look at memory, cold", 0);
 }
 
-// From far outside towards the mesh and back, 0.2 m/s: there is room.
+// From far outside towards the mesh and back, 0.2 m/s: there is free room.
 void hover_over(const Mesh& mesh, double clock) {
     Times free;
     Proxy proxy;
@@ -164,8 +164,8 @@ void hover_over(const Mesh& mesh, double clock) {
     free.print("walk, free, 3 cm away", mesh.faces());
 }
 
-// The hand appears 20 mm from where it was in every cycle, about the surface. Of three times the same the one
-// that the machine disturbed least.
+// In every cycle the hand jumps by 20 mm, near the surface. Of three equal runs the one with the least
+// disturbance.
 void throw_about(const Mesh& mesh, const test::MadeMesh& shape, double clock) {
     Times best;
     for (int run = 0; run < 3; ++run) {

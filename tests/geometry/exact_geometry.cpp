@@ -1,4 +1,4 @@
-// The reference before it judges anything: against what is known in closed form.
+// The reference is tested before it judges: against closed forms.
 
 #include <exact/god_object.hpp>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ Surface surface_of(const MadeMesh& s) {
     return Surface(s.vertices, s.triangles);
 }
 
-/// Of a corner that is convex for the probe's side: each coordinate no lower than there.
+/// Of a corner that is convex for the probe's side: each coordinate is at least the corner's.
 V clamped(const V& hand) {
     return {std::max<Real>(hand.x, 0), hand.y, std::max<Real>(hand.z, 0)};
 }
@@ -54,12 +54,12 @@ TEST(ExactSurface, GridFindsWhatAllFacesHave) {
         const Surface s = surface_of(shape);
         int hits = 0;
         for (int i = 0; i < 100; ++i) {
-            const double far = i % 2 != 0 ? 1 : 0.01;  // long ones through it all, short ones near it
+            const double far = i % 2 != 0 ? 1 : 0.01;  // long ones through all of it, short ones near it
             const V on = shape.at(static_cast<std::uint32_t>(below(rng, shape.vertices.size())));
             const V u{between(rng, -.1, .1), between(rng, -.1, .1), between(rng, -.1, .1)};
             const V a = on + far * u, b = on - 0.7L * far * u;
             const exact::Crossing one = s.sweep(a, b, 0), all = s.sweep_all(a, b, 0);
-            ASSERT_EQ(one.t, all.t) << shape.name;  // two faces may share the place
+            ASSERT_EQ(one.t, all.t) << shape.name;  // two faces may share the point
             if (i % 10 == 0) {
                 ASSERT_EQ(s.nearest_face_near(a), s.nearest_face(a)) << shape.name;
             }
@@ -112,8 +112,8 @@ TEST(ExactGodObject, InTheCornerOfABoxFromInside) {
 }
 
 TEST(ExactGodObject, AroundABoxNoFaceIsChangedButOverItsEdge) {
-    // Inside of a box the nearest point of the face that one is held by; it changes where another one has one
-    // nearer and the edge lies between: never while the hand stays within a face's prism.
+    // Inside a box the nearest point is on the holding face. It changes where another face is nearer and the
+    // edge lies between: never while the hand stays within a face's prism.
     const MadeMesh shape = cube(8, 0.2);
     const Surface s = surface_of(shape);
     GodObject god(s);
@@ -146,7 +146,7 @@ TEST(ExactGodObject, NoFaceOfASphereIsNearer) {
             if (++i % 10 != 0) continue;
             ASSERT_EQ(touches, s.winding(hand) > 0.5L);
             if (!touches) continue;
-            // Convex: every path inside of it keeps to the nearest point, within the ridges' little hills.
+            // Convex: every path inside follows the nearest point, within the ridges' small hills.
             ASSERT_LT(s.gain(god.at(), hand, 1e-13L), 1e-17L);
             ASSERT_LT(std::fabs(distance(god.at(), hand) - (0.1L - exact::length(hand))), 4e-4L);
         }

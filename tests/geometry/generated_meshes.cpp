@@ -1,4 +1,4 @@
-// What the judge draws its meshes from: as many faces, as closed and as large as they say.
+// The judge's generated meshes: their number of faces, closedness and size are as stated.
 
 #include <exact/god_object.hpp>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #pragma once
-// Meshes that are made, not found: no licence to ask for, and their exact surface is known. In metres, about
-// 0.2 m large unless asked otherwise; counter-clockwise as seen from outside.
+// Generated meshes: they need no licence, and their exact surface is known. In metres, about 0.2 m large
+// unless stated otherwise; counter-clockwise as seen from outside.
 
 #include <array>
 #include <cstdint>
@@ -14,7 +14,7 @@
 namespace knurl::test {
 
 using Rng = std::mt19937_64;
-/// The same on every machine, which the library's distributions do not promise.
+/// The same on every machine, which the library's distributions do not guarantee.
 inline double between(Rng& rng, double low, double high) {
     return low + (high - low) * static_cast<double>(rng() >> 11) * 0x1p-53;
 }
@@ -60,7 +60,7 @@ MadeMesh grid(int nx, int ny, double dx, double dy);
 MadeMesh plane_grid();  // 4 cm of 2 mm triangles
 MadeMesh needles();     // 10 mm by 10 um
 
-// What is no manifold.
+// Non-manifold meshes.
 MadeMesh crossing_sheets();  // a floor and a wall (x = 0, front to +x) through it that share no vertex
 MadeMesh two_sided_sheet();  // the same vertices, every triangle twice, one of them turned
 MadeMesh three_sheets();     // at one edge
@@ -68,7 +68,7 @@ MadeMesh cubes_at_an_edge();
 MadeMesh cubes_at_a_corner();  // a bow tie
 MadeMesh moebius();
 
-/// Closed manifolds that nothing is wrong with.
+/// Closed manifolds without any fault.
 std::vector<MadeMesh> clean_shapes(std::uint64_t seed);
 
 }  // namespace knurl::test

@@ -1,5 +1,5 @@
-// Faces that others pass through are found, and those of clean meshes are not. Without the cuts (unite), which
-// would leave nothing to be found.
+// Faces that others pass through are found, and none in clean meshes. Without the cuts (unite), which would
+// leave none to find.
 
 #include <cmath>
 
@@ -87,7 +87,7 @@ TEST(MeshCrossings, SpheresThatCrossDoSoInARing) {
     EXPECT_GT(crossed(mesh), 100);
     EXPECT_LT(crossed(mesh), 600);
     for (const Face& f : mesh.data().faces) {
-        // None that lies clear of the plane in which the spheres meet.
+        // None that is clear of the plane in which the spheres meet.
         double nearest = 1;
         for (const auto& c : f.corner) {
             const Eigen::Vector3d p = Eigen::Vector3d(c[0], c[1], c[2]) + mesh.data().origin;
@@ -99,7 +99,7 @@ TEST(MeshCrossings, SpheresThatCrossDoSoInARing) {
 }
 
 TEST(MeshCrossings, BodiesWhoseFacesLieInOnePlaneAreFound) {
-    // A hand that slides off the one box inside of the other would go under that one's top.
+    // A hand that slides off one box inside the other would pass below the other's top.
     RawMesh raw = raw_box(0.1, 0.1, 0.05), other = raw_box(0.1, 0.07, 0.05);
     other.move({0.05, 0.015, 0});
     raw.add(other);
@@ -134,7 +134,7 @@ TEST(MeshCrossings, SeamsThatWereNotWeldedAreNoCrossings) {
 }
 
 TEST(MeshCrossings, AFaceThatGoesThroughItsNeighboursNeighbourIsFound) {
-    // They share a vertex, and the one's far edge goes through the other.
+    // They share a vertex, and the far edge of one passes through the other.
     const RawMesh raw{
         {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 1}, {0.3, 0.3, -1}, {1, 0, -1}, {0.5, -1, 0.2}},
         {{0, 1, 2}, {0, 3, 4}, {0, 6, 5}}};
@@ -200,8 +200,8 @@ TEST(MeshCrossings, AskedNotToNoneIsLookedFor) {
     EXPECT_EQ(crossed(Mesh(raw.given(), {.find_crossings = false})), 0);
 }
 
-/// Around a vertex the faces go once about and make a loop on the way, through each other. Those of the loop
-/// that nothing crosses lie behind the others, and the walk comes to them over the vertex alone.
+/// Around a vertex the faces go around once and form a loop on the way, through each other. The loop's faces
+/// that nothing crosses lie behind the others, and the walk reaches them only over the vertex.
 RawMesh looped_fan() {
     RawMesh raw;
     raw.vertices = {{0, 0, 0},      {-2, -2, -1}, {2, -2, -1}, {2, 0.5, -1}, {-0.5, 0.5, -1},
@@ -220,7 +220,7 @@ TEST(MeshCrossings, FacesOfAFanThatPassesThroughItselfAllSaySo) {
     }
 }
 
-/// Sheets that cross them all besides change nothing, wherever in the tree they come.
+/// Further sheets that cross them all change nothing, wherever in the tree they come.
 TEST(MeshCrossings, AFanThatPassesThroughItselfSaysSoBehindSheetsToo) {
     for (std::uint32_t sheets = 1; sheets < 7; ++sheets) {
         RawMesh raw = looped_fan();

@@ -1,4 +1,4 @@
-// Looks at everything that was built, in long double and with maps: slow and plain.
+// Checks everything that was built, in long double and with maps: slow and simple.
 
 #include <algorithm>
 #include <cmath>
@@ -78,7 +78,7 @@ class Check {
         if (open != data_.open) say("open");
     }
 
-    /// Each face is its triangle, nowhere farther away than welding and rounding may bring it.
+    /// Each face is its triangle, no farther away than welding and rounding allow.
     void origins() {
         std::set<std::uint32_t> seen;
         long double largest = 0;
@@ -116,8 +116,8 @@ class Check {
         }
     }
 
-    /// Where faces are cut each piece lies on the surface that was given, all of it, and is of some triangle of
-    /// its material: one whose edges were turned lies in two of them.
+    /// Where faces are cut, each piece lies wholly on the given surface, and belongs to a triangle of its
+    /// material. A piece with turned edges lies in two of them.
     void pieces(long double may) {
         for (const AnyFace& f : faces_) {
             if (f.triangle >= raw_.triangles.size()) {
@@ -189,7 +189,7 @@ class Check {
         }
     }
 
-    /// No fan has more faces than the walk looks at.
+    /// No fan has more faces than the walk visits.
     void fans() {
         if (times_ > 0) return;
         for (std::uint32_t f = 0; f < faces_.size(); ++f) {
@@ -212,7 +212,7 @@ class Check {
         }
     }
 
-    /// Whatever touches an end of an edge without neighbour says so.
+    /// All faces at an end of an edge without neighbour have the flag.
     void rims() {
         std::set<Point3> ends;
         for (const AnyFace& f : faces_) {

@@ -1,4 +1,4 @@
-// What the builder makes of clean meshes, and which faults it mends.
+// The builder's results for clean meshes, and the faults that it repairs.
 
 #include <cmath>
 #include <limits>
@@ -114,8 +114,8 @@ TEST(MeshBuild, WeldingDoesNotCollapseAMeshFinerThanItsTolerance) {
     EXPECT_EQ(wrong(both, edge, how), "");
     EXPECT_EQ(both.faces(), 2);
     EXPECT_EQ(both.notes().vertices_welded, 1);
-    // A chain of vertices, each within the tolerance of the next, stays long: nothing moves farther than
-    // that.
+    // A chain of vertices, each within the tolerance of the next, stays long: nothing moves farther than the
+    // tolerance.
     RawMesh chain = raw_grid(400, 1, 1e-3);
     for (Point3& p : chain.vertices) p[1] *= 5;
     how.weld = 0.004;  // 1.6 mm
@@ -169,7 +169,8 @@ TEST(MeshBuild, FacesWoundAgainstTheirNeighboursAreTurned) {
         const Mesh mesh(raw.given());
         EXPECT_EQ(wrong(mesh, raw), "") << "seed " << seed;
         EXPECT_EQ(mesh.notes().edges_open, 0);
-        EXPECT_EQ(mesh.notes().faces_turned, turned);  // a body: the outside is the front, whatever most say
+        EXPECT_EQ(mesh.notes().faces_turned, turned);  // a body: the outside is the front, whatever the
+                                                       // majority says
         const Face& f = mesh.data().faces[0];
         const auto at = [&](std::size_t i) -> Eigen::Vector3d {
             return Eigen::Vector3d(f.corner[i][0], f.corner[i][1], f.corner[i][2]) + mesh.data().origin;
@@ -232,7 +233,7 @@ TEST(MeshBuild, AVertexThatIsNoPlaceTakesItsFacesAlone) {
         EXPECT_EQ(mesh.notes().edges_open, 6) << bad;
         EXPECT_NEAR(mesh.data().size, whole.data().size, 1e-3) << bad;  // the frame is that of the others
     }
-    RawMesh unused = clean;  // what no triangle names says nothing
+    RawMesh unused = clean;  // a vertex without a triangle has no effect
     unused.vertices.push_back({nan, 0, 0});
     unused.vertices.push_back({1e6, 0, 0});
     const Mesh mesh(unused.given());

@@ -1,4 +1,4 @@
-// Random meshes: whatever comes in, what comes out holds what the walk relies on, or it is refused.
+// Random meshes: for any input, the result has the properties on which the walk relies, or it is refused.
 
 #include <bit>
 #include <cmath>
@@ -14,7 +14,7 @@ using namespace knurl::test;
 
 namespace {
 
-/// Empty, or what is wrong. A refusal is in order if it says a sentence.
+/// Empty, or what is wrong. A refusal is correct if it has a text.
 std::string judged(const RawMesh& raw, const MeshBuild& how, bool& built) {
     try {
         const Mesh mesh(raw.given(), how);
@@ -89,7 +89,7 @@ TEST(MeshRandom, SoupsOfFewVerticesHaveEveryKindOfEdge) {
 }
 
 TEST(MeshRandom, ManyFacesAtOnePlaceTakeNoLongerThanElsewhere) {
-    // Counted as questions, one a slice of the work.
+    // Counted in queries, one per slice of the work.
     const auto questions = [](const RawMesh& raw, const MeshBuild& settings = {}) {
         std::size_t asked = 0;
         MeshBuild how = settings;

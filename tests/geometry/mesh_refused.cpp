@@ -1,4 +1,4 @@
-// What the builder refuses, and what it says; when it stops; what it takes.
+// What the builder refuses, and its messages; when it stops; what it costs.
 
 #include <atomic>
 #include <cstdlib>
@@ -119,7 +119,7 @@ TEST(MeshRefused, ASurfaceWithOneSideOnly) {
     EXPECT_EQ(refusal(raw.given()), "");
     raw = raw_strip(20, true);
     EXPECT_SAYS(refusal(raw.given()), "Moebius", "triangle");
-    // Beside clean parts; the numbers are those that were given.
+    // Beside clean parts; the numbers are those of the input.
     RawMesh both = raw_sphere(2);
     both.add(raw);
     const std::string said = refusal(both.given());
@@ -174,7 +174,7 @@ TEST(MeshRefused, NeverMoreThanWasSaidIsTaken) {
 }
 
 TEST(MeshRefused, AnyQuestionMayEndTheBuilding) {
-    // Sheets that cross, are unwelded, turned, told twice and many at an edge: so that all steps are taken.
+    // Sheets that cross, are unwelded, turned, doubled and many at an edge, so that all steps run.
     RawMesh raw = raw_sphere(3).unwelded(), other = raw_cone(100);
     for (std::size_t t = 0; t < raw.triangles.size(); t += 2) raw.turn_over(t);
     raw.add(other);
@@ -196,7 +196,7 @@ TEST(MeshRefused, AnyQuestionMayEndTheBuilding) {
 }
 
 TEST(MeshRefused, TheQuestionsComeWithTheWork) {
-    // Ten times the triangles, about ten times the questions: none of the steps is one long slice.
+    // Ten times the triangles, about ten times the queries: no step is one long slice.
     const auto questions = [](const RawMesh& raw) {
         std::size_t asked = 0;
         MeshBuild how;

@@ -1,4 +1,4 @@
-// Edges and vertices where a surface is open, or more than a surface.
+// Edges and vertices where a surface is open, or is more than a surface.
 
 #include <cmath>
 
@@ -64,7 +64,7 @@ RawMesh sheets(const std::vector<std::pair<double, bool>>& at) {
 }
 
 TEST(MeshSeams, AtAnEdgeOfManyEachSeesTheFirstInFrontOfIt) {
-    // A floor and a wall through it, both of bodies: each quarter sees itself.
+    // A floor and a wall through it, both of bodies: each quarter is its own neighbour.
     const RawMesh raw =
         sheets({{10, true}, {80, false}, {100, true}, {170, false}, {190, true}, {350, false}});
     const Mesh mesh(raw.given());
@@ -108,7 +108,7 @@ TEST(MeshSeams, AtAnEdgeOfManyTheOrderOfTheSheetsDoesNotMatter) {
 }
 
 TEST(MeshSeams, ASheetWithTwoSidesIsNotACrack) {
-    // Both sides of a floor, and of a wall on it, told as triangles of the same vertices.
+    // Both sides of a floor, and of a wall on it, given as triangles of the same vertices.
     const RawMesh raw = sheets({{0, true}, {0, false}, {90, true}, {90, false}, {180, true}, {180, false}});
     const Mesh mesh(raw.given());
     EXPECT_EQ(wrong(mesh, raw), "");

@@ -74,7 +74,7 @@ void warm(benchmark::State& state) {
     joint(state, true);
 }
 
-// As a scene calls it, in the corner of a room where up to three planes push and the others are near.
+// As called by a scene, in the corner of a room where up to three planes push and the others are near.
 void corner(benchmark::State& state) {
     Stroke stroke(0);
     const Eigen::Vector3d walls[] = {{0, 0, 1},      {0.958, 0, 0.287}, {0, 0.958, 0.287},

@@ -1,6 +1,6 @@
-// What a cycle asks of one polygon, half-plane or box, beside a plane in the same run. The probe wanders over
-// the same 64 points: free (over the middle of the face), over an edge, or held below the face. At the end what a scene
-// makes of boxes that touch.
+// The cost per cycle of one polygon, half-plane or box, beside a plane in the same run. The probe wanders
+// over the same 64 points: free (over the middle of the face), over an edge, or held below the face. At the
+// end the cost of touching boxes in a scene.
 
 #include <benchmark/benchmark.h>
 
@@ -48,7 +48,7 @@ void wander(benchmark::State& state, const R& raw, Where where) {
     }
 }
 
-// The plane, the half-plane's edge and the box's top face as the polygons have them: z = 0, x <= 0.05.
+// The plane, the half-plane's edge and the box's top face match the polygons: z = 0, x <= 0.05.
 HalfPlane half() {
     return {.edge_offset = 0.05, .stiffness = 1000};
 }

@@ -92,15 +92,15 @@ void planes_out_of_reach(benchmark::State& state) {
     run(state, scene);
 }
 
-/// Of 2 cm.
+/// Size 2 cm.
 struct Tetrahedron {
     const std::array<std::array<double, 3>, 4> corners{{{0, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}}};
     const std::array<Triangle, 4> faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
     const Mesh mesh{{.vertices = corners, .triangles = faces, .materials = {}}};
 };
 
-/// N shapes of 2 cm, of as many assets as a scene has, 12 cm and more from a hand at 0.1 m/s. What this takes
-/// beside 0 of them is theirs.
+/// N shapes of 2 cm, of as many assets as a scene has, at least 12 cm from a hand at 0.1 m/s. The difference
+/// to 0 shapes is their cost.
 void meshes_apart(benchmark::State& state, double spin) {
     const auto n = static_cast<std::uint32_t>(state.range(0));
     const Tetrahedron mesh;
@@ -135,8 +135,8 @@ void meshes_out_of_reach(benchmark::State& state) {
 void turning_meshes_out_of_reach(benchmark::State& state) {
     meshes_apart(state, 1);
 }
-/// N that go round on circles at 0.2 m/s, of which an application tells pose and velocity 60 times a second,
-/// all at once. What the telling takes is in it.
+/// N shapes on circles at 0.2 m/s, whose pose and velocity an application sends 60 times a second, all at
+/// once. Includes the cost of sending.
 void carried_meshes_out_of_reach(benchmark::State& state) {
     const auto n = static_cast<std::uint32_t>(state.range(0));
     const auto every = static_cast<std::uint64_t>(state.range(1));  // cycles
@@ -198,8 +198,8 @@ void two_probes_three_planes_four_springs(benchmark::State& state) {
 // Every one of N planes is updated, and all take effect in the next cycle.
 const Limits device{.max_stiffness = 3105, .max_force = 8.5, .damping = 0.2, .mass = 0.15, .lag = 0.5e-3};
 
-/// Five fingers on a desk of 1000 N/m, each a probe, with what the servo's budget does in each cycle: the load of all of
-/// them, its eigenvalues, the scales.
+/// Five fingers on a desk of 1000 N/m, each a probe, with the servo's budget in each cycle: the load of all
+/// of them, its eigenvalues, the scales.
 void five_fingers_in_a_budget(benchmark::State& state) {
     Scene scene = make_scene(device);
     for (std::uint32_t finger = 0; finger < 5; ++finger) {
@@ -217,8 +217,8 @@ void five_fingers_in_a_budget(benchmark::State& state) {
     state.counters["k of the hand, N/m"] = 5 * 1000 * budget.scales().contacts;
 }
 
-/// The other way: a rigid glove. All contacts are one problem in the hand's displacement, so the desk is felt five times
-/// at one place, and the hand feels no more than one finger's stiffness.
+/// The alternative: a rigid glove. All contacts are one problem in the hand's displacement. So the desk acts
+/// five times at one place, and the hand feels no more than one finger's stiffness.
 void five_fingers_of_a_rigid_glove(benchmark::State& state) {
     Scene scene = make_scene(device);
     for (std::uint32_t finger = 0; finger < 5; ++finger)
@@ -253,8 +253,8 @@ void put(auto& solid, double height) {
     solid.center.z = height;
 }
 
-/// A thousand surfaces out of reach that are put elsewhere, each by so many bytes of its parameters as an entry of a
-/// batch brings them.
+/// A thousand surfaces out of reach that are moved, each by so many bytes of its parameters, as in the entry
+/// of a batch.
 template <class R>
 void batch_of_poses(benchmark::State& state, R surface, std::size_t bytes) {
     constexpr std::uint32_t n = 1000;
@@ -275,7 +275,7 @@ void batch_of_poses(benchmark::State& state, R surface, std::size_t bytes) {
     state.SetItemsProcessed(state.iterations() * n);
 }
 
-/// A thousand planes of which another stiffness is sent.
+/// A thousand planes with a new stiffness.
 void batch_of_stiffnesses(benchmark::State& state) {
     constexpr std::uint32_t n = 1000;
     Scene scene({.representations = 1024, .probes = 1}, {});
@@ -291,8 +291,8 @@ void batch_of_stiffnesses(benchmark::State& state) {
     state.SetItemsProcessed(state.iterations() * n);
 }
 
-/// N spheres in a cube of 0.2 m, so large that about three are near (within half a radius) and one of them
-/// touched; a hand at 0.06 m/s. Percentiles of single cycles, less an empty pair of the clock's readings.
+/// N spheres in a cube of 0.2 m, sized so that about three are near (within half a radius) and one is
+/// touched; a hand at 0.06 m/s. Percentiles of single cycles, minus an empty pair of clock readings.
 void spheres(benchmark::State& state) {
     const auto n = static_cast<std::uint32_t>(state.range(0));
     Scene scene({.representations = n, .probes = 1}, {});

@@ -43,11 +43,12 @@ TEST(SolidBox, IsFeltAsItsSixFacesAreOnStrokesInAndOut) {
         }
         Touchable solid(box);
         const double radius = between(rng, 0, 1) ? 0.002 : 0;
-        // In through one face, about in its column but not beyond the opposite face, and out the same way.
+        // In through one face, roughly within its column but not beyond the opposite face, and out the same
+        // way.
         const int axis = between(rng, 0, 2), sign = between(rng, 0, 1) ? 1 : -1;
         for (int i = 0; i < 40; ++i) {
             Vector y = any_in(rng, half - Vector::Constant(radius), 0.99);  // not where edges are
-            // First to where that face's ball still reaches, then as deep as it goes.
+            // First to where that face's ball still reaches, then to the full depth.
             const double in = i % 8 == 4 ? 5e-4 : 1.9 * half[axis];
             const double depth = i % 8 < 4 ? -uniform(rng, 0, 0.02) : uniform(rng, 0, in);
             y[axis] = sign * (half[axis] - depth);
@@ -96,7 +97,7 @@ TEST(SolidBox, OneThatMovesTakesAHandThatRestsAlongAlsoByAnUpdate) {
         ASSERT_EQ(felt.velocity, Vector(0, 0, 0.5));
     }
     Box turned = box;
-    turned.orientation = {0, 0, 0, 1};  // sent anew: it starts again from where it was said to be
+    turned.orientation = {0, 0, 0, 1};  // sent anew: it starts again from the stated place
     solid.change(turned);
     ASSERT_NEAR(solid.at({0, 0, 0.05}).height, 0.01, 1e-14);
     Touchable sent(brick());
@@ -169,7 +170,7 @@ TEST(HollowBox, ItsWallsTogetherHoldTheProbeAtTheNearestPointInside) {
         ContactSolution solution;
         const ContactPlanes planes{nx, ny, nz, s, 3};
         solve_contact(planes, worst_violation(planes, Vector::Zero()), 0, solution);
-        // A box that is too small for the probe is as if it were just large enough.
+        // A box that is too small for the probe acts as if it were just large enough.
         const Vec room = (exactly.half.array() - radius).cwiseMax(0), y = exactly.seen(p);
         const Vec nearest = y.cwiseMin(room).cwiseMax(-room);
         ASSERT_LE((exactly.axes * (nearest - y) - exact(solution.dx)).norm(),

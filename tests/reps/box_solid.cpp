@@ -1,4 +1,4 @@
-// A solid box holds a hand by the face through which that came.
+// A solid box holds a hand by the face through which the hand came.
 
 #include <gtest/gtest.h>
 
@@ -74,7 +74,7 @@ TEST(SolidBox, IsEnteredByTheFaceThatThePathPassesAndHoldsByItHoweverDeep) {
                 if (axis >= 0 && !holds()) axis = -1;
             }
             last = y;
-            if (margin < 1e-12 * std::max(0.2, p.norm())) break;  // too close to tell
+            if (margin < 1e-12 * std::max(0.2, p.norm())) break;  // too close to decide
             const Contact felt = solid.at(p);
             const std::string where = "seed " + std::to_string(seed) + " round " + std::to_string(round) +
                                       " cycle " + std::to_string(i);
@@ -135,7 +135,7 @@ TEST(SolidBox, SlidOffItsEdgeWhilePressedItLetsGoOnceAndForGood) {
                 }
                 last = force;
             }
-            EXPECT_NEAR(largest_jump, 1000 * (depth + radius), 1e-9);  // what pressed, not more
+            EXPECT_NEAR(largest_jump, 1000 * (depth + radius), 1e-9);  // only the force that pressed
         }
     }
 }
@@ -160,7 +160,7 @@ TEST(SolidBox, SeenFirstInsideTheNearestFaceHoldsIt) {
     EXPECT_NEAR(Touchable(brick()).at({0, -0.028, 0.01}).height, -0.002, 1e-15);
     Touchable solid(brick());
     solid.at({0, 0, 0.039});
-    EXPECT_EQ(solid.at({0.019, 0, 0.01}).normal, Vector(0, 0, 1));  // and goes on holding it
+    EXPECT_EQ(solid.at({0.019, 0, 0.01}).normal, Vector(0, 0, 1));  // and continues to hold it
 }
 
 TEST(SolidBox, ABallThatPressesByLessThanItsRadiusRollsOverEdgesAndCornersWithoutAJump) {

@@ -1,4 +1,4 @@
-// What is out of reach is not evaluated, and nothing else is left out.
+// Surfaces out of reach are not evaluated, and nothing else is left out.
 
 #include <algorithm>
 #include <set>
@@ -48,7 +48,7 @@ TEST(BoundingTree, CollectsExactlyThoseThatComeNearer) {
                 if (near) {
                     ASSERT_TRUE(answer.count(s)) << "seed " << seed << " round " << round;
                 }
-                // It may collect one that is a rounding error further.
+                // It may collect one that is farther by a rounding error.
                 if (!near && answer.count(s)) {
                     ASSERT_TRUE(balls[s].present);
                     ASSERT_LT((balls[s].center - p).norm() - balls[s].radius, within + 1e-8);
@@ -62,7 +62,7 @@ TEST(BoundingTree, CollectsExactlyThoseThatComeNearer) {
 namespace broad_phase_tests {
 namespace {
 
-/// One surface without an end: in the scene, and evaluated in every cycle beside it.
+/// One endless surface: in the scene, and evaluated separately in every cycle.
 template <class R, class Make>
 void expect_as_if_evaluated(std::uint64_t seed, Make make) {
     SCOPED_TRACE("seed " + std::to_string(seed));

@@ -1,5 +1,4 @@
-// No update makes a jump above |F_new - F_old| dt / T, whatever changes, however often, in the middle of
-// what.
+// No update makes a jump above |F_new - F_old| dt / T, for any change, at any rate, at any moment.
 
 #include <gtest/gtest.h>
 
@@ -80,7 +79,7 @@ TEST(Bumpless, PlanesThatChangeInEveryCycleAtAnyAngle) {
         const int every = between(rng, 1, 7);
         Vector last = Vector::Zero();
         Vector p = 0.003 * direction(rng);
-        double k = 0;  // N/m, the stiffest that is or was lately in the scene
+        double k = 0;  // N/m, the stiffest that is in the scene, or was until recently
         for (int i = 0; i < 300; ++i) {
             const Vector before = p;
             if (between(rng, 0, 1)) p += 1e-4 * direction(rng);
@@ -91,8 +90,8 @@ TEST(Bumpless, PlanesThatChangeInEveryCycleAtAnyAngle) {
             const double motion = k * (p - before).norm();
             const Vector goal = alone(entries, at(p), limits);
             const double allowed = motion + ((goal - last).norm() + motion) * dt / recovery;
-            // A fade that is under way moves by the difference that it started with; it is not more than
-            // |goal| plus the clamp away from here.
+            // A fade under way moves by its initial difference, which is no larger than |goal| plus the
+            // clamp.
             const double under_way = motion + (goal.norm() + limits.max_force) * dt / recovery;
             ASSERT_LE((force - last).norm(),
                       (i % every == 0 ? std::max(allowed, under_way) : under_way) + 1e-12)
@@ -103,8 +102,7 @@ TEST(Bumpless, PlanesThatChangeInEveryCycleAtAnyAngle) {
 }
 
 TEST(Bumpless, TheFirstCycleOfAChangeIsBoundedByItsOwnDifference) {
-    // The strict bound, for changes that overtake a fade and for those that do not, at a hand that is held
-    // still.
+    // The strict bound, for changes that interrupt a fade and others, at a hand that is held still.
     const std::uint64_t seed = 505;
     constexpr double recovery = 0.02;
     Rng rng(seed);
@@ -186,7 +184,7 @@ TEST(Bumpless, SlotsThatChangeTheirKindAndProbe) {
             }
             const Vector force = scene.evaluate(probe, dt).force;
             ASSERT_TRUE(force.allFinite());
-            // Of the two probes' sets and one effect's fade each moves by at most the two clamps' difference.
+            // The two probes' sets and one effect's fade each move by at most the two clamps' difference.
             ASSERT_LE((force - last).norm(), 3 * 2 * limits.max_force * dt / time + 1e-12)
                 << "seed " << seed + static_cast<std::uint64_t>(round) << " cycle " << i;
             last = force;

@@ -22,7 +22,7 @@ Cap random_cap(Rng& rng, double size, bool two) {
     return cap;
 }
 
-// A point of the arc with straight ends, by its arc length, and the normal there, in the plane (x, z).
+// A point of the arc with straight ends, given by arc length, and its normal, in the plane (x, z).
 struct OfArc {
     long double x, z, nx, nz;
     OfArc(long double curvature, long double rim, long double length) {
@@ -75,11 +75,11 @@ TEST(Cap, HeightAndNormalAreThoseOfTheSurfaceItDescribesWithinAndBeyondItsRim) {
         const bool two = round % 2;
         Cap cap = random_cap(rng, size, two);
         if (round % 5 == 0) cap.foot = to_plain(Vector(1e6 * direction(rng)));
-        // Up to twice the rim away, at heights at which no other point of it is nearer.
+        // Up to twice the rim away, at heights where no other point of the cap is nearer.
         const double strongest = std::max(std::abs(cap.curvature), std::abs(two ? cap.curvature2 : 0.0));
         const double reach = 2 * std::asin(cap.rim) / strongest, height = uniform(rng, -0.4, 0.4) / strongest;
         const double u = uniform(rng, -1, 1) * reach, v = uniform(rng, -1, 1) * reach;
-        const bool straight = std::abs(u) > 0.5 * reach;  // there the other side's tangent may be as near
+        const bool straight = std::abs(u) > 0.5 * reach;  // the other side's tangent may be as near there
         if (straight && std::abs(height) > std::abs(u) / 4) continue;
         const Placed placed =
             two ? over_torus(cap, u, v, height) : over_sphere(rng, cap, std::abs(u), height);
@@ -88,7 +88,7 @@ TEST(Cap, HeightAndNormalAreThoseOfTheSurfaceItDescribesWithinAndBeyondItsRim) {
         const double entering =
             std::max({to_eigen(cap.foot).norm(), static_cast<double>(placed.p.norm()), 1 / strongest});
         ASSERT_NEAR(c.height, height, 1e-14 * entering) << "seed " << seed << " round " << round;
-        // An error of the place turns the normal by at most that times the curvature of the surface at this
+        // A position error turns the normal by at most that error times the surface's curvature at this
         // height.
         ASSERT_LE((c.normal.cast<long double>() - placed.normal).norm(), 1e-14 * (1 + entering * strongest))
             << "seed " << seed << " round " << round;
@@ -158,7 +158,7 @@ TEST(Cap, WithoutCurvatureIsAPlaneAndGoesOverIntoOneWithoutAStep) {
             EXPECT_LE((Evaluated<Cap>(cap)(p).normal - n).norm(), 1e-10) << k;
         }
         cap.curvature = 25;
-        cap.rim = 0;  // nothing is followed but the tangent plane
+        cap.rim = 0;  // only the tangent plane is followed
         EXPECT_EQ(Evaluated<Cap>({.curvature = 25, .rim = 0})({0, 0, 0.2}).height, 0.2)
             << "beyond the centre";
         EXPECT_NEAR(Evaluated<Cap>(cap)(p).height, plane, 1e-16);
@@ -201,7 +201,7 @@ TEST(Cap, TheNormalIsTheHeightsGradient) {
         Evaluated<Cap> cap(params);
         const Vector p = 0.004 * direction(rng);
         const Vector n = cap(p).normal, g = gradient_of(cap, p, 1e-7);
-        // Except where two parts of it are equally near: there the normals on both sides differ.
+        // Except where two parts of it are equally near: there the normals differ on both sides.
         if ((cap(p + 2e-7 * n).normal - cap(p - 2e-7 * n).normal).norm() > 1e-2) continue;
         if (g.norm() < 0.999) continue;
         EXPECT_LE((n - g).norm(), 1e-4) << "round " << round;

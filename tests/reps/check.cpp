@@ -1,4 +1,4 @@
-// Whether a change makes sense: one answer and one sentence, whoever asks.
+// The validity of a change: one answer and one sentence, for every caller.
 
 #include <array>
 #include <cmath>
@@ -69,7 +69,7 @@ TEST(Check, WhatIsAddedIsCheckedWhole) {
     EXPECT_EQ(Describe<Plane>::fields[verdict.field].name, "stiffness");
 }
 
-/// The same rules, spelled out, at their edges and far beyond; and a scene says what the check says.
+/// The same rules, written out, at their limits and far beyond; and a scene's answer equals the check's.
 TEST(Check, IsTheRuleSpelledOut) {
     constexpr std::uint64_t seed = 26;
     SCOPED_TRACE("seed " + std::to_string(seed));

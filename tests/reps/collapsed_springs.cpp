@@ -1,4 +1,4 @@
-// Springs collapsed to one: the same wrench as all of them, summed in long double.
+// Springs collapsed into one: the same wrench as the sum of all, computed in long double.
 
 #include <gtest/gtest.h>
 

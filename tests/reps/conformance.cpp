@@ -1,4 +1,4 @@
-// What every representation promises. A new one enrols by standing in the list of knurl::Representations.
+// The contract of every representation. A new one is tested when it is in the list knurl::Representations.
 
 #include <array>
 #include <cstring>
@@ -165,8 +165,8 @@ TYPED_TEST(Conformance, AChangeIsJudgedAsAllOfItWouldBe) {
     EXPECT_GT(refused, 500);
 }
 
-// Surfaces: their geometry alone; effects: all of them. Whoever feels all of it is told of other bytes that mean nothing,
-// so that it is described anew.
+// Geometry alone for surfaces, all fields for effects. The twin gets all bytes, with a different byte that
+// has no meaning, so that it takes the long way.
 TYPED_TEST(Conformance, AGeometrySentAloneIsFeltAsAllOfItWouldBe) {
     constexpr std::size_t geometry = geometry_bytes<TypeParam>();
     int touched = 0;
@@ -328,11 +328,10 @@ TYPED_TEST(Conformance, ComesAndGoesWithoutAJolt) {
     for (int round = 0; round < 300; ++round) {
         TypeParam params = random_params<TypeParam>(this->rng, false);
         set_times(params, time);
-        // A moving surface drags what holds the tip to it: a force of its own history, tested in
-        // tangential.cpp.
+        // A moving surface drags what holds the tip to it: a force with history, tested in tangential.cpp.
         if constexpr (requires { params.velocity; }) params.velocity = {};
         const Probe probe = wander(this->rng);  // held still
-        // the same, there from the start: what moves by itself moves there too
+        // the same, there from the start: it moves by itself, too
         Scene reference = make_scene();
         ASSERT_TRUE(reference.add(this->id, params));
         reference.settle();
@@ -361,7 +360,7 @@ TYPED_TEST(Conformance, ComesAndGoesWithoutAJolt) {
     }
 }
 
-// Surfaces have theirs in held_in_silence.cpp: what moves them is the scene's own.
+// held_in_silence.cpp tests surfaces, since the scene moves these.
 template <class... Lists>
 struct Joined {
     using Type = testing::Types<>;
@@ -385,8 +384,8 @@ template <class R>
 struct EffectConformance : Conformance<R> {};
 TYPED_TEST_SUITE(EffectConformance, EffectsOf<Representations>::Types);
 
-// An effect's own time is the scene's: where a silence holds it, it gives what it gave; where it fades, as much less as
-// its weight is, of what it would have given, and then nothing, for ever.
+// An effect's own time belongs to the scene. Where a silence holds the effect, its force stays. Where it
+// fades, the force is the undisturbed one times its weight, and then zero for ever.
 TYPED_TEST(EffectConformance, DoesNotGrowWhileItsApplicationIsSilent) {
     constexpr double wait = 0.03;  // s
     for (int round = 0; round < 100; ++round) {
@@ -420,7 +419,7 @@ TYPED_TEST(EffectConformance, DoesNotGrowWhileItsApplicationIsSilent) {
             ASSERT_TRUE(same_bits(holds.evaluate(probe, dt), last))
                 << "seed " << this->seed << " round " << round << " cycle " << i;
         }
-        // It goes on from there.
+        // It continues from there.
         fades.set_silence(0);
         holds.set_silence(0);
         Scene twin = make_scene();

@@ -1,4 +1,4 @@
-// What a scene of planes feels like, against an enumeration of all corners in long double.
+// The force of a scene of planes, compared with an enumeration of all corners in long double.
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ struct Wall {
 };
 
 /// The nearest point to p with n.x >= c for all: tries every set of up to three touching planes and keeps the
-/// nearest point that satisfies all. Exponential and slow; no idea in common with an active set.
+/// nearest point that satisfies all. Exponential and slow; shares no idea with an active set.
 RealVector nearest(const std::vector<Wall>& walls, const Vector& p, double radius) {
     const RealVector probe = p.cast<Real>();
     const auto normal = [&](std::size_t i) { return RealVector(walls[i].normal.cast<Real>()); };
@@ -57,7 +57,7 @@ RealVector nearest(const std::vector<Wall>& walls, const Vector& p, double radiu
     return best;
 }
 
-/// Layered projections, straight from the definition.
+/// Layered projections, directly from the definition.
 RealVector reference_force(std::vector<Wall> walls, const Vector& p, double radius) {
     std::sort(walls.begin(), walls.end(),
               [](const Wall& a, const Wall& b) { return a.stiffness < b.stiffness; });
@@ -191,7 +191,7 @@ TEST(ContactScene, StiffnessIsClampedToTheDeviceAndItsOwnerIsTold) {
     EXPECT_EQ(feedback[0].stiffness, 600);
     EXPECT_TRUE(feedback[0].flags & Feedback::stiffness_clamped);
     EXPECT_FALSE(feedback[1].flags & Feedback::stiffness_clamped);
-    // The device turns out to allow less: a change like any other, faded.
+    // The device allows less than assumed: a change like any other, cross-faded.
     scene.set_limits({.max_stiffness = 300});
     Vector last = scene.evaluate(at({1, 0, -0.001}), 0).force;
     for (int i = 0; i < 20; ++i) {
@@ -215,7 +215,7 @@ TEST(ContactScene, ZeroStiffnessIsLegalAndFeelsLikeNothing) {
 }
 
 TEST(ContactScene, ASoftCeilingDoesNotMoveAHardFloor) {
-    // They overlap by 2 mm. The floor alone is feasible: its layer must not give way for the ceiling's sake.
+    // They overlap by 2 mm. The floor alone is feasible: its layer must not give way for the ceiling.
     Scene scene = make_scene();
     ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .offset = 0.001, .stiffness = 2000}));
     ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {0, 0, -1}, .offset = 0.001, .stiffness = 200}));

@@ -1,4 +1,5 @@
-// The joint contact solution is the optimum: in corners, among copies, far away and at the micrometre scale.
+// The joint contact solution is the optimum: in corners, among copies, at large distances and at the
+// micrometre scale.
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -31,8 +32,8 @@ testing::AssertionResult is_optimum(const PlaneSet& set, const ContactSolution& 
                                            << ", " << set.size() << " planes, all satisfied by a known point";
     }
     const Kkt ref = kkt(at.planes, got.active);
-    // 1e-12 of the largest length down to corners of 0.01 degrees; sharper ones amplify the rounding of their
-    // normals.
+    // 1e-12 of the largest length for corners down to 0.01 degrees; sharper ones amplify the rounding of
+    // their normals.
     const Real allowed = 1e-12L * ref.size * std::max(1.0L, 1.7e-4L / ref.sharpness);
     const Real error = (got.dx.cast<Real>() - ref.x).norm();
     // Weights of nearly parallel planes are large and may be off by their own rounding.
@@ -110,7 +111,7 @@ TEST(ContactSolver, ANonsenseWarmSetIsOnlyAWrongGuess) {
 }
 
 TEST(ContactSolver, AGuessFromElsewhereIsWhereTheSearchGoesOn) {
-    // Last cycle's planes still push, but another plane is violated too: most of the work is done already.
+    // Last cycle's planes still push, but another plane is violated too: most of the work is already done.
     const std::uint64_t seed = 4;
     Rng rng(seed);
     std::uint32_t cold = 0, warm = 0;
@@ -155,7 +156,8 @@ TEST(ContactSolver, MicrometresStayExactAThousandKilometresAway) {
 }
 
 TEST(ContactSolver, TheScanGivesTheSameBitsAtEveryWidth) {
-    // One plane at a time takes the scalar code, a few the narrow, many the wide where the processor has it.
+    // One plane at a time uses the scalar code, a few the narrow code, many the wide code, if the processor
+    // has it.
     Rng rng(17);
     for (int round = 0; round < 500; ++round) {
         const PlaneSet set = cavity(rng, between(rng, 1, 70), 0.05);
@@ -212,10 +214,10 @@ TEST(ContactSolver, ContradictorySetsAlwaysFindTheSmallestWayOut) {
         solve_contact_relaxed(at.planes, at.worst, give, got);
         ASSERT_EQ(got.status, Status::solved) << "seed " << seed << " case " << i;
         ASSERT_GT(give, 0);
-        // The smallest: a little less, and they contradict each other again.
+        // This is the smallest: slightly less, and they contradict each other again.
         ASSERT_EQ(solve(at, give - 1e-13 * at.worst).status, Status::infeasible)
             << "seed " << seed << " case " << i << " give " << give;
-        // Wherever the probe is afterwards, there is an answer, and it is the same up to rounding.
+        // Wherever the probe moves then, there is a solution, the same up to rounding.
         for (int k = 0; k < 20; ++k) {
             set.probe = scale(rng, 1e-6, 1) * direction(rng);
             const PlaneSet::Shifted there = set.shifted();

@@ -1,5 +1,5 @@
-// Replaces operator new for the whole test program; in a file of its own, so that the compiler cannot see
-// through it.
+// Replaces operator new for the whole test program. In a separate file, so that the compiler cannot inline
+// it.
 
 #include "count_allocations.hpp"
 

@@ -4,7 +4,7 @@
 
 namespace knurl::test {
 
-/// How often this program has called operator new.
+/// The number of calls of operator new in this program.
 std::size_t allocations() noexcept;
 
 }  // namespace knurl::test

@@ -1,7 +1,7 @@
 #pragma once
-// Curved and flat surfaces at random about one place, and where the point is that is nearest to the hand and
-// satisfies all of them: in long double, from signed distances of its own, by trying every set of up to three
-// surfaces that might hold it. Nothing in it is shared with reps/ but the parameters.
+// Random curved and flat surfaces about one place, and the point nearest to the hand that satisfies all of
+// them. Computed in long double, from separate signed distances, by trying every set of up to three surfaces.
+// Shares only the parameters with reps/.
 
 #include <functional>
 #include <optional>
@@ -30,7 +30,7 @@ inline Distances distances_of(const Plane& s) {
     return {[=](const Long& x) { return n.dot(x) - offset; }, [=](const Long&) { return n; }};
 }
 
-/// All that is `size` from a core, of which `nearest` gives the nearest point.
+/// All points within `size` of a core, of which `nearest` gives the nearest point.
 inline Distances around(std::function<Long(const Long&)> nearest, Real size, Side side) {
     const Real sign = side == Side::inside ? -1 : 1;
     return {[=](const Long& x) { return sign * ((x - nearest(x)).norm() - size); },
@@ -73,8 +73,8 @@ struct Met {
     int active = 0;
 };
 
-/// Newton's method on the conditions of Karush, Kuhn and Tucker, all of `set` held, from the point that
-/// projections onto one after the other come to. Nothing where it ends elsewhere or one of them would pull.
+/// Newton's method on the conditions of Karush, Kuhn and Tucker, with all of `set` active, starting from the
+/// result of successive projections. Nothing where it converges elsewhere, or a surface would pull.
 inline std::optional<Long> held_by(const std::vector<Distances>& all, const std::vector<std::size_t>& set,
                                    const Long& p, Real size) {
     using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
@@ -101,7 +101,7 @@ inline std::optional<Long> held_by(const std::vector<Distances>& all, const std:
             wrong[3 + j] = -s.height(x);
             system.block(0, 3 + j, 3, 1) = -n;
             system.block(3 + j, 0, 1, 3) = n.transpose();
-            constexpr Real h = 1e-6L;  // m: of differences, whose error only slows it down
+            constexpr Real h = 1e-6L;  // m: of the differences, whose error only slows convergence
             for (int axis = 0; axis < 3; ++axis) {
                 const Long e = h * Long::Unit(axis);
                 system.block(0, axis, 3, 1) -= u[j] * (s.normal(x + e) - s.normal(x - e)) / (2 * h);
@@ -140,8 +140,8 @@ inline std::optional<Met> nearest_of(const std::vector<Distances>& all, const Lo
     return best;
 }
 
-/// Adds one to the scene that passes the origin no farther than `near` (m), with room above it, `least` to `most`
-/// in size. Flat pieces are as large.
+/// Adds a random surface to the scene that passes the origin within `near` (m), with room above it, from
+/// `least` to `most` in size. Flat pieces have the same size.
 inline Distances add_near_origin(Rng& rng, Scene& scene, std::uint32_t i, double near, double k, double least,
                                  double most) {
     Vector n;
@@ -174,7 +174,7 @@ inline Distances add_near_origin(Rng& rng, Scene& scene, std::uint32_t i, double
                                 .half_length = infinity,
                                 .side = side,
                                 .stiffness = k});
-        case 3: {  // met from outside, or from within the hole
+        case 3: {  // from outside, or from within the hole
             const double ring = r * uniform(rng, 1.5, 3), turn = uniform(rng, -3, 3);
             const Vector third = n.cross(along);
             const Vector radial = std::cos(turn) * n + std::sin(turn) * third;
@@ -192,7 +192,7 @@ inline Distances add_near_origin(Rng& rng, Scene& scene, std::uint32_t i, double
                            .curvature = (inside ? 1 : -1) / r,
                            .rim = 0.5,
                            .stiffness = k});
-        case 5: {  // what is flat, as a plane
+        case 5: {  // flat kinds, as a plane
             const Plane plane{.normal = to_plain(n), .offset = n.dot(foot), .stiffness = k};
             const Vector across = n.cross(along);
             const int which = between(rng, 0, 3);

@@ -1,4 +1,5 @@
-// Curved surfaces that hold the hand together do so at the nearest point that satisfies the surfaces themselves.
+// Curved surfaces that together hold the hand do so at the nearest point that satisfies the surfaces
+// themselves.
 
 #include <knurl/reps/curved_contact.hpp>
 
@@ -21,7 +22,7 @@ struct Meeting {
             all.push_back(add_near_origin(rng, scene, static_cast<std::uint32_t>(i), 0.001,
                                           mixed ? scale(rng, 100, 2000) : 1000, 0.01, 0.05));
         scene.settle();
-        for (int i = 0; i <= 100; ++i)  // from above, where a piece is met from its front
+        for (int i = 0; i <= 100; ++i)  // from above, where a piece is entered from its front
             scene.evaluate(at(Vector(loop.at(0) + Vector(0, 0, 1e-4 * (100 - i)))), dt);
     }
 };
@@ -58,7 +59,7 @@ void expect_bend_is_the_normals_derivative(Rng& rng, const R& raw) {
         const CurvedContact middle = there(p);
         Eigen::Matrix3d want;
         constexpr double h = 1e-7;
-        bool smooth = true;  // not over a rim or where a capsule's end begins
+        bool smooth = true;  // not over a rim or at the beginning of a capsule's end
         for (int axis = 0; axis < 3; ++axis) {
             const CurvedContact before = there(p - h * Vector::Unit(axis)),
                                 after = there(p + h * Vector::Unit(axis));
@@ -138,7 +139,7 @@ TEST(CurvedTogether, InAGrooveTheHandIsDrawnToItsBottomByOneStiffness) {
 }
 
 TEST(CurvedTogether, PressedDeepIntoAGrooveTheyHoldWithoutAStep) {
-    // Through the narrow place between the axes of both, and out of one of them below, where its foot is nearer.
+    // Through the narrow place between both axes, and out of one capsule below, where its foot is nearer.
     Groove groove(1000);
     for (int i = 0; i < 3000; ++i) {
         const Vector p(1e-6 * i, 0, -5e-6 * i);
@@ -148,8 +149,8 @@ TEST(CurvedTogether, PressedDeepIntoAGrooveTheyHoldWithoutAStep) {
 }
 
 TEST(CurvedTogether, OneThatIsDeepInAnotherTakesHoldWithoutAStep) {
-    // A wall beside a sphere: half way to its centre the sphere keeps its normal, which is that of the point where
-    // both are felt and not of the probe's foot.
+    // A wall beside a sphere: half way to its centre the sphere keeps its normal, which belongs to the common
+    // point of both and not to the probe's foot.
     Scene scene = make_scene();
     ASSERT_TRUE(scene.add({0, 1}, Sphere{.center = {0, 0, -0.01}, .radius = 0.01, .stiffness = 1000}));
     ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {-1, 0, 0}, .offset = -0.002, .stiffness = 1000}));
@@ -168,7 +169,7 @@ TEST(CurvedTogether, OneThatIsDeepInAnotherTakesHoldWithoutAStep) {
 }
 
 TEST(CurvedTogether, OneThatIsDeepTakesHoldWithoutAStepBesideASofterOneToo) {
-    // The harder of them is felt twice: together with the other at their common point, and beyond that by itself at the
+    // The harder one acts twice: with the other at their common point, and for the rest by itself at the
     // probe's own foot. It keeps both normals.
     Scene scene = make_scene();
     ASSERT_TRUE(scene.add({0, 1}, Sphere{.center = {0, 0, -0.01}, .radius = 0.01, .stiffness = 3000}));
@@ -188,8 +189,8 @@ TEST(CurvedTogether, OneThatIsDeepTakesHoldWithoutAStepBesideASofterOneToo) {
 }
 
 TEST(CurvedTogether, OneThatTakesHoldAndLetsGoBesideOthersGivesNoEnergy) {
-    // Random loops about half way to the core of a solid, beside one or two planes that are softer, as hard or harder:
-    // from outside and back. While it holds and while it lets go energy is lost, never made.
+    // Random loops about half way to the core of a solid, beside one or two planes that are softer, as hard
+    // or harder: from outside and back. Energy is lost while it holds and lets go, never created.
     const std::uint64_t seed = 2606;
     Rng rng(seed);
     double lost = 0;
@@ -296,7 +297,7 @@ TEST(CurvedTogether, EachKindsBendIsTheDerivativeOfItsNormal) {
 }
 
 TEST(CurvedTogether, EachStepSquaresTheError) {
-    // Two spheres alone: no scene, no start from another cycle.
+    // Two spheres alone: no scene, no start from an earlier cycle.
     const Vector centers[] = {{-0.02, 0.003, -0.01}, {0.025, 0, -0.012}};
     const double radii[] = {0.024, 0.029};
     const Vector p(0.001, 0.002, -0.004);
@@ -305,7 +306,7 @@ TEST(CurvedTogether, EachStepSquaresTheError) {
         all.push_back(distances_of(Sphere{.center = to_plain(centers[i]), .radius = radii[i]}));
     const auto want = nearest_of(all, p.cast<Real>(), 0.05L);
     ASSERT_TRUE(want && want->active == 2);
-    Vector dx(0, 0.002, 0.003);  // aside: in the plane of p and both centres no curvature matters
+    Vector dx(0, 0.002, 0.003);  // sideways: curvature has no effect in the plane of p and both centres
     double pushes[] = {0, 0}, error = 1;
     std::vector<double> errors;
     for (int round = 0; round < 6; ++round) {
@@ -326,13 +327,14 @@ TEST(CurvedTogether, EachStepSquaresTheError) {
         errors.push_back(error);
     }
     EXPECT_LE(error, 1e-16);
-    // The first step knows no multipliers, so of no curvature.
+    // The first step has no multipliers, so it ignores curvature.
     for (std::size_t i = 2; i < errors.size(); ++i)
         EXPECT_LE(errors[i], 300 * errors[i - 1] * errors[i - 1] + 1e-16) << i << ": " << errors[i - 1];
 }
 
-// A hollow and a solid, or two hollows, that leave no point free: no steps lead to where they meet. Whatever is felt, each
-// is told a part of it that is finite and in proportion: they push against each other by much more where they are nearly opposed.
+// A hollow and a solid, or two hollows, that leave no point free: no steps lead to their meeting. The
+// feedback of each surface must be finite and in proportion to the force; they push against each other by
+// much more where they are nearly opposed.
 TEST(CurvedTogether, OfSurfacesThatContradictEachOtherEachIsToldItsPartOfTheForce) {
     const std::uint64_t seed = 2613;
     Rng rng(seed);

@@ -1,5 +1,5 @@
-// A scene of planes and springs, run for the instructions that `evaluate` takes: callgrind counts them, once
-// in a build with all kinds and once in one that has only these. unused_kinds.py compares.
+// A scene of planes and springs, run to count the instructions of `evaluate` with callgrind: once in a build
+// with all kinds and once in one with only these. unused_kinds.py compares.
 
 #include <cstdio>
 #include <cstdlib>

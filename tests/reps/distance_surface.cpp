@@ -1,4 +1,4 @@
-// A surface that says no more than how far away it is: all that a Surface has besides is made of that.
+// A surface that only gives its distance: all else that a Surface has is derived from it.
 
 #include <cmath>
 
@@ -11,7 +11,7 @@
 
 namespace knurl {
 
-/// A cone without an end whose axis is -z; free is what lies outside of it.
+/// An endless cone with axis -z; the outside is free.
 struct TestCone {
     Vec3 apex = {};               // m
     double half_angle = 0.5;      // rad, between axis and mantle
@@ -45,7 +45,7 @@ SurfaceDistance distance(const TestCone& cone, const Eigen::Vector3d& p, double 
         side.norm() > 0 ? Eigen::Vector3d(side / side.norm()) : Eigen::Vector3d::UnitX();
     const double cosine = std::cos(cone.half_angle), sine = std::sin(cone.half_angle);
     const Eigen::Vector3d mantle = cosine * out + sine * Eigen::Vector3d::UnitZ();
-    // Above the cone of normals the tip is nearest.
+    // Above the cone of normals the tip is the nearest point.
     const double along = sine * out.dot(q) - cosine * q.z();
     if (along < 0) return {q.norm() - radius, q.normalized()};
     return {mantle.dot(q) - radius, mantle};
@@ -66,7 +66,7 @@ const TestCone cone = {.apex = {0.01, -0.02, 0.03},
                        .stiffness = 500,
                        .damping = 2};
 
-// The next cycle of one that was put there in the last one.
+// The following cycle of a surface that was added in the last one.
 Contact after(const TestCone& params, MovingState& state, double seconds, const Probe& probe) {
     contact(params, state, probe, dt);
     Contact found;
@@ -89,7 +89,7 @@ TEST(DistanceSurface, MovesOnAndAnswersItsTangentPlaneAtTheFoot) {
         EXPECT_LE((found.normal - want.normal).norm(), 1e-12);
         EXPECT_EQ(found.velocity, to_eigen(cone.velocity));
         EXPECT_EQ(found.stiffness, 500);
-        // Evaluated again within a cycle it answers the same.
+        // A repeated evaluation within a cycle gives the same answer.
         EXPECT_EQ(contact(cone, state, probe, 0).height, found.height);
     }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of single effects share: one evaluation as the servo does it, wide numbers, loops.
+// Shared by the tests of single effects: one evaluation like the servo's, wide numbers, loops.
 
 #include "scene_tools.hpp"
 
@@ -15,7 +15,7 @@ inline RealVector wide(const Eigen::Vector3d& v) {
     return v.cast<Real>();
 }
 
-/// The wrench of one that has just been added.
+/// The wrench of an effect that was just added.
 template <class R>
 Wrench felt(const R& raw, const Probe& probe, const Limits& limits = {}, double step = dt) {
     const R params = prepared(raw, limits);
@@ -24,8 +24,8 @@ Wrench felt(const R& raw, const Probe& probe, const Limits& limits = {}, double 
     return evaluate(params, state, probe, step);
 }
 
-/// J, that the field gives the hand on one turn of path(0) to path(1): trapezoids, which converge at any rate
-/// on a loop.
+/// J, the work of the field on the hand over one turn of path(0) to path(1). By trapezoids, which converge at
+/// any rate on a loop.
 template <class R, class Path>
 double work_of_loop(const R& raw, Path path, int steps = 4000) {
     double work = 0;

@@ -1,4 +1,4 @@
-// Effects add up and fade each by itself.
+// Effects are summed, and each fades separately.
 
 #include <gtest/gtest.h>
 

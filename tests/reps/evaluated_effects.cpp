@@ -1,5 +1,5 @@
-// Effects that are out of reach, or give nothing, are not evaluated: the wrench is, to the last bit, that of
-// a model that evaluates all of them in every cycle.
+// Effects that are out of reach, or whose force is zero, are not evaluated. The wrench equals, to the last
+// bit, that of a model that evaluates all of them in every cycle.
 
 #include <functional>
 
@@ -22,11 +22,11 @@ struct Held {
     double weight = 1;
 };
 
-/// What the model knows of a kind.
+/// The model's table of a kind.
 struct Effects {
     std::size_t size = 0;
     double (*time)(const Held&) = nullptr;                    // s, of its fade
-    bool (*unchanged)(const void* raw, Held& now) = nullptr;  // but for another recovery
+    bool (*unchanged)(const void* raw, Held& now) = nullptr;  // except for another recovery
     void (*adopt)(const void* raw, Held& now, const Held* previous) = nullptr;
     Wrench (*evaluate)(Held&, const Probe&, double dt) = nullptr;
     bool (*carry)(Held& old, const Held& next) = nullptr;
@@ -241,7 +241,7 @@ class Exhaustive {
     std::vector<std::uint32_t> list_, fading_;
 };
 
-/// Parameters of a kind that is often out of reach, or gives nothing.
+/// Parameters of a kind that is often out of reach, or without force.
 template <class R>
 R some(Rng& rng) {
     R p = random_params<R>(rng, false);
@@ -351,7 +351,7 @@ TEST(AskedEffects, GiveWhatAllOfThemWouldGiveToTheLastBit) {
             felt += want.force != Vector::Zero();
             evaluated += both.scene.evaluated();
             all += static_cast<long>(both.model.list().size());
-            // What is kept of their feedback is what it would be, made anew, and each one's own.
+            // Kept feedback equals feedback made anew, for each effect.
             if (between(rng, 0, 5) == 0) continue;
             const std::size_t n = both.scene.feedback(kept, {.wholly = wholly, .flags = flags});
             ASSERT_EQ(n, both.scene.feedback(anew));

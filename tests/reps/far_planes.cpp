@@ -1,5 +1,4 @@
-// Many planes are not evaluated while the probe cannot have come to them: nothing that is felt may tell the
-// difference.
+// Many planes are not evaluated while the probe cannot have reached them: the force must not show it.
 
 #include <vector>
 
@@ -13,8 +12,8 @@ namespace {
 using namespace knurl;
 using namespace knurl::test;
 
-/// The same planes twice; in one of the scenes with a plane that moves, far behind all others, so that all are
-/// scanned in every cycle.
+/// The same planes twice; one scene also has a moving plane far behind all others, so that it scans all
+/// planes in every cycle.
 struct Both {
     Scene left_alone = make_scene(), scanned = make_scene();
     std::vector<Plane> planes;
@@ -70,7 +69,7 @@ TEST(FarPlanes, ThoseThatAreNotEvaluatedAreNotMissed) {
     EXPECT_GT(free, 1000);
 }
 
-// A probe that is no farther from the nearest than rounding hides: touched exactly where its distance says so.
+// A probe closer to the nearest plane than rounding resolves: touched exactly when its distance says so.
 TEST(FarPlanes, TheCycleInWhichOneIsReachedIsTheSame) {
     const std::uint64_t seed = 2612;
     Rng rng(seed);

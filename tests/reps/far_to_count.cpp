@@ -1,5 +1,5 @@
-// What many things that the hand does not feel take of a cycle, by kind: those that are far away, and those that are
-// as their defaults have them, most of which give nothing. callgrind counts `counted_cycles`; far_kinds.py judges.
+// The cost per cycle of many representations without effect on the hand, by kind: distant ones, and ones with
+// default parameters, most of which give no force. callgrind counts `counted_cycles`; far_kinds.py judges.
 // Usage: knurl_cycles_of_far_things N: prints a line for each call, in order.
 
 #include <array>
@@ -45,7 +45,7 @@ struct Counted {
 };
 }  // namespace
 
-// A name that callgrind can be told, and not inlined.
+// A name for callgrind, not inlined.
 extern "C" [[gnu::noinline]] void counted_cycles(void* what) {
     auto& [scene, kept, sum] = *static_cast<Counted*>(what);
     for (int i = 0; i < cycles; ++i) cycle_of(scene, kept, i, sum);
@@ -53,7 +53,7 @@ extern "C" [[gnu::noinline]] void counted_cycles(void* what) {
 
 namespace {
 
-/// Whatever says where it is (m), away from the hand.
+/// Any kind with a place (m), away from the hand.
 template <class R>
 void put_away(R& params) {
     for (const Field& field : Describe<R>::fields) {
@@ -84,7 +84,7 @@ void count(const R& params, const char* what, std::uint32_t n) {
     }
     scene.settle();
     double sum = 0;
-    for (int i = 0; i < cycles; ++i) cycle_of(scene, kept, i, sum);  // it takes what is new
+    for (int i = 0; i < cycles; ++i) cycle_of(scene, kept, i, sum);  // takes the new ones
     Counted run{scene, kept};
     counted_cycles(&run);
     sum += run.sum;

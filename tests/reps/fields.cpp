@@ -1,4 +1,4 @@
-// Field tables: what a refusal says, and that two builds that differ know it.
+// Field tables: the text of a refusal, and the detection of different builds.
 
 #include <algorithm>
 #include <fstream>
@@ -181,7 +181,7 @@ std::string manual() {
     return std::string((std::istreambuf_iterator<char>(file)), {});
 }
 
-/// The section whose heading begins like that, up to the next one.
+/// The section with a heading that begins so, up to the next heading.
 std::string section(const std::string& manual, const std::string& heading) {
     const std::size_t begin = manual.find("\n### " + heading);
     if (begin == std::string::npos) return {};

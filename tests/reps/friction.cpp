@@ -1,4 +1,4 @@
-// Friction along a solved contact: what a hand relies on, one thing at a time.
+// Friction along a solved contact: the properties that a hand relies on, one at a time.
 
 #include "friction_tools.hpp"
 
@@ -148,7 +148,7 @@ TEST(Friction, FlickeringInACornerNeitherJumpsNorAddsUp) {
         tip.tangent.dimensions = static_cast<std::uint32_t>(between(rng, 0, 2));
         tip.tangent.line = Vector(std::cos(1.0), std::sin(1.0), 0);
         const Vector force = tip.go(x);
-        // The motion's own change, and at most three residuals' worth of letting go.
+        // The change by the motion, and at most three residuals that decay.
         ASSERT_LE((force - last).norm(), 1000 * step.norm() + 3 * 0.5 * 0.1 + 1e-12)
             << "seed " << seed << " " << i;
         ASSERT_LE(force.norm(), 0.5 * (1 + 1e-12));
@@ -179,7 +179,7 @@ TEST(Friction, ASnagHoldsLetsGoAndComesAgainAtItsDistance) {
         EXPECT_NEAR(tip.go(0.00099), -0.792, 1e-12);
         EXPECT_NEAR(tip.go(0.00101), -0.4, 1e-12) << "let go";
         EXPECT_NEAR(tip.go(0.0049), -0.4, 1e-12);
-        // Passive: the anchor lies half a millimetre behind the tip, and is what sticks at 5 mm.
+        // Passive: the anchor lies half a millimetre behind the tip, and the anchor is what sticks at 5 mm.
         const double sticks = law == SnagLaw::passive ? 0.0055 : 0.005;
         tip.go(sticks - 1e-5);
         EXPECT_TRUE(tip.state.sliding);
@@ -252,7 +252,7 @@ TEST(Friction, DistancesAreDrawnEvenlyFromTheirSpreadAndNeverBelowZero) {
         }
         was_sliding = tip.state.sliding;
     }
-    // The anchor is dragged over the first half millimetre at once, as a snag lets go.
+    // The anchor is dragged over the first half millimetre at once when a snag lets go.
     EXPECT_NEAR(sum / (count - 1), 3e-3, 5e-5) << count;
     EXPECT_GE(least, 1e-3 - 1e-12);
     EXPECT_LE(most, 5e-3 + 1e-12);

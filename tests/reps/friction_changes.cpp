@@ -1,5 +1,5 @@
-// Friction while its contact changes: corners that come and go, a line that turns into another, laws that are
-// mixed anew. What it adds in a cycle stays below the bound that friction.hpp states.
+// Friction while its contact changes: corners appear and vanish, a line turns, laws are mixed anew. Its step
+// per cycle stays below the bound stated in friction.hpp.
 
 #include "friction_tools.hpp"
 #include "scene_tools.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 using Real = long double;
 
-/// What a cycle may add, from what was put in alone.
+/// The allowed step per cycle, computed from the inputs only.
 class StepBound {
   public:
     struct Cycle {
@@ -47,7 +47,7 @@ class StepBound {
                     std::abs(now.law.viscous - last.law.viscous) * relative0.norm();
             most += cone0 * std::max<Real>(0, 1 - now.law.stiffness / Real(last.law.stiffness));
             if (now.lets_go) most += holds - slides;
-            // The surface that turns, and what is let go.
+            // The turn of the surface, and the decay of the residual.
             most += (turned + now.dt / Real(residual_decay)) * (cone0 + viscous0);
             most += now.dt / Real(residual_decay) * 2 * felt();
         }
@@ -60,7 +60,7 @@ class StepBound {
     }
 
   private:
-    // The most that has been felt of late.
+    // The recent maximum.
     Real felt() const {
         Real most = 0;
         for (const auto& [size, age] : recent_) most = std::max(most, size);
@@ -92,7 +92,7 @@ void turn(Rng& rng, Tangent& tangent) {
         case 0:  // slowly
             tangent.normal = (tangent.normal + scale(rng, 1e-4, 0.02) * direction(rng)).normalized();
             break;
-        case 1:  // into a corner, or out of it, or along another one
+        case 1:  // into a corner, out of it, or along another one
             tangent.dimensions = static_cast<std::uint32_t>(between(rng, 0, 2));
             [[fallthrough]];
         default:
@@ -129,7 +129,7 @@ TEST(Friction, NoChangeOfItsContactAddsMoreThanItsBound) {
             const bool slid = tip.state.sliding;
             const std::uint64_t drawn = tip.state.generator;
             const Vector force = friction_force(tip.law, tip.state, tip.tangent, rubbing, free_limits, dt);
-            // A snag that lets go draws where the next one lies, which may hold in the same cycle.
+            // A snag that lets go draws the place of the next one, which may hold in the same cycle.
             const bool lets_go = (!slid && tip.state.sliding) || tip.state.generator != drawn;
             const Real allowed = bound.step({tip.law, tip.tangent, rubbing, dt, lets_go});
             const double step = (force - last).norm();
@@ -205,7 +205,8 @@ TEST(Friction, InAChangingRoomNothingAddsMoreThanItsBound) {
                 }
             }
             const Vector before = v;
-            v += 0.02 * (0.15 * direction(rng) - 3 * x - v);  // slowly: its own motion explains little
+            v += 0.02 * (0.15 * direction(rng) - 3 * x - v);  // slowly, so that its own motion explains
+                                                              // little
             x += dt * v;
             const Vector contact = smooth.evaluate(at(x, v), dt).force;
             const Vector along = rough.evaluate(at(x, v), dt).force - contact;
@@ -213,7 +214,7 @@ TEST(Friction, InAChangingRoomNothingAddsMoreThanItsBound) {
             recent.push_back(mu * n + std::min(n, b * v.norm()));
             if (recent.size() > 16) recent.erase(recent.begin());
             const double felt = *std::max_element(recent.begin(), recent.end());
-            // The tip's motion; the contact, by its size and by how it turns; what is let go.
+            // The tip's motion; the contact's size and turn; the decay of the residual.
             const double allowed = 1000 * dt * v.norm() + b * (v - before).norm() +
                                    (1 + 2 * mu) * (contact - last_contact).norm() +
                                    3 * dt / residual_decay * felt + 1e-12;
@@ -242,7 +243,7 @@ TEST(Friction, WhatATextureLeavesBehindEndsWithTheContact) {
     Vector x(0.0005, 0, -0.002);
     double last = scene.evaluate(at(x), dt).force.x(), most = 0;
     ASSERT_GT(last, 0.5);
-    for (const double offset : {-1e-5, -2e-5}) {  // the second overtakes the first: the relief is let go
+    for (const double offset : {-1e-5, -2e-5}) {  // the second interrupts the first: the relief is dropped
         ridges.offset = offset;
         ASSERT_TRUE(scene.update({0, 1}, ridges));
         const double now = scene.evaluate(at(x), dt).force.x();

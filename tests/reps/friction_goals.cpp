@@ -1,4 +1,4 @@
-// Friction's goals: no drift, the same at every rate, no energy, and its formula for any parameters.
+// Friction's goals: no drift, independence of the rate, no energy, and its formula for any parameters.
 
 #include "friction_tools.hpp"
 
@@ -77,8 +77,8 @@ TEST(Friction, IsTheSameAtEveryRate) {
 
 namespace {
 
-/// What the hand got out (J) over random moves of tip and normal force. Between cycles the anchor stands
-/// still, so a move of dx takes F.dx - k |dx|^2 / 2 along the surface.
+/// The energy that the hand gains (J) over random moves of tip and normal force. Between cycles the anchor
+/// stands still, so a move of dx takes F.dx - k |dx|^2 / 2 along the surface.
 struct Harvest {
     double most = 0, whole = 0;
 };
@@ -126,7 +126,7 @@ TEST(Friction, GivesBackNoMoreThanItStored) {
 }
 
 TEST(Friction, AStiffnessThatRisesAndFallsGainsNothing) {
-    // Pulled out while soft, let back while hard: the shares of two surfaces could pump like that.
+    // Pulled out while soft, returned while hard: the shares of two surfaces could pump energy like this.
     for (const double ratio : {1.2, 4.0}) {
         Tip tip{coulomb(0.8, 0.4, 500)};
         double got = 0, x = 0, force = tip.go(0.0);
@@ -146,8 +146,8 @@ TEST(Friction, AStiffnessThatRisesAndFallsGainsNothing) {
 }
 
 TEST(Friction, ThePapersLawGeneratesEnergyWhenTheNormalForceChangesWhileStuck) {
-    // Pull .9 mm out at 1 N, press with 5 N, come back: 1/2 k_stick 4 N (.9 mm)^2 are gained in each loop,
-    // for ever.
+    // Pull .9 mm out at 1 N, press with 5 N, come back: each loop gains 1/2 k_stick 4 N (.9 mm)^2, without
+    // limit.
     for (const SnagLaw law : {SnagLaw::paper, SnagLaw::passive}) {
         Snag snag = snags;
         snag.law = law;
@@ -228,14 +228,14 @@ TEST(Friction, AgreesWithAModelWrittenFromTheText) {
             if (between(rng, 0, 20) == 0)
                 tangent.normal = (tangent.normal + 0.05 * direction(rng)).normalized();
             const Vector got = friction_force(law, state, tangent, rubbing, limits, dt);
-            // The double dt * v, as the servo carries the anchor: no difference that is not rounding.
+            // The double dt * v, as the servo carries the anchor: only rounding may differ.
             const RealVector want =
                 model.step(rubbing.position.cast<Real>(), tangent.normal.cast<Real>(), rubbing.normal_force,
                            Real(dt) * rubbing.surface_velocity.cast<Real>());
             const Real size = std::max<Real>(law.stiffness, law.stiffness_per_newton * rubbing.normal_force) *
                                   rubbing.position.norm() +
                               std::max(law.static_, law.dynamic) * rubbing.normal_force;
-            // Rounding adds up along the way, and where a snag lies is found only as exactly as the tip.
+            // Rounding adds up along the way, and a snag's place is only as exact as the tip's.
             ASSERT_LE((got.cast<Real>() - want).norm(), 1e-12L * size * 100)
                 << "seed " << seed << " run " << run << " cycle " << i << " kind " << kind << "\ngot "
                 << got.transpose() << "\nwant " << want.cast<double>().transpose();

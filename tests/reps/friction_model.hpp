@@ -1,7 +1,6 @@
 #pragma once
-// Friction written down once more from the manual's text, in long double: it follows the stretch of the
-// spring (tip minus anchor) and the way since the last snag instead of an anchor, and finds where a snag lies
-// by bisection.
+// Friction implemented again from the manual's text, in long double. It tracks the stretch of the spring (tip
+// minus anchor) and the way since the last snag instead of an anchor, and finds a snag's place by bisection.
 
 #include <algorithm>
 #include <cmath>
@@ -70,7 +69,7 @@ class FrictionModel {
         return std::max(Real(0), law_.d_mean + law_.d_spread * (even - 0.5L));
     }
 
-    // `way_`: from where the last snag let go to the tip; the anchor's way is that less the stretch.
+    // `way_`: from the last snag's release to the tip; the anchor's way is that minus the stretch.
     RealVector anchored(Real k, Real n) {
         const auto lets_go = [&] {
             sliding_ = true;

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of friction share: laws by name, a tip that rubs.
+// Shared by the tests of friction: laws by name, and a tip with friction.
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ inline Rubbing rubbing_at(const Vector& position, double normal_force = 1) {
     return rubbing;
 }
 
-/// A tip that rubs on one law, on a floor unless told otherwise.
+/// A tip with one friction law, on a floor unless stated otherwise.
 struct Tip {
     FrictionLaw law;
     Limits limits = free_limits;

@@ -1,4 +1,4 @@
-// The budget of the hand by itself: what loads make of its scales, and how fast.
+// The hand's budget alone: the scales that follow from loads, and their rates.
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -100,7 +100,7 @@ TEST(HandBudget, NeverLeavesMoreThanThereIs) {
     }
 }
 
-// E = m v^2 / 2 + s V: whatever the loads and the hand do, what scales give by rising was paid for before.
+// E = m v^2 / 2 + s V: for all loads and motions of the hand, the energy of rising scales was paid before.
 TEST(HandBudget, GivesNoMoreThanIsPaid) {
     const std::uint64_t seed = 818;
     Rng rng(seed);
@@ -144,7 +144,7 @@ TEST(HandBudget, GivesNoMoreThanIsPaid) {
     EXPECT_GT(rises, 1000) << "it is not that nothing rises";
 }
 
-// Where nothing is held a scale rises as fast as it may.
+// Where no surface holds a scale rises as fast as allowed.
 TEST(HandBudget, WhatIsNotTouchedIsWholeAgainForNothing) {
     HandBudget budget;
     SceneLoad load;

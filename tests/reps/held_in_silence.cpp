@@ -1,5 +1,5 @@
-// What holds in a silence stays where it is, and goes on knowing where the hand has been: nothing that stands
-// still feels any different for the silence.
+// A surface that holds in silence stays where it is, and still tracks the hand. For a surface that stands
+// still, the silence changes nothing.
 
 #include <cmath>
 #include <functional>
@@ -56,7 +56,7 @@ Polygon square(Sides sides) {
     return polygon;
 }
 
-/// In z = 0, up to x = 20 mm, felt from both sides.
+/// In z = 0, up to x = 20 mm, two-sided.
 const std::vector<Named>& plates() {
     static const std::vector<Named> all{
         named("mesh", Shape{.asset = 1, .stiffness = k}),
@@ -103,7 +103,7 @@ struct Twins {
     Twins(const Named& surface, const Vector& start)
         : silent(scene_of(surface)), twin(scene_of(surface)), hand(start) {}
     void fall_silent() { fell = cycles; }
-    /// The force there; NaN, and a failure, if the silence changes anything.
+    /// The force there; NaN, and a failure, if the silence makes a difference.
     Vector at_hand(const Vector& p, double radius = 0) {
         hand = p;
         ++cycles;
@@ -116,7 +116,7 @@ struct Twins {
                       << want.force.transpose();
         return Vector::Constant(std::numeric_limits<double>::quiet_NaN());
     }
-    /// A tenth of a millimetre a cycle, by way of each of these. The largest force on the way (N).
+    /// A tenth of a millimetre per cycle, through all these stops. Returns the largest force on the way (N).
     double go(std::initializer_list<Vector> stops) {
         double most = 0;
         for (const Vector& to : stops) {
@@ -141,7 +141,7 @@ TEST(HeldInSilence, AHandThatGoesRoundAnEdgeInFreeAirFeelsNothing) {
         EXPECT_EQ(scenes.go({{0.01, 0.001, 0.005}}), 0);
         scenes.fall_silent();
         ASSERT_EQ(scenes.go({{0.025, 0.001, 0.005}, {0.025, 0.001, -0.005}, {0.005, 0.001, -0.005}}), 0);
-        // There it feels the far side, as ever.
+        // There the far side acts, as always.
         EXPECT_EQ(scenes.go({{0.005, 0.001, -0.0001}}), 0);
         scenes.go({{0.005, 0.001, 0.002}});
         EXPECT_LE((scenes.at_hand({0.005, 0.001, 0.002}) - Vector(0, 0, -k * 0.002)).norm(), 1e-12);
@@ -161,7 +161,7 @@ TEST(HeldInSilence, AHandThatSlidesOverAnEdgeIsLetGo) {
     }
 }
 
-// Through and through, in and out of reach, while silences come and go.
+// Through the surfaces, in and out of reach, while silences begin and end.
 TEST(HeldInSilence, WhatStandsStillIsNotFeltAnyDifferentWhereverTheHandGoes) {
     const std::uint64_t seed = 2134;
     Rng rng(seed);
@@ -195,7 +195,7 @@ void rises(const std::string& name, R surface) {
     surface.stiffness = k;
     Scene scene = scene_of(named(name, surface));
     scene.settle();
-    double moved = 0;  // s, not in the silence
+    double moved = 0;  // s, without the silence
     for (int cycle = 0; cycle < 200; ++cycle) {
         const bool silent = cycle >= 40 && cycle < 140;
         scene.set_silence(silent ? (cycle - 39) * dt : 0);
@@ -239,7 +239,7 @@ TEST(HeldInSilence, ATextureStaysWithItsSurface) {
     EXPECT_GT((feel(0) - held).norm(), 1e-3);
 }
 
-/// A silence neither stops nor delays what was under way when it began.
+/// A silence neither stops nor delays a change that was under way when it began.
 TEST(HeldInSilence, RecoveriesAndCrossFadesGoOn) {
     for (const PlaneUpdate update : {PlaneUpdate::fade, PlaneUpdate::paper, PlaneUpdate::last_depth}) {
         Plane plane{.stiffness = k, .recovery = 0.05, .update = update};
@@ -256,7 +256,7 @@ TEST(HeldInSilence, RecoveriesAndCrossFadesGoOn) {
     }
 }
 
-/// Both of a fade's sets know where the hand has been.
+/// Both sets of a fade track the hand.
 TEST(HeldInSilence, AFadeThatWasUnderWayLetsGoOverAnEdge) {
     Box box{.half_size = {0.02, 0.02, 0.01}, .stiffness = k, .recovery = 0.3};
     Twins scenes(named("box", box), {0.015, 0, 0.011});

@@ -1,5 +1,5 @@
-// What holds in a silence stands still, and is felt so: the velocity with which it rubs, damps and carries
-// its texture goes by and by, and comes back when the application does.
+// A surface that holds in silence stands still, and its force follows: the velocity in its friction, damping
+// and texture fades out, and returns when the application does.
 
 #include <cmath>
 #include <functional>
@@ -22,7 +22,7 @@ namespace held_velocity_tests {
 namespace {
 
 constexpr double k = 500;                  // N/m
-constexpr double gone = 0.1, back = 0.05;  // s, in which the velocity goes and comes
+constexpr double gone = 0.1, back = 0.05;  // s, in which the velocity fades out and returns
 constexpr double depth = 0.001;            // m, of a hand at the origin
 const Vector hand(0, 0, 0);
 
@@ -114,7 +114,7 @@ Scene scene_of(const Named& kind, const Vec3& top, const Vec3& velocity, OnSilen
     return scene;
 }
 
-/// A surface that moves under a hand at rest, which came to it from above.
+/// A moving surface under a hand at rest, which came from above.
 struct Moving {
     Scene scene;
     Vec3 top, velocity;
@@ -148,7 +148,7 @@ Vector at_rest(const Named& kind, const Vec3& top) {
 
 }  // namespace
 
-// Along it and against it: by viscous friction and damping.
+// Along it and against it: viscous friction and damping.
 TEST(HeldVelocity, OfWhatStandsStillInASilenceTheHandFeelsNoMotionAndOnTheWayThereNoStep) {
     const Vec3 velocity{0.05, 0, 0.01};
     for (const Named& kind : all_kinds()) {
@@ -162,7 +162,7 @@ TEST(HeldVelocity, OfWhatStandsStillInASilenceTheHandFeelsNoMotionAndOnTheWayThe
         for (int i = 1; i <= 100; ++i)
             ASSERT_LE((moving.feel(true) - (before + i * dt / gone * share)).norm(), 1e-9) << i;
         for (int i = 0; i < 50; ++i) ASSERT_LE((moving.feel(true) - stands).norm(), 1e-9) << i;
-        // The application is back: it moves on from there, and its velocity comes by and by.
+        // The application returns: the surface moves on from there, and its velocity returns gradually.
         Vector last = stands;
         for (int i = 1; i <= 50; ++i) {
             const Vector force = moving.feel(false), rests = at_rest(kind, moving.there());
@@ -176,7 +176,7 @@ TEST(HeldVelocity, OfWhatStandsStillInASilenceTheHandFeelsNoMotionAndOnTheWayThe
     }
 }
 
-// A disc under the hand: not its own velocity but that of the place that is touched.
+// A disc under the hand: the velocity at the place of contact counts, not the disc's own.
 TEST(HeldVelocity, WhatTurnsComesToRestToo) {
     Shape disc{
         .asset = 1, .position = {0.02, 0, -0.04 + depth}, .angular_velocity = {0, 0, 3}, .stiffness = k};
@@ -196,7 +196,7 @@ TEST(HeldVelocity, WhatTurnsComesToRestToo) {
     }
 }
 
-// It rests on a belt and is dragged along, at N times the friction against what holds it back.
+// The hand rests on a belt and is dragged along, at N times the friction against its resistance.
 TEST(HeldVelocity, AHandThatRestsOnABeltIsDraggedNoMore) {
     Plane belt{.offset = depth, .velocity = {0.05, 0, 0}, .stiffness = k};
     belt.friction.dynamic = 1;
@@ -227,7 +227,7 @@ TEST(HeldVelocity, AHandThatRestsOnABeltIsDraggedNoMore) {
     }
 }
 
-// Too fine for the speed at which it passes, it comes out as it comes to rest: evenly, too.
+// A texture too fine for its speed appears as the surface stops, gradually as well.
 TEST(HeldVelocity, ATextureThatWasTooFastIsFeltWhereItStandsWithoutAStep) {
     Plane plane{.offset = depth, .velocity = {0.1, 0, 0}, .stiffness = k};
     plane.texture = {.amplitude = 2e-6, .wavelength = 2e-4, .direction = {1, 0, 0}, .origin = {5e-5, 0, 0}};

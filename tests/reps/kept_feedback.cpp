@@ -1,4 +1,4 @@
-// Feedback that is kept from cycle to cycle says what feedback made anew says, and names what it wrote.
+// Kept feedback equals feedback made anew, and names what it wrote.
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t most = 100, words = 2;
 
-/// Kept by the scene's calls, and beside it a copy that is told of what was written alone.
+/// Feedback kept by the scene's calls, and a copy that gets only the entries named as written.
 struct Kept {
     std::array<Feedback, most> entries, copy;
     std::array<std::uint64_t, words> wholly{}, flags{};
@@ -43,7 +43,7 @@ void expect_same(const Feedback& kept, const Feedback& anew) {
     ASSERT_EQ(kept.contact_point, anew.contact_point);
 }
 
-/// Puts something into a free slot, or removes or changes what is there.
+/// Adds to a free slot, or removes or changes what is there.
 struct Hands {
     Scene& scene;
     Rng& rng;
@@ -115,7 +115,7 @@ TEST(KeptFeedback, SaysWhatFeedbackMadeAnewSaysWhateverHappensToTheScene) {
             if (between(rng, 0, 2) == 0) hand = uniform(rng, 0, 0.004) * direction(rng);
             if (between(rng, 0, 20) == 0) hand = {0, 0, 0.2};
             scene.evaluate(at(hand, 0.01 * direction(rng)), between(rng, 0, 9) == 0 ? 0 : dt);
-            if (between(rng, 0, 9) == 0) continue;  // nobody asks in this cycle
+            if (between(rng, 0, 9) == 0) continue;  // no call in this cycle
 
             std::array<Feedback, most> anew;
             const std::size_t count = scene.feedback(anew);

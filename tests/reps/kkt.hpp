@@ -1,8 +1,7 @@
 #pragma once
-// The reference for contacts: in long double, sharing no code with the solver. A point is the nearest one
-// exactly if it satisfies every plane and its offset from the probe is a sum of normals of touching planes
-// with weights >= 0 (Karush, Kuhn, Tucker; the problem is convex). The weights are found anew here, by
-// Cramer's rule.
+// The reference for contacts: in long double, sharing no code with the solver. A point is the nearest one if
+// and only if it satisfies every plane, and its offset from the probe is a sum of normals of touching planes
+// with weights >= 0 (Karush, Kuhn, Tucker; the problem is convex). Here the weights come from Cramer's rule.
 
 #include <algorithm>
 #include <array>
@@ -21,7 +20,7 @@ struct Kkt {
     Vec x = Vec::Zero();  // m from the probe: the point that the active set stands for
     Real violation = 0;   // m, of the worst plane there
     Real weight = 0;      // m, the smallest multiplier
-    Real size = 0;        // m, the largest length that enters
+    Real size = 0;        // m, the largest length involved
     // of the active corner: |n1 x n2|, or the volume of three normals over the largest face
     Real sharpness = 1;
 };

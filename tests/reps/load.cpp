@@ -1,4 +1,5 @@
-// How stiff and how damped the hand feels a scene. The reference is the scene's own wrench, differentiated numerically.
+// The stiffness and damping of a scene at the hand. The reference is the scene's own wrench, differentiated
+// numerically.
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -36,7 +37,7 @@ Probe faster(const Probe& from, int axis, double by) {
     return probe;
 }
 
-/// The symmetric part of minus the wrench's derivative, as shares of what the device stands.
+/// The symmetric part of minus the wrench's derivative, in shares of the device's limits.
 template <class Move>
 Matrix6 measured(Scene& scene, const Probe& hand, Move move, double step, double translation,
                  double rotation) {
@@ -49,7 +50,7 @@ Matrix6 measured(Scene& scene, const Probe& hand, Move move, double step, double
     Eigen::Matrix<double, 6, 1> unit;
     unit << Vector::Constant(1 / std::sqrt(translation)), Vector::Constant(1 / std::sqrt(rotation));
     m = unit.asDiagonal() * m * unit.asDiagonal();
-    (void)scene.evaluate(hand, 0);  // as it was
+    (void)scene.evaluate(hand, 0);  // restores the state
     return 0.5 * (m + m.transpose());
 }
 Matrix6 stiffness_of(Scene& scene, const Probe& hand) {
@@ -113,7 +114,7 @@ TEST(HandLoad, IsTheDerivativeOfTheWrenchWhereThatIsLinear) {
                     ASSERT_TRUE(scene.add(
                         {s, 1}, Viscosity{.damping = b, .angular_damping = scale(rng, 1e-4, 1)}, options));
                     break;
-                case 3: {  // one that holds: deep enough for its damping not to let go of it
+                case 3: {  // a surface that holds: deep enough that its damping does not release it
                     Plane plane{
                         .normal = to_plain(direction(rng)), .offset = 0.05, .stiffness = k, .damping = b};
                     plane.combine = PlaneCombine::sum;
@@ -124,7 +125,7 @@ TEST(HandLoad, IsTheDerivativeOfTheWrenchWhereThatIsLinear) {
         }
         const Probe hand = some_hand(rng);
         (void)settled(scene, hand);
-        (void)settled(scene, hand);  // springs are one from the second cycle on
+        (void)settled(scene, hand);  // springs are collapsed from the second cycle on
         const SceneLoad load = scene.load();
         const Matrix6 told = load.contacts + load.effects, stiffness = stiffness_of(scene, hand),
                       damping = damping_of(scene, hand);
@@ -139,8 +140,8 @@ TEST(HandLoad, IsTheDerivativeOfTheWrenchWhereThatIsLinear) {
     }
 }
 
-// Radial springs with a rest length are rounded at their middle, magnets weaken beyond their strongest pull, Taylor
-// fields end: nowhere is the hand held more stiffly than the load says.
+// Radial springs with a rest length are rounded at their middle, magnets weaken beyond their strongest pull,
+// Taylor fields end: the stiffness at the hand never exceeds the load.
 TEST(HandLoad, IsNowhereLessThanTheDerivativeOfTheWrench) {
     const std::uint64_t seed = 812;
     Rng rng(seed);
@@ -293,7 +294,7 @@ TEST(HandLoad, TheScalesAreOfSurfacesAndOfEffects) {
     EXPECT_NEAR(got.force.x(), 0.25 * 1 - braking * 0.01, 1e-12);
 }
 
-// The work that the scene does on a hand that is led from one place to another, by the trapezoidal rule.
+// The work of the scene on a hand that is led between two places, by the trapezoidal rule.
 namespace {
 
 double work_along(Scene& scene, Probe hand, const Vector& to) {
@@ -317,7 +318,7 @@ Vector near_middle(Rng& rng) {
     return uniform(rng, 0, 3e-3) * direction(rng) - Vector(0, 0, 4e-3);
 }
 
-/// Something that holds energy wherever the hand is near the middle. True: of its energy a bound is known alone.
+/// A representation that holds energy near the middle. True: only a bound of its energy is known.
 bool add_something(Scene& scene, Rng& rng, std::uint32_t slot) {
     const double k = scale(rng, 10, 900);
     switch (between(rng, 0, 5)) {
@@ -382,7 +383,7 @@ TEST(HandLoad, EnergyIsTheWorkThatIsStillInIt) {
         (void)settled(scene, from);
         const double before = held(scene), work = work_along(scene, from, to.position);
         (void)scene.evaluate(to, 0);
-        // Of a magnet that pulls to a sphere it is a bound: about its middle the pull is rounded off.
+        // For a magnet that pulls to a sphere it is a bound, since the pull is rounded off at its middle.
         if (bounded) {
             ASSERT_LE(work, before + 1e-8) << "seed " << seed << " case " << i;
         } else {
@@ -408,7 +409,7 @@ TEST(HandLoad, EnergyIsTheDevicesInWorldsOfAnyScale) {
     EXPECT_NEAR(held_in(0.01, 50), 0.5 * 600 * 4e-6, 1e-12);
 }
 
-// All that a fade takes away where the hand is, and nothing of what it brings.
+// All that a fade removes at the hand's place, and nothing that it adds.
 TEST(HandLoad, FadesFreeWhatTheyTakeAway) {
     for (const bool surface : {true, false}) {
         Scene scene = make_scene(device);

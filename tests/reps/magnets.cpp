@@ -1,4 +1,4 @@
-// Magnets against their formula; where they pass zero, where they end, what they refuse.
+// Magnets against their formula; their zero crossings, their ends, and the values they refuse.
 
 #include <gtest/gtest.h>
 

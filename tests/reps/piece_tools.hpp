@@ -1,6 +1,6 @@
 #pragma once
-// What the tests of polygon, half_plane and box share: random poses, the force of a contact, and references
-// in long double that share no code with reps/.
+// Shared by the tests of polygon, half_plane and box: random poses, the force of a contact, and references in
+// long double that share no code with reps/.
 
 #include <array>
 #include <limits>
@@ -37,8 +37,7 @@ inline Vector force_of(const Contact& contact) {
     return contact.height < 0 ? Vector(-1000 * contact.height * contact.normal) : Vector(0, 0, 0);
 }
 
-/// A representation and its state, as a scene has them. Parameters are taken as they are told, unless
-/// illegal.
+/// A representation and its state, as in a scene. Parameters are used as given, unless illegal.
 template <class R>
 struct Touchable {
     R params;

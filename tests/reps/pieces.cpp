@@ -1,4 +1,4 @@
-// polygon and half_plane: finite flat pieces that know from which side they were entered.
+// polygon and half_plane: finite flat pieces that know the side of entry.
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ TYPED_TEST(Pieces, OnAnyPathItIsTouchedHeldAndLetGoAsTheRulesSay) {
         Touchable piece(raw);
         Expected expected{.piece = Exact(raw), .both = raw.sides == Sides::both};
         const double radius = between(this->rng, 0, 1) ? scale(this->rng, 1e-3, 1) * size : 0;
-        for (int i = 0; i < 30; ++i) {  // from anywhere to anywhere else in each cycle
+        for (int i = 0; i < 30; ++i) {  // from any place to any other in each cycle
             const double reach = scale(this->rng, 1e-3, 3) * size;
             const Vector at = expected.piece.over(this->rng, scale(this->rng, 0.05, 1.2) * size,
                                                   uniform(this->rng, -1, 1) * reach);
@@ -81,7 +81,7 @@ TYPED_TEST(Pieces, OnAnyPathItIsTouchedHeldAndLetGoAsTheRulesSay) {
             passed += must.none && expected.let_go == Expected::slipped;
         }
     }
-    EXPECT_GT(entered, rounds);  // the paths really are of all sorts
+    EXPECT_GT(entered, rounds);  // the paths really vary
     EXPECT_GT(from_behind, rounds / 4);
     EXPECT_GT(left, rounds);
     EXPECT_GT(passed, rounds / 100);
@@ -101,7 +101,7 @@ TYPED_TEST(Pieces, NothingTunnelsAtAnySpeedNorPopsOutHoweverDeep) {
         const auto place = [&](double height) { return exactly.over(this->rng, third, from * height); };
         piece.at(place(scale(this->rng, 1e-9, 100)));
         for (int i = 0; i < 10; ++i) {
-            // From however far, to where it is still within the piece's ball; from then on to anywhere.
+            // From any distance, to where it is still within the piece's ball; then to anywhere.
             const auto reach = static_cast<double>(std::min<Real>(0.9 * exactly.ball, 100));
             const double depth = scale(this->rng, 1e-9, i == 0 ? reach : 100);
             const Contact felt = piece.at(place(-depth));
@@ -152,7 +152,7 @@ TEST(Piece, ThePathMustCrossThePieceNotItsPlaneBeside) {
     Touchable piece(square(Sides::both));
     piece.at({0.03, 0, 0.01});
     piece.at({0.03, 0, -0.01});
-    EXPECT_GT(piece.at({0, 0, -0.01}).height, 0);  // reached around the edge: free behind it
+    EXPECT_GT(piece.at({0, 0, -0.01}).height, 0);  // entered around the edge: free behind it
     EXPECT_EQ(piece.state.touched, 0);
 }
 

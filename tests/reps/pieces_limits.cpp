@@ -1,4 +1,5 @@
-// What polygon and half_plane refuse and by how much, where they are out of reach, and that they stay finite.
+// What polygon and half_plane refuse and with which tolerance, where they are out of reach, and that they
+// stay finite.
 
 #include <gtest/gtest.h>
 
@@ -99,7 +100,7 @@ TEST(Polygon, IsOutOfReachOutsideOfItsBallUnlessItHoldsTheProbe) {
             ASSERT_EQ(ball.has_value(), piece.state.touched == 0);
             if (!ball) continue;
             const double radius = uniform(rng, 0, 0.01);
-            auto state = piece.state;  // as it is evaluated once more in this cycle
+            auto state = piece.state;  // as in a repeated evaluation of this cycle
             const Vector out = ball->center + (ball->radius * (1 + 1e-9) + radius) * direction(rng);
             state.met = 0;
             ASSERT_GT(contact(piece.params, state, probe_at(out, radius), 0).height, 0);
@@ -112,7 +113,7 @@ TEST(Polygon, WhatItSawBeforeItWasOutOfReachIsForgotten) {
     Touchable piece(square(Sides::both));
     piece.at({0, 0, 0.01});
     out_of_reach(piece.params, piece.state);
-    EXPECT_GT(piece.at({0, 0, -0.01}).height, 0);  // came around, unseen
+    EXPECT_GT(piece.at({0, 0, -0.01}).height, 0);  // came around the edge, unseen
     EXPECT_EQ(piece.state.touched, 0);
 }
 

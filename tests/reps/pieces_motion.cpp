@@ -1,4 +1,4 @@
-// polygon and half_plane that move, that are updated, and that meet a probe with a radius.
+// polygon and half_plane in motion, with updates, and with a probe that has a radius.
 
 #include <cstring>
 
@@ -11,8 +11,7 @@ using namespace knurl::test;
 
 namespace {
 
-// The work that the hand does along a path in small steps (N m): what it puts in and does not get back is
-// lost.
+// The hand's net work along a path in small steps (N m): the part that it does not get back is lost.
 template <class R>
 double work(Touchable<R>& piece, Vector& p, const Vector& to, double radius) {
     const int steps = std::max(1, static_cast<int>((to - p).norm() / 2e-6));
@@ -41,7 +40,7 @@ TEST(PieceInMotion, OneThatMovesTakesAHandThatRestsAlong) {
     const Vector p(0.001, 0.002, 0.01);
     for (int i = 0; i < 100; ++i) {
         const Contact felt = piece.at(p);
-        // in its first cycle it is where it was said to be
+        // in its first cycle it is at the stated place
         EXPECT_NEAR(felt.height, 0.01 - 0.5e-3 * i, 1e-15);
         EXPECT_EQ(felt.velocity, Vector(0, 0, 0.5));
     }
@@ -57,7 +56,7 @@ TEST(PieceInMotion, AnUpdateThatCarriesOneThroughTheHandTakesItAlong) {
             aside.vertices.at[i].z += 0.02;
         }
         if (turned)
-            std::swap(beyond.vertices.at[0], beyond.vertices.at[2]);  // the corners sent the other way round
+            std::swap(beyond.vertices.at[0], beyond.vertices.at[2]);  // the corners in the opposite order
         Touchable piece(raw);
         piece.at({0, 0, 0.01});
         piece.change(beyond);
@@ -91,13 +90,13 @@ TEST(PieceInMotion, AnUpdateStartsWhereItSays) {
     Polygon raw = square();
     raw.velocity = {0, 0, 1};
     Touchable piece(raw);
-    for (int i = 0; i < 6; ++i) piece.at({0, 0, 0.01});  // it has come up to z = 5 mm
+    for (int i = 0; i < 6; ++i) piece.at({0, 0, 0.01});  // it has risen to z = 5 mm
     Polygon next = square();
     for (std::uint32_t i = 0; i < 4; ++i) next.vertices.at[i].z = 0.006;  // still below the hand
     piece.change(next);
     EXPECT_NEAR(piece.at({0, 0, 0.01}).height, 0.004, 1e-15);
     EXPECT_EQ(piece.state.touched, 0);
-    next.velocity = {0, 0, -1};  // another velocity alone: from where it was said to be
+    next.velocity = {0, 0, -1};  // only the velocity changes: it starts from the stated place
     piece.change(next);
     EXPECT_NEAR(piece.at({0, 0, 0.01}).height, 0.004, 1e-15);
     EXPECT_NEAR(piece.at({0, 0, 0.01}).height, 0.005, 1e-15);
@@ -128,7 +127,7 @@ TEST(PieceInMotion, AnUpdateOfWhatItFeelsLikeLetsNothingGo) {
     const double height = piece.at({0, 0, -0.002}).height;
     raw.stiffness = 10;
     piece.change(raw);
-    // not placed anew either: it moves on
+    // not moved either: its motion continues
     EXPECT_NEAR(piece.at({0, 0, -0.002}).height, height - 1e-4, 1e-15);
 }
 

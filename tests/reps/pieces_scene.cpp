@@ -1,4 +1,4 @@
-// polygon, half_plane and box as a scene feels them: solved together, skipped where out of reach, faded when
+// polygon, half_plane and box in a scene: solved together, skipped when out of reach, cross-faded when
 // changed.
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(PiecesInAScene, APlateOnAFloorHoldsTheHandInTheCornerBetweenThem) {
         const Vector force = scene.evaluate(at({s, 0, s / 2}), dt).force;
         ASSERT_LE((force - 500 * Vector(std::max(0.0, -s), 0, std::max(0.0, -s / 2))).norm(), 1e-12) << s;
     }
-    // Slid along the floor over the wall's end it is let go.
+    // Moved along the floor beyond the wall's end, the hand is released.
     EXPECT_EQ(scene.evaluate(at({-0.004, 0.101, 0.01}), dt).force.norm(), 0);
 }
 
@@ -57,7 +57,7 @@ TEST(PiecesInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
     const int rounds = long_form() ? 400 : 6;
     long felt_at_all = 0;
     for (int round = 0; round < rounds; ++round) {
-        // the twin's pieces move, by nothing: they are always evaluated
+        // the twin's pieces move with zero speed: they are always evaluated
         Scene scene = make_scene(), twin = make_scene();
         for (std::uint32_t i = 0; i < 40; ++i) {
             const auto add = [&](auto piece) {
@@ -78,8 +78,8 @@ TEST(PiecesInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
             ASSERT_TRUE(s->place_probe(0, {.offset = {}, .radius = radius}));
             s->settle();
         }
-        // Through the air to anywhere, but back again where a piece is pressed by 1 mm: deeper than what lies
-        // within reach the proxy may run into what does not.
+        // Through free space to anywhere, but back again where a piece is pressed by 1 mm. Deeper than the
+        // candidates' margin the proxy may run into pieces that are not evaluated.
         Vector p = 0.1 * direction(rng), goal = p, away = p;
         int felt = 0;
         for (int i = 0; i < 10'000; ++i) {
@@ -94,7 +94,7 @@ TEST(PiecesInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
         EXPECT_GT(felt, 20);
         felt_at_all += felt;
     }
-    // One that begins in a box, or whose proxy has come round a plate, goes back to where it is held.
+    // A path that begins in a box, or whose proxy has come around a plate, returns to where it is held.
     EXPECT_LT(felt_at_all, 5'000L * rounds);
 }
 

@@ -1,5 +1,5 @@
 // How a plane that changes under the hand reaches its new place: cross-faded by default; the paper's recovery
-// and "last depth" by name. Against closed forms; and its short ways against the long one.
+// and "last depth" by name. Compared with closed forms; and its short ways with the long one.
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(CrossFade, GoesLinearlyFromTheOldForceToTheNewStartingInTheFirstCycle) {
 }
 
 TEST(CrossFade, AtAnyAngle) {
-    // To the opposite side of a plate: the force turns round through zero in a straight line.
+    // To the opposite side of a plate: the force passes linearly through zero.
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0), probe);
     ASSERT_TRUE(scene.update(
@@ -155,8 +155,7 @@ TEST(PaperRecovery, LowersThePlaneToTheProbeAndRaisesItLinearly) {
     const Probe probe = at({0, 0, -0.001});
     Scene scene = scene_with(floor_at(0, 0.01, PlaneUpdate::paper), probe);
     ASSERT_TRUE(scene.update(floor_id, floor_at(0.002, 0.01, PlaneUpdate::paper)));
-    // Depth in the new plane 3 mm; it starts at the probe, without force, whatever was felt before (figure
-    // 7).
+    // Depth in the new plane 3 mm; it starts at the probe, without force, whatever acted before (figure 7).
     for (int i = 1; i <= 13; ++i) {
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 3 * std::min(1.0, i / 10.0), 1e-12) << "cycle " << i;
     }
@@ -205,7 +204,7 @@ TEST(LastDepth, StartsWithTheDepthThatWasFelt) {
         EXPECT_NEAR(scene.evaluate(probe, dt).force.z(), 1 + 2 * std::min(1.0, i / 10.0), 1e-12)
             << "cycle " << i;
     }
-    // Again in the middle of a recovery: what is felt counts, not where the plane was going.
+    // Again in the middle of a recovery: the present force counts, not the plane's target.
     ASSERT_TRUE(scene.update(floor_id, floor_at(0.004, 0.01, PlaneUpdate::last_depth)));
     for (int i = 1; i <= 5; ++i) scene.evaluate(probe, dt);
     ASSERT_TRUE(scene.update(floor_id, floor_at(0.006, 0.01, PlaneUpdate::last_depth)));
@@ -233,8 +232,8 @@ TEST(LastDepth, LeavesTheCrossFadeOfOtherPlanesAlone) {
     }
 }
 
-// Its second record, which it moves into next, may still be of another time: an update that changes nothing
-// that is felt must not pass it off as the like of the first.
+// The second record, into which the plane moves next, may be older. An update that changes no force must not
+// mark the two records as equal.
 TEST(PlaneUpdates, FrictionThatHasGoneComesBackAfterUpdatesThatChangedNothing) {
     Plane plane{.stiffness = 1000, .recovery = 0.005, .friction = {.dynamic = 0.3}};
     Scene scene = make_scene();
@@ -289,9 +288,8 @@ TEST(PlaneUpdates, WhoComesAfterAnotherInItsSlotIsSilentInItsOwnWay) {
     EXPECT_EQ(press(), 0);
 }
 
-// Where nothing but a plane's place, stiffness, damping or recovery changes, it takes a shorter way than
-// where more does. The reference changes something else as well, each time: what nobody feels, the seed of
-// snags that it does not have.
+// An update of only a plane's place, stiffness, damping or recovery takes a shorter way than other updates.
+// The reference also changes something without effect each time: the seed of snags that it does not have.
 TEST(PlaneUpdates, APlaneThatIsPutElsewhereIsFeltAsOneThatIsDescribedAnew) {
     for (std::uint64_t seed = 1; seed <= (long_form() ? 20'000 : 300); ++seed) {
         Rng rng(seed);

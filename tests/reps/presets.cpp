@@ -1,4 +1,4 @@
-// Materials by name: legal, told apart by the hand, and only how a surface feels.
+// Materials by name: legal, distinguishable by hand, and with effect only on how a surface feels.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 struct Feel {
     double mean = 0, most = 0;  // N at 1 N, drawn 40 mm at 5 cm/s
-    int knocks = 0;             // times that it let go
+    int knocks = 0;             // number of releases
 };
 
 Feel drawn_over(const Material& material) {
@@ -74,7 +74,7 @@ TEST(Presets, FeelDifferent) {
     EXPECT_LT(cloth.mean, skin.mean / 1.5);
     EXPECT_GT(rubber.most, 1);
     EXPECT_GT(rubber.mean, skin.mean * 1.2);
-    // Grains: concrete knocks, sand crunches, sandpaper buzzes; what is smooth lets go once.
+    // Grains: concrete knocks, sand crunches, sandpaper buzzes; a smooth material lets go once.
     EXPECT_NEAR(concrete.knocks, 20, 8);
     EXPECT_GT(sand.knocks, 1.5 * concrete.knocks);
     EXPECT_GT(sandpaper.knocks, 1.5 * sand.knocks);

@@ -1,4 +1,4 @@
-// Several probes on one hand: each has its own surfaces, the hand feels the sum and the torque.
+// Several probes on one hand: each has its own surfaces, and the hand gets the sum with the torque.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Random boxes, and what they are in long double.
+// Random boxes, and the same in long double.
 
 #include <algorithm>
 
@@ -47,7 +47,7 @@ struct ExactBox {
     struct Hit {
         int axis = -1;
         int sign = 0;
-        Real margin = INFINITY;  // m, by which the rest of the decision was clear
+        Real margin = INFINITY;  // m, the margin of all other decisions
     };
     // Which of the six rectangles does the path a -> b pass from outside?
     Hit entry(const Vec& a, const Vec& b) const {

@@ -1,5 +1,5 @@
 #pragma once
-// Random polygons and half-planes, and what they are in long double: plane, inside, nearest point, crossing.
+// Random polygons and half-planes, and the same in long double: plane, inside, nearest point, crossing.
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +51,7 @@ struct Exact {
     Vec edge;                  // half-plane: unit, outwards; origin lies on it
     Vec middle;                // of a half-plane: on its edge
     Real ball = INFINITY;      // m, about `middle`, around it
-    Real largest = 0;          // m, coordinate that enters
+    Real largest = 0;          // m, largest coordinate involved
 
     explicit Exact(const Polygon& polygon) {
         for (std::uint32_t i = 0; i < polygon.vertices.count; ++i) {
@@ -109,16 +109,15 @@ struct Exact {
         }
         return best;
     }
-    /// A point `height` over the middle of the piece, off it sideways by up to `spread`.
+    /// A point `height` over the middle of the piece, sideways by up to `spread`.
     Vector over(Rng& rng, double spread, double height_) const {
         const Vec side = exact(direction(rng));
         return (middle + spread * (side - normal * normal.dot(side)) + height_ * normal).cast<double>();
     }
 };
 
-/// What must be felt, by the rules as they are written down (piece.hpp), in long double. `clear` says how far
-/// the decisions of the last cycle were from going the other way (m): what is nearer than rounding decides by
-/// chance.
+/// The expected contact by the written rules (piece.hpp), in long double. `clear` is the margin of the last
+/// cycle's decisions (m): a margin within rounding decides by chance.
 struct Expected {
     Exact piece;
     bool both;

@@ -1,5 +1,5 @@
 #pragma once
-// Random and hostile sets of planes, each with a point known to be free, so that "infeasible" would be a lie.
+// Random and hostile sets of planes, each with a known free point, so that "infeasible" would be wrong.
 
 #include <cmath>
 #include <cstdlib>

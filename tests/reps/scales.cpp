@@ -1,4 +1,4 @@
-// Worlds of any size: the hand feels the same, to the last bit where the sizes are powers of two. Every kind enrols by
+// Worlds of any scale: the hand feels the same, to the last bit for powers of two. Every kind is tested by
 // the units of its fields.
 
 #include <array>
@@ -20,11 +20,11 @@ namespace {
 using namespace knurl;
 using namespace knurl::test;
 
-/// Metres and newtons of the world that one of the device's is.
+/// Metres and newtons of the world for one of the device.
 struct Scale {
     double metre = 1, newton = 1;
 
-    /// What a value of that unit is in the world; seconds, radians and shares are what they are.
+    /// A value of that unit, converted to the world; seconds, radians and shares stay the same.
     double of(std::string_view unit) const {
         static const std::map<std::string_view, std::pair<int, int>> powers{
             {"1", {0, 0}},    {"s", {0, 0}},      {"Hz", {0, 0}},    {"rad", {0, 0}},  {"rad/s", {0, 0}},
@@ -55,7 +55,7 @@ R scaled(R params, const Scale& scale) {
     return params;
 }
 
-/// The device's limits in its own units, as limits_for makes them the world's.
+/// The device's limits in its own units, converted to the world as by limits_for.
 Limits scaled(const Limits& device, const Scale& scale) {
     Limits world = device;
     world.max_stiffness *= scale.of("N/m");
@@ -106,7 +106,7 @@ struct World {
     }
 };
 
-/// Of the device's size: what is told of it in all worlds is legal.
+/// With sizes near the device's, so that the values are legal in all worlds.
 template <class R>
 R some_params(Rng& rng, const std::vector<Scale>& scales) {
     for (;;) {
@@ -152,7 +152,7 @@ Send some_change(TypeList<R...>, Rng& rng, Kind kind, bool update, const std::ve
     return send;
 }
 
-/// Random scenes and paths; true if all worlds felt the same.
+/// Random scenes and paths; fails unless all worlds give the same forces.
 void compare(std::uint64_t seed, int cycles, std::uint64_t& touched) {
     Rng rng(seed);
     const std::vector<Scale> scales{{},          {0x1p-7, 1},   {0x1p10, 1},     {2, 1},

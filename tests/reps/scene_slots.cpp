@@ -51,7 +51,7 @@ TEST(SceneSlots, AnUpdateOfTheGeometryAloneIsRefusedByFieldAndBySize) {
         << "an effect is sent whole";
 }
 
-// The recovery of planes that are put elsewhere is the newest that was sent, also where it alone has changed.
+// Moved planes use the newest recovery that was sent, also where only the recovery has changed.
 TEST(SceneSlots, ARecoverySentByItselfIsThatOfTheNextMove) {
     Scene scene = make_scene(), fresh = make_scene();
     Plane plane{.offset = -0.001, .stiffness = 500, .recovery = 0};
@@ -71,8 +71,8 @@ TEST(SceneSlots, ARecoverySentByItselfIsThatOfTheNextMove) {
     EXPECT_LT(feel(scene), 0.9) << "1 N after 100 ms";
 }
 
-// A thousand planes that are put elsewhere keep their place in the sets, beside what is evaluated in each
-// cycle; so often, and so mixed with other changes, that the room for the sets that fade out runs full.
+// A thousand moved planes keep their place in the sets, beside surfaces that are evaluated in each cycle.
+// They move so often, and with so many other changes, that the room for fading sets runs full.
 TEST(SceneSlots, PlanesPutElsewhereInBatchesAreFeltAsThoseDescribedAnew) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
         Rng rng(seed);
@@ -99,7 +99,7 @@ TEST(SceneSlots, PlanesPutElsewhereInBatchesAreFeltAsThoseDescribedAnew) {
                 planes[i].recovery = cycle % 50 == 0 && between(rng, 0, 1) ? 0 : 0.003;
                 if (cycle % 40 == 0) planes[i].velocity.x = between(rng, 0, 1) ? 0 : uniform(rng, -0.1, 0.1);
                 ASSERT_TRUE(put.update({i, 1}, planes[i]));
-                planes[i].snag.seed = 2 + static_cast<std::uint32_t>(cycle);  // which nobody feels
+                planes[i].snag.seed = 2 + static_cast<std::uint32_t>(cycle);  // without effect on the hand
                 ASSERT_TRUE(described.update({i, 1}, planes[i]));
                 planes[i].snag.seed = 1;
             }
@@ -199,7 +199,7 @@ TEST(SceneSlots, AThousandRepresentationsFillAClaim) {
     EXPECT_EQ(scene.size(), Scene::max_representations);
     settled(scene, at({0, 0, 0}));
     for (std::uint32_t i = 0; i < Scene::max_representations;
-         ++i) {  // all at once, twice, the second overtaking
+         ++i) {  // all at once, twice; the second interrupts the first
         ASSERT_TRUE(scene.update({i, 1}, Plane{.normal = {0, 0, 1}, .offset = 0.001, .stiffness = 500}));
     }
     Wrench w = scene.evaluate(at({0, 0, 0}), dt);

@@ -1,5 +1,5 @@
 #pragma once
-// What the scene tests share: probes, steps of 1 ms, random legal parameters of any kind.
+// Shared by the scene tests: probes, steps of 1 ms, random legal parameters of any kind.
 
 #include <cstring>
 #include <limits>
@@ -18,7 +18,7 @@ using Vector = Eigen::Vector3d;
 inline constexpr double dt = 1e-3;  // s
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// No rise rule and automatic = 10 ms, unless a test says otherwise.
+/// No rise rule and automatic = 10 ms, unless a test states otherwise.
 inline Scene make_scene(const Limits& limits = {},
                         FadePolicy fade = {.automatic = 0.01, .rise_speed = infinity}) {
     Scene scene({.representations = 64, .probes = 16}, limits);
@@ -33,7 +33,7 @@ inline Probe at(const Vector& position, const Vector& velocity = Vector::Zero())
     return probe;
 }
 
-/// The wrench after everything has arrived.
+/// The wrench after all changes have arrived.
 inline Wrench settled(Scene& scene, const Probe& probe) {
     scene.settle();
     return scene.evaluate(probe, dt);
@@ -58,14 +58,14 @@ inline void set_real(void* params, const Field& field, double value, int compone
         static_cast<char*>(params) + field.offset + sizeof value * static_cast<std::size_t>(component),
         &value, sizeof value);
 }
-/// A choice, an integer, or how many points are used.
+/// A choice, an integer, or the number of points in use.
 inline void set_whole(void* params, const Field& field, std::uint32_t value) {
     std::memcpy(static_cast<char*>(params) + field.offset + field.reals() * sizeof(double), &value,
                 sizeof value);
 }
 
-/// Makes random parameters agree with each other where a kind demands more than ranges. A kind whose legal
-/// parameters are too rare to be met by chance specialises it.
+/// Makes random parameters consistent where a kind requires more than ranges. Specialised by kinds whose
+/// legal parameters are too rare for random search.
 template <class R>
 struct Agreeing {
     static void make([[maybe_unused]] Rng& rng, R& params) {
@@ -74,7 +74,7 @@ struct Agreeing {
                 params.friction.static_ = std::max(params.friction.static_, params.friction.dynamic);
         }
         if constexpr (requires { params.asset; }) params.asset = 0;  // nothing was sent
-        if constexpr (std::is_same_v<R, Polygon>) {  // a convex one of that size, that far away
+        if constexpr (std::is_same_v<R, Polygon>) {  // a convex one of that size, at that distance
             const Vec3 any = params.vertices.at[0];
             const double most = 4e8;  // m: all corners stay within the range
             params.vertices =
@@ -84,7 +84,7 @@ struct Agreeing {
     }
 };
 
-/// Values within the ranges of any kind's table of fields. `extreme`: up to their ends.
+/// Values within the ranges of any kind's table of fields. `extreme`: up to their limits.
 template <class R>
 R random_values(Rng& rng, bool extreme) {
     R params{};

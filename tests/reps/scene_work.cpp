@@ -1,4 +1,4 @@
-// What each stage of a scene does in a cycle, counted: a stage that a scene does not need does nothing.
+// The work of each stage of a scene in a cycle, counted: a stage that a scene does not need does nothing.
 
 #include <gtest/gtest.h>
 

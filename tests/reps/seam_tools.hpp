@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of surfaces that touch share: faces of any kind beside each other, hands that slide over them, and
+// Shared by the tests of touching surfaces: faces of any kind side by side, hands that slide over them, and
 // the judge: the god-object of the union in closed form, which shares nothing with reps/.
 //
 // KNURL_APPROACHES: how many of each kind of seam (scripts/approaches: a million in all).
@@ -35,8 +35,8 @@ using knurl::test::uniform;
 using knurl::test::Vector;
 
 constexpr double k = 1000;      // N/m
-constexpr double touch = 1e-4;  // of the size: what touches
-constexpr double hand = 1e-5;   // m: of what has no size
+constexpr double touch = 1e-4;  // of the size: within it surfaces touch
+constexpr double hand = 1e-5;   // m: the same for surfaces without a size
 
 std::uint64_t approaches(std::uint64_t usual) {
     const char* asked = std::getenv("KNURL_APPROACHES");
@@ -55,12 +55,12 @@ constexpr bool is_endless(Kind kind) {
     return kind == Kind::half_plane || kind == Kind::plane;
 }
 
-/// Its size is the diagonal of the box around it, and its own frame may lie askew.
+/// Its size is the diagonal of the box around it, and its own frame may be rotated.
 constexpr bool is_shape(Kind kind) {
     return kind == Kind::mesh || kind == Kind::height_field;
 }
 
-/// All of a test in a random pose.
+/// The whole test in a random pose.
 struct Pose {
     Eigen::Quaterniond turn;
     Vector shift;
@@ -74,7 +74,7 @@ struct Face {
     double size() const { return (high - low).cwiseAbs().maxCoeff(); }
 };
 
-/// What a scene's shapes are made of.
+/// The assets of a scene's shapes.
 using Forms = std::vector<std::unique_ptr<Asset>>;
 
 /// A box of triangles under the face, in a frame of its own.
@@ -105,7 +105,7 @@ std::unique_ptr<Asset> height_field_of(const Face& face, std::uint32_t divisions
                                                              .corner = {face.low.x(), face.low.y(), 0}});
 }
 
-/// `edge_is_high`: of a half-plane, that it ends at high.x and not at low.x.
+/// `edge_is_high`: a half-plane ends at high.x, not at low.x.
 template <class Put>
 void put(Kind kind, const Face& face, double thick, bool edge_is_high, Put&& put) {
     const Vector &low = face.low, &high = face.high;
@@ -138,8 +138,8 @@ void put(Kind kind, const Face& face, double thick, bool edge_is_high, Put&& put
     }
 }
 
-/// A mesh or height field is asset `slot` + 1, and drawn in a frame that its sizes make up. Returns its size: of a box or a
-/// polygon its longest side, of a shape the diagonal of the box around it along the axes of its own frame.
+/// A mesh or height field is asset `slot` + 1, given in its own random frame. Returns its size: for a box or
+/// a polygon the longest side, for a shape the diagonal of the box around it along the axes of its own frame.
 double add(Scene& scene, std::uint32_t slot, Kind kind, const Face& face, double thick, bool edge_is_high,
            Forms& forms) {
     if (is_shape(kind)) {
@@ -168,7 +168,7 @@ double add(Scene& scene, std::uint32_t slot, Kind kind, const Face& face, double
 
 struct Counts {
     std::uint64_t approaches = 0, cycles = 0, lost = 0;
-    double worst = 0;  // N, beyond what the judge allows
+    double worst = 0;  // N, by which the judge's bound is exceeded
 };
 std::ostream& operator<<(std::ostream& out, const Counts& c) {
     return out << c.approaches << " approaches, " << c.cycles << " cycles, " << c.lost
@@ -206,7 +206,7 @@ double touching(Kind a, double size_a, Kind b, double size_b) {
     return sized ? least : std::min(least, hand / touch);
 }
 
-/// One hand goes on to `goal` at this speed; `judge` says of each cycle how far the force is off (N).
+/// The hand moves to `goal` at this speed; `judge` returns for each cycle how far the force is off (N).
 template <class Judge>
 bool slide(Scene& scene, const Pose& pose, Vector& p, const Vector& goal, double speed, Judge&& judge,
            Counts& counts) {
@@ -224,7 +224,7 @@ bool slide(Scene& scene, const Pose& pose, Vector& p, const Vector& goal, double
     return held;
 }
 
-/// Two faces in a plane, A in x < 0, B in x > 0, but for a gap and a step.
+/// Two faces in a plane, A in x < 0, B in x > 0, except for a gap and a step.
 void across(Kind kind_a, Kind kind_b, std::uint64_t count, Rng& rng, Counts& counts) {
     constexpr int hands = 20;
     while (counts.approaches < count) {
@@ -248,14 +248,14 @@ void across(Kind kind_a, Kind kind_b, std::uint64_t count, Rng& rng, Counts& cou
         for (int i = 0; i < hands; ++i) {
             const double deep = uniform(rng, 1e-3, 5e-3), speed = log_uniform(rng, 1e-3, 0.3);
             const double angle = uniform(rng, -1.3, 1.3), y = uniform(rng, -5e-3, 5e-3);
-            // One of four comes down on what is between them.
+            // One of four lands on the gap between them.
             const double ahead = between(rng, 0, 3) == 0
                                      ? std::abs(gap) * uniform(rng, -1, 1)
                                      : std::max(20 * speed * dt, near) * uniform(rng, 0.5, 1);
             const bool back = between(rng, 0, 1);
             const Vector way = (back ? -1 : 1) * Vector(std::cos(angle), std::sin(angle), 0);
             const auto judge = [&](const Vector& p, const Vector& force) {
-                // Where they touch it may be either, or what is between them.
+                // Where they touch, either may hold, or what lies between them.
                 const double low = p.x() > near ? step : p.x() < -near ? 0 : std::min(0.0, step);
                 const double high = p.x() > near ? step : p.x() < -near ? 0 : std::max(0.0, step);
                 const double sideways = std::hypot(force.x(), force.y());
@@ -290,7 +290,7 @@ void into_a_corner(Kind floor_kind, Kind wall_kind, std::uint64_t count, Rng& rn
     constexpr int hands = 20;
     while (counts.approaches < count) {
         const Pose pose = any_pose(rng);
-        const bool under = between(rng, 0, 1);  // the floor goes on under the wall
+        const bool under = between(rng, 0, 1);  // the floor continues under the wall
         Face floor{pose, {-log_uniform(rng, 0.03, 0.1), -log_uniform(rng, 0.02, 0.1), 0}, {0, 0, 0}};
         floor.high.y() = log_uniform(rng, 0.02, 0.1);
         // Its frame: x down, z towards the floor's middle.
@@ -338,9 +338,9 @@ void into_a_corner(Kind floor_kind, Kind wall_kind, std::uint64_t count, Rng& rn
     }
 }
 
-/// A ball of any radius is pressed on one face, slides over the seam on to the next, and is pushed aside no farther than the way
-/// over the step is long. Returns by how much the force exceeded that (N; negative: it did not). `margin` (m): a ball
-/// whose centre lies that near the face is left out, since touching is as much.
+/// A ball of any radius is pressed on one face, slides over the seam on to the next, and is pushed aside by
+/// no more than the path over the step. Returns by how much the force exceeded that (N; negative: it did
+/// not). `margin` (m): a ball whose centre is that near the face is left out, since a seam is as wide.
 double roll_over_a_seam(Kind kind_a, Kind kind_b, double margin, Rng& rng) {
     const Pose pose = any_pose(rng);
     const double gap = little(rng, 0), step = little(rng, 0);
@@ -365,7 +365,7 @@ double roll_over_a_seam(Kind kind_a, Kind kind_b, double margin, Rng& rng) {
         const Vector force = pose.turn.conjugate() * scene.evaluate(at(pose(p)), dt).force;
         const double want = k * std::max(0.0, radius - p.z());
         const double off = (force - Vector(0, 0, want)).norm();
-        // Its centre has not come to the faces: between them it may be felt by the planes at both feet.
+        // Its centre has not reached the faces: between them the planes at both feet may act.
         const bool between_them = deep < radius && std::abs(p.x()) < 2e-3;
         const double over = std::sqrt(2 * want / k * std::abs(step) + step * step);
         worst =

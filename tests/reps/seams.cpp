@@ -1,5 +1,5 @@
-// What touches holds the hand like one: a hand that is pressed into a surface and slides on to its neighbour, or
-// against a wall that stands on it. Flat surfaces; seams_of_shapes.cpp has the others.
+// Touching surfaces hold the hand like one: a hand that is pressed into a surface and slides on to its
+// neighbour, or against a wall that stands on it. Flat surfaces; seams_of_shapes.cpp has the others.
 
 #include <iostream>
 
@@ -36,7 +36,7 @@ TEST(Seams, AHandInACornerIsHeldByBoth) {
     });
 }
 
-// Which is added first makes no difference.
+// The order of addition makes no difference.
 TEST(Seams, TheOrderOfSurfacesMakesNoDifference) {
     Rng rng(seed());
     for (int round = 0; round < 300; ++round) {
@@ -64,7 +64,7 @@ TEST(Seams, TheOrderOfSurfacesMakesNoDifference) {
     }
 }
 
-// Two tables on one belt, and sent anew 30 times a second with what the application's clock is off by.
+// Two tables on one belt, sent anew 30 times a second with the error of the application's clock.
 TEST(Seams, WhatMovesAndIsSentAnewHoldsLikeOne) {
     Rng rng(seed());
     for (int round = 0; round < 200; ++round) {
@@ -91,10 +91,10 @@ TEST(Seams, WhatMovesAndIsSentAnewHoldsLikeOne) {
         for (int i = 0; i < 200; ++i) {
             if (anew && i % 33 == 32) tell(dt * i, false);
             const double x = 4e-3 * std::sin(0.05 * i), z = std::max(-3e-3, 1e-3 - 1e-4 * i);
-            // In the cycle that takes it a surface is where it was told to be, and moves on from there.
+            // In the cycle that takes it a surface is at the stated place, and moves on from there.
             const Vector p = Vector(x, y, z) + dt * i * belt;
             const Vector force = pose.turn.conjugate() * scene.evaluate(at(pose(p)), dt).force;
-            // An update says where it is in the next cycle.
+            // An update states its place in the next cycle.
             const double slack = k * (2e-5 + (anew ? dt * belt.norm() : 0));
             ASSERT_LE((force - Vector(0, 0, k * std::max(0.0, -z))).norm(), slack)
                 << "seed " << seed() << " round " << round << " cycle " << i;
@@ -102,9 +102,9 @@ TEST(Seams, WhatMovesAndIsSentAnewHoldsLikeOne) {
     }
 }
 
-// A ball rolls over what is between them, and is pushed aside no farther than the way over the step is long. Where its
-// centre has not entered, what it overlaps at once is taken for planes at its feet, which lean more the nearer the edge
-// is: there it is held by half of its depth at least, and pushed by no more than that.
+// A ball rolls over the gap, and is pushed aside by no more than the path over the step. While its centre has
+// not entered, everything that it overlaps acts as planes at its feet, which lean more the nearer the edge
+// is. There it is held by at least half of its depth, and pushed by no more than that.
 TEST(Seams, ABallSlidesOnToWhatTouches) {
     Rng rng(seed());
     double worst = -1;
@@ -116,9 +116,9 @@ TEST(Seams, ABallSlidesOnToWhatTouches) {
     std::cout << "farthest beyond the bound " << worst << " N, KNURL_SEED=" << seed() << '\n';
 }
 
-// While a neighbour fades out a surface is in two sets, the one with the neighbour and the one without. Both
-// must feel it alike: else its force, and with a texture even whether that is a number, would depend on which
-// set was evaluated last.
+// While a neighbour fades out, a surface is in two sets, with the neighbour and without. Both must evaluate
+// it alike. Else its force, and with a texture even whether it is finite, would depend on which set was
+// evaluated last.
 TEST(Seams, WhatStaysIsFeltAsItWasWhileItsNeighbourFadesOut) {
     Scene scene({.representations = 4, .probes = 1}, {});
     ASSERT_TRUE(scene.place_probe(0, {.offset = {}, .radius = 3e-3}));
@@ -126,7 +126,7 @@ TEST(Seams, WhatStaysIsFeltAsItWasWhileItsNeighbourFadesOut) {
     ASSERT_TRUE(scene.add({0, 1}, stays));
     ASSERT_TRUE(scene.add({1, 1}, Box{.center = {0.16, 0, -0.05}, .stiffness = 1000, .recovery = 0.02}));
     scene.settle();
-    // Over the edge of the one that stays, which the probe's centre has not entered.
+    // Over the edge of the remaining one, which the probe's centre has not entered.
     const auto evaluate = [&] { return scene.evaluate(at({0.051, 0, 0.001}), dt).force; };
     evaluate();
     const Vector before = evaluate();

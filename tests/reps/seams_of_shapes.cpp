@@ -1,4 +1,5 @@
-// Shapes (meshes, height fields) that touch each other, or what else can be entered and left, hold the hand like one.
+// Shapes (meshes, height fields) that touch each other, or other surfaces that can be entered and left, hold
+// the hand like one.
 
 #include <iostream>
 
@@ -53,7 +54,8 @@ TEST(SeamsOfShapes, AHandInACornerIsHeldByBoth) {
     });
 }
 
-// Which is added first makes no difference, a cycle in which no time passes repeats the answer, and so does another run.
+// The order of addition makes no difference; a cycle in which no time passes repeats the answer, and so does
+// another run.
 TEST(SeamsOfShapes, NeitherOrderNorRepetitionMakesADifference) {
     Rng rng(seed());
     for (int round = 0; round < 300; ++round) {
@@ -86,7 +88,7 @@ TEST(SeamsOfShapes, NeitherOrderNorRepetitionMakesADifference) {
     }
 }
 
-// Two tables on one belt, which turns as it goes.
+// Two tables on one belt, which turns as it moves.
 TEST(SeamsOfShapes, WhatMovesAndTurnsTogetherHoldsLikeOne) {
     Rng rng(seed());
     for (int round = 0; round < 200; ++round) {
@@ -130,8 +132,8 @@ TEST(SeamsOfShapes, ABallSlidesOnToWhatTouches) {
     }
 }
 
-// A softer plane rises through the top of a stiff shape that holds the hand: the shape holds as before, as long as the
-// proxy lies over it.
+// A softer plane rises through the top of a stiff shape that holds the hand: the shape holds as before, as
+// long as the proxy is over it.
 TEST(SeamsOfShapes, AStifferShapeHoldsOnWhileASofterPlaneLiftsTheProxyOffIt) {
     Rng rng(seed());
     constexpr double soft = 400;
@@ -160,7 +162,8 @@ TEST(SeamsOfShapes, AStifferShapeHoldsOnWhileASofterPlaneLiftsTheProxyOffIt) {
     }
 }
 
-// It comes down so near to the rim that the side is nearer than the face, and goes inwards past a corner of triangles.
+// The hand lands so near to the rim that the side is nearer than the face, and moves inwards past a corner of
+// triangles.
 TEST(SeamsOfShapes, ByACornerOfTheRimAFaceHoldsWhatSlidesInwards) {
     Rng rng(seed());
     for (int round = 0; round < 500; ++round) {
@@ -194,14 +197,15 @@ TEST(SeamsOfShapes, ByACornerOfTheRimAFaceHoldsWhatSlidesInwards) {
     }
 }
 
-// A floor that ends a few nanometres before the wall on it, and a hand that is pressed into both for long: then it comes back
-// to between the two.
+// A floor that ends a few nanometres before the wall on it, and a hand that is pressed into both for long and
+// then returns to the gap between the two.
 TEST(SeamsOfShapes, TheRimOfAFloorDoesNotTurnItBeforeAWall) {
     Rng rng(seed());
     for (int round = 0; round < 500; ++round) {
         const Pose pose = any_pose(rng);
         const double gap = log_uniform(rng, 5e-10, 1e-8), deep = uniform(rng, 1e-3, 5e-3);
-        const double y = uniform(rng, -1e-6, 1e-6);  // by a corner of the floor's triangles, if there is one
+        const double y = uniform(rng, -1e-6, 1e-6);  // near a corner of the floor's triangles, if there is
+                                                     // one
         Forms forms;
         Scene scene = room();
         add(scene, 0, between(rng, 0, 1) ? Kind::mesh : Kind::height_field,
@@ -236,8 +240,8 @@ TEST(SeamsOfShapes, NothingIsAllocatedOnTheWay) {
     EXPECT_LE((force - Vector(0, 0, 2)).norm(), 1e-9);
 }
 
-// A dome cut in two, as two meshes whose rims have the same corners, against the whole. Where the whole lets the hand jump
-// from facet to facet, the two may do it by touching (1e-4 of the size) sooner or later.
+// A dome cut in two, as two meshes whose rims have the same corners, against the whole dome. Where the whole
+// lets the hand jump from facet to facet, the two may do so earlier or later by a seam (1e-4 of the size).
 TEST(SeamsOfShapes, TheHalvesOfADomeHoldLikeTheWhole) {
     Rng rng(seed());
     constexpr int rings = 40, around = 80;

@@ -1,5 +1,6 @@
-// Work of closed loops on a rough relief, by how it is shaded. With flat shading the hand gains nothing. Smooth
-// shading turns the force away from where the energy falls, so it gives and takes: how much is measured.
+// The work of closed loops on a rough relief, by shading. With flat shading the hand gains nothing. Smooth
+// shading turns the force away from the energy's gradient, so it gives and takes energy: this measures how
+// much.
 //
 // KNURL_SEED: of relief and loops. KNURL_LONG: more loops, and a table by stiffness and depth.
 
@@ -29,7 +30,7 @@ std::uint64_t seed() {
     return asked ? std::strtoull(asked, nullptr, 10) : 1;
 }
 
-/// 4 cm across, of cells of 1 mm, about the origin: each height drawn for itself, up to +-`relief` (m).
+/// 4 cm across, with cells of 1 mm, about the origin: independent random heights up to +-`relief` (m).
 HeightField rough(Rng& rng, double relief) {
     constexpr std::uint32_t n = 41;
     std::vector<float> heights(std::size_t{n} * n);
@@ -38,7 +39,7 @@ HeightField rough(Rng& rng, double relief) {
                        {.columns = n, .rows = n, .dx = 1e-3, .dy = 1e-3, .corner = {-0.02, -0.02, 0}});
 }
 
-/// A smooth closed curve some millimetres across, and by a third of `depth` (m) up and down about that depth.
+/// A smooth closed curve some millimetres across, up and down by a third of `depth` (m) about that depth.
 knurl::test::SmallLoop loop_at(Rng& rng, double depth) {
     knurl::test::SmallLoop loop(
         rng, {knurl::test::uniform(rng, -0.008, 0.008), knurl::test::uniform(rng, -0.008, 0.008), -depth},
@@ -59,7 +60,7 @@ struct Works {
     }
 };
 
-/// The second lap, after a hand that came down from above has gone the first.
+/// The work of the second lap; the hand came down from above before the first.
 double work(const HeightField& field, Shading shading, double stiffness, const knurl::test::SmallLoop& loop) {
     Scene scene = knurl::test::make_scene();
     scene.set_asset(1, &field);

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of curved surfaces share: one surface evaluated by hand, without a scene.
+// Shared by the tests of curved surfaces: one surface evaluated without a scene.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ inline Long exact(const Vec3& v) {
     return to_eigen(v).cast<long double>();
 }
 
-/// A surface as the servo has it: prepared, adopted, evaluated once a cycle.
+/// A surface as in the servo: prepared, adopted, evaluated once per cycle.
 template <class R>
 struct Evaluated {
     R params;

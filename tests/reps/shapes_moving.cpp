@@ -1,6 +1,6 @@
-// Meshes that move and are out of reach are not evaluated, and nothing else changes: against the same scene
-// in which each is evaluated in every cycle. One with a texture that moves has no bound; a relief of 1e-300 m
-// is nothing.
+// Moving meshes out of reach are not evaluated, and nothing else changes: compared with the same scene in
+// which each is evaluated in every cycle. A moving mesh with a texture has no bound, so the twin has a relief
+// of 1e-300 m.
 
 #include <array>
 #include <cmath>
@@ -56,14 +56,14 @@ struct Seen {
     std::uint64_t cycles = 0, felt = 0, begun = 0, evaluated = 0, instead_of = 0;
 };
 
-/// Some shapes of 1 to 10 cm that come from everywhere, most of them towards the hand, told anew now and then
-/// (off from where they have come to by up to 5 mm), given another form, none, or removed; silences; steps of
-/// other lengths and of none.
+/// Some shapes of 1 to 10 cm that come from all directions, most of them towards the hand. They are updated
+/// at times (up to 5 mm off their present place), given another asset or none, or removed; with silences, and
+/// steps of other lengths and of zero.
 class Flight {
   public:
     Flight(std::uint64_t seed, double offset)
         : rng_(seed), origin_(offset, -offset, offset / 3), far_(offset > 0) {
-        // Forms about their origin, beside it, and far from it.
+        // Assets about their origin, beside it, and far from it.
         for (const double middle : {0.0, 0.02, 0.3, offset}) {
             meshes_.push_back(mesh_at(icosphere(2, uniform(rng_, 0.005, 0.05)), middle * direction(rng_)));
             meshes_.push_back(
@@ -85,14 +85,14 @@ class Flight {
         for (int i = 0; i < cycles; ++i) {
             change();
             move_hand();
-            // After one of none, or of silence, a period: that is what the scene takes the first step of what
-            // was placed in it for.
+            // After a zero step, or after silence, a period: the scene assumes it for the first step of a new
+            // surface.
             const bool other = between(rng_, 0, 30) == 0 && step > 0 && !silent && silent_ <= 0;
             silent = silent_ > 0;
             step = !other ? dt : between(rng_, 0, 1) ? 0 : uniform(rng_, 0, 0.01);
             const Vector want = pair_.exhaustive.evaluate(hand_, step).force,
                          got = pair_.skipping.evaluate(hand_, step).force;
-            // Where one is 1000 km away, 1e-10 m is one bit.
+            // With one 1000 km away, 1e-10 m is one bit.
             ASSERT_LE((got - want).norm(), (far_ ? 1e-5 : 1e-9) * (1 + want.norm()))
                 << "cycle " << i << ": " << got.transpose() << " instead of " << want.transpose();
             for (std::uint32_t k = 0; k < slots; ++k)
@@ -110,7 +110,7 @@ class Flight {
   private:
     static constexpr std::uint32_t slots = 12;
 
-    /// In a place so far away that it comes, if at all, in a second or so.
+    /// At a place so far away that it arrives, if at all, after a second or so.
     Shape any() {
         Shape shape;
         const auto which = static_cast<std::uint32_t>(between(rng_, 0, static_cast<int>(meshes_.size()) - 1));
@@ -122,10 +122,10 @@ class Flight {
         const bool by_the_hand = between(rng_, 0, 1);
         const double speed = between(rng_, 0, 4) == 0 ? 0 : scale(rng_, 0.01, 2);
         const Vector out = direction(rng_), place = hand_.position + uniform(rng_, 0.1, 0.5) * out;
-        // What lies far from its origin cannot be turned about that and stay here.
+        // A shape far from its origin cannot turn about it and stay here.
         const bool turns = middle.norm() < 1 && between(rng_, 0, 1);
         shape.position = to_plain(Vector(place - turn * middle));
-        // By it, not with its very middle over it, where all faces are equally near.
+        // Beside it, not with its very middle over it, where all faces are equally near.
         const Vector goal = hand_.position + uniform(rng_, 0.001, 0.02) * direction(rng_);
         const Vector way = by_the_hand ? Vector((goal - place).normalized()) : direction(rng_);
         shape.velocity = to_plain(Vector(speed * way));
@@ -139,8 +139,8 @@ class Flight {
         told_[i] = any();
         since_[i] = 0;
         holds_[i] = between(rng_, 0, 1) != 0;
-        // None that fades away in a silence: what a frozen plane stands for depends on who is weighed beside
-        // it, and one that has faded away forgets its path only where it may be out of reach.
+        // None fades out in a silence: a frozen plane depends on which surfaces are weighed, and a faded one
+        // forgets its path only where it may be out of reach.
         ASSERT_TRUE(
             pair_.add({i, ++generation_[i]}, told_[i],
                       {.on_silence = holds_[i] ? OnSilence::hold : OnSilence::move, .silence_time = 10}));
@@ -160,7 +160,7 @@ class Flight {
                 ASSERT_TRUE(pair_.remove({i, generation_[i]}));
                 return;
             case 1:
-                shape.stiffness = shape.stiffness < 600 ? 900 : 500;  // goes on as it moves
+                shape.stiffness = shape.stiffness < 600 ? 900 : 500;  // continues in its motion
                 break;
             case 2:
                 shape.asset = shape.asset > 0 ? 0 : 1;
@@ -168,7 +168,7 @@ class Flight {
             case 3:
                 shape.asset = static_cast<std::uint32_t>(between(rng_, 1, 4));
                 break;
-            // about where it has come to: from farther away it is led past the hand, not through it
+            // about its present place: from farther away it would be led past the hand, not through it
             default: {
                 const Vector velocity = to_eigen(shape.velocity);
                 shape.position = to_plain(Vector(to_eigen(shape.position) + since_[i] * velocity +
@@ -228,7 +228,7 @@ TEST(MovingShapes, APoseSentAloneIsFeltAsIfAllWereSent) {
         }
         Shape anew = shape;
         anew.texture.reserved =
-            static_cast<std::uint32_t>(i + 1);  // which means nothing: it is described anew
+            static_cast<std::uint32_t>(i + 1);  // a byte without meaning: it takes the long way
         ASSERT_TRUE(whole.update({0, 1}, anew));
         ASSERT_TRUE(pose.update({0, 1}, kind_of<Shape>, &shape, geometry_bytes<Shape>()));
         const Probe probe = at(0.03 * Vector(std::sin(0.01 * i), std::sin(0.013 * i), std::cos(0.007 * i)));
@@ -241,7 +241,7 @@ TEST(MovingShapes, APoseSentAloneIsFeltAsIfAllWereSent) {
 
 TEST(MovingShapes, AnswerAsIfEachWereEvaluatedInEveryCycle) {
     Seen seen;
-    // 119: one that a softer one lifts the proxy off; 394: a cycle without time, where one fades.
+    // 119: a softer surface lifts the proxy off; 394: a cycle without time during a fade.
     std::vector<std::uint64_t> seeds(201, 394);
     std::iota(seeds.begin(), seeds.end() - 1, 1);
     for (const std::uint64_t seed : seeds) {
@@ -284,7 +284,7 @@ TEST(MovingShapes, OutOfReachTheyAreNotEvaluatedNorWhileTheyFade) {
     EXPECT_EQ(evaluated, 0u);
 }
 
-// 0.5 m away at 1 m/s: not asked for four tenths of a second, and then there in the cycle that it should be.
+// 0.5 m away at 1 m/s: not evaluated for four tenths of a second, and then in the right cycle.
 TEST(MovingShapes, OneThatComesIsThereInTime) {
     const std::unique_ptr<Mesh> cube = mesh_at(knurl::test::cube(2, 0.1), Vector::Zero());
     for (const double turn : {0.0, 7.0}) {
@@ -314,7 +314,7 @@ TEST(MovingShapes, WhatIsHeldInASilenceGoesOnFromThereAfterIt) {
         {0, 1}, Shape{.asset = 1, .position = {0, 0, -0.55}, .velocity = {0, 0, 1}, .stiffness = 500},
         {.on_silence = OnSilence::hold}));
     scene.settle();
-    double told = 0;  // s, not in the silence
+    double told = 0;  // s, without the silence
     for (int cycle = 0; cycle < 2000; ++cycle) {
         const bool silent = cycle >= 300 && cycle < 1300;
         scene.set_silence(silent ? (cycle - 299) * dt : 0);
@@ -371,7 +371,7 @@ TEST(BoundingTree, UntilItSaysNothingThatMovesComesNearerUnseen) {
             }
             ++unseen;
             const double moved = std::max(0.0, now.of(balls[s].holds) - balls[s].since);
-            for (int k = 0; k <= 20; ++k) {  // one that is held may stand, or not
+            for (int k = 0; k <= 20; ++k) {  // one that is held may stand or move
                 const double t = moved + k * 0.05 * std::min(coming.lasts, 10.0);
                 ASSERT_GE((balls[s].center + t * balls[s].velocity - p).norm() - balls[s].radius, within)
                     << "seed " << seed << " round " << round << " slot " << s;

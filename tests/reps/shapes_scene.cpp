@@ -1,4 +1,4 @@
-// A mesh as a surface among others: what the scene makes of the point that holds the hand.
+// A mesh as a surface among others: what the scene does with the point that holds the hand.
 
 #include <cmath>
 #include <memory>
@@ -70,7 +70,7 @@ void expect_near(const Vector& got, const Vector& wanted, double within) {
 TEST_F(OnACube, TheHandIsHeldByTheSurfaceThatItCameTo) {
     ASSERT_TRUE(scene.add(id, shape));
     expect_near(come_down({0.01, 0.02, 0.048}).force, {0, 0, 500 * 0.002}, 1e-12);
-    // Far beyond the middle of the solid: it is still the top that holds it.
+    // Far beyond the middle of the solid: its top still holds it.
     expect_near(come_down({0.01, 0.02, -0.03}).force, {0, 0, 500 * 0.08}, 1e-11);
     EXPECT_NEAR(scene.contact_point().z(), 0.05, 1e-12);
 }
@@ -87,7 +87,7 @@ TEST_F(OnACube, OutOfReachItIsNotEvenEvaluated) {
     ASSERT_TRUE(scene.add(id, shape));
     stay({0, 0, 0.3}, 20);
     EXPECT_EQ(scene.evaluated(), 0u);
-    // ... and is felt all the same once the hand comes, at 10 m/s.
+    // ... and still acts when the hand arrives, at 10 m/s.
     scene.evaluate(at({0, 0, 0.1}), dt);
     scene.evaluate(at({0, 0, 0.06}), dt);
     expect_near(scene.evaluate(at({0, 0, 0.0495}), dt).force, {0, 0, 0.25}, 1e-12);
@@ -154,7 +154,7 @@ TEST_F(OnACube, TurningOnItCarriesTheHandsFriction) {
     ASSERT_TRUE(scene.add(id, shape));
     come_down({0.03, 0, 0.048});
     const Vector rubbed = stay({0.03, 0, 0.048}, 400).force;
-    // The material under the hand goes towards +y: so does what it drags along, up to the cone.
+    // The material under the hand moves towards +y, and so does what it drags along, up to the cone.
     EXPECT_NEAR(rubbed.y(), 0.5 * 500 * 0.002, 1e-3);
     EXPECT_NEAR(rubbed.z(), 1, 1e-9);
 }
@@ -281,7 +281,7 @@ TEST_F(OnACube, ACycleAllocatesNothing) {
     EXPECT_EQ(knurl::test::allocations(), before);
 }
 
-// The mesh that holds the hand is named no more: that fades as removing it does, whatever comes after it.
+// The update no longer names the mesh that holds the hand: its force fades as by removal, whatever follows.
 TEST_F(OnACube, NoMeshInItsPlaceIsNoJump) {
     for (const std::uint32_t next : {0u, 7u}) {  // none, or one that was never sent
         for (const bool removed : {false, true}) {
@@ -309,7 +309,7 @@ TEST_F(OnACube, NoMeshInItsPlaceIsNoJump) {
     }
 }
 
-// ... moving as it did, and taken away again in the middle of it.
+// ... it moves on, and is removed in the middle of the fade.
 TEST_F(OnACube, WhatFadesMovesOnThoughItIsNamedNoMore) {
     shape.recovery = 0.02;
     shape.velocity = {0, 0, 0.1};

@@ -1,4 +1,4 @@
-// What the hand feels of an application that has fallen silent.
+// The forces of an application that has fallen silent.
 
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ TEST(Silence, HeldSpringsStayOneSpringToTheBit) {
     }
 }
 
-/// What a silence has done is done; what comes during it begins in full and fades as well.
+/// The effect of a silence stays; a representation added during it starts in full and fades as well.
 TEST(Silence, WhatComesDuringItFadesToo) {
     Scene scene = make_scene();
     for (int i = 1; i <= 300; ++i) {
@@ -78,7 +78,7 @@ TEST(Silence, WhatComesDuringItFadesToo) {
         }
     }
     EXPECT_EQ(last, 0);
-    // A shorter one than it was: who would have waited is back.
+    // Shorter than it was: a representation that would have waited is back.
     Scene moves = scene_with(OnSilence::move, OnSilence::move, 0.2);
     for (int i = 1; i <= 400; ++i) {
         moves.set_silence(i * dt);

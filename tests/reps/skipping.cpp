@@ -1,4 +1,4 @@
-// What a scene does not need costs nothing: counted in work, not in time. And nothing allocates in the cycle.
+// What a scene does not need costs nothing, counted in work, not in time. And nothing allocates in the cycle.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// A scene out of the hand's reach that is not evaluated is none the worse for it: afterwards it answers with
-// the same bits as its twin that was.
+// A scene out of the hand's reach may skip evaluations: afterwards it gives the same bits as its twin without
+// skipping.
 
 #include <gtest/gtest.h>
 
@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::uint32_t slots = 8;
 
-/// Kept, as the servo keeps it.
+/// Feedback kept, as in the servo.
 struct Kept {
     std::array<Feedback, slots> entries;
     std::size_t size = 0;
-    bool written = false;  // some of it, by the last take()
+    bool written = false;  // some of it was written, by the last take()
 
     void take(Scene& scene) {
         std::array<std::uint64_t, 1> wholly{}, flags{};
@@ -26,7 +26,7 @@ struct Kept {
     }
 };
 
-/// As the servo leaves out its evaluations.
+/// Skips evaluations like the servo.
 class Left {
   public:
     explicit Left(Scene& scene) : scene_(scene) {}
@@ -97,7 +97,7 @@ struct Twins {
             if (of == 3) p.combine = PlaneCombine::sum;
             if (of == 4) p.braking = 0.5;
             put(slot, p, options, of);
-        } else if (of <= 9) {  // thin: which side the hand is on is what it was in the cycle before
+        } else if (of <= 9) {  // thin: the hand's side depends on the previous cycle
             Box b{.center = to_plain(uniform(rng, 0, 0.02) * direction(rng)),
                   .half_size = {0.01, 0.01, 0},
                   .stiffness = 300};
@@ -191,7 +191,7 @@ TEST(SleepingScene, IsEvaluatedSeldomAndNobodyCanTell) {
 }
 
 TEST(SleepingScene, KnowsASilenceThatBeganMeanwhile) {
-    // What holds is brought to rest by it, also what is only added when the silence has lasted for long.
+    // A surface that holds is stopped by the silence, also one that is added late in it.
     Twins twins;
     Left left(twins.left_out);
     Probe hand;

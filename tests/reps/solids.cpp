@@ -1,5 +1,5 @@
-// Sphere, capsule, cylinder and torus, from outside and from within: where their surface is, and the work of
-// every way.
+// Sphere, capsule, cylinder and torus, from outside and from inside: the place of their surface, and the work
+// of every path.
 
 #include "solids_reference.hpp"
 
@@ -18,7 +18,9 @@ TYPED_TEST(Solids, HeightAndNormalAreThoseOfTheNearestPointOfTheSurface) {
         const Vector p = some_point(rng, s);
         const Nearest want = reference(s, p.cast<long double>(), probe);
         const double core = inside ? least_radius(s) - probe : least_radius(s) + probe;
-        if (want.deep || (!inside && want.height < -core / 2)) continue;  // kept from there on: below
+        if (want.deep || (!inside && want.height < -core / 2))
+            continue;  // the normal is kept from there on:
+                       // tested below
         const Contact c = Evaluated<TypeParam>(s)(p, probe);
         const double entering = std::max({to_eigen(s.center).norm(), p.norm(), largest(s)});
         ASSERT_NEAR(c.height, static_cast<double>(want.height), 1e-14 * entering)
@@ -61,9 +63,9 @@ TYPED_TEST(Solids, PressedDeeperThanHalfWayToItsCoreItKeepsTheNormalAndHoldsHowe
     for (int round = 0; round < 200; ++round) {
         TypeParam s = random_solid<TypeParam>(rng, 0.03);
         if constexpr (requires { s.tube; })
-            s.tube = std::min(s.tube, s.radius / 2), s.radius += 0.005;  // nothing plugs its hole
+            s.tube = std::min(s.tube, s.radius / 2), s.radius += 0.005;  // nothing plugs the hole
         const double probe = round % 2 ? 0 : 0.005, half = (least_radius(s) + probe) / 2;
-        // From outside towards the core, on the straight way through, and out on the other side.
+        // From outside towards the core, straight through, and out on the other side.
         Vector p;
         Nearest start;
         do {
@@ -72,7 +74,7 @@ TYPED_TEST(Solids, PressedDeeperThanHalfWayToItsCoreItKeepsTheNormalAndHoldsHowe
         } while (start.height < 1e-4);
         const Vector n = start.normal.cast<double>();
         const Vector surface = p - static_cast<double>(start.height) * n;
-        // Until a cylinder's face holds by itself it is the edge's.
+        // Until a cylinder's face holds alone the contact is the edge's.
         if (!straight_in(s, surface, n, std::is_same_v<TypeParam, Cylinder> ? probe + 1e-4 : half, probe))
             continue;
         Evaluated<TypeParam> solid(s);
@@ -122,13 +124,13 @@ TYPED_TEST(Solids, NoWayThroughItGivesTheHandMoreThanItPutIn) {
             const Contact c = solid((p + next) / 2);
             sum += force_of(c).dot(next - p);
             p = next;
-            if (c.height >= 0) {  // from one time outside to the next
+            if (c.height >= 0) {  // between two times outside
                 if (outside) gained = std::max(gained, sum);
                 outside = true;
                 sum = 0;
             }
         }
-        EXPECT_LE(gained, 5e-5) << "J; round " << round;  // the edges of a cylinder cost the quadrature that
+        EXPECT_LE(gained, 5e-5) << "J; round " << round;  // the error of the quadrature at a cylinder's edges
     }
 }
 
@@ -158,7 +160,8 @@ TYPED_TEST(Solids, GivesBackTheWorkOfEveryClosedLoopInItsSurface) {
                 Probe hand = knurl::test::at(at);
                 hand.radius = probe;
                 const std::uint32_t count = contacts(solid.params, solid.state, hand, dt, out);
-                Vector f = Vector::Zero();  // two faces of a corner are at right angles: each as if alone
+                Vector f = Vector::Zero();  // two faces of a corner are at right angles: each acts as if
+                                            // alone
                 for (std::uint32_t i = 0; i < count; ++i) f += force_of(out[i]);
                 return f;
             } else {

@@ -1,5 +1,5 @@
-// Solids that are thinner than the hand sinks in: they hold it from where it came, however deep, and let it
-// slip off sideways without a step.
+// Solids thinner than the depth of the hand: they hold it from where it came, at any depth, and let it slip
+// off sideways without a step.
 
 #include <string>
 
@@ -39,7 +39,7 @@ R thin_solid(Rng& rng) {
     return s;
 }
 
-// A way straight in by the normal of a point of the surface, or up to a third of the thickness beside it.
+// A path straight in along the normal at a point of the surface, or up to a third of the thickness beside it.
 template <class R>
 struct WayIn {
     Vector from, normal;
@@ -115,7 +115,7 @@ TYPED_TEST(ThinSolids, PressedBesideTheirMiddleHoldOrSlipOffSidewaysWithoutAStep
     for (int round = 0; round < (long_form() ? 20'000 : 400); ++round) {
         const TypeParam s = thin_solid<TypeParam>(rng);
         WayIn<TypeParam> way(rng, s, uniform(rng, 0.02, 0.4));
-        // A probe that is pressed over an edge by its radius turns there as fast as it passes.
+        // A probe whose radius presses it over an edge turns there as fast as it passes.
         if (std::is_same_v<TypeParam, Cylinder>) way.from -= way.probe * way.normal, way.probe = 0;
         const double step = scale(rng, 1e-6, 1e-4);
         Evaluated<TypeParam> solid(s);
@@ -123,11 +123,11 @@ TYPED_TEST(ThinSolids, PressedBesideTheirMiddleHoldOrSlipOffSidewaysWithoutAStep
         Contact last = solid(way.from, way.probe);
         for (double gone = 0; gone < deepest; gone += step) {
             const Contact now = solid(way.from - gone * way.normal, way.probe);
-            // By as much as the surface is stiff, and by what its normal turns in a cycle about where it touches.
+            // By the surface's stiffness, and by what its normal turns in a cycle about the place of contact.
             const double lever = 1000 * (gone + 2 * (least_radius(s) + way.probe));
             ASSERT_LE((force_of(now) - force_of(last)).norm(), 0.0502 * lever + 2100 * step + 1e-9)
                 << where << " gone " << gone;
-            // Off sideways, and not shot out at the back: no harder than its surface there.
+            // Off sideways, not shot out at the back: no harder than its surface there.
             const double onwards = -force_of(now).dot(way.normal);
             ASSERT_LE(onwards, 1000 * (least_radius(s) + way.probe)) << where << " gone " << gone;
             if (now.height >= 0 && last.height < 0) {
@@ -140,8 +140,8 @@ TYPED_TEST(ThinSolids, PressedBesideTheirMiddleHoldOrSlipOffSidewaysWithoutAStep
     EXPECT_GT(slipped, 20);
 }
 
-// The hand goes anywhere, in, out, behind and around. The force changes by no more than the plane's own stiffness
-// times the way, and what a twentieth of a radian does to the lever of what is kept.
+// The hand goes anywhere: in, out, behind and around. The force changes by no more than the plane's own
+// stiffness times the way, plus the effect of a twentieth of a radian on the lever of the kept normal.
 TYPED_TEST(ThinSolids, NeverMakeAStepAndNeverGiveMoreThanWasPutIn) {
     Rng& rng = this->random;
     int touched = 0;
@@ -171,7 +171,7 @@ TYPED_TEST(ThinSolids, NeverMakeAStepAndNeverGiveMoreThanWasPutIn) {
             force = now;
             p = next;
             touched += c.height < 0;
-            if (c.height >= 0) {  // from one time outside to the next
+            if (c.height >= 0) {  // between two times outside
                 if (outside) gained = std::max(gained, sum);
                 outside = true;
                 sum = 0;

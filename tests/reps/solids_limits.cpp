@@ -78,7 +78,7 @@ TEST(Torus, WithoutAHoleIsRefused) {
               "leaves no hole in the ring; give less than radius");
 }
 
-// Where a ball larger than the hole comes to rest in it: both circles' nearest point, 0.012^2 = 0.01^2 +
+// Where a ball larger than the hole rests in it: the nearest point of both circles, 0.012^2 = 0.01^2 +
 // seat^2.
 TEST(Torus, AProbeThatPlugsTheHoleIsDrawnBackToItsSeatOnTheAxis) {
     const double seat = std::sqrt(0.012 * 0.012 - 0.01 * 0.01);

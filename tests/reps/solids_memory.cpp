@@ -1,4 +1,4 @@
-// What a solid remembers of the hand, and what a probe with a radius, or a motion of its own, makes of it.
+// A solid's memory of the hand, and the effects of a probe's radius and of the solid's own motion.
 
 #include "solids_reference.hpp"
 
@@ -22,7 +22,7 @@ TYPED_TEST(Solids, AskedAgainInTheSameCycleItGivesTheSameBitsAndKeepsNoTraceOfIt
                 ASSERT_EQ(c.normal, a.normal) << "round " << round << " cycle " << i;
             }
             ASSERT_EQ(a.height, b.height);
-            again(some_point(rng, s), 0, 0);  // nor of a look elsewhere
+            again(some_point(rng, s), 0, 0);  // nor from an evaluation elsewhere
         }
     }
 }
@@ -44,7 +44,7 @@ TYPED_TEST(Solids, OutOfItsBoundItIsNotTouchedAndRemembersNothing) {
             EXPECT_LE(ball ? (ball->center - moved).norm() : 0, 1e-15);
             if (ball && (p - ball->center).norm() > ball->radius) {
                 ASSERT_GT(a.height, 0) << "round " << round;
-                // Evaluated again it learns where the probe was.
+                // When it is evaluated again it learns the probe's side.
                 out_of_reach(sometimes.params, sometimes.state);
                 sometimes.state.motion = {.time = always.state.motion.time, .placed = 1};
                 sometimes(p);

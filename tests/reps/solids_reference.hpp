@@ -1,5 +1,5 @@
 #pragma once
-// Spheres, capsules, cylinders and tori at random, and where their surface is nearest to a point.
+// Random spheres, capsules, cylinders and tori, and the nearest point of their surface.
 
 #include <optional>
 
@@ -15,9 +15,9 @@ namespace knurl::test {
 // ---- The reference: the nearest point of the surface, in long double ----
 
 struct Nearest {
-    long double height;  // of p, less the probe's radius
+    long double height;  // of p, minus the probe's radius
     Long normal;
-    bool deep = false;  // beyond half way through a hole that the probe plugs
+    bool deep = false;  // more than half way through a hole that the probe plugs
 };
 
 Long axis_of(const auto& s) {
@@ -49,7 +49,7 @@ inline Nearest reference(const Torus& s, const Long& p, double probe) {
     const Long foot = circle + size * (q - circle).normalized();
     if (inside || (foot + circle).norm() >= size)
         return from_point(p, exact(s.center) + circle, size, inside);
-    // The foot lies in the tube on the other side: free is the axis beyond the point where both circles meet.
+    // The foot is in the tube on the other side: the axis is free beyond the point where both circles meet.
     const long double along = axis_of(s).dot(q), seat = std::sqrt(size * size - circle.squaredNorm());
     const Long out = std::copysign(seat, along) * axis_of(s) - q;
     return {-out.norm(), out.normalized(), std::abs(along) < seat / 2};
@@ -62,7 +62,7 @@ inline Nearest reference(const Cylinder& s, const Long& p, double probe) {
     const Long on_wall = along * a + radius * flat.normalized();
     const Long on_end = std::copysign(half, along) * a + flat;
     const bool in_wall = flat.norm() <= radius, in_end = std::abs(along) <= half;
-    if (inside) {  // the face that is violated most, or the nearest
+    if (inside) {  // the most violated face, or the nearest
         const bool wall = radius - flat.norm() <= half - std::abs(along);
         const long double h = wall ? radius - flat.norm() : half - std::abs(along);
         return {h, wall ? Long(-flat.normalized()) : Long(-std::copysign(1.0L, along) * a)};
@@ -116,13 +116,13 @@ R random_solid(Rng& rng, double size) {
     return s;
 }
 
-// A point about its surface: along the axis, around and inside.
+// A point near its surface: along the axis, around and inside.
 template <class R>
 Vector some_point(Rng& rng, const R& s, double probe = 0) {
     return to_eigen(s.center) + 1.5 * (largest(s) + probe) * std::cbrt(uniform(rng, 0, 1)) * direction(rng);
 }
 
-// Whether another face of the solid comes nearer on the straight way in.
+// Does another face of the solid come nearer on the straight way in?
 template <class R>
 bool straight_in(const R& s, const Vector& surface, const Vector& n, double depth, double probe) {
     return std::abs(reference(s, (surface - depth * n).cast<long double>(), probe).height + depth) < 1e-12L;

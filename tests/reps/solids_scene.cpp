@@ -1,4 +1,4 @@
-// Curved surfaces as a scene feels them: solved together, skipped where out of reach, faded when changed.
+// Curved surfaces in a scene: solved together, skipped when out of reach, cross-faded when changed.
 
 #include <knurl/reps/capsule.hpp>
 #include <knurl/reps/cylinder.hpp>
@@ -35,8 +35,8 @@ TEST(SolidsInAScene, AFingertipThatPlugsARingIsCentredWithoutAJump) {
 }
 
 TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
-    // A hand that jumps and creeps among solids of all kinds, and that they hold wherever it goes: against the
-    // same solids evaluated in every cycle, since they move, if only by nothing that matters.
+    // A hand that jumps and creeps among solids of all kinds, which hold it wherever it goes. Compared with
+    // the same solids evaluated in every cycle, because they move with a negligible speed.
     const std::uint64_t seed = 8201;
     Rng rng(seed);
     for (int round = 0; round < (long_form() ? 200 : 5); ++round) {
@@ -67,7 +67,7 @@ TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
         for (int i = 0; i < 4000; ++i) {
             const int move = between(rng, 0, 40);
             if (move == 0) p = 0.15 * Vector(uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1));
-            if (move == 1)  // right into a core, but not where it has no direction
+            if (move == 1)  // into a core, but not where the direction is undefined
                 p = centers[static_cast<std::size_t>(between(rng, 0, 59))] + 1e-5 * direction(rng);
             if (move > 1) p += 0.0015 * direction(rng);
             const Vector want = exhaustive.evaluate(at(p), dt).force;
@@ -82,8 +82,8 @@ TEST(SolidsInAScene, WhatIsSkippedWouldNotHaveBeenFelt) {
 }
 
 TEST(SolidsInAScene, OfSpheresThatOverlapWhatIsSkippedWouldNotHaveBeenFelt) {
-    // Where several push at once, one that the hand has left must no longer do: against the same spheres
-    // evaluated in every cycle, since they move, if only by nothing that matters.
+    // Where several push at once, a solid that the hand has left must no longer push. Compared with the same
+    // spheres evaluated in every cycle, because they move with a negligible speed.
     const std::uint64_t seed = 8202;
     Rng rng(seed);
     const int rounds = long_form() ? 200 : 10;
@@ -118,7 +118,7 @@ TEST(SolidsInAScene, OfSpheresThatOverlapWhatIsSkippedWouldNotHaveBeenFelt) {
     EXPECT_GT(several, 100 * rounds);
 }
 
-// What holds the hand has no end, so it is always evaluated; sent away it is out of reach again.
+// A solid that holds the hand has no bound, so it is always evaluated; sent away it is out of reach again.
 TEST(SolidsInAScene, OneThatIsSentAwayWhileItHoldsTheHandAndBackMeetsItAsIfItHadBeenEvaluatedAllTheTime) {
     Scene skipping = make_scene(), exhaustive = make_scene();
     const auto send = [&](double x) {
@@ -140,7 +140,7 @@ TEST(SolidsInAScene, OneThatIsSentAwayWhileItHoldsTheHandAndBackMeetsItAsIfItHad
     send(1);
     judge({0, 0.009, 0.009});
     for (Scene* scene :
-         {&skipping, &exhaustive})  // whatever else changes: who is to be evaluated is listed anew
+         {&skipping, &exhaustive})  // any other change makes the scene list the evaluated surfaces anew
         ASSERT_TRUE(scene->add({1, 1}, Plane{.offset = -1, .stiffness = 500}));
     for (int i = 1; i < 5; ++i) judge({0, 0.009 + 0.001 * i, 0.009 - 0.002 * i});
     send(0);

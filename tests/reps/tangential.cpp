@@ -1,5 +1,5 @@
-// What is felt along surfaces, through a whole scene: friction on the joint contact, in corners, through
-// changes; planes whose forces are summed; moving planes; the braking pulse.
+// The tangential stage in a whole scene: friction on the joint contact, in corners, through changes; planes
+// whose forces are summed; moving planes; the braking pulse.
 
 #include <functional>
 
@@ -86,8 +86,8 @@ TEST(Tangential, AVertexHoldsWithoutFriction) {
 }
 
 TEST(Tangential, SlidingIntoACornerMakesNoJump) {
-    // The force that the second plane takes away with its direction is let go in 10 ms: at most a tenth of it
-    // in 1 ms.
+    // The second plane removes a direction; the force along it decays over 10 ms: at most a tenth of it in 1
+    // ms.
     Scene scene = make_scene();
     ASSERT_TRUE(scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000, .friction = {.dynamic = 1}}));
     ASSERT_TRUE(scene.add({1, 1}, Plane{.normal = {-1, 0, 0}, .offset = -0.02, .stiffness = 1000}));
@@ -150,7 +150,7 @@ TEST(Tangential, AMovingTableIsFeltBetweenUpdatesAndCarriesTheHand) {
         {0, 1},
         Plane{.velocity = {0.1, 0, 0.01}, .stiffness = 1000, .friction = {.static_ = 1, .dynamic = 0.5}}));
     scene.settle();
-    // In the cycle that adopts it the table is where it was said to be, then it goes on.
+    // In the cycle that adopts it the table is at the stated place, then it moves.
     EXPECT_NEAR(scene.evaluate(at({0, 0, -0.001}), dt).force.z(), 1.0, 1e-12);
     Wrench w;
     for (int i = 0; i < 100; ++i) w = scene.evaluate(at({0, 0, -0.001}), dt);
@@ -179,7 +179,7 @@ TEST(Summed, PlanesByNameAddUpAsThePaperHasThem) {
     ASSERT_TRUE(scene.add({3, 1}, Plane{.stiffness = 500}));
     ASSERT_TRUE(scene.add({4, 1}, Plane{.stiffness = 500}));
     scene.settle();
-    // Three that add up, two that are one.
+    // Three summed planes, two that act as one.
     EXPECT_NEAR(scene.evaluate(at({0, 0, -0.001}), dt).force.z(), 0.5 * 3 + 0.5, 1e-12);
 }
 
@@ -255,12 +255,12 @@ TEST(Texture, FinerThanTwoCountsOfTheEncoderItIsNotFelt) {
     }
 }
 
-/// What a closed loop around `about` (m), which stays in contact, makes (J) of the hand's work.
+/// The net work (J) of a closed loop around `about` (m) that stays in contact.
 double work_of_loop(Scene& scene, const std::function<Vector(double)>& place) {
     constexpr int steps = 4000;
     constexpr double step = 2 * M_PI / steps;
     double work = 0;
-    for (int i = 0; i < steps; ++i) {  // of a closed loop, where equal weights are best
+    for (int i = 0; i < steps; ++i) {  // of a closed loop, for which equal weights are best
         const Vector way =
             (place((i + 0.5) * step) - place((i - 0.5) * step)) / (2 * std::sin(step / 2)) * step;
         work += scene.evaluate(at(place(i * step)), dt).force.dot(way);
@@ -300,7 +300,7 @@ TEST(Texture, OnAPlaneThatLeansAgainstItsDirectionItMakesNoWorkEither) {
 }
 
 TEST(Texture, OnASphereItMakesTheWorkThatTheManualStates) {
-    // The slope is that of the foot, which moves farther than a hand that is deep in it.
+    // The slope is that at the foot, which moves farther than a hand deep inside.
     const std::uint64_t seed = 65;
     Rng rng(seed);
     double worst = 0;

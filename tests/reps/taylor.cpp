@@ -42,7 +42,7 @@ using RealSquare = Eigen::Matrix<Real, N, N>;
 template <int N>
 using RealColumn = Eigen::Matrix<Real, N, 1>;
 
-/// A polynomial of a length, with its slope: what an edge makes of it.
+/// A polynomial of a length, with its slope: the effect of an edge.
 struct Length {
     Real value = 0, slope = 0;
 };
@@ -134,7 +134,7 @@ struct Model {
     }
 };
 
-/// How steep it may be: what rounding of the coordinates comes to.
+/// The steepness: the effect of rounding in the coordinates.
 Real steepness(const Model& m) {
     const Real size = m.force.norm() + m.torque.norm() + m.j.norm() * (m.reach + m.angle);
     const Real width = (1 - m.core) * std::min(m.reach, m.angle);
@@ -343,8 +343,8 @@ TEST(Taylor6, OnADeviceForceAndTorqueAreBoundedTogether) {
         for (double& entry : field.jacobian.at) entry = uniform(rng, -size, size);
         const Eigen::Matrix<double, 6, 6> before = to_eigen(field.jacobian),
                                           after = to_eigen(prepared(field, device).jacobian);
-        // Any step: no more energy restored than max_stiffness and max_torsion would, no more given than in
-        // proportion.
+        // For any step: no more restored energy than by max_stiffness and max_torsion, and no more released
+        // than in proportion.
         for (int k = 0; k < 30; ++k) {
             Eigen::Matrix<double, 6, 1> step;
             step << scale(rng, 1e-3, 1) * direction(rng), scale(rng, 1e-3, 30) * direction(rng);
@@ -353,7 +353,7 @@ TEST(Taylor6, OnADeviceForceAndTorqueAreBoundedTogether) {
             ASSERT_GE(along, -most - slack) << "seed " << seed << " case " << i;
             ASSERT_LE(along, hand_stiffness / 2000 * most + slack) << "seed " << seed << " case " << i;
         }
-        // The curl is scaled only as the whole field is.
+        // The curl is scaled only with the whole field.
         const Eigen::Matrix<double, 6, 6> curl = before - before.transpose(),
                                           left = after - after.transpose();
         const double share = left.norm() / curl.norm();

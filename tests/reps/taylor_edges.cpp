@@ -1,5 +1,5 @@
-// The edges of Taylor fields are those of a potential where the jacobian is symmetric: closed loops return their
-// work, nothing steps, and a device feels no more stiffness than it stands.
+// The edges of Taylor fields derive from a potential where the Jacobian is symmetric: closed loops return
+// their work, nothing steps, and the stiffness stays within the device's limit.
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -63,7 +63,7 @@ double gauss(double from, double to, Power& power) {
         sum += weights[k] / 2 * (to - from) * power((from + to) / 2 + points[k] / 2 * (to - from));
     return sum;
 }
-/// Halved where both halves say otherwise: at the edges the force has a kink.
+/// Halved where the two halves give another sum: at the edges the force has a kink.
 template <class Power>
 double halved(double from, double to, double whole, int depth, Power& power) {
     const double middle = (from + to) / 2, left = gauss(from, middle, power),
@@ -138,8 +138,8 @@ TEST(TaylorEdges, ClosedLoopsThatCrossThemReturnTheirWorkWhereTheJacobianIsSymme
     std::printf("seed %lu, worst %.2g J\n", seed, worst);
 }
 
-// The rotation vector's own geometry makes the work of a loop of orientations (see below), not the edge: of loops
-// in position, and with the turning about one axis that goes with them, all is returned.
+// The geometry of the rotation vector gives work to a loop of orientations (see below), not the edge. Loops
+// in position, together with a rotation about one axis, return all work.
 TEST(TaylorEdges, ClosedLoopsOfPositionAndTurningAboutOneAxisReturnTheirWorkInSixDimensions) {
     const std::uint64_t seed = 412;
     Rng rng(seed);
@@ -168,8 +168,8 @@ TEST(TaylorEdges, ClosedLoopsOfPositionAndTurningAboutOneAxisReturnTheirWorkInSi
     std::printf("seed %lu, worst %.2g J\n", seed, worst);
 }
 
-// A torsion that is the same about every axis is exact on any loop of orientations; what is not, is what the series
-// makes within the core as well.
+// A torsion that is equal about all axes is exact on any loop of orientations. The rest equals what the
+// series gives within the core as well.
 TEST(TaylorEdges, LoopsOfOrientationsReturnTheirWorkWhereTheTorsionIsTheSameAboutEveryAxis) {
     const std::uint64_t seed = 413;
     Rng rng(seed);
@@ -199,7 +199,7 @@ TEST(TaylorEdges, LoopsOfOrientationsReturnTheirWorkWhereTheTorsionIsTheSameAbou
 }
 
 TEST(TaylorEdges, WhatIsCurledMakesItsWorkAndNoMore) {
-    // The curl alone: all of the work of a loop within the rim, cut or held by force beyond.
+    // Only the curl: all the work of a loop within the rim, cut or held by force beyond.
     const std::uint64_t seed = 414;
     Rng rng(seed);
     for (int i = 0; i < 20; ++i) {
@@ -247,7 +247,7 @@ TEST(TaylorEdges, OnADeviceNoDirectionRestoresWithMoreThanItStandsNorPushesAway)
                 slope_at(force, to_eigen(field.origin) + r * direction(rng), 1e-6 * field.radius);
             const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> values(0.5 * (h + h.transpose()));
             const double restores = -values.eigenvalues()[0], pushes = values.eigenvalues()[2];
-            const double slack = 1e-3 * (1 + device.max_stiffness);  // of the differences
+            const double slack = 1e-3 * (1 + device.max_stiffness);  // error of the differences
             ASSERT_LE(restores, field.stiffness + slack) << "seed " << seed << " case " << i;
             ASSERT_LE(restores, device.max_stiffness + slack) << "seed " << seed << " case " << i;
             ASSERT_LE(pushes,
@@ -271,7 +271,7 @@ TEST(TaylorEdges, OnADeviceForceAndTorqueTogetherRestoreWithNoMoreThanItStands) 
         const double size = scale(rng, 0.01, 100);
         for (double& entry : raw.jacobian.at) entry *= size;
         const Taylor6 field = prepared(raw, device);
-        // In position and rotation vector, a radian as so many metres.
+        // In position and rotation vector, with a radian as so many metres.
         using Six = Eigen::Matrix<double, 6, 1>;
         const auto wrench = [&](const Six& z) {
             Probe probe = at(to_eigen(field.origin) + z.head<3>());

@@ -27,7 +27,7 @@ Texture random_texture(Rng& rng) {
             .pattern = static_cast<TexturePattern>(between(rng, 0, 2))};
 }
 
-/// A f at p, from the manual's words.
+/// A f at p, from the manual's text.
 Real height(const Texture& texture, const RealVector& p, const RealVector& n) {
     const RealVector q = p - to_eigen(texture.origin).cast<Real>();
     const RealVector u = to_eigen(texture.direction).cast<Real>().normalized();
@@ -55,7 +55,7 @@ TEST(Texture, HasItsFormulasHeightAndSlope) {
         const RealVector rp = p.cast<Real>(), rn = n.cast<Real>().normalized();
         const Real steepest = 2 * pi * texture.amplitude / texture.wavelength;
         const Real reach = p.norm() + to_eigen(texture.origin).norm() + texture.wavelength;
-        // The height can be no more exact than p itself on the steepest slope.
+        // The height cannot be more exact than p itself on the steepest slope.
         ASSERT_NEAR(double(got.height - height(texture, rp, rn)), 0, double(1e-12L * steepest * reach))
             << "seed " << seed << " case " << i;
         ASSERT_NEAR(got.slope.dot(n), 0, 1e-12 * double(steepest)) << "along the surface";
@@ -126,8 +126,8 @@ TEST(Texture, AnOriginLiesOnAPeakAndOffItThePushIsOutwards) {
 }
 
 TEST(Texture, RidgesStayInThePlaceWhereTheSurfaceTurns) {
-    // A local tangent plane turns with every update; the relief is the world's, and does not run under the
-    // tip.
+    // A local tangent plane turns with every update. The relief is fixed in the world, and does not move
+    // under the tip.
     const Texture texture{.amplitude = 1e-4, .wavelength = 1e-3};
     const Vector p(0.25, 0.1, 0);
     const double flat = relief(texture, p, Vector::UnitZ(), Vector::Zero()).height;

@@ -1,4 +1,4 @@
-// Contacts are conservative: whatever closed path the hand takes, it gets back the work that it put in.
+// Contacts are conservative: on any closed path the hand gets back the work that it puts in.
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // The whole cycle on the 3-axis arm, and with all features at once on the 6-axis one: read, kinematics,
 // drain, plane with cross-fade, supervisor, Jacobian, write, report, feedback. The device's own dynamics are
-// not in it: its joints are a table. `read_and_kinematics` is the part that any loop has, in the same run.
+// not included: its joints are a table. `read_and_kinematics` is the part that any loop has, in the same run.
 //
 //   knurl_bench_cycle --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
 //
-// Look at the medians.
+// Compare the medians.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@
 namespace knurl::servo {
 namespace {
 
-/// A servo on CLOCK_MONOTONIC's stamps whose cycles follow each other without a pause.
+/// A servo with CLOCK_MONOTONIC's stamps whose cycles follow each other without a pause.
 struct Rig {
     TableArm arm;
     MonotonicClock clock;
@@ -80,9 +80,9 @@ void cycle_without_claims(benchmark::State& state) {
 }
 BENCHMARK(cycle_without_claims);
 
-/// What recording costs: two servos, one of them with an input log, turn by turn in blocks of 50 cycles, each
-/// in contact with a plane that is changed before every block (20 Hz at 1 kHz). CPU time of this thread;
-/// `more_percent` is by how much the medians of all blocks differ.
+/// The cost of recording: two servos, one of them with an input log, alternate in blocks of 50 cycles. Each
+/// is in contact with a plane that changes before every block (20 Hz at 1 kHz). CPU time of this thread;
+/// `more_percent` is the relative difference of the medians of all blocks.
 void cycle_that_is_recorded(benchmark::State& state) {
     OfflineMemory memory(input_log_bytes);
     InputLog input_log(memory.data(), {});
@@ -171,8 +171,8 @@ void percentiles(benchmark::State& state, Cycle cycle) {
     state.counters["max_ns"] = taken.back();
 }
 
-/// All that the paper has, at once: three planes with snags and recovery, two probes, four springs, on six
-/// axes.
+/// All of the paper's features at once: three planes with snags and recovery, two probes, four springs, on
+/// six axes.
 void cycle_with_all_features(benchmark::State& state) {
     Rig rig(1, "generic6");
     OfflineClaim& claim = *rig.claims[0];
@@ -201,7 +201,7 @@ void cycle_with_all_features(benchmark::State& state) {
 }
 BENCHMARK(cycle_with_all_features)->Iterations(100'000);
 
-/// The cycle that takes a batch of updates, less the client's own work.
+/// The cycle that takes a batch of updates, minus the client's own work.
 void cycle_that_takes_updates(benchmark::State& state) {
     Rig rig(1, "premium15", 1024);
     OfflineClaim& claim = *rig.claims[0];

@@ -1,4 +1,4 @@
-// What an application's source becomes, in any process: the asset with its materials, or one line.
+// The result of an application's source, in any process: the asset with its materials, or a one-line error.
 
 #include <cmath>
 #include <cstddef>
@@ -114,7 +114,7 @@ TEST(AssetBuild, SoDoesAHeightField) {
     EXPECT_EQ(foot.material, 0);
 }
 
-/// The source with a part of it made another.
+/// The source with one part replaced.
 template <class T>
 std::string with(Bytes bytes, std::size_t at, T value, std::uint64_t budget = plenty) {
     bytes.put(at, &value, sizeof value);

@@ -1,4 +1,4 @@
-// Batches as the servo takes them: whole or not at all, never before the commands' turn, and told of.
+// How the servo takes batches: whole or not at all, never before earlier commands, and acknowledged.
 
 #include <knurl/reps/all.hpp>
 #include <knurl/reps/describe.hpp>
@@ -68,7 +68,7 @@ TEST(Batches, ABadParameterRefusesTheWholeBatchAndTheOwnerIsTold) {
     EXPECT_EQ(header.refused_slot, second.slot);
     EXPECT_EQ(header.batch, 0u) << "none has taken effect";
 
-    // Without the mistake it goes through.
+    // Without the mistake the batch is taken.
     fixture.claim.update(first, ConstantForce{.force = {0, 0, 11}, .recovery = 0});
     fixture.claim.update(second, ConstantForce{.force = {0, 0, 20}, .recovery = 0});
     fixture.claim.commit();
@@ -77,7 +77,7 @@ TEST(Batches, ABadParameterRefusesTheWholeBatchAndTheOwnerIsTold) {
 
 TEST(Batches, ABatchNeverOvertakesTheCommandsIssuedBeforeIt) {
     ClaimFixture fixture;
-    // Fill the replies so that the servo may not do any more commands.
+    // Fills the replies so that the servo cannot execute further commands.
     for (std::uint32_t i = 0; i < protocol::reply_cells; ++i) fixture.claim.place_probe(1, {});
     run(fixture.servo, 20);
     const RepresentationId pull = fixture.claim.add(ConstantForce{.force = {0, 0, 1}, .recovery = 0});
@@ -172,7 +172,7 @@ TEST(Batches, UpdatesOfWhatIsGoneAreNoOps) {
     const RepresentationId first = fixture.claim.add(ConstantForce{.force = {0, 0, 1}, .recovery = 0});
     const RepresentationId second = fixture.claim.add(ConstantForce{.force = {0, 0, 2}, .recovery = 0});
     fixture.force();
-    // The update crosses the removal: committed before, taken after it.
+    // The update crosses the removal: committed before it, taken after it.
     fixture.claim.remove(first);
     const ConstantForce late{.force = {0, 0, 100}, .recovery = 0};
     fixture.claim.update(first, kind_of<ConstantForce>, &late, sizeof late);
@@ -181,7 +181,7 @@ TEST(Batches, UpdatesOfWhatIsGoneAreNoOps) {
     EXPECT_NEAR(fixture.force(), 3, 1e-12);
     EXPECT_EQ(fixture.servo.count(Count::batches_refused), 0u);
 
-    // The slot lives again in another generation: an update for the old one does not touch it.
+    // The slot is used again with another generation: an update for the old one does not affect it.
     const ConstantForce reborn{.force = {0, 0, 5}, .recovery = 0};
     fixture.claim.add({first.slot, 2}, kind_of<ConstantForce>, &reborn, sizeof reborn);
     fixture.claim.update(first, kind_of<ConstantForce>, &late, sizeof late);
@@ -220,7 +220,7 @@ TEST(Batches, OfTwoEntriesForOneRepresentationTheLastIsAppliedWholeWhateverTheir
         const Plane before{.offset = -1, .stiffness = 100, .recovery = 0};
         const RepresentationId id = fixture.claim.add(before);
         fixture.force();
-        // The one differs from what is in force in its way of acting, the other in its place alone.
+        // One entry differs from the parameters in force in how it acts, the other only in its place.
         struct Entry {
             protocol::EntryHeader header;
             Plane params;
@@ -266,7 +266,7 @@ TEST(Batches, FeedbackSaysWhenABatchTookEffectAndHowLateItWas) {
     EXPECT_EQ(header.batch_age_ns, report.write_ns - read);
     EXPECT_EQ(header.batch_age_ns, 8'000'000);
 
-    fixture.claim.commit(seen + 1'000'000);  // a report that there has not been
+    fixture.claim.commit(seen + 1'000'000);  // a report that does not exist yet
     fixture.servo.step();
     EXPECT_EQ(fixture.claim.feedback().header.batch_age_ns, 0);
 }

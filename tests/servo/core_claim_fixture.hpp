@@ -1,5 +1,5 @@
 #pragma once
-// The two channels of a claim, and what comes of them.
+// The two channels of a claim, and their effects.
 
 #include <knurl/reps/plane.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace knurl::servo::testing {
 
-/// Offline, the hand 1 mm below z = 0, no fades: forces say at once what is in force.
+/// Offline, the hand 1 mm below z = 0, no fades: forces show at once what is in force.
 struct ClaimFixture {
     PuppetDevice device;
     Offline servo{device};

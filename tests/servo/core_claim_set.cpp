@@ -1,5 +1,5 @@
-// Claims awake and asleep, against a plain model: one vector of structs, in which each claim is looked at in
-// every cycle.
+// Claims awake and sleeping, compared with a plain model: one vector of structs, in which a cycle processes
+// every claim.
 
 #include <algorithm>
 #include <cmath>
@@ -90,7 +90,7 @@ void expect_same(ClaimSet& set, const PlainSet& plain, bool looked) {
     ASSERT_EQ(set.sleeping().present, plain.sleeping.present);
 }
 
-/// Cycles as the servo makes them, with everything that may happen in one at random.
+/// A servo's cycles, with random events of every sort.
 TEST(ClaimSet, DoesWhatAPlainOneDoes) {
     std::size_t slept_in_all = 0, woken_by_hand = 0, fullest = 0;
     std::vector<std::unique_ptr<Attached>> outside;
@@ -100,7 +100,8 @@ TEST(ClaimSet, DoesWhatAPlainOneDoes) {
         std::mt19937_64 random(seed);
         const auto below = [&](std::uint64_t n) { return random() % n; };
         const auto part = [&] { return std::uniform_real_distribution(-1.0, 1.0)(random); };
-        const std::uint64_t arrive_in = seed % 2 == 0 ? 1 : 30;  // a full device, and a lively one
+        const std::uint64_t arrive_in = seed % 2 == 0 ? 1 : 30;  // a full device, and one with frequent
+                                                                 // changes
         ClaimSet set;
         PlainSet plain;
         const auto attached = [&](const Claim* claim) {

@@ -1,4 +1,4 @@
-// Claims: their gains, what the device is told of them, several on one device, coming and going.
+// Claims: their gains, the messages to the device, several on one device, arrival and departure.
 
 #include <atomic>
 #include <cmath>
@@ -124,7 +124,7 @@ TEST(Gains, ADropOfAClaimThatIsGoneAlreadyIsHarmless) {
 }
 
 TEST(Gains, ClaimsComeAndGoFromAnotherThreadWhileTheServoRuns) {
-    // As the broker does: it builds a claim, gives it away, and frees it only once it has come back.
+    // Like the broker: builds a claim, gives it away, and frees it only after its return.
     PuppetDevice device;
     Offline servo(device, live_options());
     std::atomic<int> freed{0};
@@ -321,7 +321,7 @@ TEST(Sharing, AStiffPlaneOfOneClaimIsNoStepForTheOther) {
     second.arm();
     run(servo, 600);
     ASSERT_EQ(protocol::scales_of(first.feedback().header).contacts, 1);
-    // Across: the hand feels neither direction more stiffly than before.
+    // Across: neither direction is stiffer at the hand than before.
     second.add(Plane{.normal = {1, 0, 0}, .offset = 1e-4, .stiffness = 2500, .recovery = 0});
     run(servo, 60);
     EXPECT_EQ(protocol::scales_of(first.feedback().header).contacts, 1);
@@ -357,8 +357,8 @@ TEST(Sharing, FiveFingersOfOneClaimTogetherAreNoStifferThanTheDeviceStands) {
     EXPECT_EQ(protocol::scales_of(hand.feedback().header).effects, 1);
 }
 
-// The finger that stays down is as soft as before while the hand rests: to be stiffer it would have to push. As the hand
-// moves, what damping takes pays for that.
+// The finger that stays down is as soft as before while the hand rests: a rising stiffness would have to
+// push. When the hand moves, the damping pays for it.
 TEST(Sharing, AFingerThatStaysIsStiffAgainAsTheHandMoves) {
     PuppetDevice device;
     const double k_max = max_stiffness(device.link(), 1000), deep = -2e-3, middle = -0.6e-3;
@@ -394,7 +394,8 @@ TEST(Sharing, AFingerThatStaysIsStiffAgainAsTheHandMoves) {
     EXPECT_EQ(last, 1);
 }
 
-// What its application takes away was not paid by the hand: a hand at rest feels what is left with all that there is.
+// The hand has not paid for what the application removes: at rest it gets the remaining forces in full at
+// once.
 TEST(Sharing, WhatIsRemovedLeavesItsShareToTheOthersAtOnce) {
     PuppetDevice device;
     device.tip = {0, 0, -1e-4};
@@ -415,7 +416,7 @@ TEST(Sharing, WhatIsRemovedLeavesItsShareToTheOthersAtOnce) {
     EXPECT_NEAR(sent_z(servo), 0.1, 1e-9);
 }
 
-// ... nor on whether whoever has the surface is asleep, out of the hand's reach.
+// ... nor on whether the claim with the surface sleeps, out of the hand's reach.
 TEST(Sharing, SurfacesOfAClaimAtRestKeepTheirShare) {
     PuppetDevice device;
     const double k_max = max_stiffness(device.link(), 1000);
@@ -434,7 +435,7 @@ TEST(Sharing, SurfacesOfAClaimAtRestKeepTheirShare) {
     EXPECT_LT(desk.feedback().header.cycle, servo.servo().last().cycle) << "it sleeps";
 }
 
-// A spring's force does not depend on whether a surface is touched: else the hand would never rest.
+// A spring's force does not depend on the contact with a surface: else the hand would never rest.
 TEST(Sharing, ASpringKeepsItsForceWhenASurfaceIsTouched) {
     PuppetDevice device;
     const double k_max = max_stiffness(device.link(), 1000);

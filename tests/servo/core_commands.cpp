@@ -1,4 +1,4 @@
-// Commands as the servo takes them: groups whole or not at all, each answered, none lost.
+// How the servo takes commands: groups whole or not at all, each answered, none lost.
 
 #include <cmath>
 #include <limits>
@@ -84,7 +84,7 @@ TEST(Commands, ALaterCommandOfAGroupMayBuildOnAnEarlierOne) {
     fixture.claim.begin_group();
     fixture.claim.remove(first);  // frees the slot
     fixture.claim.add({first.slot, 2}, kind_of<Plane>, &stiffer, sizeof stiffer);
-    fixture.claim.remove({first.slot, 2});  // what the group itself has added
+    fixture.claim.remove({first.slot, 2});  // added by this very group
     fixture.claim.add({first.slot, 3}, kind_of<Plane>, &stiffest, sizeof stiffest);
     fixture.claim.end_group();
     EXPECT_NEAR(fixture.force(), 0.5, 1e-12);
@@ -97,7 +97,7 @@ TEST(Commands, ARefusedGroupLeavesWhatItMeantToRemove) {
     fixture.force();
     fixture.claim.begin_group();
     fixture.claim.remove(first);
-    fixture.claim.remove(first);  // a second time: refused, and with it the first
+    fixture.claim.remove(first);  // a second time: refused, and so is the first
     fixture.claim.end_group();
     EXPECT_NEAR(fixture.force(), 0.1, 1e-12);
     EXPECT_NEAR(fixture.force(), 0.1, 1e-12);
@@ -144,7 +144,7 @@ TEST(Commands, SlotsAndProbesAreChecked) {
     ASSERT_EQ(replies.size(), std::size(expected));
     for (std::size_t i = 0; i < replies.size(); ++i)
         EXPECT_EQ(replies[i].code, static_cast<std::uint32_t>(expected[i])) << "command " << i + 1;
-    // As people read them; of a placement the servo's answer names no kind.
+    // As text for people; for a placement the servo's answer has no kind.
     const auto sentence = [&](std::size_t i) {
         return describe(verdict_of(replies[i]), replies[i].kind, "");
     };

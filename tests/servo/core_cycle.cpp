@@ -1,4 +1,4 @@
-// What one cycle does, seen from the device and from the report; and whole runs.
+// The effects of one cycle at the device and in the report; and whole runs.
 
 #include <cstring>
 #include <random>
@@ -71,7 +71,7 @@ TEST(Reports, SayWhatTheSceneWantedAndWhatWasSent) {
     ServoOptions options = live_options();
     options.start_active = true;
     Offline servo(device, options);
-    ClaimTerms terms;  // no limits: the scene may ask for more than the device gives
+    ClaimTerms terms;  // no limits: the scene may request more than the device can give
     servo.claim(terms).add(ConstantForce{.force = {3, 0, 4}, .recovery = 0});
     run(servo, 20);
     const Report& report = servo.servo().last();

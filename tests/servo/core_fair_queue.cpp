@@ -1,4 +1,4 @@
-// Who is served next, of several that ask for many.
+// The order of service among several owners with many jobs.
 
 #include <random>
 #include <string>
@@ -32,7 +32,7 @@ TEST(FairQueue, WhatIsCalledOffIsNotServed) {
     EXPECT_TRUE(queue.empty());
 }
 
-// Nobody is served twice while another waits, whenever they ask.
+// Nobody is served twice while another waits, at any time of asking.
 TEST(FairQueue, NobodyIsServedTwiceWhileAnotherWaits) {
     const auto seed = std::random_device{}();
     SCOPED_TRACE(::testing::Message() << "seed " << seed);

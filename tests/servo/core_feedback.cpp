@@ -1,5 +1,5 @@
-// The channel's three slots are brought up to date instead of written anew: whenever its application looks,
-// it finds all of what is felt and nothing that was.
+// The channel's three slots are updated rather than written anew. Whenever the application reads, it finds
+// all present feedback and none of the past.
 
 #include <random>
 

@@ -1,4 +1,4 @@
-// A claim's frame, and the limits that it has in the units of its world.
+// A claim's frame, and its limits in the units of its world.
 
 #include <cmath>
 #include <random>
@@ -34,8 +34,8 @@ TEST(Frames, VirtualWorkAgreesForForceAndTorque) {
         servo.step();
         const auto& entry = claim.feedback().entries.at(0);
         const Report& report = servo.servo().last();
-        // World x = s (device x - centre) + centre': a device motion dx is s dx there, a turn is the same
-        // turn. Both must do f/s of the world's work.
+        // World x = s (device x - centre) + centre': a device motion dx is s dx there, a rotation is the
+        // same. In both, the device's work is f/s of the world's.
         const double ratio = terms.frame.force_scale / terms.frame.scale;
         const Eigen::Vector3d dx(uniform(random), uniform(random), uniform(random));
         const Eigen::Vector3d turn(uniform(random), uniform(random), uniform(random));
@@ -74,7 +74,7 @@ TEST(Frames, LimitsAreTheDevicesInWorldUnits) {
     frame.scale = 5;
     frame.force_scale = 2;
     const Limits limits = limits_for(device.link(), 1000, frame);
-    // A world plane of k_world is felt as f s k_world.
+    // The hand feels a world plane of k_world as f s k_world.
     EXPECT_NEAR(limits.max_stiffness * 10, max_stiffness(device.link(), 1000), 1e-9);
     EXPECT_NEAR(limits.max_force * 2, device.link().peak_force, 1e-12);
     EXPECT_NEAR(limits.max_torque * 2 / 5, device.link().peak_torque, 1e-12);

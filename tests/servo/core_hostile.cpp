@@ -1,5 +1,5 @@
-// Bytes of a claim's segment that no library ever wrote. Whatever they are: no crash, bounded work, a finite
-// and bounded wrench, and the claim beside it feels nothing, to the bit.
+// Bytes in a claim's segment that no library would write. For all of them: no crash, bounded work, a finite
+// and bounded wrench, and no effect on another claim, to the bit.
 
 #include <cmath>
 #include <cstring>
@@ -41,8 +41,7 @@ struct Honest {
     }
 };
 
-/// What the honest claim feels of its spring, cycle by cycle, with a neighbour that `spoil` spoils (or
-/// without one).
+/// The honest claim's spring force, cycle by cycle, with a neighbour that `spoil` spoils (or without one).
 template <class Spoil>
 std::vector<double> felt(int cycles, bool neighbour, Spoil spoil) {
     Honest honest;
@@ -85,7 +84,7 @@ TEST(Hostile, RandomBytesOverTheWholeSegment) {
             const std::size_t words = claim.layout().total / 8;
             for (std::size_t i = 0; i < words; ++i) {
                 std::uint64_t value = random();
-                if (value % 4 == 0) value &= 7;  // small numbers get further
+                if (value % 4 == 0) value &= 7;  // small numbers pass more checks
                 std::memcpy(claim.memory() + 8 * i, &value, 8);
             }
         };
@@ -101,7 +100,7 @@ TEST(Hostile, RandomWordsHereAndThere) {
         std::mt19937_64 random(seed);
         RepresentationId plane;
         const auto spoil = [&](OfflineClaim& claim, int cycle) {
-            // It works as an application should, far away from the hand, while single words change.
+            // It behaves like a good application, far away from the hand, while single words change.
             const Plane far{.normal = {0, 0, 1}, .offset = -10, .stiffness = 100};
             if (cycle == 3) plane = claim.add(far);
             if (cycle % 10 == 0) {
@@ -112,8 +111,8 @@ TEST(Hostile, RandomWordsHereAndThere) {
             if (random() % 8 != 0) return;
             const std::size_t word = random() % (claim.layout().total / 8);
             std::uint64_t value = random() % 3 == 0 ? random() : random() % 16;
-            // Only what the client may spoil without lying about a force: its own spring would be felt,
-            // rightly.
+            // Only words that a client may spoil without changing its force: its own spring would rightly
+            // act.
             if (word * 8 >= claim.layout().batches && word * 8 < claim.layout().replies) value &= 0xff;
             std::memcpy(claim.memory() + 8 * word, &value, 8);
         };
@@ -121,7 +120,8 @@ TEST(Hostile, RandomWordsHereAndThere) {
     }
 }
 
-/// Commands and batches of the right shape with wrong contents: past the shape checks, into every validator.
+/// Commands and batches of the right form with wrong contents: they pass the form checks and reach every
+/// validator.
 TEST(Hostile, MessagesThatAreAlmostRight) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));

@@ -1,5 +1,5 @@
-// What is recorded replays to the last bit, whatever happens to a servo; and what is not in the input log
-// would be missed.
+// A recording replays to the last bit, whatever happens to a servo. And every input is needed: a missing one
+// shows.
 
 #include <functional>
 #include <map>
@@ -97,7 +97,7 @@ std::vector<std::uint64_t> square() {
     return words;
 }
 
-/// An application's assets come and go; a second shape under a number that was forgotten is refused.
+/// An application's assets come and go; a second shape under a forgotten number is refused.
 TEST(InputLog, AssetsReplayAndEachOfTheirRecordsMatters) {
     const std::vector<std::uint64_t> words = square();
     const std::span<const std::byte> source = std::as_bytes(std::span(words));
@@ -139,7 +139,7 @@ TEST(InputLog, AssetsReplayAndEachOfTheirRecordsMatters) {
     claim.remove({0, 1});
     run.servo->forget(&claim.servo_side(), 2);
     go_on(200);
-    add(1);  // of what is no more
+    add(1);  // from an asset that is gone
     go_on(600);
     run.servo->give(&claim.servo_side(), 2, built.asset.get(), digest);
     add(2);
@@ -162,8 +162,8 @@ TEST(InputLog, AssetsReplayAndEachOfTheirRecordsMatters) {
     }
 }
 
-/// Leave any one input out and the replay is another one: so each of them is recorded for a reason, and the
-/// comparison would notice.
+/// Without any one of the inputs the replay differs. So each is recorded for a reason, and the comparison
+/// detects its loss.
 TEST(InputLog, EveryInputMatters) {
     using Edit = std::function<bool(InputRecord&)>;  // false: the record is left out
     const auto without = [](InputType type) -> Edit {
@@ -203,8 +203,8 @@ TEST(InputLog, EveryInputMatters) {
         {"guardian", cycles([](CycleInput& c) { c.flags &= ~CycleInput::guardian; })},
         {"jumped", cycles([](CycleInput& c) { c.flags &= ~CycleInput::jumped; })},
         {"keyframe", [](InputRecord& record) {
-             // The last bit of each word of what it remembers of the hand: which of them still matter depends
-             // on how long the hand has moved since.
+             // The last bit of each word of the hand's state: which of them still matter depends on how long
+             // the hand has moved since.
              for (std::size_t word = 10; word < 35 && record.type == InputType::keyframe; ++word)
                  record.bytes[word * 8] ^= std::byte{1};
              return true;
@@ -230,8 +230,8 @@ TEST(InputLog, EveryInputMatters) {
     for (const auto& [name, edit] : edits) EXPECT_GT(seen[name], 0) << name << " could be left out";
 }
 
-/// A recorder that sleeps while the ring goes round: it is told, nobody waits for it, and behind the gap the
-/// replay goes on from the next keyframe.
+/// A recorder that sleeps while the ring wraps: it learns of the gap, nobody waits for it, and after the gap
+/// the replay continues from the next keyframe.
 TEST(InputLog, ASlowReaderIsToldOfTheGapAndReplaysBehindIt) {
     RecordedRun run(5);
     run.start();
@@ -267,7 +267,7 @@ TEST(InputLog, ASlowReaderIsToldOfTheGapAndReplaysBehindIt) {
     EXPECT_GT(after_gap, 10'000u);
 }
 
-/// A file may say anything: a line, or other forces, and nothing worse.
+/// An edited file may cause an error line or other forces, and nothing worse.
 TEST(InputLog, AnEditedInputLogHarmsNothing) {
     RecordedRun run(3);
     run.start();
@@ -285,7 +285,7 @@ TEST(InputLog, AnEditedInputLogHarmsNothing) {
             if (random() % 4 == 0) record.bytes.resize(random() % 600);
             if (!record.bytes.empty()) record.bytes[random() % record.bytes.size()] = std::byte(random());
         }
-        if (seed % 2 == 0)  // of the first keyframe every byte
+        if (seed % 2 == 0)  // every byte of the first keyframe
             for (std::byte& byte : edited.front().bytes) byte = std::byte(random());
         Replay replay(run.device, run.options);
         try {

@@ -1,10 +1,10 @@
-// Inside Servo::step there is no allocation, no lock, no page fault and no system call (a puppet device makes
-// none of its own, the clock is read in user space). Three traps, each over a run in which everything
-// happens: claims come and go, groups of commands, good and bad batches, silence, a stall, a fault, an
-// unplugged device, and for most of it somebody records.
+// Servo::step makes no allocation, lock, page fault or system call (a puppet device makes none of its own,
+// and the clock is read in user space). Three traps, each over a run with every event: claims come and go,
+// groups of commands, good and bad batches, silence, a stall, a fault, an unplugged device, and a recording
+// for most of the time.
 //
 // This program replaces malloc and the mutexes, so it stands alone. A sanitizer replaces them too: then only
-// the run itself is left.
+// the run itself remains.
 
 #include <cerrno>
 #include <csignal>
@@ -50,7 +50,7 @@ thread_local unsigned long allocations = 0, locks = 0;
 #if !KNURL_SANITIZED
 
 extern "C" {
-// glibc's own, beneath the names that are replaced here.
+// glibc's own functions, under the names that are replaced here.
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
 void* __libc_realloc(void*, std::size_t);
@@ -117,7 +117,7 @@ namespace {
 using namespace testing;
 using protocol::Count;
 
-/// One client's end that makes no call of any kind: its messages are structs on the stack.
+/// A client's end without calls of any kind: its messages are structs on the stack.
 struct RawClient {
     ClaimTerms terms;
     protocol::ClaimLayout layout;
@@ -189,7 +189,7 @@ struct RawClient {
     }
 };
 
-/// The run in which everything happens. `around` gets each call of step.
+/// The run with every event. `around` gets each call of step.
 struct Everything {
     static constexpr int cycles = 12'000;
     PuppetDevice device{6};
@@ -276,7 +276,7 @@ TEST(Nonblocking, TheTrapsCatch) {
     allocations = locks = 0;
     pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
     inside_step = true;
-    // Through a pointer that the compiler must believe in: it may leave out what nobody looks at.
+    // Through a volatile pointer, since the compiler may remove an unused allocation.
     std::vector<int>* volatile kept = new std::vector<int>(100);
     delete kept;
     pthread_mutex_lock(&mutex);
@@ -302,8 +302,8 @@ TEST(Nonblocking, NothingIsAllocatedFreedOrLocked) {
 
 TEST(Nonblocking, NoPageIsFaultedIn) {
     if (KNURL_SANITIZED) GTEST_SKIP() << "the sanitizer's shadow memory is paged in as it is used";
-    // All memory is there after construction; a hundred cycles for code and stack. Three attempts: the kernel
-    // may take or move a page of anyone's at any time, but not in each of three runs.
+    // All memory is there after construction; a hundred cycles touch code and stack. Three attempts: the
+    // kernel may take or move a page at any time, but not in each of three runs.
     long faults = 0;
     for (int attempt = 0; attempt < 3; ++attempt) {
         Everything all;
@@ -326,8 +326,8 @@ TEST(Nonblocking, NoPageIsFaultedIn) {
     EXPECT_EQ(faults, 0);
 }
 
-/// From here on this thread may do nothing but end the process. (Where the time stamp counter cannot be used,
-/// reading the clock falls back to a system call: that one is let through.)
+/// From here on this thread may only end the process. (Without the time stamp counter, reading the clock
+/// falls back to a system call, which is allowed.)
 void allow_no_system_call() {
     const sock_filter filter[] = {
         BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
@@ -343,7 +343,7 @@ void allow_no_system_call() {
         _exit(77);
 }
 
-/// How a child ended that does `work` under the trap: 0, a signal's number + 128, or 77 without seccomp.
+/// How a child ended that runs `work` under the trap: 0, a signal's number + 128, or 77 without seccomp.
 template <class Work>
 int trapped(Work work) {
     const pid_t child = fork();

@@ -1,4 +1,4 @@
-// Where a cycle's time goes, as `knurl top` shows it.
+// How a cycle's time divides, as `knurl top` shows it.
 
 #include <atomic>
 #include <thread>
@@ -16,7 +16,7 @@ namespace {
 
 using protocol::Count;
 
-/// Each look at it takes 100 ns.
+/// Each reading takes 100 ns.
 class TickingClock final : public Clock {
   public:
     Nanoseconds now() noexcept override { return time += 100; }
@@ -62,7 +62,7 @@ TEST(Parts, TheServoCountsThem) {
     EXPECT_EQ(servo.count(Count::read_ns), 0u) << "its clock stands still within a cycle";
 }
 
-/// A servo with one client, whose row in the device's table we see.
+/// A servo with one client, and a view of its row in the device's table.
 struct Watched {
     PuppetDevice device;
     TickingClock clock;
@@ -113,7 +113,7 @@ TEST(ClientRows, SayWithin64CyclesWhatTheClientSaysThatItMissed) {
         if (observer) terms.capacity = {0, 0};
         Watched client(terms);
         EXPECT_EQ(client.row.missed, 0u);
-        for (const std::uint64_t missed : {7ull, 9ull, ~0ull}) {  // whatever it says
+        for (const std::uint64_t missed : {7ull, 9ull, ~0ull}) {  // any value of the client
             client.line().missed = missed;
             client.run(64);
             EXPECT_EQ(client.row.missed, missed) << (observer ? "observer" : "claim");

@@ -1,4 +1,4 @@
-// Why a priority was refused, from the kernel's files: each reason has a remedy of its own.
+// Why a priority was refused, from the kernel's files: each reason has its own remedy.
 
 #include <cstdlib>
 #include <filesystem>
@@ -15,7 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files of a kernel, in a folder that goes with this object. Whoever is in it is root, with all capabilities.
+/// A kernel's files, in a folder that is removed at the end. The process in it is root, with all
+/// capabilities.
 class Kernel {
   public:
     Kernel() : path_((fs::temp_directory_path() / "knurl-rights-XXXXXX").string()) {

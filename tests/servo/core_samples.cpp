@@ -1,4 +1,5 @@
-// What the device says, and what becomes of it: bad samples, stale ones, jumps, a device that goes and comes.
+// Samples of the device and their effects: bad ones, stale ones, jumps, a device that is unplugged and
+// returns.
 
 #include <cmath>
 #include <limits>
@@ -190,7 +191,7 @@ TEST(Samples, ADeviceIsThereOnceItHasSaidWhereItIs) {
     active.device.status = ReadStatus::unplugged;
     run(active.servo, 2);
     ASSERT_EQ(active.state(), DeviceState::disconnected);
-    // Plugged in again, its driver has no sample for a while, or garbage.
+    // After plugging in, its driver has no sample for a while, or garbage.
     active.device.status = ReadStatus::stale;
     run(active.servo, 100);
     active.device.status = ReadStatus::bad;

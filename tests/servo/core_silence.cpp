@@ -70,7 +70,7 @@ TEST(Silence, ComesLaterByWhatANetworkMayDelay) {
 TEST(Silence, CommandsThatWaitBehindUnreadRepliesAreNoSignOfLife) {
     Held held;
     held.commit_every(50, 40);
-    // More than there are replies for: the rest stays in the ring, and its sender hangs.
+    // More commands than replies fit: the rest stays in the ring, and its sender hangs.
     for (std::uint32_t i = 0; i < protocol::reply_cells + 500; ++i) held.claim->place_probe(1, {});
     EXPECT_LT(held.cycles_until_fading(), 300);
 }
@@ -158,14 +158,14 @@ TEST(Silence, OfflineThereIsNone) {
 }
 
 TEST(Silence, TheMeasuredIntervalSetsWhatAutomaticRecoveryMeans) {
-    // 20 % of the interval within 2 to 50 ms, and at most the interval: how many cycles a change takes to
-    // reach the hand.
+    // 20 % of the interval within 2 to 50 ms, and at most the interval: the cycles over which a change
+    // reaches the hand.
     const auto cycles_of_fade = [](int interval) {
         ServoOptions options = live_options();
         options.rise_speed = 1e9;
         Held held(0, OnSilence::fade, options);
         const RepresentationId plane{0, 1};
-        held.commit_every(interval, 160);  // the mean forgets how it began
+        held.commit_every(interval, 160);  // the mean forgets the beginning
         held.claim->update(plane, Plane{.stiffness = 250});
         held.claim->commit();
         int cycles = 0;

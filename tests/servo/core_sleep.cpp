@@ -1,4 +1,4 @@
-// Claims that say nothing are left alone, and nobody can tell.
+// Idle claims sleep, without any visible difference.
 
 #include <cstring>
 #include <functional>
@@ -16,7 +16,7 @@ namespace {
 using namespace testing;
 using protocol::CommandType;
 
-/// Something else may happen while a cycle asks for the time: after its read, and after its write.
+/// Events can occur while a cycle reads the clock: after its read, and after its write.
 struct InterruptedClock final : Clock {
     Nanoseconds time = 0;
     std::function<void()> at_reading;
@@ -26,7 +26,7 @@ struct InterruptedClock final : Clock {
     }
 };
 
-/// A servo with a crowd that holds its device, mostly in silence.
+/// A servo with a crowd that holds its device, mostly silent.
 struct Crowd {
     static constexpr std::size_t applications = 12, observers = 2;
 
@@ -73,10 +73,10 @@ struct Crowd {
                 return claim.disarm();
             case 2:
                 return claim.reset_fault();
-            case 3: {  // felt, and stiff enough for several to be too much
+            case 3: {  // acts on the hand, and stiff enough for several to exceed the budget
                 if (held.size() >= 3) return;
                 held.push_back({next_slot++ % 16, next_slot});
-                if (next_slot % 8 == 0) {  // something with bounds, which the hand comes to now and then
+                if (next_slot % 8 == 0) {  // with bounds, which the hand reaches at times
                     const Sphere ball{
                         .center = {0.01, 0.02 * size - 0.02, 0}, .radius = 0.003, .stiffness = 300};
                     return claim.add(held.back(), kind_of<Sphere>, &ball, sizeof ball);
@@ -114,7 +114,7 @@ struct Crowd {
     std::unique_ptr<Servo> servo;
 };
 
-/// All that anybody can see of both: reports, what the device got, the table, counters, replies, feedback.
+/// Everything visible of both: reports, the device's efforts, the table, counters, replies, feedback.
 void expect_same(Crowd& one, Crowd& other) {
     ASSERT_EQ(std::memcmp(&one.servo->last(), &other.servo->last(), sizeof(Report)), 0);
     ASSERT_EQ(std::memcmp(&one.device.last, &other.device.last, sizeof one.device.last), 0);
@@ -198,7 +198,7 @@ TEST(Sleep, NobodyCanTell) {
     EXPECT_GT(faults, 100);
 }
 
-/// Behind the count's back.
+/// Without raising the count.
 void send_without_counting(OfflineClaim& claim, CommandType type, std::uint64_t number) {
     shm::SpscProducer commands(claim.memory() + claim.layout().commands, claim.layout().command_cells);
     std::array<std::byte, shm::cell_bytes> cell{};
@@ -210,8 +210,8 @@ shm::SentCount count_of(OfflineClaim& claim) {
     return shm::SentCount(reinterpret_cast<shm::WaiterFlag*>(claim.memory() + claim.layout().waiter));
 }
 
-/// What it writes without counting lies there, which harms nobody else; with the first that counts, all of it
-/// is taken.
+/// A message without a count stays unread, which harms only its sender. The first counted message brings all
+/// of them.
 TEST(Sleep, LooksAtOneWordAlone) {
     Crowd crowd(true);
     for (int i = 0; i < 1000; ++i) crowd.step();
@@ -229,15 +229,15 @@ TEST(Sleep, LooksAtOneWordAlone) {
     EXPECT_EQ(claim.replies().size(), 2u);
 }
 
-/// Whatever the moment of a message in a claim's going to sleep, and of its being counted behind it, the
-/// first cycle that begins after that has it.
+/// A message may arrive at any moment of a claim's falling asleep, and be counted at any later moment. The
+/// first cycle that begins after the count has it.
 TEST(Sleep, NoMomentIsMissed) {
     Crowd crowd(true);
     for (int i = 0; i < 400; ++i) crowd.step();
     OfflineClaim& claim = *crowd.claims[0];
     shm::SentCount count = count_of(claim);
     std::uint64_t sent = 0;
-    // Three moments of a cycle: before it, before the rings are looked at, and after that.
+    // Three moments of a cycle: before it, before the rings are read, and after that.
     constexpr int of_a_cycle = 3, moments = 6 * of_a_cycle;
     for (int push_at = 0; push_at < moments; ++push_at)
         for (int count_at = push_at; count_at < push_at + 2 * of_a_cycle; ++count_at) {
@@ -264,7 +264,7 @@ TEST(Sleep, NoMomentIsMissed) {
         }
 }
 
-/// One that always counts, and sends nothing, is looked at in every cycle as it was before; the others sleep.
+/// A claim that always counts and sends nothing is processed in every cycle, as before; the others sleep.
 TEST(Sleep, WhoAlwaysCountsIsLookedAtAlone) {
     Crowd crowd(true);
     for (int i = 0; i < 1000; ++i) crowd.step();

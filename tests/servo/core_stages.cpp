@@ -118,8 +118,7 @@ TEST(Stages, AHandAboveTheSpeedLimitFaultsWhileThereIsForce) {
 
 // ------------------------------------------------------------------------------- 1: power, 2: energy
 
-/// Moves with the force at the speed that makes this power (W) for `cycles`; returns the cycles before the
-/// fault.
+/// Moves with the force at the speed for this power (W) for `cycles`; returns the cycles until the fault.
 int cycles_at_power(double power, int cycles) {
     SupervisorLimits limits;
     limits.slew = 1e6;

@@ -1,5 +1,5 @@
 #pragma once
-// A device whose tip is where the test puts it, and which remembers what it was told.
+// A device whose tip is where the test puts it, and which remembers its commands.
 
 #include <vector>
 
@@ -9,7 +9,7 @@
 
 namespace knurl::servo::testing {
 
-/// Joints are the tip's coordinates, or with `six` its position and small turns besides.
+/// The joints are the tip's coordinates or, with `six`, its position and small rotations.
 class Straight final : public drivers::Mechanism {
   public:
     explicit Straight(int joints) : joints_(joints) {}

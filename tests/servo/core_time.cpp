@@ -1,4 +1,4 @@
-// Time as the cycle sees it: its own length, stalls, jumps of the clock, the guardian, lateness.
+// Time in the cycle: its own length, stalls, jumps of the clock, the guardian, lateness.
 
 #include <knurl/reps/spring.hpp>
 #include <knurl/shm/counters.hpp>

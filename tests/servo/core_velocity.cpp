@@ -1,4 +1,4 @@
-// The three velocities, against what they must be for motions that are known.
+// The three velocities, compared with closed forms for known motions.
 
 #include <cmath>
 #include <random>

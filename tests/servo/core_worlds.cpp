@@ -1,5 +1,5 @@
-// A claim's world may be of any size: a plane that an application lifts under a resting hand comes as fast, and steps as
-// little, in metres and newtons of the device.
+// A claim's world may have any scale: a plane that an application lifts under a resting hand rises as fast,
+// and steps as little, in metres and newtons of the device.
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-// A servo to which everything happens at random, and the input log of it.
+// A servo with random events of every sort, and its input log.
 
 #include <cmath>
 #include <cstring>
@@ -15,7 +15,7 @@
 
 namespace knurl::servo::testing {
 
-/// Goes on whenever it is looked at.
+/// Advances at each reading.
 class RestlessClock final : public Clock {
   public:
     Nanoseconds now() noexcept override { return time += 100 + (step = step * 25'214'903'917 + 11) % 5000; }
@@ -23,7 +23,7 @@ class RestlessClock final : public Clock {
     std::uint64_t step = 1;
 };
 
-/// The defaults of a kind with some of its numbers moved; the defaults if that is not allowed.
+/// A kind's defaults with some values changed; the defaults if the result is illegal.
 template <class Random>
 std::vector<std::byte> random_params(Kind kind, Random& random) {
     const auto uniform = [&](double size) { return std::uniform_real_distribution<>(-size, size)(random); };
@@ -65,7 +65,7 @@ struct RecordedRun {
 
     void start() { servo->record(&input_log); }
 
-    /// One cycle in which something may happen.
+    /// One cycle, possibly with an event.
     void cycle() {
         const double t = static_cast<double>(++n) * 1e-3;
         device.tip = 0.02 * Eigen::Vector3d(std::sin(3 * t), std::cos(2 * t), std::sin(7 * t));
@@ -114,7 +114,7 @@ struct RecordedRun {
             apps.emplace_back().claim = std::make_unique<OfflineClaim>(terms);
             servo->adopt(&apps.back().claim->servo_side());
         }
-        // Now and then all of them go: the input log needs a moment without them.
+        // At times all of them leave, since the input log needs a moment without claims.
         if (!apps.empty() && (chance(1200) || n % 3000 > 2700)) {
             servo->drop(&apps.back().claim->servo_side());
             leaving.push_back(std::move(apps.back().claim));
@@ -123,7 +123,7 @@ struct RecordedRun {
         for (Application& app : apps) {
             try {
                 act(app);
-            } catch (const std::runtime_error&) {  // its ring is full: nobody listens to it any more
+            } catch (const std::runtime_error&) {  // its ring is full: the servo ignores it
             }
         }
     }
@@ -162,7 +162,7 @@ struct RecordedRun {
             const std::uint64_t word = random();
             std::memcpy(claim.memory() + random() % (claim.layout().total / 8) * 8, &word, sizeof word);
         }
-        if (chance(4000)) {  // an index that cannot be
+        if (chance(4000)) {  // an invalid index
             const std::uint64_t word = random();
             std::memcpy(claim.memory() + (chance(2) ? claim.layout().commands : claim.layout().batches),
                         &word, sizeof word);

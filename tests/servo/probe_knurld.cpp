@@ -26,7 +26,7 @@ class ProbeDevice final : public drivers::Device {
     const drivers::LinkConfig& link() const noexcept override { return inner_->link(); }
     const drivers::Mechanism& mechanism() const noexcept override { return inner_->mechanism(); }
     drivers::ReadStatus read(drivers::Nanoseconds now, drivers::JointSample& sample) noexcept override {
-        while (record_.hang.load() != 0) usleep(1000);  // starved, as the guardian sees it
+        while (record_.hang.load() != 0) usleep(1000);  // looks starved to the guardian
         return inner_->read(now, sample);
     }
     bool write(drivers::Nanoseconds now, const drivers::JointEfforts& efforts) noexcept override {

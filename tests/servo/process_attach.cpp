@@ -1,4 +1,4 @@
-// The handshake over the servo's socket: who is let in, who gets a device, who is told what.
+// The handshake over the servo's socket: who is admitted, who gets a device, and the answers.
 
 #include <filesystem>
 #include <limits>
@@ -208,7 +208,7 @@ TEST(Attach, TheTableOfClientsShowsWhoIsThereAndIsFreedAfterDeath) {
             const std::uint64_t word = row.name[i].load();
             std::memcpy(name + 8 * i, &word, 8);
         }
-        EXPECT_STREQ(name, "pain?ter");  // it is printed on other people's terminals
+        EXPECT_STREQ(name, "pain?ter");  // it appears on other people's terminals
         const Answer observing = client.claim({.observe = 1});
         ASSERT_TRUE(observing.claimed);
         EXPECT_EQ(view.row(observing.claimed->slot).role.load(), 2u);
@@ -244,7 +244,7 @@ TEST(Attach, WhatAClaimMayAskForHasBounds) {
         EXPECT_TRUE(contains(text(answer), says)) << text(answer) << "\nlacks " << says;
         EXPECT_TRUE(answer.fds.empty());
     }
-    EXPECT_TRUE(client.claim({}).claimed);  // the connection lives on, nothing was half-granted
+    EXPECT_TRUE(client.claim({}).claimed);  // the connection stays open, and nothing was granted in part
 }
 
 TEST(Attach, TheFrameAndLimitsThatWereGrantedAreTold) {

@@ -1,4 +1,4 @@
-// What knurld may be told, and the one line that it answers with otherwise.
+// The valid configurations of knurld, and the one-line error for others.
 
 #include <fstream>
 

@@ -1,4 +1,4 @@
-// Whatever comes through the socket, the servo goes on, nothing leaks, and the next client is served.
+// Whatever arrives through the socket, the servo continues, nothing leaks, and the next client is served.
 
 #include <random>
 
@@ -14,7 +14,7 @@
 namespace knurl::test {
 namespace {
 
-/// The servo still cycles and lets somebody in.
+/// The servo still cycles and admits a client.
 void expect_alive(const Home& home) {
     RawClient client(home);
     const Answer welcome = client.greet();
@@ -24,7 +24,7 @@ void expect_alive(const Home& home) {
     EXPECT_TRUE(eventually([&] { return view.count(protocol::Count::cycles) > cycles; }));
 }
 
-/// Sends without ceremony; a peer that has hung up is not an error here.
+/// Sends without checks; a peer that has hung up is no error here.
 void throw_at(int fd, const std::vector<std::byte>& bytes) {
     send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
 }
@@ -45,7 +45,7 @@ TEST(Hostile, RandomMessagesOfRandomSizeWithDescriptorsAttached) {
         for (unsigned messages = 1 + below(4); messages > 0; --messages) {
             std::vector<std::byte> bytes(1 + below(below(2) == 0 ? 200 : 20'000));
             for (std::byte& byte : bytes) byte = static_cast<std::byte>(below(256));
-            if (below(2) == 0 && bytes.size() >= 8) {  // far enough to be looked at
+            if (below(2) == 0 && bytes.size() >= 8) {  // valid enough to be parsed
                 const std::uint32_t header[2] = {protocol::attach_magic, below(9)};
                 std::memcpy(bytes.data(), header, sizeof header);
             }
@@ -75,7 +75,7 @@ TEST(Hostile, ClaimsOfRandomNumbersNeitherKillNorLeak) {
         protocol::ClaimRequest request;
         auto* words = reinterpret_cast<std::byte*>(&request) + sizeof(protocol::MessageHeader);
         for (std::size_t at = 0; at + 8 <= sizeof request - sizeof(protocol::MessageHeader); at += 8) {
-            if (random() % 4 != 0) continue;  // mostly sane, so that the later checks are reached
+            if (random() % 4 != 0) continue;  // mostly valid, so that later checks are reached
             const std::uint64_t word = random() >> (random() % 64);
             std::memcpy(words + at, &word, 8);
         }
@@ -106,7 +106,7 @@ TEST(Hostile, CallersWhoSayNothingAreSentAwayAndKeepNobodyOutForLong) {
     const std::size_t before = descriptors_of(knurld.pid());
     std::vector<std::unique_ptr<RawClient>> silent;
     for (int i = 0; i < 20; ++i) silent.push_back(std::make_unique<RawClient>(home));
-    RawClient polite(home);  // behind them in the queue
+    RawClient polite(home);  // queued behind them
     polite.say_hello();
     std::size_t most = 0;  // half-open at once
     EXPECT_TRUE(eventually([&] {
@@ -126,8 +126,8 @@ TEST(Hostile, AClientThatNeverReadsIsDroppedAndDelaysNobody) {
     const Knurld knurld(home);
     RawClient deaf(home);
     ASSERT_TRUE(deaf.greet().welcome);
-    // Each refused claim is an answer of half a KiB that is not read: the socket's buffer fills, and we are
-    // dropped.
+    // Each refusal is an unread answer of half a KiB: the socket's buffer fills, and the broker drops the
+    // client.
     const protocol::ClaimRequest impossible{.device = 99};
     const bool dropped = eventually([&] {
         const ssize_t n = send(deaf.fd(), &impossible, sizeof impossible, MSG_NOSIGNAL | MSG_DONTWAIT);

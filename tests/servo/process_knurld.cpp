@@ -96,7 +96,7 @@ void Program::signal(int number) const {
 }
 
 int Program::wait() {
-    // Its pipe is read meanwhile, so that it cannot block on it. A guardian may hold the pipe's other end
+    // Reads its pipe meanwhile, so that it cannot block on it. A guardian may hold the pipe's other end
     // longer.
     const auto deadline = std::chrono::steady_clock::now() + patience;
     while (!readable(pidfd_.get(), 0)) {
@@ -149,7 +149,7 @@ Knurld::Knurld(const Home& home, const std::vector<std::string>& arguments, cons
 }
 
 Knurld::~Knurld() {
-    // A guardian whose servo is killed here writes its file into the test's directory before that goes.
+    // The guardian of a killed servo writes its file into the test's directory before that is removed.
     const shm::UniqueFd watch = open_pidfd(guardian_);
     if (pid() > 0) signal(SIGKILL);
     if (pid() > 0) signal(SIGCONT);

@@ -1,6 +1,6 @@
 #pragma once
-// knurld as a user starts it, and a client that speaks the raw protocol to it. Every wait is for an event,
-// with a deadline after which the test fails.
+// knurld as a user starts it, and a client that speaks the raw protocol. Every wait is for an event, with a
+// deadline after which the test fails.
 
 #include <filesystem>
 #include <memory>
@@ -38,7 +38,7 @@ class Home {
 };
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& directory);
-/// How many that process has open.
+/// The number of descriptors that the process has open.
 std::size_t descriptors_of(pid_t pid);
 
 /// A program with KNURL_RUNTIME_DIR and KNURL_STATE_DIR in `home`; killed and reaped at the end.
@@ -53,7 +53,7 @@ class Program {
     void signal(int number) const;
     /// Its exit code, or -signal. Throws if it does not end.
     int wait();
-    /// All that it has printed on both streams; complete after wait().
+    /// All its output on both streams; complete after wait().
     const std::string& output();
     /// Throws if that line does not come.
     void wait_for_output(const std::string& text);
@@ -66,7 +66,7 @@ class Program {
     std::string output_;
 };
 
-/// A running servo: returns when it lets clients in.
+/// A running servo: the constructor returns when it admits clients.
 class Knurld : public Program {
   public:
     explicit Knurld(const Home& home,
@@ -79,7 +79,7 @@ class Knurld : public Program {
     pid_t guardian_ = -1;
 };
 
-/// What the broker answered: exactly one of these, or nothing when it hung up.
+/// The broker's answer: exactly one of these, or nothing when it hung up.
 struct Answer {
     std::optional<protocol::Welcome> welcome;
     std::optional<protocol::Refused> refused;
@@ -101,7 +101,7 @@ class RawClient {
     Answer answer();
 
     void say_hello(const std::string& name = "a test");
-    /// Hello as it should be, and its answer.
+    /// A correct Hello, and its answer.
     Answer greet(const std::string& name = "a test");
     Answer claim(const protocol::ClaimRequest& request);
     void hang_up() { socket_.reset(); }

@@ -1,4 +1,4 @@
-// How a servo begins and ends: one of a name, cleanly on a signal, guarded when it is killed or stands still.
+// How a servo starts and ends: one per name, cleanly on a signal, guarded when it is killed or stands still.
 
 #include <csignal>
 #include <filesystem>
@@ -27,7 +27,7 @@ bool contains(const std::string& whole, const std::string& part) {
     return whole.find(part) != std::string::npos;
 }
 
-/// A servo on a device that can say what was done to it, its one claim armed and active.
+/// A servo on a device that records what was done to it, with one claim, armed and active.
 struct ActiveServo {
     Home home;
     shm::UniqueFd file;
@@ -150,7 +150,7 @@ TEST(Guardian, ZeroesTheDeviceAndSavesTheFlightRecorderWhenTheServoIsKilled) {
     EXPECT_EQ(servo.knurld->wait(), -SIGKILL);
     EXPECT_TRUE(eventually([&] { return servo.record->zeroings.load() > 0; }));
     const auto killed_ns = static_cast<std::uint64_t>(killed.tv_sec * 1'000'000'000 + killed.tv_nsec);
-    // Printed, not asserted: whether it took 5 ms is for the chaos benchmark.
+    // Printed, not asserted: the chaos benchmark measures whether it took 5 ms.
     RecordProperty("zeroed_after_us", static_cast<int>((servo.record->zeroing_ns.load() - killed_ns) / 1000));
     EXPECT_EQ(servo.record->zeroing_pid.load(), static_cast<std::uint64_t>(servo.knurld->guardian()));
     ASSERT_TRUE(eventually([&] {
@@ -186,7 +186,7 @@ TEST(Guardian, ZeroesTheDeviceAndSavesTheFlightRecorderWhenTheServoIsKilled) {
         last_cycle = cycle;
         ++rows;
     }
-    // All that a reader could read: up to the last report, 4095 of them or as many as there were.
+    // All that a reader could read: up to the last report, at most 4095.
     EXPECT_GE(last_cycle, before);
     EXPECT_GT(rows, 400u);
     EXPECT_LE(rows, protocol::report_slots - 1);
@@ -207,11 +207,11 @@ TEST(Guardian, ZeroesADeviceWhoseServoIsStoppedAndTheServoRampsUpAgain) {
     servo.knurld->signal(SIGSTOP);
     EXPECT_TRUE(eventually([&] { return servo.record->zeroings.load() > before; }));
     EXPECT_EQ(servo.record->zeroing_pid.load(), static_cast<std::uint64_t>(servo.knurld->guardian()));
-    EXPECT_EQ(servo.record->writes_at_zeroing.load(), servo.record->writes.load());  // it stands still indeed
+    EXPECT_EQ(servo.record->writes_at_zeroing.load(), servo.record->writes.load());  // it has really stopped
     servo.knurld->signal(SIGCONT);
     EXPECT_TRUE(eventually([&] { return servo.view->count(protocol::Count::guardian_zeroings) > before; }));
     EXPECT_TRUE(eventually([&] { return servo.state() == DeviceState::active; }));
-    // Once for the stop, however long it was, and once for each stall that the machine may have had.
+    // Once for the stop, however long, and once for each stall of the machine itself.
     EXPECT_LE(servo.record->zeroings.load(), 1 + servo.view->count(protocol::Count::stalls));
     EXPECT_TRUE(files_in(servo.home.state()).empty());
 }

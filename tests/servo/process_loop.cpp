@@ -1,4 +1,4 @@
-// When cycles begin, and what the guardian takes for a stall.
+// When cycles begin, and what counts as a stall for the guardian.
 
 #include <random>
 
@@ -73,7 +73,7 @@ TEST(StallWatch, ActsOnceWhenTheBeatStandsStill) {
     while (!watch.tick(now += ms, 99, true)) ++acted_after;
     EXPECT_NEAR(acted_after, 20, 1);
     for (int i = 0; i < 1000; ++i) EXPECT_FALSE(watch.tick(now += ms, 99, true));
-    EXPECT_FALSE(watch.tick(now += ms, 100, true));  // it is back: the next stall counts again
+    EXPECT_FALSE(watch.tick(now += ms, 100, true));  // it continues: the next stall counts again
     acted_after = 0;
     while (!watch.tick(now += ms, 100, true)) ++acted_after;
     EXPECT_NEAR(acted_after, 20, 1);

@@ -1,4 +1,4 @@
-// Who records a device, over the servo's socket: what is handed over, and what becomes of nonsense.
+// Recorders over the servo's socket: what they get, and the handling of malformed requests.
 
 #include <memory>
 #include <random>
@@ -48,7 +48,7 @@ TEST(Recording, TheInputLogIsWrittenWhileSomebodyListensAndNoLonger) {
     const Answer welcome = looks_on.greet();
     const DeviceView view(welcome.fds.at(0).get());
     second.reset();
-    // Nobody: the input log does not grow, however many cycles there are.
+    // Without recorders the input log does not grow, however many cycles there are.
     EXPECT_TRUE(eventually([&] {
         const std::uint64_t input_log_was = written(input_log), cycles = view.count(protocol::Count::cycles);
         if (!eventually([&] { return view.count(protocol::Count::cycles) > cycles + 20; })) return true;

@@ -12,7 +12,7 @@
 
 namespace knurl::servo {
 
-/// The arm of a profile, its joints on a slow closed path of 4096 samples, in whole encoder counts.
+/// The arm of a profile, with its joints on a slow closed path of 4096 samples, in whole encoder counts.
 class TableArm final : public drivers::Device {
   public:
     explicit TableArm(std::string_view name = "premium15") {

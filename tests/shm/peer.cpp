@@ -1,5 +1,5 @@
 // The other process: peer SOCKET ROLE COUNT. Gets its segments over the socket, plays a client's part, and
-// exits with 0 only if everything that it saw was right.
+// exits with 0 only if everything it saw was right.
 
 #include "peer.hpp"
 

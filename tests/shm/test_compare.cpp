@@ -1,4 +1,4 @@
-// runtime/measure/compare: a verdict is wrong as seldom as it says, and a difference that matters is found.
+// runtime/measure/compare: wrong verdicts are as rare as promised, and a relevant difference is found.
 
 #include <cmath>
 #include <random>
@@ -12,7 +12,7 @@ namespace {
 
 using Random = std::mt19937_64;
 
-/// Blocks of a run on a machine whose mood changes from block to block, as a real one's does.
+/// Blocks of a run on a machine whose speed changes from block to block, like a real one's.
 struct Machine {
     double mood = 0.05;  // standard deviation of a block's own factor, in its logarithm
     double tail = 0.5;   // of the samples
@@ -55,8 +55,8 @@ TEST(Compare, CallsEqualRunsDifferentAsSeldomAsItPromises) {
         double wrong = 0;
         for (const Verdict verdict : {Verdict::better, Verdict::worse})
             wrong += share(verdict, 1, q, {.mood = 0.1}, 0.95, random) / 2;
-        // 5 % in both directions together are promised. Five standard deviations of 400 pairs are 2.7 % each
-        // way.
+        // The promise is 5 % in both directions together. Five standard deviations of 400 pairs are 2.7 %
+        // each way.
         EXPECT_LT(wrong, 0.025 + 0.028);
         EXPECT_GT(wrong, 0.002) << "a verdict that is never given is no test";
     }

@@ -1,4 +1,4 @@
-// runtime/measure/histogram: what a histogram says is what all samples would have said, to its resolution.
+// runtime/measure/histogram: a histogram's answers equal those of all samples, within its resolution.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace knurl::measure {
 namespace {
 
-/// n samples exactly as a distribution spreads them, by the inverse of its cumulative function.
+/// n samples distributed exactly, by the inverse of the cumulative function.
 template <class Inverse>
 Histogram spread(const Inverse& inverse, int n) {
     Histogram made;

@@ -1,5 +1,5 @@
-// The other side writes whatever it likes into the shared words. It can spoil what it says; it can not make
-// us crash, hang, or touch anything outside the ring, whose memory ends at guard pages here.
+// The other side writes anything into the shared words. It can spoil its own data; it cannot cause a crash, a
+// hang, or an access outside the ring, whose memory ends at guard pages here.
 
 #include <thread>
 
@@ -60,7 +60,7 @@ class Hostile : public testing::Test {
                 return random_();
         }
     }
-    /// Near what stands there, which is what a subtle attacker would write.
+    /// Close to the present value, as a subtle attacker would write.
     void spoil(const Guarded& memory, std::size_t word) {
         std::uint64_t& at = memory.word(word);
         const std::uint64_t now = HardwareMemory::load(at, std::memory_order::relaxed);

@@ -1,5 +1,5 @@
 // Writers that are killed in the middle of a write. Twice: at seeded random moments, thousands of times, with
-// the reader at work; and, single-stepped, before every single instruction of a publication.
+// an active reader; and, single-stepped, before every single instruction of a publication.
 
 #include <algorithm>
 #include <chrono>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t words = 64;
 
-/// Fast to make, so that most of the writer's time is spent between the first word and the last.
+/// Fast to create, so that most of the writer's time is spent between the first word and the last.
 struct Uniform {
     std::uint64_t word[words];
     static Uniform numbered(std::uint64_t number) {
@@ -36,7 +36,7 @@ struct Uniform {
     }
 };
 
-/// One ring with its writer and its reader. The writer runs in a process of its own until it is killed.
+/// One ring with its writer and its reader. The writer runs in a separate process until it is killed.
 struct Subject {
     explicit Subject(std::size_t bytes)
         : segment(Segment::create("knurl-test", bytes)), copy(Segment::create("knurl-test", bytes)) {}
@@ -48,7 +48,7 @@ struct Subject {
         init(segment.data());
         attach(segment.data());
     }
-    /// From here on the reader looks at what the memory was at this moment, as if it had just attached.
+    /// From here on the reader reads the memory as it was at this moment, as if it had just attached.
     void look_at_copy() {
         std::memcpy(copy.data(), segment.data(), segment.size());
         attach(copy.data());
@@ -244,8 +244,7 @@ TYPED_TEST(Kills, AtRandomMomentsLeaveNothingTornAndNothingHalfApplied) {
             if (subject.seen() == 0) ::sched_yield();  // it has not begun
         }
         ::kill(writer, SIGKILL);
-        // The signal takes its time. Reading goes on, so that death does not find the writer waiting for
-        // room.
+        // The signal takes time. Reading continues, so that death does not find the writer waiting for room.
         while (::waitpid(writer, nullptr, WNOHANG) == 0 && !this->HasFatalFailure()) subject.read_some();
         if (!this->HasFatalFailure()) subject.read_rest();
         if (this->HasFatalFailure()) {
@@ -257,7 +256,7 @@ TYPED_TEST(Kills, AtRandomMomentsLeaveNothingTornAndNothingHalfApplied) {
     }
     std::printf("%d kills, %d of them within a write; %llu messages\n", kills, within,
                 static_cast<unsigned long long>(messages));
-    // When a kill arrives is the machine's affair; the single steps below cover every moment.
+    // The time of a kill depends on the machine; the single steps below cover every moment.
     if (within <= kills / 100)
         GTEST_SKIP() << "all held, but only " << within << " of " << kills
                      << " kills fell into a write: on this machine, now, the run shows little";

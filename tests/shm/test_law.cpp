@@ -1,4 +1,5 @@
-// runtime/measure/law: of times made from a law and noise, that law is found, and its constants where it says.
+// runtime/measure/law: from times made from a law and noise, that law is found, with its constants in their
+// intervals.
 
 #include <cmath>
 #include <map>
@@ -13,7 +14,7 @@ namespace {
 
 using Random = std::mt19937_64;
 
-/// Times of a machine whose mood changes from block to block, and that is 1 % off at each point for good.
+/// Times on a machine whose speed changes from block to block, with a permanent error of 1 % at each point.
 std::vector<Point> measured(const Law& law, std::size_t blocks, Random& random, std::size_t points = 8) {
     std::vector<Point> made;
     for (std::size_t i = 0; i < points; ++i) made.push_back({.n = std::exp2(i), .blocks = {}});
@@ -53,7 +54,7 @@ TEST(Law, IsFoundInNoise) {
             if (fitted.law.growth == law.growth && fitted.law.growth == Growth::power)
                 held += std::abs(fitted.law.exponent - law.exponent) < 0.15 ? 1 : 0;
         }
-        // A line is taken for its neighbour in one run of fourteen: fewer than 10 of 16 in one of 20 000.
+        // One run of fourteen confuses a line with its neighbour: fewer than 10 of 16 in one of 20 000.
         EXPECT_GE(found, 10);
         if (law.growth == Growth::power) {
             EXPECT_GE(held, 10);
@@ -69,7 +70,7 @@ TEST(Law, HasItsConstantsWithinTheirIntervals) {
     constexpr int runs = 60;
     int linear = 0, inside = 0;
     for (int i = 0; i < runs; ++i) {
-        // Without what is off at each point for good: no block of a run shows that.
+        // Without the permanent error at each point, which no block of a run shows.
         std::vector<Point> points = measured(law, 30, random);
         std::normal_distribution<double> noise;
         for (Point& point : points)

@@ -1,4 +1,4 @@
-// runtime/measure: a figure never says more than its samples.
+// runtime/measure: a figure never claims more than its samples show.
 
 #include <algorithm>
 #include <chrono>

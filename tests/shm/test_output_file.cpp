@@ -1,4 +1,4 @@
-// runtime/measure/output_file: a file is all there, or is as it was and a line says why.
+// runtime/measure/output_file: a file is complete, or stays as it was and a line gives the reason.
 
 #include <array>
 #include <csignal>
@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What it throws says; empty: nothing.
+/// The text that it throws; empty: none.
 std::string complaint(const std::function<void()>& does) {
     try {
         does();

@@ -1,4 +1,4 @@
-// knurl_bench_peers: what it says of who is faster, and of what Knurl promises.
+// knurl_bench_peers: its verdicts on which transport is faster, and on Knurl's goals.
 
 #include <cmath>
 #include <random>

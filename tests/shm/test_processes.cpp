@@ -1,4 +1,4 @@
-// Across fork and exec, attached as a real client is: segments and the event descriptor come over the socket.
+// Across fork and exec, attached like a real client: segments and the event descriptor come over the socket.
 
 #include <filesystem>
 #include <thread>
@@ -87,7 +87,7 @@ TEST_F(Processes, ASleepingClientGetsEveryReportWhole) {
     for (std::uint64_t n = 0; n < count; ++n) {
         const Report report = Report::numbered(n);
         writer.publish(&report);
-        // By turns, as it is for one that sleeps alone, and for several.
+        // Alternates the ways of waking one sleeper and several.
         if (n % 2 == 0)
             waker_.wake(wake_targets);
         else if (who_waits(wake_targets).count > 0)

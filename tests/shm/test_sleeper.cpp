@@ -1,5 +1,5 @@
-// runtime/measure: a loop with nothing in it keeps a servo's time; a witness sees only what it may, and what
-// several see at once is counted once.
+// runtime/measure: an empty loop keeps a servo's time; a witness sees only what it may, and what several see at
+// once counts once.
 
 #include <algorithm>
 #include <thread>

@@ -19,7 +19,7 @@ using test::Memory;
 using test::Record;
 
 struct PlainPayloadMemory : HardwareMemory {
-    // Not memcpy: GCC expands a short one in line after the sanitizer's pass, which then never sees it.
+    // Not memcpy: GCC expands a short one inline after the sanitizer's pass, which then never sees it.
     static void store_payload(Payload* shared, const void* from, std::size_t words,
                               std::memory_order) noexcept {
         for (std::size_t i = 0; i < words; ++i) shared[i] = static_cast<const std::uint64_t*>(from)[i];

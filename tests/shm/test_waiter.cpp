@@ -88,7 +88,7 @@ TEST_F(Waiting, NoReportIsSleptThrough) {
             seen.store(n + 1);
         }
     });
-    // Each report is published as the client is on its way to sleep, at another moment each time.
+    // Each report is published while the client is going to sleep, at another moment each time.
     for (std::uint64_t n = 0; n < reports && !lost; ++n) {
         while (seen.load() != n && !lost) std::this_thread::yield();
         for (std::uint64_t spin = random() % 2000; spin > 0; --spin)

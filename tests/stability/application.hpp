@@ -18,11 +18,11 @@
 namespace stability {
 
 using Representation = std::variant<knurl::Plane, knurl::Cap, knurl::ConstantForce>;
-/// The faces of a corner, else one. As the client library does it, a face that was sent once and is no longer
-/// needed stays, where nobody is.
+/// The faces of a corner, else one. As in the client library, a face that was sent once and is no longer
+/// needed stays, at a place that no hand reaches.
 using Answer = std::vector<Representation>;
 
-/// Puts an answer in place of the last: `add` returns the id of what is new, `update` takes one.
+/// Replaces the last answer: `add` returns the id of a new representation, `update` takes one.
 template <class Add, class Update>
 void put(const Answer& answer, std::vector<knurl::RepresentationId>& there, Add&& add, Update&& update) {
     for (std::size_t i = 0; i < answer.size(); ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// What theory says of a wall under a servo.
+// The theory of a wall under a servo.
 
 #include "conditions.hpp"
 

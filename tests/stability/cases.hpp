@@ -1,5 +1,5 @@
 #pragma once
-// What the tables of the sweep are made of: methods, cases, and the search for one case.
+// The parts of the sweep's tables: methods, cases, and the search for one case.
 
 #include <string>
 #include <vector>
@@ -13,7 +13,7 @@ struct NamedMethod {
     const char* name;
     Method method;
 };
-/// Every way from the application's model to the hand, by the name that tables and plots use.
+/// Every path from the application's model to the hand, by its name in tables and plots.
 const std::vector<NamedMethod>& methods();
 const Method& method(const std::string& name);
 

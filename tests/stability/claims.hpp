@@ -1,5 +1,5 @@
 #pragma once
-// What the sweep must show: each claim with what was measured, and whether it holds.
+// What the sweep must show: each claim with the measured value, and whether it holds.
 
 #include <string>
 #include <vector>
@@ -20,7 +20,8 @@ std::vector<Claim> claims_of(const std::vector<Table>& tables);
 std::vector<Claim> network_claims(const std::vector<Table>& tables);
 /// The directions alone, by a few searches of their own: a few seconds.
 std::vector<Claim> quick_claims();
-/// Strokes in worlds a hundredth and a thousand times as large as the device feel as in one of its size.
+/// Strokes in worlds a hundredth and a thousand times as large as the device feel the same as in one of its
+/// size.
 std::vector<Claim> world_claims();
 
 std::string markdown(const std::vector<Claim>& claims);

@@ -1,20 +1,21 @@
-// knurl_combinations: random scenes of many parts that act on the hand together, in the closed loop of the real
-// servo on simulated devices.
+// knurl_combinations: random scenes of many parts that act on the hand together, in the closed loop of the
+// real servo on simulated devices.
 //
-//   knurl_combinations [--count 10000] [--seed 1] [--threads 2] [--without-budget] [--flat] [--planes] [--glove]
-//                      [--verbose] [--trace FILE]
+//   knurl_combinations [--count 10000] [--seed 1] [--threads 2] [--without-budget] [--flat] [--planes]
+//                      [--glove] [--verbose] [--trace FILE]
 //
-// Each scene: up to 12 parts (planes of any stiffness and damping, on up to five probes, solved or summed; springs,
-// constraints, magnets, viscosities, Taylor fields; balls, bars and boxes), spread over one to eight claims, on
-// premium15, cartesian3 or generic6 with 0.05 N of dry friction; a hand that comes down, slides, and rests. In the
-// last half second of 5 s half of peak to peak of the tip's place is below 0.1 mm on each axis, and there is no
-// fault. A hand that is farther than that from rest goes on for 5 s more, and is judged once more in the last half
-// second of them: a limit cycle goes on for ever, a hand that has crept up to where something lets go of it does not.
-// A failure prints the seed of its scene, which alone replays it.
+// Each scene has up to 12 parts (planes of any stiffness and damping, on up to five probes, solved or summed;
+// springs, constraints, magnets, viscosities, Taylor fields; balls, bars and boxes), spread over one to eight
+// claims, on premium15, cartesian3 or generic6 with 0.05 N of dry friction. A hand comes down, slides, and
+// rests. In the last half second of 5 s, half the peak-to-peak motion of the tip must be below 0.1 mm on each
+// axis, without a fault. A hand that still moves more continues for 5 s and is judged again in the last half
+// second: a limit cycle lasts for ever, a hand that has crept to an edge where it is released does not. A
+// failure prints the seed of its scene, which repeats it alone.
 //
 // --planes: of planes alone, solved together, without friction and damping, on devices that render no torque.
-// --glove: those by a rigid glove instead of the budget: all contacts are one nearest-point problem in the hand's
-// displacement. Where the hand does not turn that is the scene's own problem, with each plane moved by its probe's arm.
+// --glove: those by a rigid glove instead of the budget: all contacts are one nearest-point problem in the
+// hand's displacement. Where the hand does not turn that is the scene's own problem, with each plane moved by
+// its probe's arm.
 
 #include <algorithm>
 #include <atomic>

@@ -1,6 +1,6 @@
 #pragma once
-// All that one simulated stroke depends on. The defaults are the stated centre of the sweep; README.md says
-// what each figure stands for.
+// All parameters of one simulated stroke. The defaults are the stated centre of the sweep; README.md explains
+// each figure.
 
 #include <cmath>
 #include <string>
@@ -16,7 +16,7 @@ namespace stability {
 struct Method {
     enum class Kind { force, plane, cap };
     Kind kind = Kind::plane;
-    bool predicted = false;  // asked where the hand will be (the client library's safe form)
+    bool predicted = false;  // evaluated where the hand will be (the client library's safe form)
     double recovery = 0;     // s; knurl::automatic: knurl::automatic_fade of the update interval
     knurl::PlaneUpdate update = knurl::PlaneUpdate::fade;
     bool passivity = false;  // with a passivity controller (Hannaford & Ryu 2002)
@@ -27,10 +27,10 @@ struct Method {
 inline constexpr double judged_from = 1.0;  // until then the hand comes to rest on the surface
 inline constexpr double speed_up = 0.2;     // in which the stroke reaches its speed, loses it, turns round
 inline constexpr double rest_from = 6.0;    // the stroke is over
-inline constexpr double cycle_from = 7.5;   // from here to the end a limit cycle is looked for
+inline constexpr double cycle_from = 7.5;   // from here to the end a limit cycle is measured
 inline constexpr double run_end = 8.0;
 
-/// Metres of the application's world that one metre of the device is, where nothing else is said: --world.
+/// Metres of the application's world per metre of the device, unless stated otherwise: --world.
 inline double stated_world = 1;
 
 struct Conditions {
@@ -44,7 +44,7 @@ struct Conditions {
     double peak_force = 8.5;  // N
     double weight = 0;        // N, downwards
     // The hand: grip (K (x_wanted - x) + b (v_wanted - v) - push), and its finger's mass.
-    double grip = 1;              // 0: nobody holds the device
+    double grip = 1;              // 0: no hand holds the device
     double hand_stiffness = 200;  // N/m, along and across the stroke
     double hand_press = 60;       // N/m, into the surface
     double hand_damping = 3;      // N s/m
@@ -57,11 +57,11 @@ struct Conditions {
     double answer = 25e-3;    // s, from reading the hand to its update
     bool remote = false;      // on another host; between it and the servo:
     knurl::bridge::proxy::NetworkProfile network;
-    // What is stroked, and how fast.
+    // The stroked surface, and the speed.
     Ridge ridge = gentle_ridge;
     double speed = 0.15;  // m/s; 0: the hand drops on the surface and rests
     double reach = 0;     // m, to and fro over -reach..reach; 0: one way
-    // How it is felt.
+    // How it is rendered.
     Method method;
     double virtual_damping = 0;   // N s/m, of the surface
     double world = stated_world;  // m, of the application's world and of the scene: a metre of the device's
@@ -71,11 +71,11 @@ struct Conditions {
     double total_damping() const { return damping + grip * hand_damping; }
     double period() const { return 1 / rate; }
     double interval() const { return 1 / update_rate; }
-    /// Everything late between reading a position and feeling the force: tau.
+    /// All delay between reading a position and the resulting force: tau.
     double lateness() const { return (lag > 0 ? 1 / (2 * M_PI * lag) : 0) + delay; }
 };
 
-/// Where the hand goes: its speed along x at a time, m/s.
+/// The hand's path: its speed along x at a time, m/s.
 double wanted_speed(const Conditions& c, double t);
 
 }  // namespace stability

@@ -20,7 +20,7 @@ double wanted_speed(const Conditions& c, double t) {
 }
 
 unsigned Figures::broken() const {
-    // Written so that a NaN breaks all of them.
+    // Written so that NaN breaks all of them.
     unsigned mask = 0;
     if (!(jump <= 1.0)) mask |= stability::jump;
     if (!(rise <= 1.0)) mask |= stability::rise;
@@ -66,7 +66,7 @@ void Judge::add(double t, const Eigen::Vector3d& position, const Eigen::Vector3d
     const double size = force.norm(), growth = share_ * (size - before.norm());
     if (!(growth <= figures_.rise)) figures_.rise = growth;
     figures_.peak = std::max(figures_.peak, size);
-    // The foot is asked for only where it can matter.
+    // The foot is computed only where it can matter.
     const bool fast = !(velocity.norm() <= figures_.kick), at_rest = t >= cycle_from;
     if (!fast && !at_rest && !measure_) return;
     const Ridge::Foot foot = conditions_.ridge.foot(position);
@@ -92,7 +92,7 @@ void Judge::fault() {
 }
 
 Figures Judge::finish() {
-    // What was never touched has no verdict: a search for the stiffest must not take it for stable.
+    // A surface that was never touched has no verdict: a search for the stiffest must not count it as stable.
     if (begun_ && figures_.peak == 0) fault();
     if (!std::isinf(figures_.cycle)) {
         figures_.cycle = 0.5 * (highest_ - lowest_);

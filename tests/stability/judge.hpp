@@ -30,7 +30,7 @@ struct Figures {
     double kick = 0;            // m/s
     double cycle = 0;           // m
     double power = 0;           // W
-    double error = 0;  // N, root mean square of felt - true force over the stroke; only where measured
+    double error = 0;  // N, root mean square of rendered - true force over the stroke; only where measured
     double peak = 0;   // N
 
     /// Criteria that these figures break.
@@ -40,7 +40,7 @@ struct Figures {
 
 class Judge {
   public:
-    /// `measure`: the force error too, at `stiffness`, which needs the foot in every cycle.
+    /// `measure`: also the force error, at `stiffness`, which needs the foot in every cycle.
     Judge(const Conditions& conditions, double stiffness, bool measure);
 
     /// One cycle of the servo: true position and velocity of the tip, the scene's force, and the work that
@@ -50,7 +50,7 @@ class Judge {
     /// A fault of the supervisor, or a surface that was never touched: nothing is stable after it.
     void fault();
 
-    /// As of now; `power` and `cycle` are known at the end alone.
+    /// So far; `power` and `cycle` are known only at the end.
     const Figures& figures() const { return figures_; }
     Figures finish();
 

@@ -1,5 +1,5 @@
 // knurl_stability: finds the largest stable stiffness of every method by simulation on the virtual clock, and
-// prints it beside what theory allows. README.md is its chapter.
+// prints it beside the theory's. README.md is its chapter.
 
 #include <chrono>
 #include <cstdio>

@@ -1,7 +1,6 @@
 #pragma once
 // The network between the servo and a remote application, in virtual time: the network profiles of
-// tests/bridge/proxy and the bridge's rule (newest wins; what was not acknowledged is sent again every 10
-// ms).
+// tests/bridge/proxy and the bridge's rule (the newest wins; unacknowledged data is sent again every 10 ms).
 
 #include <algorithm>
 #include <cstdint>
@@ -14,11 +13,11 @@ namespace stability {
 
 inline constexpr double resend = 10e-3;  // s
 
-/// One direction of numbered things, of which the newest that has arrived counts.
+/// One direction of numbered messages; the newest one that has arrived counts.
 template <class Thing>
 class Newest {
   public:
-    /// Under way from now on. `again`: sent again until it arrives, else lost when its datagram is.
+    /// Sends it now. `again`: sent again until it arrives; else it is lost when its datagram is.
     void send(const knurl::bridge::proxy::NetworkProfile& profile, std::uint64_t seed,
               knurl::bridge::proxy::Way way, double now, const Thing& thing, bool again) {
         constexpr int most_tries = 100;
@@ -30,7 +29,7 @@ class Newest {
         }
         ++number_;
     }
-    /// True: a newer one than before is here, `newest()`.
+    /// True: `newest()` is newer than before.
     bool arrive(double now) {
         bool news = false;
         std::erase_if(under_way_, [&](const Flying& flying) {

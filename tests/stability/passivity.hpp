@@ -10,7 +10,7 @@ namespace stability {
 
 class PassivityController {
   public:
-    /// The force of this cycle, with a damper that pays for what the wall has given too much.
+    /// The force of this cycle, with a damper that removes the energy that the wall has given in excess.
     Eigen::Vector3d act(const Eigen::Vector3d& force, const Eigen::Vector3d& position, double dt) {
         constexpr double most = 0.5;       // kg: alpha <= most / dt
         constexpr double too_slow = 1e-3;  // m/s: below, the encoder says nothing about velocity
@@ -19,7 +19,7 @@ class PassivityController {
         const Eigen::Vector3d step = position - last_position_;
         last_position_ = position;
         energy_ -= last_force_.dot(step);
-        if (force.isZero()) energy_ = std::max(energy_, 0.0);  // out of contact nothing is owed
+        if (force.isZero()) energy_ = std::max(energy_, 0.0);  // out of contact there is no debt
         last_force_ = force;
         const Eigen::Vector3d velocity = step / dt;
         if (energy_ < 0 && velocity.norm() > too_slow)

@@ -31,7 +31,8 @@ using namespace knurl;
 using namespace knurl::test;
 using Eigen::Vector3d;
 
-constexpr int scene_cycles = 2000, quiet_cycles = 1500;  // of changes; then of none, where a mass hangs on it
+constexpr int scene_cycles = 2000, quiet_cycles = 1500;  // cycles with changes; then without, with a mass
+                                                         // attached
 constexpr std::uint32_t slots = 24;                      // at most
 
 struct Params {
@@ -47,8 +48,8 @@ Params random_of(Rng& rng, bool extreme) {
     return out;
 }
 
-/// What may go on for ever by itself: a surface that travels, planes that add up to any stiffness, relief
-/// that is stiffer than its surface, a law of friction that is not passive.
+/// Representations that may move for ever by themselves: a moving surface, planes that sum to any stiffness,
+/// relief stiffer than its surface, a friction law that is not passive.
 template <class R>
 void calm(Params& params) {
     for (const Field& field : Describe<R>::fields) {
@@ -97,17 +98,17 @@ class Life {
             {.automatic = 0.01, .rise_speed = surfaces_only_ || between(rng_, 0, 1) ? infinity : 0.1});
     }
 
-    /// What went wrong, or nothing. Counts its cycles into `cycles`.
+    /// The error, or nothing. Adds its cycles to `cycles`.
     std::optional<std::string> run(std::uint64_t& cycles) {
         for (int i = 0; i < scene_cycles; ++i, ++cycles) {
             change();
             if (auto wrong = step(i)) return wrong;
         }
         if (!closed_) return {};
-        // Nothing changes any more. Surfaces that contradict each other answer boundedly but owe no rest; on
-        // one surface, and on planes, a mass comes to rest. Curved ones that are solved together with others
-        // are their tangent planes at the hand, and where those are nearly opposed the hand may be thrown to
-        // and fro: bounded, so counted, no failure.
+        // No more changes. Contradictory surfaces give bounded forces but need not come to rest; on one
+        // surface, and on planes, a mass comes to rest. Curved surfaces that are solved with others act as
+        // their tangent planes at the hand. Where these are nearly opposed the hand may be thrown back and
+        // forth: bounded, so counted, not a failure.
         scene_.settle();
         scene_.set_silence(0);
         double fastest = 0;
@@ -127,7 +128,7 @@ class Life {
         return {};
     }
 
-    /// What became of the mass: not asked; at rest; or moving on, between surfaces wedged against each other.
+    /// The mass in the end: not tested; at rest; or still moving, between surfaces wedged against each other.
     enum class Rest { unasked, rests, restless };
     Rest rest() const { return rest_; }
 
@@ -141,7 +142,7 @@ class Life {
 
   private:
     Limits random_limits() {
-        if (closed_)  // the device of the stroke: half its k_max, so that what is left to chance has room
+        if (closed_)  // the device of the stroke: half its k_max, to leave a margin for chance
             return {.max_stiffness = 1500,
                     .max_force = 8.5,
                     .max_torque = 0.3,

@@ -55,7 +55,7 @@ surface::Judgement relief_stroke(const ReliefStroke& stroke, const Conditions& c
     terms.update_interval = c.interval();
     knurl::servo::OfflineClaim& claim = servo.claim(std::move(terms));
 
-    // The demo's model knows no curvatures; for caps it is asked for them as the manual says.
+    // The demo's model knows no curvatures; for caps it computes them as the manual says.
     const knurl::SurfaceModel model = model_of(stroke.terrain);
     Application application(c, stiffness, phase,
                             c.method.kind == Method::Kind::cap ? knurl::curved(model) : model);

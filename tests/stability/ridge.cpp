@@ -21,7 +21,7 @@ Ridge::Foot Ridge::foot(const Eigen::Vector3d& p) const {
     double s = p.x();
     const double sharpest = length * length / (4 * M_PI * M_PI * height);  // m, the smallest radius
     if (std::abs(p.z() - at(s)) > sharpest / 2) {
-        // So far off, Newton may end on a farther point: from the best of a few.
+        // This far away Newton may end on a farther point, so the best of a few starts is used.
         const auto distance = [&](double x) { return std::hypot(x - p.x(), at(x) - p.z()); };
         constexpr int samples = 8;
         double best = distance(s);

@@ -18,7 +18,7 @@ struct Ridge {
         Eigen::Vector3d point;   // m
         Eigen::Vector3d normal;  // up
         double curvature;        // 1/m along the stroke, positive in a valley; across it is straight
-        double height;           // m, of the asked point over the surface
+        double height;           // m, of the given point over the surface
     };
     /// The nearest point, for points less than a quarter wavelength from it.
     Foot foot(const Eigen::Vector3d& p) const;

@@ -11,7 +11,8 @@ Search::Search(Run run, Seeds seeds, unsigned criteria)
 bool Search::stable(int rung, unsigned criteria) {
     const auto known = broken_.find(rung);
     if (known != broken_.end()) return (known->second & criteria) == 0;
-    const bool alone = (criteria_ & ~criteria) == 0;  // nothing else will be asked: the first break decides
+    const bool alone = (criteria_ & ~criteria) == 0;  // no other criterion will follow: the first break
+                                                      // decides
     unsigned broken = 0;
     for (unsigned seed = seeds_.first; seed < seeds_.end(); ++seed) {
         broken |= run_(lowest * std::pow(ratio, rung), seed, alone ? criteria : 0).broken();

@@ -11,20 +11,19 @@ namespace stability {
 /// Figures of one run: stiffness (N/m), seed, criteria that end it early (0: none does).
 using Run = std::function<Figures(double stiffness, unsigned seed, unsigned criteria)>;
 
-/// The runs of each case, of which the worst counts.
+/// The runs of each case; the worst one counts.
 struct Seeds {
     unsigned first = 1, count = 10;
     unsigned end() const { return first + count; }
 };
 
-/// What is stable at low stiffness but not in between does not count: the first unstable rung ends the
-/// search.
+/// Stability above an unstable stiffness does not count: the first unstable rung ends the search.
 class Search {
   public:
     static constexpr double lowest = 50, ratio = 1.02;  // N/m; rungs are 2 % apart
     static constexpr int stride = 12, top = 300;        // rungs: 27 % at a time first; 19 000 N/m
 
-    /// `criteria`: all that will be asked for; a run ends once all of them are broken.
+    /// `criteria`: all that will be used; a run ends once all of them are broken.
     Search(Run run, Seeds seeds, unsigned criteria);
 
     struct Found {

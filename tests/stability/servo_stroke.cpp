@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 knurl::drivers::Motion motion_of(const Conditions& c, const Vector3d& start) {
-    // The hand comes down to the middle of the relief in the first half second, and then only strokes.
+    // The hand comes down to the middle of the relief in the first half second; then it only strokes.
     constexpr double step = 1e-3, down = 0.5;  // s
     std::vector<knurl::drivers::MotionRow> rows;
     double x = start.x();

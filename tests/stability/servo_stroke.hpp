@@ -1,5 +1,5 @@
 #pragma once
-// The same stroke through the real thing: Servo::step, its batches, supervisor and kinematics, a SimDevice
+// The same stroke through the real servo: Servo::step, its batches, supervisor and kinematics, a SimDevice
 // with joints, encoders at the joints, a converter of 12 bits, and the simulated hand of drivers/.
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace stability {
 
-/// Of the conditions, those of the servo, application, surface, stroke and method count, and grip and push;
-/// the device is `profile`'s. To and fro (conditions.reach > 0), as its workspace asks for.
+/// Uses the conditions' servo, application, surface, stroke and method, grip and push; the device is
+/// `profile`'s. Back and forth (conditions.reach > 0), since its workspace requires that.
 Figures servo_stroke(const std::string& profile, const Conditions& conditions, double stiffness,
                      unsigned seed, unsigned criteria, bool measure = false);
 

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double longest_step = 100e-6;  // s, of the dynamics
 
-/// A point mass on a lagging actuator, with a hand: what drivers/ simulates, without joints.
+/// A point mass on a lagging actuator, with a hand: the simulation of drivers/, without joints.
 class Tip {
   public:
     Tip(const Conditions& c, const Vector3d& start)
@@ -46,12 +46,12 @@ class Tip {
             force.z() -= pressed;
             const Vector3d before = velocity;
             velocity += h_ / mass_ * force;
-            // Dry friction slows the tip, at most to rest: so it sticks.
+            // Dry friction slows the tip, at most to rest: so it can stick.
             const double fast = velocity.norm();
             if (fast > 0) velocity *= std::max(0.0, 1 - h_ * c_.coulomb / (mass_ * fast));
             position += h_ * velocity;
             wanted_.x() += h_ * speed;
-            // The change of kinetic energy in a semi-implicit step is force times the mean of the velocities.
+            // In a semi-implicit step, the change of kinetic energy is force times the mean velocity.
             work += h_ * 0.5 * exerted_.dot(before + velocity);
         }
     }
@@ -61,7 +61,7 @@ class Tip {
     int steps_;
     double h_, follow_, mass_;    // s, 1, kg
     Vector3d spring_;             // N/m
-    std::vector<Vector3d> pipe_;  // forces on their way to the actuators
+    std::vector<Vector3d> pipe_;  // forces under way to the actuators
     std::size_t fill_ = 0;
     Vector3d exerted_ = Vector3d::Zero();
     Vector3d wanted_;

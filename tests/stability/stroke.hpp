@@ -7,12 +7,12 @@
 namespace stability {
 
 /// 8 s with the surface's stiffness in N/m. Stops early once one of `criteria` is broken, unless `measure`.
-/// The seed moves what no application controls: where on the surface and on the encoders' grid the stroke
+/// The seed changes what no application controls: where on the surface and on the encoders' grid the stroke
 /// begins, and when the application reads first. Equal arguments give equal bits.
 Figures stroke(const Conditions& conditions, double stiffness, unsigned seed, unsigned criteria,
                bool measure = false);
 
-/// What a seed says, each 0 to 1.
+/// The values of a seed, each 0 to 1.
 struct Chance {
     double place, phase, grid_x, grid_z, drop;
     explicit Chance(unsigned seed);

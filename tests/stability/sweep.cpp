@@ -27,8 +27,7 @@ Table wall_table(Seeds seeds) {
                               [c, seeds] {
                                   Conditions smooth = c;
                                   smooth.coulomb = 0;
-                                  // A force that the application computes is late by its answer and half its
-                                  // interval.
+                                  // A force from the application is late by its answer and half its interval.
                                   const double late = c.method.kind == Method::Kind::force
                                                           ? c.answer + c.interval() / 2
                                                           : c.period() / 2;
@@ -150,7 +149,7 @@ Table device_table(Seeds seeds) {
                               },
                               {}});
     }
-    // The bench that all other tables use, on the same stroke: how well it stands for the real thing.
+    // The bench of all other tables, on the same stroke: how well it represents the real servo.
     table.rows.push_back({"the bench, as cartesian3",
                           0,
                           [stroked, ways, seeds] {

@@ -1,6 +1,6 @@
 #pragma once
-// What the sweep asks. One factor at a time about the centre that Conditions' defaults state, or the full
-// grid.
+// The questions of the sweep: one factor at a time about the centre, which Conditions' defaults state, or the
+// full grid.
 
 #include "search.hpp"
 #include "table.hpp"
@@ -22,13 +22,13 @@ Table released_table(Seeds seeds);
 std::vector<Table> factor_tables(Seeds seeds);
 /// The real servo and simulated devices.
 Table device_table(Seeds seeds);
-/// 2100 N/m, the paper's own figure, on premium15: what a stroke is like.
+/// 2100 N/m, the paper's own value, on premium15: the quality of a stroke.
 Table paper_wall_table(Seeds seeds);
 /// Force error against the true surface, by application rate.
 Table error_table(Seeds seeds);
 /// A remote application: stiffness by the network's delay, its swing, its loss; a table each.
 std::vector<Table> network_tables(Seeds seeds);
-/// Everything by everything.
+/// All combinations.
 Table full_grid(Seeds seeds);
 
 }  // namespace stability

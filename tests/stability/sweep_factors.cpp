@@ -1,4 +1,4 @@
-// One factor at a time about the centre, and all by all.
+// One factor at a time about the centre, and all combinations.
 
 #include <array>
 

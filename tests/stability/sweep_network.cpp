@@ -1,4 +1,4 @@
-// The application on another host: how stiff may a wall be, by what the network does?
+// The application on another host: how stiff may a wall be, depending on the network?
 
 #include <fmt/format.h>
 

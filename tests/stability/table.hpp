@@ -1,5 +1,5 @@
 #pragma once
-// What the sweep prints and plots: tables of figures, each row made by one job; jobs run on a few threads.
+// The sweep's output: tables of figures, each row made by one job; jobs run on a few threads.
 
 #include <functional>
 #include <string>
@@ -31,20 +31,20 @@ struct Table {
     double at(const std::string& name, const std::string& column) const;
 };
 
-/// All rows of all tables, on `jobs` threads. `progress` (may be null) hears of each finished row.
+/// All rows of all tables, on `jobs` threads. `progress` (may be null) is called for each finished row.
 void fill(std::vector<Table>& tables, int jobs, const std::function<void(int done, int all)>& progress);
 
 /// As Markdown.
 std::string markdown(const Table& table);
-/// What the figures come from.
+/// The origin of the figures.
 struct Origin {
     knurl::measure::Machine machine;
     std::string of;      // "seeds" or "phases"
     unsigned count = 0;  // of them
     double seconds = 0;
 };
-/// As JSON, in the form of all that measures: {"machine", ..., of: count, "seconds", "tables": [{key, title,
-/// unit, columns, rows: [{name, x, values, kinds}]}]}
+/// As JSON, in the form of all measuring programs: {"machine", ..., of: count, "seconds", "tables": [{key,
+/// title, unit, columns, rows: [{name, x, values, kinds}]}]}
 std::string json(const std::vector<Table>& tables, const Origin& origin);
 
 }  // namespace stability

@@ -9,8 +9,8 @@
 
 namespace stability {
 
-/// The centre with one thing changed: a variant for each value, which `set(conditions, value)` puts there;
-/// `scale` and `unit` name it.
+/// The centre with one change: a variant for each value, which `set(conditions, value)` applies; `scale` and
+/// `unit` name it.
 template <class Set>
 void vary(std::vector<Variant>& out, const char* what, double scale, const char* unit,
           std::initializer_list<double> values, Set&& set, const Conditions& centre = {}) {

@@ -13,7 +13,7 @@ struct Case {
     std::string what;
     Body body;
     Script script;
-    double from, until;  // s: it is steady
+    double from, until;  // s: the part in which the contact is steady
 };
 
 Case pressed() {
@@ -40,8 +40,8 @@ Case pushed() {
             begin + 0.6 * (script.end() - begin)};
 }
 
-/// Once it is steady the hand never leaves the body, and the force is not shaken by half of itself (rms): how
-/// stiff it was felt, N/m, as a mean. Nothing: it is not stable.
+/// The mean measured stiffness, N/m. Nothing: not stable. Stable means that after the start the hand never
+/// leaves the body, and that the force varies by less than half of itself (rms).
 std::optional<double> stable(const Case& one, const TrialOptions& options) {
     World world({one.body});
     double sum = 0, squares = 0, stiffness = 0;
@@ -78,7 +78,7 @@ std::vector<Stiffest> compare(double rate) {
                 if (const auto felt = stable(one, options))
                     best = {.wish = stiffness, .felt = *felt};
                 else if (best.wish > 0)
-                    break;  // below the first, the hand goes through a thing that is too soft to be moved
+                    break;  // below the first, the hand passes through a thing that is too soft to be moved
             }
             return best;
         };

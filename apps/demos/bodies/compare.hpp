@@ -1,6 +1,6 @@
 #pragma once
-// How stiff a contact with a simulated body may be before it shakes: with the force computed in the engine's
-// own loop and sent, as it is usually done, and with the body's surface felt at the servo's rate.
+// How stiff a contact with a simulated body may be before it shakes. Compares the usual way, with the force
+// computed in the engine's own loop, with a surface that the servo renders at its own rate.
 
 #include <string>
 #include <vector>
@@ -8,18 +8,18 @@
 namespace bodies {
 
 struct Stiffest {
-    /// N/m, the stiffest wish that is stable, and what was felt of it, as a mean; 0: none.
+    /// N/m: the largest requested stiffness that is stable, and the mean measured stiffness then; 0: none.
     struct Surface {
         double wish = 0, felt = 0;
     };
-    std::string what;    // is done to which body
+    std::string what;    // what is done to which body
     double in_loop = 0;  // N/m
     Surface as_wished, held_to;
-    double most = 0;  // N/m, the stiffest that was tried
+    double most = 0;  // N/m, the largest stiffness that was tried
 };
 
-/// At so many frames a second, on the virtual clock: twice the same. As_wished: surfaces as stiff as wished;
-/// held_to: as the program does it, no stiffer than the body admits (TouchOptions::softness).
+/// At this frame rate, on the virtual clock, so results are reproducible. as_wished: surfaces of the
+/// requested stiffness; held_to: as in the program, no stiffer than the body admits (TouchOptions::softness).
 std::vector<Stiffest> compare(double rate);
 
 }  // namespace bodies

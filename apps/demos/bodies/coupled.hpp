@@ -1,5 +1,5 @@
 #pragma once
-// A hand in a tray of bodies: all that goes between the servo and the simulation.
+// A hand in a tray of bodies: everything between the servo and the simulation.
 //
 //     Coupled coupled(hand, world, assets, options, dt);
 //     in every cycle of the servo   coupled.feel(report, seconds);
@@ -8,7 +8,7 @@
 //                                   coupled.show(world, now);
 //                                   hand.commit();
 //
-// Of the servo it needs add(), and of what add() gives set() and feedback(): a knurl::Claim, or a servo in
+// From the servo it needs add(), and from the handles set() and feedback(): a knurl::Claim, or a servo in
 // this process.
 
 #include <functional>
@@ -26,10 +26,10 @@ struct CoupledOptions {
     TouchOptions touch;
     HoldOptions hold;
     std::vector<Vector3d> fingers = {Vector3d::Zero()};  // m, where they are in the hand's frame
-    double reach = 0.015;                                // m, of the hand that takes
+    double reach = 0.015;                                // m, within which the hand can take a body
 };
 
-/// What the simulation's next step is to do.
+/// Input of the simulation's next step.
 struct Orders {
     std::vector<Push> pushes = {};
     std::vector<Pull> pulls = {};
@@ -40,7 +40,7 @@ class Coupled {
   public:
     using Frames = knurl::FrameWatch::State;
 
-    /// `dt`: s of simulated time in a frame.
+    /// `dt`: s of simulated time per frame.
     Coupled(Hand& hand, const World& world, const std::vector<std::uint32_t>& assets,
             const CoupledOptions& options, double dt)
         : options_(options), dt_(dt), frames_(dt), hold_(options.hold) {
@@ -55,8 +55,7 @@ class Coupled {
         for (const knurl::Spring& spring : hold_.told(0)) springs_.push_back(hand.add(spring));
     }
 
-    // The coupling, whole: what is felt, what the simulation is told, what the servo is told, what is
-    // watched.
+    // The whole coupling: input from the hand, orders to the simulation, updates to the servo, supervision.
 
     /// A cycle of the servo, `dt` s after the last one.
     void feel(const knurl::Report& report, double dt) {
@@ -78,7 +77,7 @@ class Coupled {
         for (Touching& t : touching_) orders.pushes.push_back(t.touch.push(world, dt_));
         return orders;
     }
-    /// What it has computed.
+    /// Takes over the results of the step.
     void show(const World& world, double now) {
         frames_.frame(now);
         for (std::size_t body = 0; body < seen_.size(); ++body) {
@@ -90,7 +89,8 @@ class Coupled {
         if (hold_.slips()) let_go(now);
         tell_springs(now);
     }
-    /// If the next frame is late, all rests where the last one ended; if none comes, what is held is let go.
+    /// If the next frame is late, all bodies rest where the last one ended; if none comes, the held body is
+    /// released.
     Frames watch(double now) {
         const Frames state = frames_.watch(now);
         if (state == Frames::on_time) return state;
@@ -99,16 +99,16 @@ class Coupled {
         tell_springs(now);
         return state;
     }
-    /// Where no step has taken it: it was reset, or put there. No force steps, and it is no work. (A jump
-    /// within a step, or to a place that is no number, is seen when the step is shown.)
+    /// Finds bodies that no step has moved to their place: after a reset, for example. Their force does not
+    /// step, and the jump is no work. (show() finds a jump within a step, or to a place that is not finite.)
     void look_for_jumps(const World& world, double now) {
         for (std::size_t body = 0; body < seen_.size(); ++body) {
             if (!world.after(body).is_near(seen_[body])) jumped(body, now);
         }
     }
 
-    /// The nearest body within reach; false: there is none. The hand is held at once, not with the next frame:
-    /// how far it goes until then would be a step in its force.
+    /// Takes the nearest body within reach; false: there is none. Takes hold at once, not with the next
+    /// frame: until then the hand would move, and its force would step.
     bool take(const World& world, double now) {
         std::optional<std::size_t> nearest;
         double least = options_.reach;
@@ -126,11 +126,11 @@ class Coupled {
     }
 
     std::optional<std::size_t> held() const { return hold_.held(); }
-    /// s in which a frame is played: as long as they take, if that is longer than they are. A little is the
-    /// clocks' own: cycles and frames do not begin together.
+    /// s in which a frame is played: the measured interval, if that is longer than the simulated time. A
+    /// small difference is ignored, since cycles and frames do not begin together.
     double interval() const { return frames_.interval() > 1.02 * dt_ ? frames_.interval() : dt_; }
     std::uint64_t jumps() const { return jumps_; }
-    /// N/m of the stiffest surface that is touched; 0: none is.
+    /// N/m of the stiffest touched surface; 0: none is touched.
     double stiffness() const {
         double most = 0;
         for (const Touching& t : touching_)
@@ -143,7 +143,7 @@ class Coupled {
     }  // frames with a force on a body
     std::uint64_t short_of() const {
         return sum(&Hold::short_of, &Touch::short_of);
-    }  // that the account bounded
+    }  // those of them in which the account bounded the force
 
   private:
     struct Touching {
@@ -162,7 +162,7 @@ class Coupled {
             if (t.touch.body() == body) t.touch.jumped();
         ++jumps_;
     }
-    /// All surfaces of a probe fade as one: one that is set at once would end the fade of another.
+    /// All surfaces of a probe share one fade, so setting one at once would end the fade of another.
     void tell_touched(auto shape_of) {
         std::vector<knurl::Shape> shapes;
         double fade = 0;
@@ -186,7 +186,7 @@ class Coupled {
     Hold hold_;
     std::vector<Touching> touching_;
     std::vector<decltype(std::declval<Hand&>().add(knurl::Spring{}))> springs_;
-    std::vector<Pose> seen_;  // of the newest frame
+    std::vector<Pose> seen_;  // in the newest frame
     std::uint64_t jumps_ = 0;
     Vector3d position_ = Vector3d::Zero();
 };

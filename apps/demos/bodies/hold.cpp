@@ -8,9 +8,9 @@ namespace bodies {
 
 namespace {
 
-constexpr double all_gone = 0.02;    // N that are still felt of springs that have faded
+constexpr double all_gone = 0.02;    // N: faded springs with less force count as gone
 constexpr double at_rest = 1e-3;     // m/s
-constexpr double taking_anew = 0.1;  // s, in which new springs take the place of what still fades
+constexpr double taking_anew = 0.1;  // s in which new springs replace those that still fade
 
 }  // namespace
 
@@ -20,7 +20,7 @@ Vector3d Hold::arm(std::size_t spring) const {
 }
 
 void Hold::take(const World& world, std::size_t body) {
-    // What still fades of the hold before would be gone at once, which is a step.
+    // Dropping the rest of the previous hold at once would be a step.
     softly_ = softly_ || there_ > 0 || remains_ > all_gone;
     body_ = body;
     const Pose pose = world.after(body);
@@ -69,8 +69,8 @@ std::vector<Pull> Hold::pulls(const World& world) {
     short_of_ += share < 1;
     const double mass = world.bodies()[*body_].mass;
     std::vector<Pull> all;
-    // Not faster by as much as the simulation is slower than real time, though in its time the hand is: no hand
-    // goes on like that for all of a long frame, and the body would be thrown.
+    // In a simulation slower than real time the hand appears faster. The springs do not use that speed: no
+    // hand continues like that for a whole long frame, and the body would be thrown.
     for (std::size_t i = 0; i < springs; ++i) {
         const Vector3d lever = orientation_ * arm(i);
         all.push_back(
@@ -99,7 +99,7 @@ void Hold::stepped(const World& world, double interval) {
 std::array<knurl::Spring, Hold::springs> Hold::told(double now) {
     std::array<knurl::Spring, springs> all;
     there_ = 1;
-    // What was let go comes to the hand as it fades, so that the hand is not drawn back to where that was.
+    // A released body's springs follow the hand as they fade, so that the hand is not drawn back.
     if (!body_) {
         ends_ = points_;
         move_ = options_.fade / 4;

@@ -46,12 +46,11 @@ void describe(knurl::commandline::Command& app, Options& w) {
     app.option("--fingers", w.fingers, "1: the hand; 3: two more, 12 mm to its left and right")
         .shows_default()
         .one_of({"1", "3"});
-    app.option("--slow", w.play.slow, "s that each step of the simulation takes longer")
+    app.option("--slow", w.play.slow, "s that are added to each step of the simulation")
         .shows_default()
         .within(0.0, 10.0);
     app.option("--lose-at", w.play.lose_at,
-               "s after which the engine loses the body that is held, or the first one; to see what that is "
-               "like")
+               "s after which the engine loses the held body, or the first one, to try that error")
         .within(0.0, 1e6);
     app.option("--seconds", w.play.seconds, "s to play; 0: until Ctrl-C").shows_default().not_negative();
     app.servo(w.connect, "the servo that has the device").shows_default().checked(knurl::check_address);
@@ -120,7 +119,7 @@ int run_compare(double rate) {
     return 0;
 }
 
-/// A servo of its own that does not start says why.
+/// If the program's own servo does not start, the error says why.
 knurl::Client connect(const Options& w, knurl::measure::PrivateServo* servo) {
     const double at_once = servo != nullptr ? 0.2 : w.wait;
     const auto wait = std::chrono::milliseconds(static_cast<int>(at_once * 1e3));

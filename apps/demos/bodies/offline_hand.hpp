@@ -1,6 +1,6 @@
 #pragma once
-// A servo, its simulated device and hand in this process, on a virtual clock, with a claim that looks like an
-// application's: the coupling runs in it as it does in a program, twice the same to the last bit.
+// A servo, its simulated device and hand in this process, on a virtual clock. Its claim has an application's
+// interface, so the coupling runs in it as in a program, and results are reproducible to the last bit.
 
 #include <functional>
 #include <memory>

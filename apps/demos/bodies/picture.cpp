@@ -52,7 +52,7 @@ void draw_scene(Canvas& canvas, const World& world, const Played& played) {
         const auto [x, z] = at(pose.position.x(), pose.position.z());
         if (of.form == Body::Form::ball) {
             cairo_arc(cr, x, z, scale * of.half.x(), 0, 2 * M_PI);
-        } else {  // upright as it began, or as the outline of its box
+        } else {  // upright as at the start, or as the outline of its box
             const Vector3d half = pose.orientation.toRotationMatrix().cwiseAbs() * of.half;
             cairo_rectangle(cr, x - scale * half.x(), z - scale * half.z(), 2 * scale * half.x(),
                             2 * scale * half.z());

@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto patience = 10s;
-constexpr double faded = 0.4;  // s after which nothing is felt of what was let go
+constexpr double faded = 0.4;  // s after which a released body has no force any more
 
 void arm_when_slow(knurl::Claim& hand, const std::atomic<bool>& stop) {
     const auto begin = Clock::now();
@@ -118,7 +118,7 @@ class Play {
         played_.frames.push_back(std::move(frame));
     }
 
-    /// The world is asked, and moved, between its steps only.
+    /// The world is read and changed only between its steps.
     void begin(Simulation& simulation) {
         if (reset_) energy_ += world_.reset();
         reset_ = false;
@@ -130,16 +130,16 @@ class Play {
         stepping_ = true;
     }
 
-    /// One whose place is no number was let go as its frame was shown, and no frame comes after that.
+    /// A body with an invalid place was released when its frame was shown, and no frame follows.
     void require_bodies() {
         if (stepping_ || !world_.lost()) return;
         if (lost_ < 0) lost_ = now_;
         if (now_ - lost_ < faded) return;
-        throw std::runtime_error(
-            fmt::format("the engine has lost the {}: it says a place that is no number; all was let go. "
-                        "Start again, with "
-                        "less stiffness (--stiffness, --spring) or more frames (--rate)",
-                        world_.bodies()[*world_.lost()].name));
+        throw std::runtime_error(fmt::format(
+            "the engine has lost the {}: its place is not a number; the hand let go of everything. "
+            "Start again, with "
+            "less stiffness (--stiffness, --spring) or more frames (--rate)",
+            world_.bodies()[*world_.lost()].name));
     }
 
     void watch() {

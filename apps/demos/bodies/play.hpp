@@ -12,10 +12,10 @@ namespace bodies {
 struct PlayOptions {
     std::string device;              // empty: the only one
     double rate = 60;                // Hz of the simulation's frames
-    double slow = 0;                 // s that each step takes longer
-    double lose_at = 0;              // s: the engine loses a body, to see what that is like; 0: never
+    double slow = 0;                 // s added to each step
+    double lose_at = 0;              // s: the engine loses a body, to try that error; 0: never
     double seconds = 0;              // 0: until `stop`
-    const Script* script = nullptr;  // takes and lets go by it; else by button or key
+    const Script* script = nullptr;  // takes and releases by the script; null: by button or key
     CoupledOptions coupled = {};
 };
 
@@ -32,18 +32,19 @@ struct Played {
     std::vector<Cycle> cycles;
     std::vector<Frame> frames;
     knurl::EnergyAccount account;
-    std::uint64_t pushed = 0, short_of = 0;  // frames with a force on a body; that the account made smaller
+    std::uint64_t pushed = 0, short_of = 0;  // frames with a force on a body; those in which the account
+                                             // bounded it
     std::uint64_t jumps = 0;                 // of bodies
-    double jump = 0;         // N, the largest change of the force between cycles that follow each other
-    double torque = 0;       // N m, the largest
-    std::uint64_t late = 0;  // frames that came more than half a frame too late
+    double jump = 0;                         // N, the largest change of the force between consecutive cycles
+    double torque = 0;                       // N m, the largest
+    std::uint64_t late = 0;                  // frames that came more than half a frame too late
     std::uint64_t unread = 0;
     std::uint32_t faults = 0;
 };
 
-/// `told` gets a line where something is to be said; `key` is asked for a key that was pressed since (0:
-/// none): space takes and lets go, r puts all bodies where they were, q ends. Throws knurl::Error, and
-/// std::runtime_error for an engine that has lost a body, once its force has faded.
+/// `told` gets messages; `key` returns a key pressed since (0: none): space takes and releases, r resets all
+/// bodies, q ends. Throws knurl::Error. Throws std::runtime_error if the engine has lost a body, once its
+/// force has faded.
 Played play(knurl::Client& client, World& world, const PlayOptions& options, const std::atomic<bool>& stop,
             const std::function<void(const std::string&)>& told, const std::function<char()>& key);
 

@@ -13,7 +13,7 @@ Script::Script(const Vector3d& start) {
 }
 
 Script& Script::to(const Vector3d& where, double speed) {
-    constexpr double peak = 1.875;  // speed in the middle over the mean
+    constexpr double peak = 1.875;  // maximum speed over mean speed
     constexpr double row = 5e-3;    // s
     const knurl::drivers::MotionRow from = rows_.back();
     const double seconds = std::max(0.05, peak * (where - from.position).norm() / speed);

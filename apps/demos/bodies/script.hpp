@@ -1,5 +1,5 @@
 #pragma once
-// What a simulated hand does: where it goes, and when it takes and lets go.
+// The plan of a simulated hand: where it goes, and when it takes and releases.
 
 #include <string>
 #include <vector>
@@ -18,7 +18,7 @@ class Script {
     };
 
     explicit Script(const Vector3d& start);
-    /// Straight on, from rest to rest (minimum jerk), at that speed in the middle (m/s).
+    /// Straight on, from rest to rest (minimum jerk); `speed`: maximum, m/s.
     Script& to(const Vector3d& where, double speed);
     Script& rest(double seconds);
     Script& take();

@@ -1,5 +1,5 @@
 #pragma once
-// The simulation in a thread of its own: it may take as long as it likes, and the coupling goes on.
+// The simulation in its own thread: however long it takes, the coupling continues.
 
 #include <condition_variable>
 #include <mutex>
@@ -11,7 +11,7 @@ namespace bodies {
 
 class Simulation {
   public:
-    /// `slow`: s that each step takes longer; to see what a slow one is like.
+    /// `slow`: s added to each step, to try a slow simulation.
     Simulation(World& world, double slow) : world_(world), slow_(slow), thread_([this] { run(); }) {}
     ~Simulation() {
         {
@@ -24,7 +24,7 @@ class Simulation {
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
 
-    /// One step. From here until done() says so the world is its own.
+    /// Starts one step. Until done() the thread owns the world.
     void begin(double dt, Orders orders) {
         {
             const std::lock_guard lock(mutex_);

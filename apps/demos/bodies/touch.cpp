@@ -8,13 +8,13 @@ namespace bodies {
 
 namespace {
 
-constexpr double alone = 0.9;  // cosine between force and depth; less: it is not the only surface
+constexpr double alone = 0.9;  // cosine between force and depth; a smaller one shows further surfaces
 
 constexpr double near = 0.02;      // m
-constexpr double a_little = 0.1;   // of the stiffness, in a frame
+constexpr double a_little = 0.1;   // share of the stiffness per frame
 constexpr double most_step = 0.1;  // N
 
-constexpr double taking = 0.05;  // s, in which the surface of what is taken goes
+constexpr double taking = 0.05;  // s in which the surface of a taken body fades out
 
 }  // namespace
 
@@ -24,7 +24,7 @@ Touch::Touch(std::size_t body, std::uint32_t asset, const TouchOptions& options)
     shape_.stiffness = options.stiffness;
     shape_.damping = options.damping;
     shape_.friction = {.dynamic = options.friction};
-    // it moves on from where it is: there is nothing to fade, and all of its force is told
+    // continues from its place: nothing needs a fade, and feedback has its whole force
     shape_.recovery = 0;
     push_.body = body;
 }
@@ -38,9 +38,8 @@ void Touch::feel(const Vector3d& finger, const Vector3d& velocity,
         if (feedback->stiffness > 0) stiffness_ = feedback->stiffness;
         if (force.squaredNorm() > 0) {
             contact_ = knurl::to_eigen(feedback->contact_point);
-            // The nearest point of what is free: with friction the force leans away from it, and where
-            // several surfaces are touched at once it is on all of them, and the force tells which is this
-            // one.
+            // The body's nearest free point. With friction the force leans away from it. Where several
+            // surfaces are touched it lies on all of them, and the force shows which one is this body's.
             const Vector3d out = contact_ - finger, way = force.normalized();
             normal_ = out.dot(way) > alone * out.norm() ? Vector3d(-out.normalized()) : Vector3d(-way);
             depth_ = std::max(0.0, -out.dot(normal_));
@@ -83,7 +82,7 @@ void Touch::settle() {
     account_.settle();
 }
 
-/// The share of the push that the account pays for, if the hand stays where it is.
+/// The share of the push that the account covers, if the hand stays where it is.
 double Touch::affordable(const Vector3d& force, double give, double dt, const Vector3d& speed) const {
     const double funds = account_.hand - account_.body - account_.lost;
     const auto short_by = [&](double share) {
@@ -120,8 +119,8 @@ Push Touch::push(const World& world, double dt) {
     return push_;
 }
 
-/// Stiffness, N/m, for the next frame. Under the hand it changes a little at a time, and grows only as far as
-/// the account pays for what the spring then holds.
+/// Stiffness, N/m, for the next frame. Under the hand it changes in small steps, and grows only as far as the
+/// account covers the spring's energy.
 double Touch::admitted(const World& world, double dt) const {
     if (!(options_.softness > 0)) return options_.stiffness;
     Vector3d point = contact_, way = normal_;
@@ -173,8 +172,8 @@ double Touch::fades_for() const {
     return there() ? 0 : std::max(0.0, taking - gone_);
 }
 
-/// What is taken, or has jumped, goes softly, and after that it is not there: let go, it is met anew, and
-/// does not push out a hand that is in it.
+/// The surface of a body that was taken, or has jumped, fades out and is then absent. After release it is met
+/// anew, and does not push out a hand inside it.
 knurl::Shape Touch::shown(knurl::Shape shape) const {
     if (there()) return shape;
     shape.stiffness = 0;

@@ -8,7 +8,7 @@ namespace bodies {
 
 namespace {
 
-/// As it is usually done: the engine's loop computes the contact's force and sends it.
+/// The usual way: the engine's loop computes the contact's force and sends it.
 class ForceLoop {
   public:
     ForceLoop(OfflineHand& hand, double stiffness)

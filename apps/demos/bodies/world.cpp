@@ -15,13 +15,14 @@ namespace {
 
 constexpr double larger = 20;        // Bullet's units in a metre
 constexpr double margin = 0.5e-3;    // m, of Bullet's boxes
-constexpr double touching = 0.3e-3;  // m, between bodies that lean on each other
-constexpr int solver_rounds = 60;    // 10 are Bullet's; stacks of unlike weights want more
-constexpr double rolling = 2e-4;     // m, of a ball: how far before its middle the floor holds it up
-constexpr double fastest = 3;        // m/s, of a point of a body: more is no motion
+constexpr double touching = 0.3e-3;  // m: bodies this close lean on each other
+constexpr int solver_rounds = 60;    // Bullet's default is 10; stacks with unequal weights need more
+constexpr double rolling = 2e-4;     // m, rolling friction of a ball: the offset of the floor's support
+constexpr double fastest = 3;        // m/s, of a point of a body: a higher speed is an error
 constexpr int mobility_rounds = 100;
 constexpr int settling = 300;               // steps of a millisecond before it begins
-constexpr double longest_part = 1.0 / 480;  // s, of a step: in 1/60 s what is let fall is 2.7 mm in the floor
+constexpr double longest_part = 1.0 / 480;  // s, part of a step: in 1/60 s a falling thing sinks 2.7 mm into
+                                            // the floor
 
 int parts_of(double dt) {
     return std::max(1, static_cast<int>(std::ceil(dt / longest_part - 1e-6)));
@@ -96,7 +97,7 @@ World::World(std::vector<Body> bodies, const Tray& tray, double gravity)
         after_.push_back({.position = body.position});
     }
     before_ = after_;
-    // Boxes: against a plane Bullet finds one corner in a step, and at 60 Hz a box that falls on it tumbles.
+    // Boxes: against a plane Bullet finds only one corner per step, and at 60 Hz a falling box tumbles.
     const auto wall = [&](const Vector3d& half, const Vector3d& middle) {
         engine_->add(std::make_unique<btBoxShape>(to_bullet(larger * half)), 0, middle, 1);
     };
@@ -137,8 +138,8 @@ void World::step(double dt, const std::vector<Push>& pushes, const std::vector<P
     pulled_ = 0;
     const int parts = parts_of(dt);
     const double part_dt = dt / parts;
-    // As impulses: of a force's torque the friction of Bullet 3.24 knows nothing in the same step, and what
-    // is pressed beside its middle creeps.
+    // As impulses: friction in Bullet 3.24 ignores a force's torque in the same step, so a body pressed
+    // beside its middle creeps.
     const auto hit = [&](std::size_t i, const Vector3d& force, const Vector3d& lever) {
         engine_->rigid[i]->applyImpulse(to_bullet(larger * part_dt * force), to_bullet(larger * lever));
     };
@@ -151,7 +152,7 @@ void World::step(double dt, const std::vector<Push>& pushes, const std::vector<P
     for (int part = 0; part < parts; ++part) {
         for (const Push& push : pushes) {
             if (!push.force.allFinite() || !push.point.allFinite()) continue;
-            const Pose& then = before_[push.body];  // the point goes with the body
+            const Pose& then = before_[push.body];  // the point moves with the body
             hit(push.body, push.force,
                 lever_of(push.body, then.orientation.conjugate() * (push.point - then.position)));
         }
@@ -164,7 +165,7 @@ void World::step(double dt, const std::vector<Push>& pushes, const std::vector<P
                                     from_bullet(body.getAngularVelocity()).cross(larger * lever)) /
                                    larger;
             const Vector3d towards = pull.towards + part * part_dt * pull.velocity;
-            // More damping than takes half of the speed in a part would throw it about.
+            // More damping than removes half of the speed in a part would be unstable.
             const btVector3 turns = body.getInvInertiaDiagLocal();
             const double gives = double{body.getInvMass()} +
                                  larger * larger * lever.squaredNorm() * double{turns[turns.maxAxis()]};
@@ -223,7 +224,7 @@ double World::give(std::size_t body, const Vector3d& point, const Vector3d& dire
     return mobility(body, point, direction) * dt * dt * (parts + 1) / (2 * parts);
 }
 
-// Contacts that only push, solved one after the other, again and again (projected Gauss-Seidel).
+// Contacts that only push, solved one after the other, repeatedly (projected Gauss-Seidel).
 double World::mobility(std::size_t body, const Vector3d& point, const Vector3d& direction) const {
     struct Speed {
         Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();
@@ -337,8 +338,8 @@ std::vector<Body> usual_bodies() {
 
 Skin skin_of(const Body& body) {
     Skin skin;
-    // A cube of n x n squares a side, or the ball that it is blown up to; the corners that sides share are
-    // welded by whoever builds the mesh.
+    // A cube of n x n squares per side, or the ball into which it is blown up. The builder of the mesh welds
+    // the corners that sides share.
     const int n = body.form == Body::Form::ball ? 12 : 1;
     for (int side = 0; side < 6; ++side) {
         const int axis = side / 2;
@@ -348,7 +349,8 @@ Skin skin_of(const Body& body) {
             for (int j = 0; j <= n; ++j) {
                 Vector3d p;
                 p[axis] = sign;
-                p[(axis + 1) % 3] = sign * std::tan(M_PI / 4 * (2.0 * i / n - 1));  // alike on the ball
+                p[(axis + 1) % 3] = sign * std::tan(M_PI / 4 * (2.0 * i / n - 1));  // evenly spaced on the
+                                                                                    // ball
                 p[(axis + 2) % 3] = std::tan(M_PI / 4 * (2.0 * j / n - 1));
                 p = body.form == Body::Form::ball ? Vector3d(body.half.x() * p.normalized())
                                                   : Vector3d(p.cwiseProduct(body.half));

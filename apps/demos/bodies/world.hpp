@@ -1,6 +1,6 @@
 #pragma once
-// A tray with rigid bodies in it, in Bullet. Metres, kilograms and seconds here; Bullet sees everything
-// larger, since its margins and thresholds are made for things of half a metre, not of three centimetres.
+// A tray with rigid bodies, in Bullet. Metres, kilograms and seconds here. Bullet gets larger lengths, since
+// its margins and thresholds suit things of half a metre, not of three centimetres.
 
 #include <array>
 #include <cmath>
@@ -25,7 +25,7 @@ struct Body {
     Vector3d half = Vector3d::Constant(0.02);  // m, of a box; a ball's radius is half.x()
     double mass = 0.1;                         // kg
     Vector3d position = Vector3d::Zero();      // m
-    double friction = 0.5;  // Bullet multiplies it by that of the floor, 1, or of the other body
+    double friction = 0.5;                     // Bullet multiplies it by the floor's, 1, or the other body's
 };
 
 struct Tray {
@@ -37,7 +37,7 @@ struct Pose {
     Vector3d position = Vector3d::Zero();
     Quaterniond orientation = Quaterniond::Identity();
     bool is_one() const { return position.allFinite() && std::abs(orientation.norm() - 1) < 1e-3; }
-    /// Within a tenth of a millimetre and what that is at a body's edge.
+    /// Within a tenth of a millimetre, and the corresponding angle at a body's edge.
     bool is_near(const Pose& other) const {
         return (position - other.position).norm() < 1e-4 &&
                orientation.angularDistance(other.orientation) < 5e-3;
@@ -60,7 +60,7 @@ struct Pull {
 
 class World {
   public:
-    /// Throws std::runtime_error for a body that makes no sense.
+    /// Throws std::runtime_error for an invalid body.
     World(std::vector<Body> bodies, const Tray& tray = {}, double gravity = 9.81);
     ~World();
     World(const World&) = delete;
@@ -69,38 +69,37 @@ class World {
     /// One step of `dt` (s), in parts of 1/480 s at most, with these forces.
     void step(double dt, const std::vector<Push>& pushes, const std::vector<Pull>& pulls = {});
 
-    /// All is where it was at first, at rest. The energy that this gave them (J).
+    /// Returns all bodies to their first places, at rest. Returns the energy that they gain (J).
     double reset();
 
     const std::vector<Body>& bodies() const { return bodies_; }
     const Tray& tray() const { return tray_; }
-    double pulled() const { return pulled_; }  // J, given to bodies by the pulls of the newest step
+    double pulled() const { return pulled_; }  // J, that the pulls of the newest step gave to bodies
     std::uint64_t steps() const { return steps_; }
     double last_dt() const { return dt_; }                         // s
     Pose before(std::size_t body) const { return before_[body]; }  // the newest step
     Pose after(std::size_t body) const { return after_[body]; }
-    /// The newest step took a point of it faster than anything goes here by itself: it has jumped.
+    /// In the newest step a point moved faster than any body does by itself: it has jumped.
     bool leapt(std::size_t body) const;
-    /// Of which the engine said a place that is no number: it stays where it was before that, and no step
-    /// after it means anything.
+    /// The body for which the engine returned an invalid place. It stays at its last valid place, and further
+    /// steps are meaningless.
     std::optional<std::size_t> lost() const { return lost_; }
-    /// As if something in the engine had gone wrong: that is its velocity now (m/s).
+    /// Simulates an engine error: sets the body's velocity (m/s).
     void kick(std::size_t body, const Vector3d& velocity);
-    /// With which the newest step took it from `before` to `after`.
+    /// The velocity of the newest step, from `before` to `after`.
     Vector3d velocity(std::size_t body) const;          // m/s
     Vector3d angular_velocity(std::size_t body) const;  // rad/s
-    /// Of that point of the body at the end of the step (m/s).
+    /// Velocity of that point of the body at the end of the step (m/s).
     Vector3d speed_at(std::size_t body, const Vector3d& point) const;
 
-    /// How much faster a unit of impulse at that point makes that point (m/s for 1 N s), with what the body
-    /// lies on and leans on, all of it without friction: 0 for a box that is pressed on the floor.
+    /// Speed per impulse at that point (m/s for 1 N s), including all that the body lies on and leans on,
+    /// without friction: 0 for a box that is pressed on the floor.
     double mobility(std::size_t body, const Vector3d& point, const Vector3d& direction) const;
-    /// How far that goes in a step of `dt` (m for each N).
+    /// The displacement in a step of `dt` (m for each N).
     double give(std::size_t body, const Vector3d& point, const Vector3d& direction, double dt) const;
     /// Of all bodies, kinetic and of height over the floor, after the newest step (J).
     double energy() const;
-    /// How far outside of the body that point is (m; below 0: inside), and where the nearest point of its
-    /// surface.
+    /// Distance of the point from the body (m; below 0: inside), and the nearest point of its surface.
     double distance(std::size_t body, const Vector3d& point, Vector3d* nearest = nullptr) const;
 
   private:

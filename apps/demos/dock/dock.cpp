@@ -18,18 +18,19 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
-constexpr int most_at_once = 64;                // frames
-constexpr std::size_t most_cycles = 3'600'000;  // an hour's
-constexpr auto patience = 15s;  // for a first frame, a hand at rest, a device that becomes active
+constexpr int most_at_once = 64;                    // frames
+constexpr std::size_t most_cycles = 3'600'000;      // an hour's
+constexpr auto patience = 15s;                      // for a first frame, a hand at rest, and an active device
 constexpr double pn_per_kcal_per_angstrom = 69.48;  // 1 kcal/mol/A in pN
-constexpr double longest_look = 5e-3;               // s between two of them
-constexpr double cooled = 0.95;                     // of the greatest temperature: then it is pulled again
+constexpr double longest_look = 5e-3;               // s between two looks
+constexpr double cooled = 0.95;                     // share of the largest temperature below which the atom
+                                                    // is pulled again
 
 double seconds_since(Clock::time_point begin) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Follows what a periodic box takes out on one side and puts in on the other.
+/// Removes the jumps of an atom that leaves a periodic box on one side and re-enters on the other.
 class Unwrapped {
   public:
     explicit Unwrapped(double box) : box_(box) {}
@@ -47,7 +48,7 @@ class Unwrapped {
     std::optional<Vector3d> last_;
 };
 
-/// How many steps there should be between frames, as fast as the engine runs.
+/// Computes the steps between frames, at the engine's present speed.
 class Pace {
   public:
     Pace(Imd& simulation, double rate) : simulation_(simulation), rate_(rate) { set(steps_); }
@@ -92,7 +93,7 @@ class Session {
           coupling_({.scale = scale_of(options),
                      .stiffness = options.stiffness,
                      .interval = 1 / options.rate,
-                     .frames_late = 1,  // what a frame is answered with is read at the next one
+                     .frames_late = 1,  // the answer to a frame is read with the next one
                      .greatest_force = options.greatest_force,
                      .keep_account = options.keep_account}),
           hand_(client.claim(options.device, {.shared = options.share, .update_interval = 10ms})),
@@ -118,11 +119,10 @@ class Session {
     }
 
   private:
-    // The coupling, whole: what is felt, what is answered, what is watched.
+    // The whole coupling: input, answer, supervision.
     void feel() {
         auto report = hand_.next_report(1ms);
-        // What fades goes on where it was when this process was held up, and a simulation is not late for
-        // that.
+        // A fade continues while this process is stopped, but the simulation does not count as late then.
         const double looked = seconds_since(started_);
         own_time_ += std::min(looked - looked_, longest_look);
         looked_ = looked;
@@ -133,11 +133,11 @@ class Session {
             coupling_.feel(*report, feedback);
             record(*report, feedback);
         }
-        // By the newest report: an older one says where the hand was.
+        // By the newest report: an older one has an outdated place of the hand.
         grip(grip_.button(report_.buttons));
     }
 
-    /// No more at a time than there could be in a while: a simulation that floods is not all there is to do.
+    /// At most so many at a time: a simulation that floods must not stop everything else.
     void take_frames() {
         auto frame = simulation_.next();
         for (int n = 1; frame; ++n) {
@@ -152,8 +152,8 @@ class Session {
         if (!holds()) return;
         const Vector3d place = unwrapped_(frame.atoms[static_cast<std::size_t>(docked_.atom)]);
         if (!newest) return coupling_.superseded(knurl::to_plain(place));
-        // An atom that the hand makes too hot is left alone until the bath has cooled it.
-        if (frame.energies)  // and one that is no number is none of less
+        // An atom that the hand makes too hot is not pulled until the bath has cooled it.
+        if (frame.energies)  // NaN counts as too hot
             hot_ = !(frame.energies->temperature <= (hot_ ? cooled : 1) * options_.greatest_temperature);
         docked_.hot += hot_;
         coupling_.bound(hot_ ? 0 : std::min(options_.greatest_force, most_force(frame)));
@@ -192,7 +192,7 @@ class Session {
         if (options_.atom >= 0) {
             docked_.atom = options_.atom;
         } else {
-            // The middle of all atoms is where the hand's workspace has its middle.
+            // The middle of all atoms is put at the middle of the hand's workspace.
             const Vector3d wanted = middle_ + (hand - centre()) / scale_of(options_).length;
             double nearest = std::numeric_limits<double>::infinity();
             for (std::size_t i = 0; i < newest_.atoms.size(); ++i) {
@@ -233,8 +233,8 @@ class Session {
     void record(const knurl::HandReport& report, const std::optional<knurl::HandFeedback>& feedback) {
         docked_.faults |= report.faults;
         if (report.state != knurl::DeviceState::active) return;
-        // The report has the sum of all who share the device; what is the spring's is told of the newest
-        // cycle.
+        // The report has the sum of all claims on the device. The spring's own force comes from the feedback
+        // of the newest cycle.
         const bool told = !options_.share || (feedback && feedback->cycle == report.cycle);
         if (told)
             own_ = options_.share ? feedback->share * knurl::to_eigen(feedback->force)
@@ -266,7 +266,7 @@ class Session {
             throw ImdError(fmt::format("there is no atom {}: the simulation sends {}, counted from 0",
                                        options_.atom, newest_.atoms.size()));
         docked_.atoms = newest_.atoms.size();
-        hand_.latest();  // those that came meanwhile say nothing of now
+        hand_.latest();  // earlier reports are out of date
         for (int slow = 0; slow < 100 && !stop_;) {
             const auto report = hand_.next_report(100ms);
             keep_up();
@@ -277,7 +277,7 @@ class Session {
         }
         hand_.arm();
         while (!stop_) {
-            // Where it is shared it may have been active for long.
+            // A shared device may have been active for long.
             auto report = hand_.next_report(100ms);
             if (const auto newest = hand_.latest()) report = newest;
             keep_up();
@@ -323,7 +323,7 @@ class Session {
         return std::move(docked_);
     }
 
-    /// The atom was let go, and what came since then was not the hand's doing.
+    /// The atom was released, and the hand did not cause what happened since then.
     void was_stopped() {
         ++docked_.stopped;
         const bool held = holds();
@@ -359,7 +359,7 @@ class Session {
     knurl::HandReport report_;
     std::int64_t begin_ = 0, read_ns_ = 0;
     double now_ = 0;                    // s since the device was active
-    double own_time_ = 0, looked_ = 0;  // s: stands still while this process does; s since it started
+    double own_time_ = 0, looked_ = 0;  // s: stops while this process is stopped; s since the start
     ImdFrame newest_;
     std::uint64_t frames_ = 0;
     Vector3d middle_ = Vector3d::Zero();  // A, of all atoms
@@ -381,8 +381,8 @@ double stiffness_on_atom(const DockOptions& options) {
 }
 
 std::string unfit(const DockOptions& options) {
-    // Beyond a tenth of a bond's stiffness the atom is no longer pulled within what surrounds it, and a force
-    // that is as old as a frame makes it swing.
+    // Above a tenth of a bond's stiffness the spring outweighs the atom's surroundings, and a force that is
+    // one frame old makes the atom swing.
     constexpr double most = 30;  // kcal/mol/A^2
     const double k = stiffness_on_atom(options);
     if (!(k > most)) return {};

@@ -56,8 +56,8 @@ std::chrono::milliseconds left(Clock::time_point deadline) {
     return std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
 }
 
-/// What was said before the other side is heard to its end gets there: a close with frames unread would reset
-/// the connection and take with it what is still on its way. Nothing here allocates.
+/// Reads all remaining data, so that the last message arrives: closing with unread frames would reset the
+/// connection and discard data under way. Allocates nothing.
 void hear_out(int socket, Clock::time_point deadline) {
     ::shutdown(socket, SHUT_WR);
     char bytes[4096];
@@ -109,7 +109,7 @@ bool is_stopped(pid_t pid) {
     const ssize_t got = ::read(fd, text, sizeof text - 1);
     ::close(fd);
     text[std::max<ssize_t>(got, 0)] = 0;
-    const char* const state = std::strrchr(text, ')');  // behind the name, which may hold anything
+    const char* const state = std::strrchr(text, ')');  // behind the name, which may contain anything
     return state != nullptr && (state[2] == 'T' || state[2] == 't');
 }
 
@@ -139,8 +139,8 @@ LastWord::LastWord(int socket, const std::string& when_dead, const std::string& 
     pid_ = ::fork();
     if (pid_ < 0) throw ImdError(fmt::format("no second process: {}", std::strerror(errno)));
     if (pid_ > 0) return;
-    // The child: holds the connection open for one word more. Nothing here allocates.
-    ::setpgid(0, 0);  // Ctrl-C is not for it
+    // The child: keeps the connection open for one more message. Allocates nothing.
+    ::setpgid(0, 0);  // Ctrl-C must not reach it
     ::prctl(PR_SET_NAME, "imd-last-word");
     for (int fd = 0, last = static_cast<int>(::sysconf(_SC_OPEN_MAX)); fd < std::min(last, 1024); ++fd)
         if (fd != theirs.get() && fd != socket) ::close(fd);
@@ -148,7 +148,7 @@ LastWord::LastWord(int socket, const std::string& when_dead, const std::string& 
     while (!poll_for(theirs.get(), POLLIN, look_for_stops)) {
         const bool stopped = is_stopped(parent);
         if (stopped && !said && !shared_->within_message) {
-            shared_->was_stopped = true;  // first: it may go on at any moment
+            shared_->was_stopped = true;  // first: the parent may continue at any moment
             say_to(socket, when_stopped);
         }
         said = stopped && (said || shared_->was_stopped);
@@ -201,9 +201,9 @@ void Imd::shake_hands(std::chrono::milliseconds patience) {
     try {
         while (!reader_.greeted()) {
             if (!poll_for(socket_.get(), POLLIN, left(deadline)))
-                fail("it takes the connection and says nothing; does another program hold it already?");
+                fail("it accepts the connection and sends nothing; does another program hold it already?");
             receive();
-            // A frame before our answer makes no sense: none is there yet.
+            // A frame before our answer is invalid: there is none yet.
             reader_.next();
             if (ended_) fail("it closed the connection before IMD's handshake was whole");
         }
@@ -216,7 +216,7 @@ void Imd::shake_hands(std::chrono::milliseconds patience) {
 
 void Imd::receive() {
     std::array<std::byte, 65536> bytes;
-    for (int reads = 0; reads < 16; ++reads) {  // a flood is left in the socket, where it holds its sender up
+    for (int reads = 0; reads < 16; ++reads) {  // more data stay in the socket, which slows the sender down
         const ssize_t got = ::recv(socket_.get(), bytes.data(), bytes.size(), 0);
         if (got > 0) {
             reader_.feed({bytes.data(), static_cast<std::size_t>(got)});

@@ -6,8 +6,8 @@
 //     while (!simulation.ended())
 //         while (auto frame = simulation.next()) simulation.pull(17, force);
 //
-// A force stays until it is replaced, so that a program that dies would leave the atom pulled. This one does
-// not: its end lets go, and a second process, which does nothing else, does so if the first one is killed or
+// A force stays until it is replaced, so the atom would stay pulled if this program died. Its end therefore
+// releases the atom, and a second process, which does nothing else, releases it if the first one is killed or
 // stopped.
 
 #include <atomic>
@@ -24,18 +24,18 @@
 
 namespace dock {
 
-/// Says something to a socket when this process dies, whatever it dies of; and something else when it is
-/// stopped (SIGSTOP, a debugger), unless that was in the middle of a message.
+/// Sends a message to a socket when this process dies, for any reason, and another one when it is stopped
+/// (SIGSTOP, a debugger), unless that happens within a message.
 class LastWord {
   public:
     LastWord(int socket, const std::string& when_dead, const std::string& when_stopped);
-    ~LastWord();  // not necessary any more: says nothing
+    ~LastWord();  // normal end: sends nothing
     LastWord(const LastWord&) = delete;
     LastWord& operator=(const LastWord&) = delete;
 
-    /// Whether a message has begun and has not gone out whole: then nothing can be said behind it.
+    /// A message has been sent in part, so no other can follow it.
     void within_message(bool so) { shared_->within_message = so; }
-    /// Whether it was said since the last call that this process was stopped.
+    /// The stop message was sent since the last call.
     bool was_stopped() { return shared_->was_stopped.exchange(false); }
 
   private:
@@ -46,36 +46,35 @@ class LastWord {
         void operator()(Shared* shared) const;
     };
     std::unique_ptr<Shared, Unmap> shared_;  // with the second process
-    knurl::shm::UniqueFd alive_;             // its end of a pipe; closed by the kernel if nobody else does
+    knurl::shm::UniqueFd alive_;             // this end of a pipe; the kernel closes it at the latest
     pid_t pid_ = -1;
 };
 
 class Imd {
   public:
-    /// Connects to "HOST:PORT" ("[::1]:8889" too), shakes hands and says go. Throws ImdError. Before any
-    /// thread is started, since it forks.
+    /// Connects to "HOST:PORT" (also "[::1]:8889"), shakes hands and starts the simulation. Throws ImdError.
+    /// Forks, so call it before any thread is started.
     Imd(const std::string& address, std::chrono::milliseconds patience);
     ~Imd();  // lets go and says goodbye
     Imd(const Imd&) = delete;
     Imd& operator=(const Imd&) = delete;
 
-    /// The next frame that has come, in order; does not wait. Throws ImdError with what is wrong with what
-    /// came.
+    /// The next frame that has arrived, in order; does not wait. Throws ImdError for malformed data.
     std::optional<ImdFrame> next();
-    /// Waits until something has come.
+    /// Waits until data arrives.
     bool wait(std::chrono::milliseconds timeout) const;
     bool ended() const { return ended_ || broken_ || reader_.ended(); }
     bool paused() const { return reader_.paused(); }
     bool swapped() const { return reader_.swapped(); }
 
-    /// On one atom of the group, in kcal/mol/A; none on all others. A server that does not listen gets the
+    /// Force on one atom of the group, in kcal/mol/A; none on all others. A server that reads slowly gets the
     /// newest.
     void pull(std::int32_t atom, const Eigen::Vector3d& force);
     void let_go() { pull(0, Eigen::Vector3d::Zero()); }
-    /// This process was stopped since the last call, and the atom was let go meanwhile.
+    /// This process was stopped since the last call, and the atom was released meanwhile.
     bool let_go_meanwhile() { return last_word_ && last_word_->was_stopped(); }
     void set_rate(int steps);  // between frames
-    void kill();               // the simulation shall end
+    void kill();               // ends the simulation
 
   private:
     [[noreturn]] void fail(const std::string& what) const;
@@ -87,9 +86,9 @@ class Imd {
     std::string address_;
     knurl::shm::UniqueFd socket_;
     ImdReader reader_;
-    bool ended_ = false;                 // nothing comes any more
-    bool broken_ = false;                // what came was no IMD
-    std::string unsent_, newest_force_;  // a force waits here until what was begun is out
+    bool ended_ = false;                 // no more data
+    bool broken_ = false;                // the data were not IMD
+    std::string unsent_, newest_force_;  // a force waits here until the message under way is complete
     std::optional<LastWord> last_word_;
 };
 

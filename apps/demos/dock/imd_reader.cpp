@@ -20,7 +20,7 @@ std::int32_t big_endian(const std::byte* at) {
     return static_cast<std::int32_t>(ntohl(word));
 }
 
-/// 32-bit words of the server's, as ours.
+/// The server's 32-bit words in this machine's byte order.
 template <class T>
 T words(const std::byte* at, bool swapped) {
     static_assert(sizeof(T) % 4 == 0 && std::is_trivially_copyable_v<T>);

@@ -1,10 +1,10 @@
 #pragma once
-// IMD, version 2, as bytes: what a running simulation says (VMD's "interactive molecular dynamics"; GROMACS,
-// NAMD and LAMMPS speak it).
+// IMD, version 2, as bytes: the messages of a running simulation (VMD's "interactive molecular dynamics";
+// GROMACS, NAMD and LAMMPS speak it).
 //
-// A header is two 32-bit words, big-endian: type and length. The first message of a server is the handshake,
-// whose length is the version in the server's own byte order; bodies are in that order from then on, headers
-// stay as they are.
+// A header is two 32-bit words, big-endian: type and length. A server's first message is the handshake, whose
+// length is the version in the server's own byte order. Bodies have that order from then on; headers stay
+// big-endian.
 
 #include <cstdint>
 #include <optional>
@@ -31,7 +31,7 @@ enum class ImdType : std::int32_t {
 };
 constexpr std::int32_t imd_version = 2;
 
-/// One line: what came, what should have, what to do.
+/// One line: what arrived, what was expected, what to do.
 struct ImdError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -46,7 +46,7 @@ struct ImdEnergies {
 static_assert(sizeof(ImdEnergies) == 40);
 
 struct ImdFrame {
-    std::optional<ImdEnergies> energies;  // that came since the last frame
+    std::optional<ImdEnergies> energies;  // those since the last frame
     std::vector<Eigen::Vector3f> atoms;   // A; never empty
 };
 
@@ -54,16 +54,16 @@ class ImdReader {
   public:
     static constexpr std::int32_t most_atoms = 10'000'000;
 
-    /// What came from the server, cut anywhere.
+    /// Data from the server, in pieces of any size.
     void feed(std::span<const std::byte> bytes);
-    /// The next whole frame of what was fed; none: more is needed. Throws ImdError for what is no IMD.
+    /// The next whole frame; none: more data is needed. Throws ImdError for data that is not IMD.
     std::optional<ImdFrame> next();
 
     bool greeted() const { return swapped_.has_value(); }
     /// The server's byte order is not this machine's.
     bool swapped() const { return swapped_.value_or(false); }
-    bool ended() const { return ended_; }    // the server has said that it goes
-    bool paused() const { return paused_; }  // it has said that it pauses, and sent nothing since
+    bool ended() const { return ended_; }    // the server has announced its end
+    bool paused() const { return paused_; }  // it has announced a pause, and sent nothing since
     bool within_message() const { return used_ < bytes_.size() && !ended_; }
 
   private:

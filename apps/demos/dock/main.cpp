@@ -56,7 +56,7 @@ void describe(knurl::commandline::Command& app, Options& w) {
     app.option("--seconds", o.seconds, "s; 0: until Ctrl-C").shows_default().not_negative();
     app.flag("--at-once", o.at_once, "holds an atom as soon as the device is active");
     app.flag("--no-account", w.no_account,
-             "the spring and nothing else: what the coupling's account is good for");
+             "the spring alone, without the coupling's energy account, for comparison");
     app.servo(w.connect, "the servo that has the device; or knurl://HOST:PORT")
         .shows_default()
         .checked(knurl::check_address);
@@ -65,8 +65,9 @@ void describe(knurl::commandline::Command& app, Options& w) {
     app.option("--wait", w.wait, "s to wait for simulation and servo").shows_default().within(0.0, 3600.0);
     app.flag("--demo", w.demo, "a servo of its own with a simulated device, whose hand pulls at random");
     app.option("--seed", w.path.seed, "of that hand").shows_default();
-    app.option("--reach", w.path.reach, "m from the middle that it goes").shows_default().within(0.005, 0.08);
-    app.flag("--rough", w.path.rough, "that hand is quick, and lets go and takes hold again, by its seed");
+    app.option("--reach", w.path.reach, "m from the middle, its reach").shows_default().within(0.005, 0.08);
+    app.flag("--rough", w.path.rough,
+             "that hand moves fast, and lets go and takes hold again at random, by its seed");
     app.flag("--kill", w.kill, "ends the simulation as well (gmx mdrun -imdterm)");
     app.option("--picture", w.picture, "PNG of force, length, the atom's way and the energies");
     app.option("--csv", w.csv, "FILE for every cycle");

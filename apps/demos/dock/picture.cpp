@@ -76,7 +76,7 @@ class Sheet {
             at = text(at, high - 8, curve.name + "  ", curve.color);
             cairo_set_source_rgba(cr, curve.color.r, curve.color.g, curve.color.b, 0.85);
             cairo_set_line_width(cr, 1.2);
-            // A column of pixels holds many cycles: its least and its most are drawn.
+            // A column of pixels has many cycles: their minimum and maximum are drawn.
             double column = -1, low_value = 0, high_value = 0;
             const auto flush = [&] {
                 if (column < 0) return;

@@ -8,13 +8,13 @@ namespace dock {
 namespace {
 
 constexpr double k = 0.0019872;  // kcal/mol/K
-// A for 1 kcal/mol/A while nothing is learnt: in a frame, or in each of its steps if that is more (water's
-// oxygen goes 0.7e-3 in 1 fs).
+// A for 1 kcal/mol/A until it is measured: in a frame, or in each of its steps if that is more (water's
+// oxygen moves 0.7e-3 in 1 fs).
 constexpr double unknown = 1, unknown_in_a_step = 1e-3;
 constexpr std::uint64_t learnt = 10;  // frames
-constexpr double forget = 0.97;       // as Coupling does, in a frame
-// Of the box's edge, that a pull may take an atom in a frame. The rest of the half is heat's, which is four
-// standard deviations of what water's oxygen goes by itself in a frame of 2.3 ps in the box of 216.
+constexpr double forget = 0.97;       // per frame, as in Coupling
+// Share of the box's edge by which a pull may move an atom in a frame. The rest of the half edge is for
+// thermal motion: four standard deviations of water's oxygen in a frame of 2.3 ps in the box of 216.
 constexpr double farthest = 0.2;
 
 }  // namespace

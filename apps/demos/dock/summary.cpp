@@ -21,7 +21,7 @@ Summary summarise(const Docked& docked, const DockOptions& options) {
     std::size_t held = 0;
     const Cycle *before = nullptr, *first = nullptr;
     for (const Cycle& cycle : docked.cycles) {
-        // A servo that was held up for long has let the hand go on meanwhile: that is no step of its making.
+        // After a long stop of the servo the hand has moved on: that step is not counted.
         if (before != nullptr && cycle.number == before->number + 1 && cycle.on_time && cycle.told &&
             before->told) {
             const double step = (cycle.force - before->force).norm();
@@ -63,7 +63,7 @@ Summary summarise(const Docked& docked, const DockOptions& options) {
         s.frames_per_second = static_cast<double>(warm - 1) / std::max(1e-3, end->t - begin->t);
         s.simulation_tells = true;
         s.simulation_kj = end->total_energy - begin->total_energy;
-        // An account is noted before its own frame is counted in.
+        // The account of a frame is stored before that frame is counted in it.
         s.body_kj = (a.body - begin->account.body) * kj;
     }
     return s;
@@ -100,7 +100,7 @@ std::string text_of(const Summary& s, const Docked& d, const DockOptions& o) {
             "{:.0f} K mean, {:.0f} K at most",
             s.simulation_kj, s.temperature, s.peak_temperature);
     } else {
-        line("the simulation says nothing of its energy");
+        line("the simulation does not report its energy");
     }
     const auto note = [&](std::uint64_t count, const std::string& what) {
         if (count > 0) line("in {} of {} frames {}", count, d.counts.frames, what);

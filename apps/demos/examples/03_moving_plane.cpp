@@ -1,5 +1,5 @@
-// A curved floor from an application that manages 20 updates a second: each time the piece of it where the
-// hand will be.
+// A curved floor from an application with 20 updates a second: each update sends the piece where the hand
+// will be.
 
 #include <algorithm>
 #include <chrono>

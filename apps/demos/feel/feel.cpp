@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto patience = 10s;  // for the hand to become slow, and for the device to become active
+constexpr auto patience = 10s;  // for a slow hand, and for an active device
 
 double seconds_since(Clock::time_point begin) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -37,7 +37,7 @@ void wait_until_slow(knurl::Claim& hand, const std::atomic<bool>& stop) {
 FeelResult feel(knurl::Client& client, const knurl::meshfile::MeshFile& file, const FeelOptions& options,
                 const std::atomic<bool>& stop, const std::function<void(const std::string&)>& told) {
     knurl::ClaimOptions claim{.update_interval = 20ms};
-    // How large the thing is, and how large the device's world must be for it, is known before it is sent.
+    // The size of the thing, and of the device's world around it, is known before it is sent.
     const double size = options.send.scale * file.size();
     if (options.fit)
         for (const auto& device : client.devices())

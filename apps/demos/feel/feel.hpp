@@ -19,13 +19,13 @@ struct FeelOptions {
     knurl::SendOptions send;
     knurl::Shape shape;  // asset and position are filled in
     double radius = 0;   // m, of the finger
-    bool fit = true;     // the device's workspace is stretched over what is larger than it
+    bool fit = true;     // a larger thing is scaled into the device's workspace
     double seconds = 0;  // 0: until `stop`
 };
 
 struct FeelResult {
     knurl::SentShape sent;
-    double send_seconds = 0;                             // from the offer until the servo had it
+    double send_seconds = 0;                             // from the offer to the servo's answer
     double stiffness = 0;                                // N/m as applied
     double scale = 1;                                    // m of the thing for a metre of the device
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m, where its origin lies

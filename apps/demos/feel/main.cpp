@@ -39,7 +39,7 @@ void describe(knurl::commandline::Command& app, Options& w) {
     app.option("MESH", w.mesh, "STL, OBJ, PLY, or what else Assimp reads").required();
     app.option("--unit", w.unit, "of the file: mm, cm, m, in, um; left out, it is guessed and said")
         .one_of({"mm", "cm", "m", "in", "um"});
-    app.option("--scale", w.scale, "makes the thing so many times as large").shows_default().positive();
+    app.option("--scale", w.scale, "factor by which the mesh is scaled").shows_default().positive();
     app.option("--stiffness", w.feel.shape.stiffness, "N/m, or the device's k_max if that is less")
         .shows_default()
         .not_negative();
@@ -53,9 +53,10 @@ void describe(knurl::commandline::Command& app, Options& w) {
     app.option("--radius", w.feel.radius, "m, of the finger").shows_default().within(0.0, 1.0);
     app.flag("--exact", w.feel.send.exact,
              "corners as double: half as much memory again, and exact to 1e-11 m");
-    app.flag("--inside", w.inside,
-             "a closed thing that is wound inside out is felt from inside, as it is; else it is turned");
-    app.flag("--no-fit", w.no_fit, "true size, though it is larger than the device's workspace");
+    app.flag(
+        "--inside", w.inside,
+        "keeps a closed mesh that is wound inside out, so that it is felt from inside; else it is turned");
+    app.flag("--no-fit", w.no_fit, "renders in true size, even beyond the device's workspace");
     app.option("--seconds", w.feel.seconds, "s to feel; 0: until Ctrl-C").shows_default().not_negative();
     app.servo(
            w.connect,
@@ -69,7 +70,7 @@ void describe(knurl::commandline::Command& app, Options& w) {
     app.flag("--demo", w.demo,
              "a servo of its own with a simulated device, whose hand goes around the thing");
     app.option("--speed", w.stroke.speed, "m/s of that hand").shows_default().within(0.005, 1.0);
-    app.option("--press", w.stroke.press, "m that its path runs below the outline")
+    app.option("--press", w.stroke.press, "m by which its path runs below the outline")
         .shows_default()
         .within(0.0, 0.05);
     app.option("--picture", w.picture, "PNG of mesh, path, proxy and force");
@@ -99,7 +100,7 @@ std::unique_ptr<knurl::Mesh> mesh_here(const knurl::meshfile::MeshFile& file,
     return mesh;
 }
 
-/// What of the file is felt otherwise than it stands there, and says so.
+/// Notes what is rendered differently from the file, and says so.
 void prepare(knurl::meshfile::MeshFile& file, const knurl::SendOptions& send, bool inside) {
     for (const std::string& line : file.notes) fmt::print("  {}\n", line);
     if (const auto middle = file.far_middle()) {
@@ -147,10 +148,10 @@ int run(Options& w) {
     std::unique_ptr<knurl::measure::PrivateServo> servo;
     if (w.demo) {
         const std::string& stroke = path.name;
-        // The premium15's workspace is about its origin; what is larger is made smaller, for its path as by
-        // the claim.
+        // The premium15's workspace is about its origin. A larger thing is scaled down, for the hand's path
+        // as by the claim.
         constexpr const char* device = "sim:premium15";
-        constexpr double reach = 0.089;  // m: a little less than the claim lets be of the device's own size
+        constexpr double reach = 0.089;  // m: slightly less than the claim leaves of the device's own size
         const double fits = std::max(1.0, size / 2 / reach);
         send.scale /= fits;
         if (fits > 1) fmt::print("  too large for the simulated device: felt at 1:{:.3g}\n", fits);
@@ -202,7 +203,7 @@ int run(Options& w) {
                    fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
         fmt::print("  {}\n", w.picture);
     }
-    // A person may come and go; a demonstration of nothing is none.
+    // A person may come and go, but a demonstration without a touch has failed.
     return result.faults != 0 || (w.demo && !touched && !stop) ? 1 : 0;
 }
 

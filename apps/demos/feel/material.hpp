@@ -1,5 +1,5 @@
 #pragma once
-// What a mesh file calls its materials, and what the hand is to feel of them.
+// The names of a mesh file's materials, and the values that the hand gets for them.
 
 #include <string>
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace feel {
 
-/// `settings`: "NAME=STIFFNESS[,DAMPING[,FRICTION]]", shares of what the whole is given; of the file's
-/// `names` in their order, 1 for those that no setting names. Throws std::runtime_error: one line with what
+/// `settings`: "NAME=STIFFNESS[,DAMPING[,FRICTION]]", shares of the whole mesh's values. Returns one material
+/// for each of the file's `names`, 1 where no setting names it. Throws std::runtime_error: one line with what
 /// is wrong.
 std::vector<knurl::AssetMaterial> materials_of(const std::vector<std::string>& names,
                                                const std::vector<std::string>& settings);

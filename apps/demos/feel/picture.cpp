@@ -34,11 +34,11 @@ struct Canvas {
         color(c);
         cairo_move_to(cr.get(), x, y);
         cairo_show_text(cr.get(), what.c_str());
-        cairo_new_path(cr.get());  // a text leaves a point behind
+        cairo_new_path(cr.get());  // a text leaves a current point behind
     }
 };
 
-/// Seen from above, from the front and a little from the left; nearer is larger z.
+/// The view from above, from the front and slightly from the left; a larger z is nearer.
 class Eye {
   public:
     explicit Eye(const Eigen::AlignedBox3d& box) : middle_(box.center()) {
@@ -63,7 +63,7 @@ Vector3d vertex(const knurl::meshfile::MeshFile& file, std::uint32_t i, double m
                                     : Vector3d::Constant(NAN);
 }
 
-/// The farthest first: what is nearer is drawn over it.
+/// The farthest faces first, so that nearer ones are drawn over them.
 void draw_mesh(Canvas& canvas, const knurl::meshfile::MeshFile& file, double metres, const Eye& eye) {
     struct Seen {
         Vector3d corner[3];
@@ -92,7 +92,7 @@ void draw_mesh(Canvas& canvas, const knurl::meshfile::MeshFile& file, double met
         cairo_close_path(cr);
         canvas.color({0.93 * one.light, 0.92 * one.light, 0.88 * one.light});
         cairo_fill_preserve(cr);
-        cairo_stroke(cr);  // no gaps between neighbours
+        cairo_stroke(cr);  // closes gaps between neighbours
     }
 }
 
@@ -119,7 +119,7 @@ void draw_paths(Canvas& canvas, const std::vector<Cycle>& cycles, const Eye& eye
         path_color, 0.55, 1, [](const Cycle& c) { return c.position; }, always);
     line(
         proxy_color, 0.9, 1.6, [](const Cycle& c) { return c.proxy; }, touching);
-    // Every hundredth force, on the hand.
+    // The force on the hand in every hundredth cycle.
     double most = 0;
     for (const Cycle& c : cycles) most = std::max(most, c.force.norm());
     cairo_set_line_width(cr, 0.8);

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int around = 720;    // directions of an outline
-constexpr double smooth = 12;  // of them, standard deviation
+constexpr double smooth = 12;  // in directions, standard deviation
 
 /// How far from the middle a ray from outside meets the surface; without a meeting: a tenth of the size.
 double radius_along(const knurl::Mesh& mesh, const Vector3d& middle, const Vector3d& out, double size) {

@@ -1,6 +1,6 @@
 #pragma once
-// Where a simulated hand goes to feel a thing that nobody has described to it: three times around it, in
-// three planes through its middle, pressing.
+// The path of a simulated hand around an unknown thing: three times around it, in three planes through its
+// middle, pressing.
 
 #include <string>
 #include <vector>
@@ -14,7 +14,7 @@ namespace feel {
 struct StrokeOptions {
     double speed = 0.1;       // m/s
     double press = 6e-3;      // m, below the smoothed outline
-    double clearance = 0.01;  // m, from which it comes down
+    double clearance = 0.01;  // m, height from which it comes down
 };
 
 struct Row {

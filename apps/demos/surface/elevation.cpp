@@ -69,7 +69,7 @@ bool fits_swapped(const ElevationModel& model, double greatest) {
 void check_byte_order(const ElevationModel& model, const std::string& name) {
     constexpr std::size_t fewest = 64;
     if (model.counts.size() < fewest) return;
-    // Mean step between neighbours in a row, of the range.
+    // Mean step between neighbours in a row, relative to the range.
     const auto roughness = [&](auto value_of) {
         double sum = 0, low = value_of(model.counts[0]), high = low, last = low;
         int column = 0;

@@ -16,9 +16,9 @@ namespace {
 constexpr double metres_per_degree = 111195;  // of latitude, mean sphere (6371 km)
 constexpr std::array known = {"ncols",    "nrows", "xllcorner", "xllcenter",    "yllcorner", "yllcenter",
                               "cellsize", "dx",    "dy",        "nodata_value", "nodata"};
-/// What programs write where there is no height, if the header does not say what.
+/// What programs write for missing heights, if the header does not say.
 constexpr std::array unstated = {-9999.0, -32768.0, -32767.0, -99999.0};
-constexpr double beyond = 1e12;  // no height in any unit, whatever the header says
+constexpr double beyond = 1e12;  // no height in any unit
 constexpr std::array no_number = {"nan",  "-nan", "+nan", "null", "na", "n/a", "none", "nodata", "no_data",
                                   "void", "*",    "-",    "--",   "?",  "inf", "-inf", "+inf",   "nil"};
 
@@ -63,7 +63,7 @@ void skip_line(std::string_view& text) {
     text.remove_prefix(std::min(text.find_first_of("\r\n"), text.size()));
 }
 
-/// Takes the header off: keys and their values in any order, up to the first height.
+/// Reads the header: keys and their values in any order, up to the first height.
 Header take_header(Words& words, const std::string& name) {
     Header header;
     for (;;) {
@@ -90,7 +90,7 @@ Header take_header(Words& words, const std::string& name) {
     }
 }
 
-/// The side of a cell; the format also has cells that are no squares, which are not felt.
+/// The side of a cell. The format also allows cells that are not square, which are refused.
 double cell_of(const Header& header, const std::string& name) {
     auto cell = header.value(name, "cellsize");
     const auto dx = header.value(name, "dx"), dy = header.value(name, "dy");
@@ -110,7 +110,7 @@ double cell_of(const Header& header, const std::string& name) {
     return *cell;
 }
 
-/// What stands for "no height" in this grid.
+/// The values that mean "no height" in this grid.
 class Gaps {
   public:
     Gaps(const Header& header) {
@@ -122,11 +122,12 @@ class Gaps {
     }
     bool is_gap(double value) const {
         if (!std::isfinite(value) || std::abs(value) > beyond) return true;
-        // The header and the cells may round it differently.
+        // Header and cells may round it differently.
         if (value_) return std::abs(value - *value_) <= 1e-5 * std::abs(*value_);
         return !stated_ && is_usual(value);
     }
-    /// Another one than the header says: merged grids have some left. A height it is, too, if others come near.
+    /// A usual value other than the header's: merged grids may contain it. It is a height if others are close
+    /// to it.
     static bool is_usual(double value) {
         return std::find(unstated.begin(), unstated.end(), value) != unstated.end();
     }
@@ -138,7 +139,7 @@ class Gaps {
     std::optional<double> value_;
 };
 
-/// As many rows as columns are said, and the other way round: then the heights would be read askew.
+/// Detects swapped numbers of rows and columns, which would skew the heights.
 void check_lines(std::string_view text, const ElevationModel& model, const std::string& name) {
     if (model.rows == model.columns) return;
     long lines = 0;
@@ -158,7 +159,7 @@ void check_lines(std::string_view text, const ElevationModel& model, const std::
             name, model.columns, model.rows, lines, model.rows));
 }
 
-/// From one height to the next, in the mean, over the cell's side.
+/// Mean difference between neighbouring heights, relative to the cell's side.
 double mean_slope(const ElevationModel& model, double cell) {
     double sum = 0;
     for (std::size_t i = 0; i + 1 < model.counts.size(); ++i)
@@ -166,8 +167,8 @@ double mean_slope(const ElevationModel& model, double cell) {
     return sum / static_cast<double>(model.counts.size()) / cell;
 }
 
-/// Does a fine cell mean degrees? Then the heights, which are in metres, rise by thousands a unit. A grid
-/// that begins at (0, 0) or lies around it is a local one, in whichever unit.
+/// Is the small cell size in degrees? Then the heights, which are in metres, rise by thousands per unit. A
+/// grid that begins at (0, 0) or surrounds it is a local one, in any unit.
 bool in_degrees(const ElevationModel& model, double cell, double west, double south) {
     constexpr double finest = 0.1, steepest = 10;
     if (cell >= finest || std::abs(south) > 90 || std::abs(west) > 360) return false;
@@ -206,7 +207,7 @@ ElevationModel read_esri_grid(std::string_view bytes, const std::string& name) {
     const std::string_view cells = words.rest;
     std::size_t commas = 0, points = 0;
     std::optional<std::size_t> usual_gap;
-    double lowest = INFINITY;  // of the others
+    double lowest = INFINITY;  // over all other heights
     for (std::size_t i = 0; i < wanted; ++i) {
         const auto word = words.next();
         if (word.empty()) throw too_short(name, i, wanted);
@@ -248,7 +249,7 @@ ElevationModel read_esri_grid(std::string_view bytes, const std::string& name) {
     if (in_degrees(model, cell, west, south)) {
         const double north = south + cell * static_cast<double>(rows);
         const double latitude = 0.5 * (south + north) * M_PI / 180;
-        model.metres_per_cell = cell * metres_per_degree * std::sqrt(std::cos(latitude));  // of equal area
+        model.metres_per_cell = cell * metres_per_degree * std::sqrt(std::cos(latitude));  // for equal area
         model.scale_source = "the grid's cellsize, taken as degrees";
         model.notes.push_back(
             fmt::format("the cellsize of {:g} is taken as degrees, the heights as metres", cell));

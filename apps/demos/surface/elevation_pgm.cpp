@@ -12,8 +12,8 @@
 namespace surface {
 namespace {
 
-/// Where the samples of a P5 may begin, behind its largest value: after the one blank that ends the header,
-/// after CR LF, or after the comments that some programs put there.
+/// Where the samples of a P5 may begin after its largest value: after the one blank that ends the header,
+/// after CR LF, or after comments that some programs put there.
 std::vector<std::string_view> beginnings(std::string_view behind) {
     std::vector<std::string_view> found;
     const auto add = [&](std::string_view data) {
@@ -36,20 +36,19 @@ std::vector<std::string_view> beginnings(std::string_view behind) {
     return found;
 }
 
-/// What may stand behind the samples: the end of a line, or the next picture.
+/// What may follow the samples: a line end, or the next picture.
 bool is_tail(std::string_view tail) {
     return tail == "\n" || tail == "\r\n" ||
            (tail.size() > 2 && tail[0] == 'P' && tail[1] >= '1' && tail[1] <= '7' &&
             std::string_view("# \t\r\n").find(tail[2]) != std::string_view::npos);
 }
 
-/// The samples of a P5: of the places where they may begin, that from which on as many are there as the
-/// header says.
+/// The samples of a P5: the possible beginning after which there are as many as the header says.
 std::string_view samples(std::string_view behind, std::size_t wanted, const std::string& name,
                          std::vector<std::string>& notes) {
     std::size_t most = 0;
     for (const auto& data :
-         beginnings(behind)) {  // what the format says first: samples may look like a comment
+         beginnings(behind)) {  // the format's own rule first: samples may look like a comment
         most = std::max(most, data.size());
         if (data.size() == 2 * wanted) return data;
         if (data.size() < 2 * wanted || !is_tail(data.substr(2 * wanted))) continue;
@@ -90,7 +89,7 @@ ElevationModel read_pgm(std::string_view bytes, const std::string& name) {
 
     ElevationModel model{.rows = static_cast<int>(*rows), .columns = static_cast<int>(*columns)};
     const auto wanted = static_cast<std::size_t>(*rows) * static_cast<std::size_t>(*columns);
-    std::optional<std::size_t> above;  // the first sample that is
+    std::optional<std::size_t> above;  // the first sample above
     if (bytes[1] == '5') {
         const auto data = samples(words.rest, wanted, name, model.notes);
         model.counts.reserve(wanted);

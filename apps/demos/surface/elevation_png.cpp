@@ -13,15 +13,14 @@ namespace surface {
 namespace {
 
 constexpr png_alloc_size_t most_at_once =
-    64 << 20;                              // bytes that libpng may ask for, whatever a damaged chunk says
-constexpr std::size_t most_packed = 1032;  // bytes that deflate makes one of, at most
+    64 << 20;                              // bytes that libpng may allocate, whatever a damaged chunk says
+constexpr std::size_t most_packed = 1032;  // the best compression ratio of deflate
 
 struct Source {
     std::string_view rest;
 };
 
-/// libpng reports errors by longjmp, so everything that has a destructor lives in this struct, outside the
-/// jump.
+/// libpng reports errors by longjmp. So everything with a destructor is in this struct, outside the jump.
 struct Decoding {
     Source source;
     png_structp png = nullptr;
@@ -54,7 +53,7 @@ void read_from(png_structp png, png_bytep out, std::size_t count) {
     source->rest.remove_prefix(count);
 }
 
-/// False: `problem` says why. Holds no object with a destructor.
+/// False: `problem` has the reason. Contains no object with a destructor.
 bool read_header(Decoding& d) {
     if (setjmp(png_jmpbuf(d.png))) return false;
     png_set_read_fn(d.png, &d.source, read_from);
@@ -89,7 +88,7 @@ std::optional<double> text_number(const Decoding& d, const char* key, const std:
     return std::nullopt;
 }
 
-/// The grey that means "nothing here". None: every pixel is a height.
+/// The grey value that means "nothing here". None: every pixel is a height.
 std::optional<double> transparent(const Decoding& d) {
     png_bytep alphas = nullptr;
     int count = 0;
@@ -127,7 +126,7 @@ ElevationModel read_png(std::string_view bytes, const std::string& name) {
                         name, depth));
     check_sides(name, rows, columns);
 
-    // Before memory is taken for what a damaged header says.
+    // Before memory is allocated by a damaged header.
     const auto wanted = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
     if (2 * wanted / most_packed > bytes.size())
         throw std::runtime_error(

@@ -1,5 +1,5 @@
 #pragma once
-// Words of a text, and what they mean as numbers.
+// Words of a text, and their values as numbers.
 
 #include <algorithm>
 #include <charconv>
@@ -12,13 +12,13 @@
 
 namespace surface {
 
-/// One after the other; empty at the text's end.
+/// Word after word; empty at the end of the text.
 struct Words {
     static constexpr std::string_view blank = " \t\r\n\f\v";
 
     std::string_view rest;
     bool comments = false;  // from # to the end of the line
-    bool within = false;    // # ends a word, too
+    bool within = false;    // # also ends a word
 
     std::string_view next() {
         for (;;) {
@@ -39,7 +39,7 @@ struct Words {
     }
 };
 
-/// As much of it as a line of text can show, and nothing that a terminal would obey.
+/// The part that fits a line of text, without control characters.
 inline std::string shown(std::string_view word) {
     return knurl::words::printable(word, 40);
 }

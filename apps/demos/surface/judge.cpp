@@ -11,7 +11,7 @@
 namespace surface {
 namespace {
 
-constexpr double settling = 0.4;  // s of the rest that are left for the last swing to die
+constexpr double settling = 0.4;  // s at the start of the rest in which the last oscillation may die away
 
 }  // namespace
 
@@ -43,7 +43,7 @@ Judgement judge(const std::vector<Cycle>& cycles, const std::vector<Terrain::Foo
             result.stalls += cycles[i - 1].active && !cycle.active;
             result.late += cycle.late_count - cycles[i - 1].late_count;
         }
-        // A step of force counts wherever it comes, the first touch included.
+        // A step of force always counts, also at the first touch.
         if (i > 0 && cycle.number == cycles[i - 1].number + 1) {
             const double periods = cycle.gap > 1.5 * span.period ? cycle.gap / span.period : 1;
             const double jump = (cycle.force - cycles[i - 1].force).norm() / periods;

@@ -1,14 +1,13 @@
 #pragma once
-// What a stroke was like, from its recorded cycles alone: a pure function, judged by one written definition.
+// Judges a stroke from its recorded cycles: a pure function with one written definition.
 //
 //   stable  =  jump <= 1 N a cycle,  kick <= 0.3 m/s,  limit cycle < 0.1 mm,  no fault
 //
-// That is said of a stroke that was seen: one that never touched, did not move along the surface, was not
-// seen at rest, or of which too many reports were missed has no verdict, unless what was seen is not stable.
+// The verdict needs enough data. A stroke has none if it never touched, did not move along the surface, was
+// not seen at rest, or lacks too many reports, unless the available part is not stable.
 //
-// All forces are the scene's wrench before the supervisor. The thresholds are a choice of ours (nobody
-// measured them on people): a step of 1 N is felt as a knock, and a hand thrown off at 0.3 m/s has lost the
-// surface.
+// All forces are the scene's wrench before the supervisor. The thresholds were chosen, not measured on
+// people: a step of 1 N is felt as a knock, and a hand thrown off at 0.3 m/s has lost the surface.
 
 #include <cstdint>
 #include <optional>
@@ -26,9 +25,10 @@ struct Cycle {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
     Eigen::Vector3d force = Eigen::Vector3d::Zero();     // N, the scene's, before the supervisor
-    std::uint32_t faults = 0;  // the device's mask; not 0: this and later cycles are void
-    bool active = true;  // the device had its full force; false: it ramps up again after a stall of the servo
-    double gap = 0;      // s since the sample of the cycle before was read; 0: on time
+    std::uint32_t faults = 0;  // the device's mask; not 0: this and later cycles do not count
+    bool active = true;  // the device had its full force; false: it ramps up again after a standstill of the
+                         // servo
+    double gap = 0;      // s since the previous cycle's sample was read; 0: on time
     std::uint64_t late_count = 0;  // of the servo since its start
 };
 
@@ -38,10 +38,10 @@ struct Thresholds {
     double limit_cycle = 0.1e-3;  // m
 };
 
-/// What has to be seen of a stroke that is to be called stable.
+/// The data required for the verdict "stable".
 struct Seen {
     double contact = 0.1;  // s below the surface
-    double travel = 5e-3;  // m along it meanwhile
+    double travel = 5e-3;  // m along it during that time
     double missed = 0.05;  // of the cycles, at most
 };
 
@@ -50,7 +50,7 @@ struct Ideal {
     double greatest_force = 0;  // N: the device's own limit, for the true force as for the felt one; 0: none
 };
 
-/// When, in seconds of Cycle::t: the stroke is judged from its first touch to `end`, the rest from `rest_at`.
+/// Times as in Cycle::t, s: the stroke is judged from its first touch to `end`, the rest from `rest_at`.
 struct Span {
     double rest_at = 0, end = 0;
     double period = 1e-3;  // s, the servo's
@@ -58,15 +58,16 @@ struct Span {
 
 struct Judgement {
     std::uint64_t cycles = 0;  // recorded until the end or the fault
-    std::uint64_t missed = 0;  // numbers that are not among them
+    std::uint64_t missed = 0;  // cycles that are missing in the record
     std::uint64_t late = 0;
-    std::uint64_t stalls = 0;      // times that the servo stood still so long that it took the force away
-    double jump = 0, jump_at = 0;  // N, s
-    std::uint64_t jumps = 0;       // above the threshold
-    double kick = 0, kick_at = 0;  // m/s, s
-    double force_error = 0;        // N, root mean square of |felt - true| over the judged cycles
-    double mean_force = 0;         // N, of the true force
-    std::optional<double> own_force_error;  // N, the same against the surface that was sent; none: none was
+    std::uint64_t stalls = 0;               // standstills of the servo long enough to remove the force
+    double jump = 0, jump_at = 0;           // N, s
+    std::uint64_t jumps = 0;                // above the threshold
+    double kick = 0, kick_at = 0;           // m/s, s
+    double force_error = 0;                 // N, root mean square of |felt - true| over the judged cycles
+    double mean_force = 0;                  // N, of the true force
+    std::optional<double> own_force_error;  // N, the same relative to the surface that was sent; none: no
+                                            // surface was sent
     double contact_share = 0;               // of the judged cycles with the probe below the surface
     double contact = 0;                     // s below it
     double travel = 0;                      // m along it, between cycles below it
@@ -77,7 +78,7 @@ struct Judgement {
 
     /// None: no verdict.
     std::optional<bool> stable(const Thresholds& limits = {}) const;
-    /// Why a stroke in which nothing unstable was seen is not called stable; empty: it is.
+    /// Why a stroke without an unstable part is not called stable; empty: it is.
     std::string unseen(const Seen& needed = {}) const;
     /// "stable", "not stable: jump, kick", "faulted at t = 1.23 s (hand too fast)", "no verdict: ...".
     std::string verdict(const Thresholds& limits = {}) const;

@@ -1,5 +1,5 @@
-// knurl-surface: lets a hand stroke a real relief through an application of 20 Hz, in several ways, and
-// judges them.
+// knurl-surface: a hand strokes a real relief through an application of 20 Hz, in several ways, which are
+// judged.
 
 #include <algorithm>
 #include <cstdio>
@@ -59,7 +59,7 @@ void describe(knurl::commandline::Command& app, Options& w) {
     app.option("--write-stroke", w.write_stroke,
                "write the motion for `knurld --hand` to this FILE, and end");
     app.option("--speed", w.stroke.speed, "m/s of the stroke").shows_default().within(0.005, 1.0);
-    app.option("--press", w.stroke.press, "m that the hand's path runs below the broad shape")
+    app.option("--press", w.stroke.press, "m by which the hand's path runs below the broad shape")
         .shows_default()
         .within(0.0, 0.05);
     app.option("--cell", w.relief.cell, "m under the hand per cell of the model")
@@ -79,7 +79,7 @@ void describe(knurl::commandline::Command& app, Options& w) {
         "  " +
         knurl::measure::script("plot_surface.py") +
         " out.json out.csv relief.asc out.png\n"
-        "Exit code 1: of some way there is no verdict (the hand never touched, did not move, ...).\n");
+        "Exit code 1: some way has no verdict (the hand never touched, did not move, ...).\n");
 }
 
 int run(const Options& options) {
@@ -100,7 +100,7 @@ int run(const Options& options) {
         return 0;
     }
 
-    // Before a minute of measuring, not after it.
+    // Fails before a minute of measuring, not after it.
     if (!options.csv.empty()) knurl::measure::require_writable(options.csv);
     if (!options.json.empty()) knurl::measure::require_writable(options.json);
     auto client = knurl::Client::connect(

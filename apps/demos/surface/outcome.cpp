@@ -14,7 +14,7 @@ namespace surface {
 
 namespace {
 
-/// Root mean square over the cycles in which what was sent was touched, or something was felt. N.
+/// Root mean square over the cycles with contact or force. N.
 std::optional<double> own_error(const Recording& r, const Span& span) {
     double squares = 0;
     std::size_t n = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What knurl-surface leaves behind: the table that it prints, and the files that the picture is drawn from.
+// The output of knurl-surface: the printed table, and the files from which the picture is drawn.
 
 #include <filesystem>
 #include <string>
@@ -22,7 +22,7 @@ struct Outcome {
 
 Outcome judged(Recording recording, const Terrain& terrain, const Span& span);
 
-/// Everything about the run that is the same for all its strokes.
+/// The part of the run that all its strokes share.
 struct RunText {
     std::string model = {};   // the file's name
     std::string scale = {};   // Relief::statement

@@ -1,4 +1,4 @@
-// The form that all measuring programs share: machine and results; beside it what only this program has.
+// The form of all measuring programs: machine and results, plus what only this program has.
 
 #include <knurl/json/json.hpp>
 #include <knurl/measure/output_file.hpp>

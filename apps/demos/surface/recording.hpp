@@ -1,5 +1,5 @@
 #pragma once
-// What is kept of one stroke: the way it was felt, every cycle of the servo, every update of the application.
+// The record of one stroke: its way of rendering, every cycle of the servo, every update of the application.
 
 #include <cstdint>
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace surface {
 
-/// The ways in which an application of a few hertz lets a hand feel a surface.
+/// The ways in which an application of a few hertz can render a surface.
 enum class Way {
-    force,   // the force is computed in the application and sent as it is
-    planes,  // tangent planes at the hand, taken as they come
+    force,   // the application computes the force and sends it
+    planes,  // tangent planes at the hand, without transition
     paper,   // the same, with the recovery of Mark et al. 96 (figure 7)
-    knurl,   // planes asked for where the hand will be, cross-faded: Knurl's default
-    caps,    // the same with caps, which curve as the surface does there
+    knurl,   // planes for the predicted place of the hand, cross-faded: Knurl's default
+    caps,    // the same with caps, which have the surface's curvature there
     mesh,    // the whole relief as triangles, sent once
     field,   // the same as heights over a grid
 };
@@ -45,14 +45,13 @@ struct Recording {
     std::vector<Update> updates;                  // committed in that time
     std::uint64_t unread = 0;                     // reports overwritten before they were read
     bool interrupted = false;
-    // N, of each cycle: what the surface that this way had sent by then gives there (stated.hpp). Empty: it
-    // has sent none.
+    // N, of each cycle: the force of the surface that this way had sent by then (stated.hpp). Empty: it has
+    // sent none.
     std::vector<Eigen::Vector3d> own_force;
 };
 
-/// For each update that was used: from the read of the report that it was computed from to the end of the
-/// write of the first cycle that read its sample after the commit, in s. (The servo may have taken it one
-/// cycle earlier.)
+/// For each used update: the time from the read of its report to the end of the write of the first cycle
+/// whose sample was read after the commit, in s. (The servo may have taken it one cycle earlier.)
 std::vector<double> ages_at_use(const Recording& recording);
 
 }  // namespace surface

@@ -1,7 +1,6 @@
 #pragma once
-// What a way has sent, felt by itself: at the recorded places, with the device's limits, without fades or
-// recovery. Beside it stands what was felt; what differs the servo has added (or the way did, by its
-// updates).
+// Evaluates the surface that a way has sent: at the recorded places, with the device's limits, without fades
+// or recovery. Its difference to the recorded force comes from the servo (or from the way's updates).
 
 #include <cstdint>
 #include <variant>
@@ -21,10 +20,10 @@ class Stated {
   public:
     using Piece = std::variant<knurl::Plane, knurl::Cap, knurl::Shape>;
 
-    /// These and no others, by a commit that lasted from `begin` to `end` (ns). A shape is one of asset 1.
+    /// These pieces and no others, by a commit that lasted from `begin` to `end` (ns). A shape uses asset 1.
     void say(std::int64_t begin, std::int64_t end, std::vector<Piece> pieces);
-    /// N, of each recorded cycle. Not a number where the update may have come before the cycle took its
-    /// updates or after: which of two was in force nobody knows. Empty: nothing was said.
+    /// N, of each recorded cycle. NaN where the update may have come before or after the cycle took its
+    /// updates, so that it is unknown which was in force. Empty: nothing was sent.
     std::vector<Eigen::Vector3d> force(const Recording& recording, const knurl::Limits& limits,
                                        const knurl::Asset* asset = nullptr) const;
 

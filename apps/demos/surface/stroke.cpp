@@ -10,7 +10,7 @@
 namespace surface {
 namespace {
 
-/// The serpentine by the way travelled, about the origin.
+/// The serpentine by the travelled distance, about the origin.
 struct Serpentine {
     double half_width, half_length;
     int rows;
@@ -31,7 +31,7 @@ struct Serpentine {
     }
 };
 
-/// 0 to 1 over u in [0, 1] without a step in velocity.
+/// 0 to 1 over u in [0, 1], with continuous velocity.
 double smoothstep(double u) {
     return u * u * (3 - 2 * u);
 }
@@ -39,8 +39,7 @@ double smoothstep(double u) {
 }  // namespace
 
 Stroke make_stroke(const Terrain& terrain, const StrokeOptions& options) {
-    // A relief much smaller than the hand's way is stroked whole, with a little of the level ground around
-    // it.
+    // A relief much smaller than the hand's path is stroked as a whole, with some level ground around it.
     const Serpentine way{
         .half_width = std::clamp(0.8 * terrain.half_width(), 0.2 * options.half_width, options.half_width),
         .half_length =

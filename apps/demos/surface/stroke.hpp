@@ -17,15 +17,15 @@ namespace surface {
 struct StrokeOptions {
     double speed = 0.10;         // m/s
     double press = 9e-3;         // m below the broad shape: 1.8 N with a hand of 200 N/m
-    double half_width = 60e-3;   // m along x, from the middle to a row's end; less on a smaller relief
+    double half_width = 60e-3;   // m along x, from the middle to a row's end; smaller on a smaller relief
     double half_length = 40e-3;  // m along y, from the middle to the first row
     int rows = 5;
     double approach = 0.6;    // s from `clearance` above the surface down to the path
     double clearance = 5e-3;  // m
-    double speed_up = 0.2;    // s in which the stroke reaches its speed, and loses it again
+    double speed_up = 0.2;    // s for acceleration, and for deceleration
     double rest = 1.0;        // s at the end, pressing
     double step = 5e-3;       // s between rows of the file
-    double breadth = 8e-3;    // m, standard deviation of the Gaussian that leaves the broad shape
+    double breadth = 8e-3;    // m, standard deviation of the Gaussian that gives the broad shape
 };
 
 struct Stroke {
@@ -34,8 +34,8 @@ struct Stroke {
         Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m, the hand's world
     };
     std::vector<Row> rows;
-    double begin = 0;    // s, the approach is over
-    double rest_at = 0;  // s, the hand rests from here on
+    double begin = 0;    // s, end of the approach
+    double rest_at = 0;  // s, start of the rest
     double end = 0;      // s
 };
 

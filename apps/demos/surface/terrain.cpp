@@ -30,7 +30,8 @@ std::size_t index_of(const HeightGrid& grid, int row, int column) {
     return r * static_cast<std::size_t>(grid.columns) + c;
 }
 
-/// Cell and place within it; far outside, the last cell in which all four control heights are the border's.
+/// The cell and the place within it. Far outside: the last cell in which all four control heights are the
+/// border's.
 void locate(double at, int count, int& cell, double& t) {
     const double bounded = std::clamp(at, -3.0, count + 2.0);
     cell = static_cast<int>(std::floor(bounded));
@@ -117,7 +118,7 @@ Eigen::Vector2d Terrain::refine(Eigen::Vector2d at, const Eigen::Vector3d& p) co
         if (move.norm() > 2 * grid_.cell) move *= 2 * grid_.cell / move.norm();
         if (move.norm() < 1e-13) break;
 
-        // So near, q differs by less than doubles can tell, but its gradient does not: trust Newton.
+        // This close, q differs by less than a double resolves, but its gradient does not: use Newton's step.
         if (convex && move.norm() < 1e-4 * grid_.cell) {
             at += move;
             j = jet(at.x(), at.y());
@@ -134,13 +135,13 @@ Eigen::Vector2d Terrain::refine(Eigen::Vector2d at, const Eigen::Vector3d& p) co
                 fell = true;
             }
         }
-        if (!fell) break;  // as near as doubles can tell
+        if (!fell) break;  // as close as doubles resolve
     }
     return at;
 }
 
 Terrain::Foot Terrain::foot(const Eigen::Vector3d& p) const {
-    // The nearest point lies no farther than the point straight above or below p: search that disc.
+    // The nearest point is no farther than the point straight above or below p: search that disc.
     const double vertical = height(p.x(), p.y()) - p.z();
     const double radius = std::abs(vertical);
     const double step = std::max(0.5 * grid_.cell, radius / 16);

@@ -1,10 +1,10 @@
 #pragma once
 // The true surface: a height field z = f(x, y) as a uniform bicubic B-spline.
 //
-// Why a B-spline and not Catmull-Rom: its curvature is continuous (C2), so a tangent plane that follows the
-// hand turns smoothly and Newton's method for the foot point converges from everywhere near; it never
-// overshoots its control heights, so no pit or bump is felt that the data do not have. The price: it passes
-// near the samples, not through them (as the samples were smoothed by the weights 1/6 2/3 1/6).
+// A B-spline rather than Catmull-Rom: its curvature is continuous (C2), so a tangent plane that follows the
+// hand turns smoothly, and Newton's method for the foot converges from everywhere near. It never overshoots
+// its control heights, so it has no pit or bump that the data do not have. The price: it passes near the
+// samples, not through them (as if they were smoothed by the weights 1/6 2/3 1/6).
 
 #include <vector>
 
@@ -30,7 +30,7 @@ class Terrain {
         double fx = 0, fy = 0;             // 1
         double fxx = 0, fxy = 0, fyy = 0;  // 1/m
     };
-    /// Height and derivatives; beyond the grid it goes on level from the border's last heights (still C2).
+    /// Height and derivatives; beyond the grid the border's last heights continue level (still C2).
     Jet jet(double x, double y) const;
     double height(double x, double y) const { return jet(x, y).f; }
     Eigen::Vector3d normal(double x, double y) const;  // unit, upwards
@@ -40,8 +40,8 @@ class Terrain {
         Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, upwards
         double distance = 0;                                // m, signed: negative below the surface
     };
-    /// The surface's nearest point to p. Exact (the nearest of all) for |p_z - f(p_x, p_y)| <= 8 cells;
-    /// farther away the nearest of the basins that a coarser search finds.
+    /// The surface's nearest point to p. Exact (the global minimum) for |p_z - f(p_x, p_y)| <= 8 cells;
+    /// farther away the nearest of the minima that a coarser search finds.
     Foot foot(const Eigen::Vector3d& p) const;
 
     const HeightGrid& grid() const { return grid_; }

@@ -6,7 +6,7 @@ namespace surface {
 
 namespace {
 
-/// Cells that are added at each side.
+/// Cells added at each side.
 std::uint32_t margin(const Terrain& terrain) {
     return static_cast<std::uint32_t>(std::ceil(beyond_border / terrain.grid().cell));
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The relief at its samples, whole: what an application has that only draws it. Beyond its border it goes on
-// level for a bit, as the true surface does: a hand that strays over the border has not slipped off.
+// The whole relief at its samples: what an application has that only draws it. Beyond its border it continues
+// level for a bit, like the true surface, so that a hand beyond the border does not slip off.
 
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace surface {
 
 inline constexpr double beyond_border = 4e-3;  // m
 
-/// Two triangles a cell.
+/// Two triangles per cell.
 class TerrainMesh {
   public:
     explicit TerrainMesh(const Terrain& terrain);
@@ -24,7 +24,7 @@ class TerrainMesh {
     std::vector<knurl::Triangle> triangles_;
 };
 
-/// The same two triangles a cell, as heights: from the south, and from the west.
+/// The same two triangles per cell, as heights: from the south, and from the west.
 struct TerrainField {
     knurl::HeightGrid grid;
     std::vector<float> heights;  // m

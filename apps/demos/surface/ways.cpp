@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC: the reports' clock
 
 constexpr double slow_hand = 0.1;  // m/s, well below what arming asks for
-constexpr auto patience = 8s;      // for the hand to become slow, and for the device to become active
+constexpr auto patience = 8s;      // for a slow hand, and for an active device
 
 std::int64_t now_ns() {
     return Clock::now().time_since_epoch() / 1ns;
@@ -32,7 +32,7 @@ std::chrono::nanoseconds seconds(double s) {
     return std::chrono::nanoseconds(std::llround(s * 1e9));
 }
 
-/// Everything that the application and the servo say to each other in one stroke.
+/// All communication between application and servo in one stroke.
 class Session {
   public:
     Session(knurl::Client& client, Way way, const Terrain& terrain, const StrokeRun& run,
@@ -40,7 +40,7 @@ class Session {
         : terrain_(terrain),
           run_(run),
           stop_(stop),
-          // What was sent whole waits for no update.
+          // A surface that is sent once needs no updates.
           hand_(client.claim(run.device, {.update_interval = way == Way::mesh || way == Way::field
                                                                  ? std::chrono::nanoseconds(1s)
                                                                  : seconds(1 / run.rate)})) {
@@ -89,7 +89,7 @@ class Session {
                 break;
             }
         }
-        // Through a network nobody here knows when an update came to be felt.
+        // Over a network the time of an update's effect is unknown here.
         if (recording_.own_force.empty() && hand_.network().round_trip == 0ns)
             recording_.own_force = stated_.force(recording_, hand_.limits());
         hand_.release();
@@ -97,9 +97,9 @@ class Session {
     }
 
   private:
-    using Pieces = std::vector<Stated::Piece>;  // none: what was sent before goes on
+    using Pieces = std::vector<Stated::Piece>;  // none: the previous ones stay
 
-    /// Planes that are set; without their recovery each is the plane that it is.
+    /// The planes that are set. Without recovery each takes effect at once.
     void set_planes(const knurl::Plane& like) {
         auto floor = hand_.add(plane_here(like));
         stated_.say(0, 0, {plane_here({})});
@@ -125,7 +125,7 @@ class Session {
         });
     }
 
-    /// After it was sent the application has nothing to say.
+    /// After sending it the application has nothing to update.
     void feel_whole(const knurl::SentShape& sent) {
         const knurl::Shape whole{.asset = sent.asset, .stiffness = recording_.stiffness};
         const auto felt = hand_.add(whole);
@@ -136,7 +136,7 @@ class Session {
         recording_.own_force = stated_.force(recording_, hand_.limits(), &here);
     }
 
-    /// The loop of an application: at fixed times read the hand, think, answer; nothing of it at 1 kHz.
+    /// An application's loop: at fixed times read the hand, think, answer; nothing runs at 1 kHz.
     template <class Answer>
     void loop(Answer&& answer) {
         hand_.arm();
@@ -144,7 +144,7 @@ class Session {
         const auto period = seconds(1 / run_.rate);
         for (auto tick = Clock::now();; tick += period) {
             if (tick + period < Clock::now())
-                tick = Clock::now();  // fell behind: updates are skipped, not bunched
+                tick = Clock::now();  // behind schedule: updates are skipped, not bunched
             std::this_thread::sleep_until(tick);
             take_reports();
             if (over()) break;
@@ -168,7 +168,7 @@ class Session {
         if (stop_) recording_.interrupted = true;
         if (recording_.interrupted) return true;
         if (!hand_.connected()) {
-            hand_.device();  // throws, and says why
+            hand_.device();  // throws with the reason
             throw std::runtime_error("the servo was away for a moment; run it again");
         }
         return !recording_.cycles.empty() &&
@@ -224,7 +224,7 @@ class Session {
         return {knurl::to_plain(foot.point), knurl::to_plain(foot.normal)};
     }
 
-    /// The surface's tangent plane at the hand, otherwise as `plane`.
+    /// The surface's tangent plane at the hand, with the other values of `plane`.
     knurl::Plane plane_here(knurl::Plane plane) const {
         const auto foot = terrain_.foot(knurl::to_eigen(newest_.position));
         plane.normal = knurl::to_plain(foot.normal);

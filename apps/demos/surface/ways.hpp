@@ -14,8 +14,9 @@ namespace surface {
 struct StrokeRun {
     std::string device;       // empty: the only one
     double rate = 20;         // Hz, of the application's updates
-    double think = 0.025;     // s from reading the hand to answering: what drawing takes a real application
-    double stiffness = 2000;  // N/m asked for; k_max if that is less
+    double think = 0.025;     // s from reading the hand to answering: the time that a real application takes
+                              // to draw
+    double stiffness = 2000;  // N/m requested; k_max if that is less
     Span span;                // s since the claim became active
 };
 

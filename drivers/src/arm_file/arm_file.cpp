@@ -19,7 +19,7 @@ namespace knurl::drivers {
 namespace {
 
 constexpr std::size_t largest_file = 1 << 20;  // bytes
-constexpr double singular = 1e6;  // condition of a coupling: figures of three digits do not make one
+constexpr double singular = 1e6;  // condition of a coupling: three-digit values never come near it
 
 /// The tables of a [[name]].
 std::vector<const toml::table*> tables_of(const ArmTable& root, std::string_view name,
@@ -156,8 +156,8 @@ void read_frames(ArmFile& arm, const ArmTable& root) {
         if (!node->is_table()) root.fail("base", "base must be a table; write [base]");
         ArmTable table(arm, *node->as_table(), "[base]", {"rpy", "rpy_deg"});
         const auto rpy = table.angles("rpy", 3);
-        if (!rpy) table.fail("", "[base] says nothing; write rpy_deg = [0, 0, 90] or remove it");
-        // As in URDF: about the fixed x, then y, then z.
+        if (!rpy) table.fail("", "[base] is empty; write rpy_deg = [0, 0, 90] or remove it");
+        // As in URDF: about fixed x, then y, then z.
         arm.table.base.linear() = (Eigen::AngleAxisd((*rpy)[2], Eigen::Vector3d::UnitZ()) *
                                    Eigen::AngleAxisd((*rpy)[1], Eigen::Vector3d::UnitY()) *
                                    Eigen::AngleAxisd((*rpy)[0], Eigen::Vector3d::UnitX()))
@@ -167,7 +167,7 @@ void read_frames(ArmFile& arm, const ArmTable& root) {
         if (!node->is_table()) root.fail("tool", "tool must be a table; write [tool]");
         ArmTable table(arm, *node->as_table(), "[tool]", {"position"});
         const auto position = table.numbers("position", 3, {"m", -3, 3});
-        if (!position) table.fail("", "[tool] says nothing; write position = [0, 0, 0.05] or remove it");
+        if (!position) table.fail("", "[tool] is empty; write position = [0, 0, 0.05] or remove it");
         arm.table.tool.translation() = Eigen::Vector3d((*position)[0], (*position)[1], (*position)[2]);
     }
 }
@@ -204,7 +204,7 @@ void read_workspace(ArmFile& arm, const ArmTable& root) {
         outside(arm.centre[i], arm.axes[i].limits, "axis " + std::to_string(i + 1));
         outside(arm.table.variable(i, arm.centre), arm.row_limits[i], "row " + std::to_string(i + 1));
     }
-    // The tip in that posture becomes the device frame's origin; the axes stay the base's.
+    // The tip in that posture becomes the origin of the device frame; the axes stay those of the base.
     TipPose pose;
     Jacobian jacobian;
     SerialChain(arm.table).forward(arm.centre, pose, jacobian);
@@ -266,7 +266,7 @@ ArmFile parse_arm(std::string_view text, const std::string& name) {
     } catch (const toml::parse_error& error) {
         const toml::source_position at = error.source().begin;
         std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');  // it quotes the file, line ends too
+        std::replace(what.begin(), what.end(), '\n', ' ');  // the message quotes the file, with line ends
         throw std::runtime_error(name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
                                  ": " + what);
     }
@@ -299,14 +299,14 @@ ArmFile load_arm(const std::string& path) {
     const auto refuse = [&path](const std::string& what) {
         return std::runtime_error(path + ": " + what + "; give an arm's TOML file");
     };
-    // A device or a pipe may have no end, and opening one may wait for ever: neither is opened.
+    // A device or a pipe may be endless, and opening one may block: both are refused.
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(path, error);
     if (status.type() == std::filesystem::file_type::none)
         throw std::runtime_error(path + ": cannot be read: " + error.message());
     if (std::filesystem::is_directory(status)) throw refuse("is a folder");
     if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-        throw refuse("is a device, pipe or socket, no file");
+        throw refuse("is a device, pipe or socket, not a file");
     errno = 0;
     std::ifstream file(path, std::ios::binary);
     if (!file.is_open()) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));

@@ -1,4 +1,4 @@
-// What follows from a file: LinkConfig and the simulated device.
+// Derives LinkConfig and the simulated device from a file.
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr double usual_joint_inertia = 1e-5;
 constexpr double wrist_counts = 4096;  // a turn
 constexpr double stops_beyond = 1.3;   // of the workspace's radius
 
-/// The value of the file, else the profile's own, which is then listed.
+/// Takes values from the file, else the profile's default, which is then listed as assumed.
 class Assumed {
   public:
     explicit Assumed(std::vector<std::string>* list) : list_(list) {}
@@ -106,7 +106,7 @@ SimProfile sim_profile_of(const ArmFile& arm, std::vector<std::string>* assumed)
         if (!arm.continuous_force) known.say("continuous force: half of the peak force");
         set_levers(p);
     } else {
-        // What every motor can do at the centre: the axis that is first at its limit decides.
+        // The force that the motors can hold at the centre: the first axis at its limit decides.
         set_levers(p);
         p.peak_force = std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < arm.actuated(); ++i) {

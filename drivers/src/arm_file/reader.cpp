@@ -13,7 +13,7 @@ namespace knurl::drivers {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr double longest_haptic_link = 3;  // m: haptic arms end long before
+constexpr double longest_haptic_link = 3;  // m: haptic arms are shorter
 constexpr std::string_view degrees_suffix = "_deg";
 constexpr std::string_view source_suffix = "_source";
 
@@ -139,7 +139,7 @@ double ArmTable::angle_of(const toml::node& node, const std::string& what, std::
     const double number = value(node, what);
     const double quarters = number / (std::numbers::pi / 2);
     if (degrees) {
-        // 1.5708 and the like: nobody means one degree and a half and a bit.
+        // A value like 1.5708 in degrees: it was surely meant in radians.
         if (number != 0 && std::abs(quarters) < 4.5 && std::abs(quarters - std::round(quarters)) < 1e-4) {
             fail_at(node, what + " is " + in_text(number) + " degrees: that is " +
                               in_text(90 * std::round(quarters)) + " degrees in radians; did you mean " +

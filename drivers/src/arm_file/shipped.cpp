@@ -1,4 +1,4 @@
-// Arms by name: those built in, and those in folders.
+// Arms by name: built in, or in folders.
 
 #include "arm_file/shipped.hpp"
 

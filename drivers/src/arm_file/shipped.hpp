@@ -1,5 +1,5 @@
 #pragma once
-// The files of drivers/arms/, built in. shipped_arms.cpp is made of them by CMake.
+// The files of drivers/arms/, built in. CMake generates shipped_arms.cpp from them.
 
 #include <span>
 #include <string_view>
@@ -11,7 +11,7 @@ struct ShippedArm {
 };
 extern const std::span<const ShippedArm> shipped;
 
-/// Where `cmake --install` puts them.
+/// The folder into which `cmake --install` puts them.
 extern const std::string_view installed_arms;
 
 }  // namespace knurl::drivers

@@ -17,14 +17,14 @@ constexpr std::uint8_t vendor_out = 0x40;
 constexpr std::uint16_t dtr_high = 0x0101, dtr_low = 0x0100, rts_low = 0x0200;
 constexpr std::uint16_t baud_9600 = 0x4138, baud_boot = 0x15, baud_run = 0x2;
 constexpr std::uint16_t eight_n_one = 8;
-constexpr std::uint16_t event_on_end = 0x013E;  // '>', enabled: a packet that ends so is flushed at once
-constexpr std::size_t status_bytes = 2;         // at the front of every packet in
-constexpr std::size_t chunk = 62;               // whose echo fits one packet with the status bytes
+constexpr std::uint16_t event_on_end = 0x013E;  // '>', enabled: a packet with this end is flushed at once
+constexpr std::size_t status_bytes = 2;         // at the front of every incoming packet
+constexpr std::size_t chunk = 62;               // its echo fits into one packet with the status bytes
 constexpr int hellos = 100;
 constexpr milliseconds hello_patience{32};  // two latency timers of 16 ms
 constexpr milliseconds echo_patience{500};  // 62 bytes take 5 ms at 142 857 baud
 
-/// The chip's bytes without its status; as many as come before time runs out, `most` at most.
+/// The chip's bytes without its status; at most `most`, as many as arrive in time.
 std::vector<std::uint8_t> hear(usb::Session& session, std::size_t most, milliseconds patience) {
     std::vector<std::uint8_t> heard;
     const Clock::time_point end = Clock::now() + patience;
@@ -42,14 +42,14 @@ bool say(usb::Session& session, std::span<const std::uint8_t> bytes) {
     return session.write(bytes, echo_patience) == bytes.size();
 }
 
-/// The ROM's monitor answers.
+/// True: the ROM's monitor answers.
 bool greet(usb::Session& session) {
     constexpr std::array<std::uint8_t, 3> hello = {0x0A, 0x43, 0x0D};
     constexpr std::array<std::uint8_t, 4> answer = {0x0A, 0x44, 0x2C, 0x0D};
     for (int i = 0; i < hellos; ++i) {
         if (!say(session, hello)) return false;
         std::vector<std::uint8_t> heard = hear(session, answer.size(), hello_patience);
-        // A zero may come before the answer, the rest of an earlier one as well.
+        // A zero or the rest of an earlier answer may come first.
         for (std::size_t extra = 0; extra <= answer.size(); ++extra) {
             if (std::search(heard.begin(), heard.end(), answer.begin(), answer.end()) != heard.end())
                 return true;
@@ -80,7 +80,7 @@ std::string boot(usb::Session& session, const Firmware& firmware) {
 
     ftdi(session, Ftdi::modem, dtr_low);
     ftdi(session, Ftdi::baud, baud_boot);
-    constexpr std::array<std::uint8_t, 1> letter = {0x41};  // by which the ROM finds the baud rate
+    constexpr std::array<std::uint8_t, 1> letter = {0x41};  // from which the ROM measures the baud rate
     if (!say(session, letter) || hear(session, 1, echo_patience) != std::vector<std::uint8_t>{letter[0]})
         return "its boot loader does not answer";
 

@@ -1,5 +1,5 @@
 #pragma once
-// Loads a firmware into a Falcon whose ROM waits for one.
+// Loads a firmware into a Falcon whose ROM waits for it.
 
 #include <string>
 
@@ -17,9 +17,9 @@ void ftdi(usb::Session& session, Ftdi request, std::uint16_t value);
 
 inline constexpr std::uint16_t ftdi_purge_in = 1, ftdi_purge_out = 2;
 
-/// One attempt. Empty: it is loaded. Else what went wrong. Throws usb::Unplugged.
+/// One attempt. Empty: loaded. Else the error. Throws usb::Unplugged.
 std::string boot(usb::Session& session, const Firmware& firmware);
-/// Latency 1 ms, 1.5 Mbaud, buffers empty: how the running firmware is talked to.
+/// Latency 1 ms, 1.5 Mbaud, empty buffers: the settings for the running firmware.
 void set_up_for_running(usb::Session& session, bool event_character);
 
 }  // namespace knurl::drivers::falcon

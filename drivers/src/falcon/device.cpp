@@ -31,7 +31,7 @@ struct Settings {
     std::optional<Firmware> firmware;
 };
 
-/// What a first-order low-pass of this corner makes later.
+/// The delay of a first-order low-pass with this corner frequency.
 double filter_lag(double corner) {
     return corner > 0 ? 1 / (2 * std::numbers::pi * corner) : 0;
 }
@@ -94,15 +94,15 @@ class Falcon final : public Device {
             wanted[i] = std::isfinite(efforts[i]) ? efforts[i] : 0;
             largest = std::max(largest, std::abs(wanted[i]));
         }
-        // Together, so that the force at the tip keeps its direction. Before the low-pass, which would go on
-        // pushing for as long as it takes to forget what the motors cannot do.
+        // All together, so that the force at the tip keeps its direction. Before the low-pass, which would
+        // otherwise still push while it forgets what the motors could not give.
         const double most = most_counts / settings_.counts_per_effort;
         const double scale = largest > most ? most / largest : 1;
         const double dt = std::clamp(static_cast<double>(now - last_write_) * 1e-9, 0.0, longest_step);
         last_write_ = now;
         const double share = settings_.low_pass > 0 && homed_ && largest > 0
                                  ? 1 - std::exp(-2 * std::numbers::pi * settings_.low_pass * dt)
-                                 : 1;  // a zero is never late
+                                 : 1;  // a zero is never delayed
         usb::Orders orders;
         for (std::size_t i = 0; i < legs; ++i) {  // a positive count turns a leg towards smaller angles
             smooth_[i] += share * (wanted[i] * scale - smooth_[i]);
@@ -168,7 +168,7 @@ Driver driver() {
             .open = open,
             .usb = {std::begin(ids), std::end(ids)},
             .note =
-                "since it got power it may need its firmware, which is Novint's and not part of Knurl: add "
+                "after power-up it may need its firmware, which is Novint's and not part of Knurl: add "
                 "firmware=nvent_firmware.bin (whether one runs already, only opening it tells)"};
 }
 

@@ -20,7 +20,7 @@ struct Known {
     const char* digest;
     const char* name;
 };
-// Digests are facts about files that people have; the files are Novint's.
+// The digests are facts about known files; the files belong to Novint.
 constexpr Known known[] = {
     {"1119e39c39fab1f37678ea62dfc715b23dd86ee7f13d78f88f707d9f09b896a1", "nvent_firmware.bin"},
     {"b2700d5cd5ca217e48565fb4de5a502a636c53f6e01ebd0cad193e9f84856c6a", "test_firmware.bin"},
@@ -32,7 +32,7 @@ std::string hexadecimal(std::uint32_t word, int digits) {
     return text;
 }
 
-/// Words from bytes, and where each was.
+/// Reads words from bytes, with their positions.
 class Words {
   public:
     Words(std::span<const std::uint8_t> bytes, const std::string& name) : bytes_(bytes), name_(name) {}

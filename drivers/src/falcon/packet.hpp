@@ -1,7 +1,7 @@
 #pragma once
 // The running firmware's packets, 16 bytes each way:
 //   '<', twelve bytes of 0x41 + nibble (three int16, least significant nibble first), 0x41 + info, 0x41, '>'.
-// Facts as published with libnifalcon; nothing was tried on a device.
+// The facts are as published with libnifalcon; nothing was tried on a device.
 
 #include <array>
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace knurl::drivers::falcon {
 
 inline constexpr std::size_t message_bytes = 16;
 
-/// To the device. info: bits below.
+/// To the device. Bits of info.
 inline constexpr std::uint8_t info_homing = 0x01, info_green = 0x02, info_blue = 0x04, info_red = 0x08;
 
 struct Command {
@@ -41,7 +41,7 @@ inline void encode(const Command& command, std::span<std::uint8_t, message_bytes
     bytes[15] = '>';
 }
 
-/// Nothing: it is no message.
+/// Nothing: not a message.
 inline std::optional<State> decode(std::span<const std::uint8_t, message_bytes> bytes) noexcept {
     constexpr int base = 0x41;
     if (bytes[0] != '<' || bytes[15] != '>') return {};
@@ -59,10 +59,10 @@ inline std::optional<State> decode(std::span<const std::uint8_t, message_bytes> 
     return state;
 }
 
-/// Finds messages in a stream of bytes in which anything may be missing or wrong.
+/// Finds messages in a stream of bytes with gaps and errors.
 class Reader {
   public:
-    /// Calls `found(State)` for each message that these bytes complete. Returns whether any byte was garbage.
+    /// Calls `found(State)` for each message completed by these bytes. Returns whether any byte was garbage.
     template <class Found>
     bool add(std::span<const std::uint8_t> bytes, Found&& found) noexcept {
         bool garbage = false;
@@ -87,7 +87,7 @@ class Reader {
     void clear() noexcept { length_ = 0; }
 
   private:
-    /// The message may have begun later than it seemed.
+    /// The message may have begun later than assumed.
     void restart() noexcept {
         std::size_t from = 1;
         while (from < message_bytes && message_[from] != '<') ++from;

@@ -9,14 +9,14 @@ namespace knurl::drivers::falcon {
 
 namespace {
 
-constexpr std::size_t packet_status_bytes = 2;  // the chip's, at the front of every packet in
-constexpr int asks_running = 3;                 // of a firmware that may be there already
-constexpr int asks_booted = 20;                 // of one that has just been loaded
+constexpr std::size_t packet_status_bytes = 2;  // from the chip, at the front of every incoming packet
+constexpr int asks_running = 3;                 // attempts with a firmware that may be running already
+constexpr int asks_booted = 20;                 // attempts with a firmware that has just been loaded
 constexpr std::chrono::milliseconds answer_patience{20};
 
 }  // namespace
 
-/// Asks until the firmware answers.
+/// Asks repeatedly until the firmware answers.
 bool Protocol::run(usb::Session& session, usb::Reading& first, int attempts) {
     set_up_for_running(session, event_character_);
     reader_.clear();
@@ -43,7 +43,7 @@ void Protocol::start(usb::Session& session, usb::Reading& first) {
     std::string why;
     for (int attempt = 0; attempt < boot_attempts; ++attempt) {
         why = boot(session, *firmware_);
-        if (why == rom_is_silent) break;  // it has been asked often enough
+        if (why == rom_is_silent) break;  // further attempts are useless
         if (!why.empty()) continue;
         if (run(session, first, asks_booted)) return;
         why = "the firmware was loaded (sha256 " + firmware_->sha256 + ") and does not answer";
@@ -55,7 +55,7 @@ void Protocol::start(usb::Session& session, usb::Reading& first) {
 std::size_t Protocol::pack(const usb::Orders& orders,
                            std::span<std::uint8_t, usb::packet_bytes> packet) noexcept {
     Command command{.info = static_cast<std::uint8_t>(orders.flags & (info_green | info_blue | info_red))};
-    // Nobody knows where the legs of one that is not homed are: no effort before that.
+    // Before homing the legs' positions are unknown, so no effort is sent.
     if (homed_) std::copy_n(orders.efforts.begin(), 3, command.motors.begin());
     if (heard_ && !homed_) command.info |= info_homing;
     encode(command, packet.first<message_bytes>());

@@ -1,6 +1,6 @@
 #pragma once
-// A Falcon on USB: FTDI chip, boot, run. Facts as published with libnifalcon, FTDI AN232B-04 and TI's boot
-// ROM guide.
+// A Falcon on USB: FTDI chip, boot, run. The facts are as published with libnifalcon, FTDI AN232B-04 and TI's
+// boot ROM guide.
 
 #include <optional>
 
@@ -12,10 +12,10 @@ namespace knurl::drivers::falcon {
 
 inline constexpr std::int16_t most_counts = 4096;  // of motor effort
 
-/// Orders::flags are info bits: LEDs. Homing is the protocol's own business.
+/// Orders::flags are info bits: LEDs. The protocol handles homing itself.
 class Protocol final : public usb::Protocol {
   public:
-    /// Without a firmware a Falcon must be running already.
+    /// Without a firmware the Falcon must already be running.
     Protocol(std::optional<Firmware> firmware, bool event_character)
         : firmware_(std::move(firmware)), event_character_(event_character) {}
 
@@ -30,7 +30,7 @@ class Protocol final : public usb::Protocol {
     std::optional<Firmware> firmware_;
     bool event_character_;
     Reader reader_;
-    bool heard_ = false;  // it has said whether it is homed
+    bool heard_ = false;  // it has reported its homing state
     bool homed_ = false;
 };
 

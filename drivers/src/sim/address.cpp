@@ -23,7 +23,7 @@ struct Option {
     double least, greatest;
     std::string_view meaning;
     void (*set)(SimProfile&, double);
-    bool zero_too = false;  // 0 means "none" although it lies below the range
+    bool zero_too = false;  // 0 is allowed and means "none", below the range
 };
 
 constexpr Option options[] = {

@@ -57,7 +57,7 @@ void Arm::step(double h, const JointVector& efforts, const Wrench& tip) noexcept
     momentum += joint_inertia_ * rates_ + h * efforts;
     rates_ = inertia_.solve(momentum);
 
-    // Dry friction, implicit: an impulse that slows the tip, at most to rest. So it sticks.
+    // Dry friction, implicit: an impulse that slows the tip, at most to rest. So the tip can stick.
     Eigen::Vector3d velocity = jacobian_.topRows<3>() * rates_;
     const double speed = velocity.norm();
     if (coulomb_ > 0 && speed > 0) {
@@ -70,7 +70,7 @@ void Arm::step(double h, const JointVector& efforts, const Wrench& tip) noexcept
     const JointVector before = q_;
     q_ += h * rates_;
     if (!refresh()) {
-        // The legs of a delta cannot be drawn apart: a stop without rebound, where they still met.
+        // The legs of a delta cannot separate: a stop without rebound, at the last place where they met.
         q_ = before;
         rates_.setZero();
         twist_.setZero();

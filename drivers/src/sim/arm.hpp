@@ -1,5 +1,5 @@
 #pragma once
-// Dynamics of an arm in joint space whose mass sits at the tip, one sub-step at a time.
+// Dynamics of an arm in joint space with its mass at the tip, one sub-step at a time.
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -9,11 +9,11 @@
 
 namespace knurl::drivers {
 
-/// The arm is a tip of mass m (and rotational inertia) with a small inertia at each joint, which the joints
-/// constrain: M(q) = J^T diag(m, I) J + I_joint. Coriolis forces come without a derivative of J: momentum is
-/// carried over a sub-step as the tip's velocity, p = J_new^T diag(m, I) (J_old q') + I_joint q'. That is the
-/// projection of the old velocity onto the new posture's, in the metric of the masses: it can take energy
-/// away but never add any, and with a square J and no joint inertia it is exactly a free mass at the tip.
+/// The arm is a tip of mass m (with rotational inertia), constrained by joints with small inertias: M(q) =
+/// J^T diag(m, I) J + I_joint. Coriolis forces need no derivative of J: momentum is carried over a sub-step
+/// as the tip's velocity, p = J_new^T diag(m, I) (J_old q') + I_joint q'. That projects the old velocity onto
+/// the new posture in the metric of the masses. It can remove energy but never add any; with a square J and
+/// no joint inertia it is a free mass at the tip.
 class Arm {
   public:
     using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_joints, 1>;
@@ -27,11 +27,10 @@ class Arm {
     void place(const JointArray& joints, const JointArray& rates) noexcept;
     void set_mass(double mass) noexcept { mass_ = mass; }  // kg, device and finger
 
-    /// h s on, under these efforts and this wrench on the tip; dry friction is the arm's own.
+    /// Advances by h s under these efforts and this wrench on the tip; the arm adds its own dry friction.
     void step(double h, const JointVector& efforts, const Wrench& tip) noexcept;
 
-    /// N, what the last step's efforts amounted to at the tip: what a held tip feels (J^-T tau where J is
-    /// square).
+    /// N, the last step's efforts at the tip, as a held tip feels them (J^-T tau if J is square).
     const Eigen::Vector3d& motor_force() const noexcept { return motor_force_; }
     double kinetic_energy() const noexcept;
 
@@ -42,7 +41,7 @@ class Arm {
     const Twist& twist() const noexcept { return twist_; }
 
   private:
-    bool refresh() noexcept;  // false, and nothing changes, if the joints have no pose
+    bool refresh() noexcept;  // false, without a change: the joints have no pose
     Twist weighted(const Twist& twist) const noexcept;
 
     const Mechanism& mechanism_;
@@ -52,7 +51,7 @@ class Arm {
     TipPose pose_;
     Jacobian wide_;
     TipJacobian jacobian_;
-    Twist twist_ = Twist::Zero();  // of the tip, as the last sub-step left it
+    Twist twist_ = Twist::Zero();  // of the tip, after the last sub-step
     Eigen::Vector3d motor_force_ = Eigen::Vector3d::Zero();
     Eigen::LLT<JointMatrix> inertia_;
 };

@@ -29,7 +29,7 @@ bool during(std::int64_t at, std::int64_t reads, std::uint64_t read) {
     return at >= 0 && read >= static_cast<std::uint64_t>(at) && read < static_cast<std::uint64_t>(at + reads);
 }
 
-/// The joints that bring the tip to where a motion starts (and turn it so, if both know orientation). Only at
+/// The joints with the tip at the start of a motion (and with its orientation, if both know it). Only at
 /// start.
 JointArray start_of(const SimProfile& profile, const Motion& motion) {
     const MotionRow& start = motion.rows().front();
@@ -84,12 +84,12 @@ struct SimDevice::Body {
     LinkConfig link;
     Arm arm;
     Hand hand;
-    std::unique_ptr<LiveHand> live;  // null: `hand` decides where it wants to be
+    std::unique_ptr<LiveHand> live;  // null: `hand` has the wanted place
     SimFaults faults;
     SimState state;
     JointSample sample;
 
-    Arm::JointVector target;   // N m, what the amplifiers were told, after DAC and limits
+    Arm::JointVector target;   // N m, the amplifiers' commands, after DAC and limits
     Arm::JointVector exerted;  // N m, after the lag
     bool connected = true;
     bool asleep = false;        // the watchdog has switched the motors off
@@ -110,7 +110,7 @@ struct SimDevice::Body {
         publish(0);
     }
 
-    /// The tip where the hand's motion starts, else where it is.
+    /// The tip at the start of the hand's motion, or else at its present place.
     MotionSample placed(const std::optional<Motion>& motion) {
         if (motion) {
             arm.place(start_of(profile, *motion), {});
@@ -133,7 +133,7 @@ struct SimDevice::Body {
 
     double time() const { return static_cast<double>(simulated) * 1e-9; }
 
-    /// All forces on the tip but the hand's and dry friction.
+    /// All forces on the tip except the hand's and dry friction.
     Arm::Wrench passive(const MotionSample& tip) const {
         Eigen::Vector3d force = -profile.damping * tip.velocity;
         force.z() -= profile.mass * profile.gravity;
@@ -161,7 +161,7 @@ struct SimDevice::Body {
             efforts[i] =
                 stop(arm.position()[i], arm.rates()[i], profile.least[joint], profile.greatest[joint]);
         }
-        // The stop of a row A_i q pushes all joints that move it: tau = A_i^T times its effort.
+        // The stop of a row A_i q acts on all joints in that row: tau = A_i^T times its effort.
         for (Eigen::Index i = 0; i < profile.coupling.rows(); ++i) {
             const auto row = profile.coupling.row(i).transpose();
             const double effort = stop(row.dot(arm.position()), row.dot(arm.rates()),
@@ -203,7 +203,7 @@ struct SimDevice::Body {
             const Arm::JointVector rates_before = arm.rates();
             arm.step(h, exerted + joint_stops(), wrench);
 
-            // The change of kinetic energy in a semi-implicit step is force times the mean of the velocities.
+            // In a semi-implicit step, the change of kinetic energy is force times the mean velocity.
             const MotionSample after = tip();
             state.energy_to_hand -= h * 0.5 *
                                     (pull.force.dot(before.velocity + after.velocity) +

@@ -10,7 +10,7 @@ namespace knurl::drivers {
 
 namespace {
 
-/// splitmix64: the same numbers everywhere, which <random>'s distributions do not promise.
+/// splitmix64: the same numbers on all platforms, which <random>'s distributions do not guarantee.
 double uniform(std::uint64_t& state) {
     state += 0x9e3779b97f4a7c15U;
     std::uint64_t z = state;
@@ -113,7 +113,7 @@ HandForce Hand::force(double t, const MotionSample& wanted, const MotionSample& 
                    figures_.damping * (wanted.velocity - tip.velocity);
     result.force.z() -= figures_.push * push_level(t);
     if (figures_.tremor > 0) {
-        const double amplitude = figures_.tremor * std::sqrt(2.0 / tremor_tones);  // of one tone
+        const double amplitude = figures_.tremor * std::sqrt(2.0 / tremor_tones);  // of one of the tones
         for (std::size_t axis = 0; axis < 3; ++axis) {
             for (const Tone& tone : tremor_[axis]) {
                 result.force[static_cast<Eigen::Index>(axis)] +=

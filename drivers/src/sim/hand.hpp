@@ -1,5 +1,5 @@
 #pragma once
-// The simulated hand: where it wants to be, and the force it exerts to get there.
+// The simulated hand: its wanted place, and the force that it exerts to get there.
 
 #include <array>
 #include <cstdint>
@@ -17,13 +17,13 @@ struct HandForce {
 
 class Hand {
   public:
-    /// `rest`: where it stays without a motion; with one, it rests at the motion's first row.
+    /// `rest`: its place without a motion; with a motion it rests at the motion's first row.
     Hand(const SimHand& figures, std::optional<Motion> motion, const MotionSample& rest, std::uint64_t seed);
 
     void begin(double t) noexcept;  // s: the motion plays from its start
-    void rest(double t) noexcept;   // back to the start, unless it is there
+    void rest(double t) noexcept;   // back to the start, if it is not there
 
-    /// What it wants at t; times may not go back.
+    /// Its wanted place at t; times must not go back.
     MotionSample wanted(double t) noexcept;
     HandForce force(double t, const MotionSample& wanted, const MotionSample& tip) const noexcept;
 
@@ -44,9 +44,9 @@ class Hand {
     MotionSample rest_;
     bool plays_ = false;
     double changed_at_ = 0;   // s, of the last begin or rest
-    double push_before_ = 0;  // push level then
+    double push_before_ = 0;  // push level at that time
     std::size_t hint_ = 0;
-    // What remains of where it was when it last changed its mind: fades over return_time.
+    // The remaining offset to its place at the last change: fades over return_time.
     Eigen::Vector3d away_ = Eigen::Vector3d::Zero();    // m
     Eigen::Vector3d turned_ = Eigen::Vector3d::Zero();  // rad, rotation vector
     std::array<std::array<Tone, tremor_tones>, 3> tremor_;

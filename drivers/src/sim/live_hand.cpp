@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<double, 3> metres_per_count = {0.2e-3, 0.2e-3, 2e-3};  // mouse, mouse, wheel
 constexpr double key_speed = 0.05;                                          // m/s
-constexpr double follow_time = 0.03;  // s: a mouse moves in steps, no hand does
+constexpr double follow_time = 0.03;  // s: a mouse moves in steps, a hand does not
 
 constexpr std::array<std::uint16_t, 6> moving_keys = {KEY_LEFT, KEY_RIGHT,    KEY_DOWN,
                                                       KEY_UP,   KEY_PAGEDOWN, KEY_PAGEUP};
@@ -28,7 +28,7 @@ constexpr std::array<std::uint16_t, 4> button_keys = {BTN_LEFT, BTN_RIGHT, BTN_M
 constexpr const char* where_they_are =
     "/dev/input/by-id names mice (-event-mouse) and keyboards (-event-kbd)";
 
-/// An event node, or a pipe through which a program sends the same records.
+/// An event node, or a pipe with the same records from a program.
 bool gives_events(int node) noexcept {
     int version = 0;
     if (ioctl(node, EVIOCGVERSION, &version) == 0) return true;
@@ -36,7 +36,7 @@ bool gives_events(int node) noexcept {
     return fstat(node, &status) == 0 && S_ISFIFO(status.st_mode);
 }
 
-/// Only the listener writes: no other store can come between load and store.
+/// Only the listener writes, so no other store can come between load and store.
 template <class T>
 void add(std::atomic<T>& to, T value) noexcept {
     to.store(to.load(std::memory_order_relaxed) + value, std::memory_order_relaxed);
@@ -83,7 +83,7 @@ LiveHand::LiveHand(const std::string& paths, double reach) : reach_(reach) {
 
 LiveHand::~LiveHand() {
     const std::uint64_t one = 1;
-    [[maybe_unused]] const ssize_t written = write(stop_, &one, sizeof one);  // an eventfd takes it
+    [[maybe_unused]] const ssize_t written = write(stop_, &one, sizeof one);  // an eventfd accepts it
     listener_.join();
     for (const int node : nodes_) close(node);
     close(stop_);
@@ -103,7 +103,7 @@ void LiveHand::listen() noexcept {
             ssize_t got = 0;
             while ((got = read(waits[i].fd, &event, sizeof event)) == static_cast<ssize_t>(sizeof event))
                 take(event);
-            // Unplugged, or its writer is gone: the hand stays where it is, and keys that it held are let go.
+            // Unplugged, or its writer has gone: the hand stays where it is, and all keys count as released.
             if (got >= 0 || (errno != EAGAIN && errno != EINTR)) {
                 waits[i].fd = -1;
                 held_.store(0, std::memory_order_relaxed);
@@ -119,7 +119,7 @@ void LiveHand::take(const input_event& event) noexcept {
         if (event.code == REL_Y) add(counts_[1], -std::int64_t{event.value});  // away from the user is up
         if (event.code == REL_WHEEL) add(counts_[2], std::int64_t{event.value});
     }
-    if (event.type != EV_KEY || event.value == 2) return;  // 2: it repeats
+    if (event.type != EV_KEY || event.value == 2) return;  // 2: repetition
     for (std::size_t key = 0; key < moving_keys.size(); ++key)
         if (event.code == moving_keys[key]) put(held_, key, event.value != 0);
     for (std::size_t button = 0; button < button_keys.size(); ++button)

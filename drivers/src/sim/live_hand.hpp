@@ -1,6 +1,6 @@
 #pragma once
-// Where a person moves the simulated hand with mouse and keyboard: events of the kernel's input layer
-// (evdev), read on a thread of their own.
+// A person moves the simulated hand with mouse and keyboard: events of the kernel's input layer (evdev), read
+// on a separate thread.
 //
 //   mouse         x, y of the device frame, 0.2 mm a count; wheel: z, 2 mm a notch; buttons: the report's
 //   keyboard      arrows x, y, page up and down z, 50 mm/s while held; space is button 0 too
@@ -22,15 +22,15 @@ namespace knurl::drivers {
 
 class LiveHand {
   public:
-    /// `paths`: "/dev/input/event3" or several with colons between. `reach`: m, of the ball about the origin
-    /// that it stays in. Throws std::runtime_error: which cannot be opened, and what gives the right to;
-    /// which is no event node (a FIFO may stand for one).
+    /// `paths`: "/dev/input/event3" or several, separated by colons. `reach`: m, radius of the ball about the
+    /// origin in which the hand stays. Throws std::runtime_error: a path cannot be opened, with the command
+    /// that grants the right; or it is no event node (a FIFO may replace one).
     LiveHand(const std::string& paths, double reach);
     ~LiveHand();
     LiveHand(const LiveHand&) = delete;
     LiveHand& operator=(const LiveHand&) = delete;
 
-    /// Where the hand wants to be, h (s) after the last call: it follows the events within some 30 ms.
+    /// The wanted place h (s) after the last call: it follows the events with some 30 ms delay.
     MotionSample wanted(double h) noexcept;
     std::uint32_t buttons() const noexcept { return buttons_.load(std::memory_order_relaxed); }
 
@@ -41,11 +41,11 @@ class LiveHand {
     double reach_;
     std::vector<int> nodes_;
     int stop_ = -1;  // eventfd
-    // Written by the listener alone, read by the cycle; each stands for itself, so no order is needed.
+    // Written by the listener, read by the cycle; the values are independent, so no order is needed.
     std::array<std::atomic<std::int64_t>, 3> counts_ = {};  // since the start, along x, y, z
     std::atomic<std::uint32_t> held_ = 0;                   // bit per key that moves: -x +x -y +y -z +z
     std::atomic<std::uint32_t> buttons_ = 0;
-    // The cycle's own.
+    // For the cycle only.
     std::array<std::int64_t, 3> taken_ = {};
     Eigen::Vector3d target_ = Eigen::Vector3d::Zero(), place_ = Eigen::Vector3d::Zero();  // m
     std::thread listener_;

@@ -14,7 +14,7 @@ namespace knurl::drivers {
 namespace {
 
 constexpr double degrees = std::numbers::pi / 180;
-constexpr double least_lever = 1e-3;  // m/rad: of an axis that only turns the tip
+constexpr double least_lever = 1e-3;  // m/rad: a smaller one belongs to an axis that only turns the tip
 
 SimProfile cartesian3() {
     SimProfile p;
@@ -25,14 +25,14 @@ SimProfile cartesian3() {
     return p;
 }
 
-/// The PHANToM Premium 1.5 without its wrist: rows and coupling of arms/premium15.toml. Dynamics are those of
-/// every profile here, not the real arm's (arm=premium15 has those).
+/// The PHANToM Premium 1.5 without its wrist: rows and coupling of arms/premium15.toml. All profiles here
+/// share one set of dynamics, not the real arm's (arm=premium15 has those).
 SimProfile premium15() {
     SerialChainTable table = find_arm("premium15").table;
     const double upper = table.rows[1].a, fore = table.rows[2].a;  // m
     // Upper arm 20 degrees above the horizontal, forearm straight down: 0.22 m from the shoulder, half-way
-    // between stretched (0.385) and folded (0.045). The device frame's origin is the tip in this posture; x
-    // points away from the base, z up.
+    // between stretched (0.385) and folded (0.045). The tip in this posture is the origin of the device
+    // frame; x points away from the base, z up.
     constexpr double arm = 20 * degrees, forearm = 0;
     const double reach = upper * std::cos(arm) + fore * std::sin(forearm);
     const double height = upper * std::sin(arm) - fore * std::cos(forearm);
@@ -52,7 +52,7 @@ SimProfile premium15() {
     return p;
 }
 
-/// The Novint Falcon's mechanism and encoders. Dynamics are those of every profile here.
+/// The Novint Falcon's mechanism and encoders, with the dynamics of all profiles here.
 SimProfile falcon() {
     const auto delta = std::make_shared<Delta>(falcon_in_device_frame());
 
@@ -64,7 +64,7 @@ SimProfile falcon() {
     delta->inverse(Eigen::Vector3d::Zero(), std::span(p.centre).first<3>());
     p.radians_per_count = every_joint(falcon_radians_per_count);
     p.workspace_radius = 0.05;
-    p.stop_radius = 0.052;  // from 0.058 on some legs are stretched
+    p.stop_radius = 0.052;  // from 0.058 on, some legs are stretched
     p.stop_stiffness = 10'000;
     p.peak_force = 8;
     set_levers(p);
@@ -77,7 +77,7 @@ struct Named {
     SimProfile (*make)();
 };
 
-// Arms from files come after these.
+// Profiles of arm files follow these.
 constexpr Named profiles[] = {{"cartesian3", cartesian3}, {"premium15", premium15}, {"falcon", falcon}};
 
 }  // namespace

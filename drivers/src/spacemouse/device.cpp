@@ -18,7 +18,7 @@ namespace knurl::drivers::spacemouse {
 
 namespace {
 
-/// Caps, from the SpaceTraveler to the SpaceMouse Compact.
+/// Models from the SpaceTraveler to the SpaceMouse Compact.
 constexpr UsbId ids[] = {{0x046d, 0xc603}, {0x046d, 0xc605}, {0x046d, 0xc606}, {0x046d, 0xc621},
                          {0x046d, 0xc623}, {0x046d, 0xc625}, {0x046d, 0xc626}, {0x046d, 0xc627},
                          {0x046d, 0xc628}, {0x046d, 0xc629}, {0x046d, 0xc62b}, {0x046d, 0xc640},
@@ -26,21 +26,21 @@ constexpr UsbId ids[] = {{0x046d, 0xc603}, {0x046d, 0xc605}, {0x046d, 0xc606}, {
                          {0x256f, 0xc633}, {0x256f, 0xc635}, {0x256f, 0xc636}, {0x256f, 0xc638},
                          {0x256f, 0xc63a}};
 
-constexpr double full_deflection = 350;  // counts, of 350 to 400 at the stop
+constexpr double full_deflection = 350;  // counts; the stop is at 350 to 400
 
 struct Settings {
-    bool rate = false;    // deflection is a speed; else it is a place
-    double range = 0.06;  // m, of the workspace: where full deflection is, or how far rates lead
+    bool rate = false;    // deflection is a speed; else it is a position
+    double range = 0.06;  // m, of the workspace: position at full deflection, or the limit of rate control
     double turn = 0.6;    // rad, likewise
     double speed = 0.1;   // m/s at full deflection, rate control; rad/s likewise
-    double follow = 4;    // Hz, position control: how fast the probe goes to where the cap says
+    double follow = 4;    // Hz, position control: how fast the probe approaches the cap's position
 };
 
-/// A probe without force. The cap's deflection d (-1 to 1 per axis) is
-///   position control: a place range * d, towards which the probe goes with the time constant of `follow`;
-///                     let go, it comes back to the middle;
-///   rate control:     a velocity speed * d; let go, it stays where it is.
-/// Either way the speed is limited, so that a slap on the cap is no fault of the hand's.
+/// A probe without force. The cap's deflection d (-1 to 1 per axis) gives, under
+///   position control: a place range * d, which the probe approaches with the time constant of `follow`;
+///                     when released, the probe returns to the middle;
+///   rate control:     a velocity speed * d; when released, the probe stays where it is.
+/// In both modes the speed is limited, so that a blow on the cap causes no fault.
 class SpaceMouse final : public Device {
   public:
     SpaceMouse(usb::Wanted wanted, const Settings& settings, int priority)
@@ -65,7 +65,7 @@ class SpaceMouse final : public Device {
             started_ ? std::clamp(static_cast<double>(now - last_) * 1e-9, 0.0, longest_step) : 0;
         started_ = true;
         last_ = now;
-        if (status == ReadStatus::unplugged) reading_.counts = {};  // nobody holds it any more
+        if (status == ReadStatus::unplugged) reading_.counts = {};  // no hand holds the cap any more
         move(dt);
         for (std::size_t i = 0; i < 3; ++i) {
             const auto row = static_cast<Eigen::Index>(i);
@@ -80,19 +80,19 @@ class SpaceMouse final : public Device {
         sample.has_velocity = true;
         sample.calibrated = status != ReadStatus::unplugged;
         sample.buttons = reading_.buttons;
-        // It is silent while nobody touches it, and its probe is known all the same.
+        // An untouched cap sends nothing, but its probe is known.
         return status == ReadStatus::stale ? ReadStatus::ok : status;
     }
 
     bool write(Nanoseconds, const JointEfforts&) noexcept override { return io_.there(); }
-    void make_safe() noexcept override {}  // moves no motor
+    void make_safe() noexcept override {}  // it has no motors
 
   private:
     static constexpr double longest_step = 10e-3;  // s
     static constexpr double most_speed = 0.5;      // m/s
     static constexpr double most_spin = 4;         // rad/s
 
-    /// The device's axes are x right, y towards the user, z down; ours x right, y away, z up.
+    /// Device axes: x right, y towards the user, z down. Device frame: x right, y away, z up.
     Eigen::Vector3d deflection(std::size_t from) const noexcept {
         const auto one = [&](std::size_t i) {
             return std::clamp(reading_.counts[from + i] / full_deflection, -1.0, 1.0);
@@ -120,7 +120,7 @@ class SpaceMouse final : public Device {
         spin_ = limited(spin_, most_spin);
         const Eigen::Vector3d before = place_;
         place_ = limited(place_ + velocity_ * dt, settings_.range);
-        if (dt > 0) velocity_ = (place_ - before) / dt;  // at the edge of its workspace it stands
+        if (dt > 0) velocity_ = (place_ - before) / dt;  // at the edge of the workspace it stops
         orientation_ = (rotation(spin_ * dt) * orientation_).normalized();
     }
 

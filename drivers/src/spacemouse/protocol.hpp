@@ -1,6 +1,6 @@
 #pragma once
-// Reports of a SpaceMouse, low byte first: 1: three int16 of translation, on some models three of rotation
-// behind them; 2: rotation; 3: buttons, a bit each. Nothing comes while nobody touches it.
+// Reports of a SpaceMouse, low byte first: 1: three int16 of translation, on some models followed by three of
+// rotation; 2: rotation; 3: buttons, a bit each. An untouched cap sends nothing.
 
 #include "usb/protocol.hpp"
 
@@ -40,7 +40,7 @@ class Protocol final : public usb::Protocol {
                     reading.buttons |= std::uint32_t{packet[i]} << (8 * (i - 1));
                 return {.reading = true};
             default:
-                return {};  // battery, firmware: not ours
+                return {};  // battery, firmware: ignored
         }
         return {.garbage = 1};
     }

@@ -1,5 +1,5 @@
 #pragma once
-// "FALCON01,firmware=nvent.bin,low_pass=200": what stands behind the scheme of a USB driver's address.
+// "FALCON01,firmware=nvent.bin,low_pass=200": the part of a USB driver's address after the scheme.
 
 #include <string>
 #include <string_view>
@@ -11,18 +11,18 @@ namespace knurl::drivers::usb {
 
 class Address {
   public:
-    /// `wanted` has the scheme, kind and ids; a first part without '=' is the serial number, port=1-1.2 the
-    /// port. Throws std::runtime_error for an option twice.
+    /// `wanted` has the scheme, kind and ids. A first part without '=' is the serial number, port=1-1.2 the
+    /// port. Throws std::runtime_error for a repeated option.
     Address(Wanted wanted, std::string_view what);
 
     const Wanted& wanted() const { return wanted_; }
 
-    // Each takes its option away. Throw std::runtime_error: what cannot be used, and what can.
+    // Each removes its option. Throw std::runtime_error: the bad value, and the allowed ones.
     double number(std::string_view name, double otherwise, double least, double greatest,
                   std::string_view unit);
     bool flag(std::string_view name, bool otherwise);
     std::string text(std::string_view name);
-    /// Throws if an option is left: nobody knows it.
+    /// Throws if an unknown option is left.
     void done() const;
 
   private:

@@ -59,7 +59,7 @@ IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priori
     open();
     info_ = session_->info();
     first_ = reading_;
-    // Plugged in again, it is this very one that is waited for.
+    // After a replug, only this very device is accepted.
     if (wanted_.serial.empty()) wanted_.serial = info_.serial;
     if (wanted_.serial.empty()) wanted_.port = info_.port;
     seen_session_ = number_;
@@ -67,7 +67,7 @@ IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priori
     pthread_attr_t attributes;
     pthread_attr_init(&attributes);
     pthread_attr_setstacksize(&attributes, stack_bytes);
-    sigset_t all, before;  // signals are the program's business
+    sigset_t all, before;  // signals are the program's concern
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const int error = pthread_create(
@@ -98,7 +98,7 @@ ReadStatus IoThread::take(Reading& reading) noexcept {
         poke_.set();
     }
     seen_acts_ = zero_line_->acts();
-    // Pairs with the release in open(): a number that is odd comes with its first reading.
+    // Pairs with the release in open(): an odd number guarantees its first reading.
     const std::uint64_t session = session_number_.load(std::memory_order_acquire);
     if (session != seen_session_) {
         seen_session_ = session;
@@ -118,7 +118,7 @@ ReadStatus IoThread::take(Reading& reading) noexcept {
 
 bool IoThread::send(Orders orders) noexcept {
     if (!begun_)
-        return there();  // answers no sample: the thread that the first take() wakes must not find it
+        return there();  // no answer to a sample: the thread that the first take() wakes must not find orders
     orders.session = seen_session_;
     orders.acts = seen_acts_;
     newest_orders_.publish(orders);
@@ -163,7 +163,7 @@ void IoThread::open() {
     session_number_.store(number_, std::memory_order_release);
 }
 
-/// Ends what is in flight, says zero if anybody is there to hear it, and closes.
+/// Ends transfers in flight, sends zero if the device is there, and closes.
 void IoThread::close() noexcept {
     ++number_;
     session_number_.store(number_, std::memory_order_release);
@@ -203,7 +203,8 @@ void IoThread::live() noexcept {
             open();
             run_at(priority_);
         } catch (const std::exception&) {
-            // Not there, not ready, or its rights not set yet: the cycle sees "unplugged", and we look again.
+            // Missing, not ready, or its rights are not set yet: the cycle sees "unplugged", and the search
+            // continues.
             session_.reset();
             wait(search_ms);
         }
@@ -216,16 +217,16 @@ bool IoThread::any_active() const noexcept {
     return std::ranges::any_of(in_, active) || std::ranges::any_of(out_, active);
 }
 
-/// A device that sends readings of its own accord looks well however long it has taken no effort.
+/// A device that sends readings by itself looks healthy, even if it has long accepted no effort.
 bool IoThread::deaf(Nanoseconds now) const noexcept {
     if (unheard_ < deaf_orders) return false;
     return std::ranges::any_of(
         out_, [now](const auto& transfer) { return transfer->active && now - transfer->since > deaf_after; });
 }
 
-/// Until something happens, and then lets libusb see to it.
+/// Waits until something happens, and then lets libusb handle it.
 void IoThread::wait(int timeout_ms) noexcept {
-    if (!session_) {  // the list of descriptors is that of an opened node
+    if (!session_) {  // the list of descriptors belongs to an opened node
         timeval slice{.tv_sec = 0, .tv_usec = timeout_ms * 1000};
         libusb_handle_events_timeout_completed(context_.get(), &slice, nullptr);
         return;
@@ -250,7 +251,7 @@ void IoThread::converse() noexcept {
     }
 }
 
-/// What the cycle or the guardian has asked for since the last time goes out.
+/// Sends what the cycle or the guardian has requested since the last call.
 void IoThread::attend() noexcept {
     const bool fresh = newest_orders_.take(orders_);
     const Nanoseconds now = monotonic();
@@ -264,18 +265,18 @@ void IoThread::attend() noexcept {
     if (fresh || silent || made_safe || owed_) transmit(fresh);
 }
 
-// The race with make_safe in another process, while this one is stopped anywhere:
+// The race with make_safe in another process, while this one may be stopped at any point:
 //
 //   guardian: ++acts (rel) ─sb─> sends zero
 //   here:     acts (acq) ─sb─> pack ─sb─> submit ─sb─> acts (acq) again: changed? then a zero follows at once
 //
-// Orders carry the count that the cycle saw when it read the sample that they answer; older ones are zero.
-// Stopped between the first look and the submission, an old effort goes out after the guardian's zero when
-// the process is let go on, and the second look makes a zero follow it.
+// Orders carry the count that the cycle saw when it read their sample; orders with an older count become
+// zero. If this process is stopped between the first load and the submission, an old effort goes out after
+// the guardian's zero when the process continues. The second load then makes a zero follow it.
 //
-// An interrupt endpoint takes one packet a frame, so one is on its way and not two: a second would wait a
-// whole frame behind it, and so would every order after it. For the same reason an order that finds it on its
-// way is not kept until it was taken: the next cycle's takes its place. A zero is kept.
+// An interrupt endpoint takes one packet per frame, so only one is in flight: a second would wait a whole
+// frame behind it, and so would every later order. For the same reason an order that finds one in flight is
+// not queued: the next cycle's order replaces it. A zero is queued.
 void IoThread::transmit(bool fresh) noexcept {
     if (!protocol_->takes_efforts()) return;
     const bool one_a_frame = session_->interrupt();
@@ -284,7 +285,7 @@ void IoThread::transmit(bool fresh) noexcept {
         const auto free =
             std::ranges::find_if(packets, [](const auto& transfer) { return !transfer->active; });
         if (free == packets.end()) {
-            owed_ = owed_ || !fresh || !one_a_frame;  // goes when one of them is done
+            owed_ = owed_ || !fresh || !one_a_frame;  // sent when one of them is done
             if (!fresh) return;
             missed_.fetch_add(1, std::memory_order_relaxed);
             unheard_ = std::min(unheard_ + 1, deaf_orders);
@@ -330,7 +331,7 @@ void IoThread::received(Transfer& transfer) noexcept {
     readings_count_.fetch_add(1, std::memory_order_relaxed);
 }
 
-/// It did not go well: why, and what that means.
+/// A transfer has failed: finds the reason and its consequence.
 void IoThread::ended(Transfer& transfer) noexcept {
     switch (transfer.block->status) {
         case LIBUSB_TRANSFER_CANCELLED:
@@ -367,9 +368,9 @@ void IoThread::on_in(libusb_transfer* block) {
     const bool closing = (self.number_ & 1U) == 0;
     if (block->status != LIBUSB_TRANSFER_CANCELLED && !self.gone_ && !self.halted_ && !closing)
         self.ask(transfer);
-    // libusb hands over up to 26 transfers before it returns. Orders do not wait for that: where packets come
-    // in as fast as they are asked for (a slow machine, a device that floods) they would be many packets
-    // late, and a device that answers orders alone would have nothing new to say meanwhile.
+    // libusb may deliver up to 26 transfers before it returns, and orders must not wait for that. Where
+    // packets arrive as fast as they are requested (a slow machine, a flooding device) orders would be many
+    // packets late. A device that only answers orders would have nothing new meanwhile.
     if (!self.gone_ && !closing) self.attend();
 }
 
@@ -380,7 +381,7 @@ void IoThread::on_out(libusb_transfer* block) {
     if (block->status == LIBUSB_TRANSFER_COMPLETED)
         transfer.errors_in_row = self.unheard_ = 0;
     else
-        self.ended(transfer);  // what it carried is sent again by the next order, or by silence
+        self.ended(transfer);  // the next order or the silence rule sends its content again
 }
 
 }  // namespace knurl::drivers::usb

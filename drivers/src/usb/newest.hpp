@@ -1,7 +1,7 @@
 #pragma once
-// Newest wins, between two threads: one publishes, one takes, neither ever waits. A triple buffer: each side
-// owns a slot and `middle_` names the third and says whether it is fresh. (shm/ has the same between
-// processes, over mapped memory; the modules do not include each other.)
+// The newest value wins, between two threads: one publishes, one takes, and neither ever waits. A triple
+// buffer: each side owns a slot, and `middle_` names the third and says whether it is fresh. (shm/ has the
+// same between processes, over mapped memory; the modules do not include each other.)
 //
 //   publisher: write back ─sb─> exchange(middle) ══sw══> exchange(middle) ─sb─> taker reads front
 //   taker: last read of old front ─sb─> exchange(middle) ══sw══> exchange(middle) ─sb─> publisher reuses it
@@ -21,7 +21,7 @@ class Newest {
         back_ = middle_.exchange(back_ | fresh, std::memory_order_acq_rel) & index;  // pairs with take
     }
 
-    /// False: nothing new since the last one taken.
+    /// False: nothing new since the last call.
     bool take(T& value) noexcept {
         if ((middle_.load(std::memory_order_relaxed) & fresh) == 0) return false;
         front_ = middle_.exchange(front_, std::memory_order_acq_rel) & index;  // pairs with publish

@@ -27,7 +27,7 @@ std::string attribute(const std::string& port, const char* name) {
     return text;
 }
 
-/// The kernel shows a program's claim as the interface's driver.
+/// The kernel shows the claim of a program as the interface's driver.
 bool claimed(const std::string& port) {
     std::error_code none;
     const std::string interface = port + ":" + attribute(port, "bConfigurationValue") + ".0";
@@ -35,7 +35,7 @@ bool claimed(const std::string& port) {
                .filename() == "usbfs";
 }
 
-/// As sysfs names it.
+/// The port's name in sysfs.
 std::string port_name(libusb_device* device) {
     std::array<std::uint8_t, 8> ports{};
     const int n = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
@@ -77,10 +77,10 @@ OpenHere::~OpenHere() {
 }
 
 Context::Context(bool real_time) {
-    // libusb starts a thread of its own for hot-plugging, which inherits this one's priority. A process is
-    // dead, for a guardian that waits for that, when the last of its threads has been let run once more: an
-    // ordinary one may have to wait for long. The lowest real-time priority is enough, and keeps its look at
-    // what was plugged in out of the way of the other devices' I/O.
+    // libusb starts a thread for hot-plugging, which inherits this thread's priority. A guardian sees a
+    // process as dead only after its last thread has run once more, and an ordinary thread may have to wait
+    // long for that. The lowest real-time priority is enough. It also keeps the scan of new devices from
+    // delaying the I/O of other devices.
     int policy = SCHED_OTHER;
     sched_param before{};
     pthread_getschedparam(pthread_self(), &policy, &before);
@@ -189,8 +189,8 @@ Session::Session(Context& context, Found found, int interface, const std::atomic
                                  "1.0.26 or later on Linux's usbfs");
     }
     libusb_set_auto_detach_kernel_driver(handle_, 1);
-    // A servo that has just died is no other program: its guardian holds the node until it has saved what it
-    // knows, and who starts the next one does not wait for that.
+    // The guardian of a servo that has just died holds the node until it has saved its data. So the claim is
+    // tried again for a while, and nobody who starts the next servo has to wait.
     constexpr Milliseconds patience{2000}, pause{20};
     int code = libusb_claim_interface(handle_, interface_);
     for (Milliseconds waited{0}; code == LIBUSB_ERROR_BUSY && waited < patience && !stop_; waited += pause) {
@@ -253,7 +253,7 @@ int Session::attempt(std::uint8_t endpoint, std::uint8_t* bytes, std::size_t cou
                     static_cast<unsigned>(std::max<std::int64_t>(timeout.count(), 1)));
     };
     const int code = once();
-    // Whoever talked to it last may have left the endpoint halted, and so it stays until that is cleared.
+    // The last user may have left the endpoint halted, which must be cleared.
     return code == LIBUSB_ERROR_PIPE && libusb_clear_halt(handle_, endpoint) == 0 ? once() : code;
 }
 
@@ -268,11 +268,11 @@ std::size_t Session::transfer(std::uint8_t endpoint, std::uint8_t* bytes, std::s
 
 void Session::write_last(std::span<const std::uint8_t> bytes, Milliseconds timeout) noexcept {
     int moved = 0;
-    attempt(out_, const_cast<std::uint8_t*>(bytes.data()), bytes.size(), timeout, moved);  // only read from
+    attempt(out_, const_cast<std::uint8_t*>(bytes.data()), bytes.size(), timeout, moved);  // only read
 }
 
 std::size_t Session::write(std::span<const std::uint8_t> bytes, Milliseconds timeout) {
-    return transfer(out_, const_cast<std::uint8_t*>(bytes.data()), bytes.size(), timeout);  // only read from
+    return transfer(out_, const_cast<std::uint8_t*>(bytes.data()), bytes.size(), timeout);  // only read
 }
 
 std::size_t Session::read(std::span<std::uint8_t> bytes, Milliseconds timeout) {

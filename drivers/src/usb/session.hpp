@@ -1,6 +1,6 @@
 #pragma once
-// Finding a device and holding it: libusb's context, an opened device with its interface claimed, and
-// transfers that wait, for opening and starting only.
+// Finds and holds a device: libusb's context, an opened device with its interface claimed, and blocking
+// transfers, which serve only for opening and starting.
 
 #include <atomic>
 #include <chrono>
@@ -20,16 +20,16 @@
 
 namespace knurl::drivers::usb {
 
-/// Which device somebody wants.
+/// Which device is wanted.
 struct Wanted {
     std::string scheme;  // "falcon"
-    std::string kind;    // for people: "Novint Falcon"
+    std::string kind;    // for messages: "Novint Falcon"
     std::vector<UsbId> ids;
-    std::string serial = {};  // empty: the only one
+    std::string serial = {};  // empty: the only device
     std::string port = {};    // "1-1.2"; empty: any
 };
 
-/// The device went away, or whoever waits for it wants to stop.
+/// The device is gone, or the waiting thread must stop.
 class Unplugged : public std::runtime_error {
   public:
     using runtime_error::runtime_error;
@@ -40,10 +40,10 @@ struct Found {
     std::shared_ptr<libusb_device> device;
 };
 
-/// One context of libusb. Used by one thread at a time.
+/// One libusb context. One thread at a time may use it.
 class Context {
   public:
-    /// `real_time`: libusb's own thread is SCHED_FIFO too, where that is allowed.
+    /// `real_time`: libusb's own thread also gets SCHED_FIFO, where allowed.
     explicit Context(bool real_time = false);
     ~Context();
     Context(const Context&) = delete;
@@ -52,11 +52,11 @@ class Context {
     libusb_context* get() const { return context_; }
     /// Devices with one of these ids, in order of port; opens none.
     std::vector<Found> list(std::span<const UsbId> ids, std::string_view scheme) const;
-    /// The one that is wanted; throws std::runtime_error: there is none, there are several, and which.
+    /// The wanted device. Throws std::runtime_error: there is none, or there are several, which it lists.
     Found find(const Wanted& wanted) const;
-    /// Descriptors that libusb's event handling waits for.
+    /// Descriptors on which libusb's event handling waits.
     std::vector<libusb_pollfd> descriptors() const;
-    /// The newest of them that libusb added: right after libusb_open, the node.
+    /// The newest descriptor from libusb: right after libusb_open, the node.
     int newest_descriptor() const { return newest_descriptor_; }
 
   private:
@@ -64,10 +64,10 @@ class Context {
     int newest_descriptor_ = -1;
 };
 
-/// That this process has a device open; the kernel could only say that somebody does.
+/// Records that this process has a device open; the kernel only knows that some process has.
 class OpenHere {
   public:
-    /// Throws std::runtime_error: it has it open already.
+    /// Throws std::runtime_error: this process already has it open.
     explicit OpenHere(const UsbDevice& device);
     ~OpenHere();
     OpenHere(const OpenHere&) = delete;
@@ -79,9 +79,9 @@ class OpenHere {
 
 class Session {
   public:
-    /// Opens the node and claims the interface; a kernel driver that has it is detached, and attached again
-    /// at the end. Throws std::runtime_error with the way out: no rights, held by another program. `stop`
-    /// ends whatever waits.
+    /// Opens the node and claims the interface. A kernel driver is detached, and attached again at the end.
+    /// Throws std::runtime_error with the remedy: missing rights, or another program holds it. `stop` ends
+    /// all waits.
     Session(Context& context, Found found, int interface, const std::atomic<bool>& stop);
     ~Session();
     Session(const Session&) = delete;
@@ -89,22 +89,22 @@ class Session {
 
     const UsbDevice& info() const { return found_.info; }
     libusb_device_handle* handle() const { return handle_; }
-    /// The node's descriptor: the open file that holds the interface, whichever process has it.
+    /// The node's descriptor: the open file that holds the interface, in whichever process.
     int node() const { return node_; }
-    /// The interface's endpoints, as it describes them; out is 0 if there is none.
+    /// The interface's endpoints from its descriptor; `out` is 0 if there is none.
     std::uint8_t in() const { return in_; }
     std::uint8_t out() const { return out_; }
     bool interrupt() const { return interrupt_; }  // else bulk
 
-    // These wait; they throw Unplugged, or std::runtime_error for anything else but running out of time.
+    // These block. They throw Unplugged, or std::runtime_error for any failure except a timeout.
     using Milliseconds = std::chrono::milliseconds;
     void control(std::uint8_t type, std::uint8_t request, std::uint16_t value, std::uint16_t index);
-    /// Returns the number of bytes taken before time ran out.
+    /// Returns the number of bytes sent before the timeout.
     std::size_t write(std::span<const std::uint8_t> bytes, Milliseconds timeout);
     std::size_t read(std::span<std::uint8_t> bytes, Milliseconds timeout);
-    /// Before it is closed, whoever wants to stop: heard or not.
+    /// A last packet before closing: sent even when the thread must stop, and failures are ignored.
     void write_last(std::span<const std::uint8_t> bytes, Milliseconds timeout) noexcept;
-    /// Throws Unplugged if somebody wants to stop.
+    /// Throws Unplugged if the thread must stop.
     void go_on() const;
 
   private:

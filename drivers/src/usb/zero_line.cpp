@@ -18,13 +18,13 @@ namespace knurl::drivers::usb {
 namespace {
 
 constexpr std::size_t page = 4096;
-constexpr int most_handed_over = 8;  // the servo leaves one at most; a bound all the same
+constexpr int most_handed_over = 8;  // the servo leaves at most one; a bound nevertheless
 
 std::runtime_error failed(const char* what) {
     return std::runtime_error(std::string("usb: ") + what + ": " + std::strerror(errno));
 }
 
-/// One byte with room for one descriptor. It points into itself: neither copied nor moved.
+/// One byte with room for one descriptor. Points into itself, so it is neither copied nor moved.
 struct Letter {
     char byte = 0;
     iovec data{.iov_base = &byte, .iov_len = 1};
@@ -51,7 +51,7 @@ void give(int socket, int descriptor) noexcept {
     sendmsg(socket, &letter.message, MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-/// -1: nothing is there.
+/// -1: the socket is empty.
 int take(int socket) noexcept {
     Letter letter;
     if (recvmsg(socket, &letter.message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC) <= 0) return -1;
@@ -98,7 +98,7 @@ void ZeroLine::hold(int node, std::uint8_t endpoint) noexcept {
 }
 
 void ZeroLine::let_go() noexcept {
-    // What still lies there is the node of a device that is gone: held open, it would never be freed.
+    // A node left there belongs to a device that is gone: while it is open it cannot be freed.
     for (int left; (left = take(ends_[1])) >= 0;) close(left);
     node_ = -1;
 }

@@ -16,18 +16,18 @@ namespace knurl::drivers::wooden {
 
 namespace {
 
-// What every Teensy with the RawHID sketch calls itself.
+// Every Teensy with the RawHID sketch has this id.
 constexpr UsbId ids[] = {{0x16c0, 0x0486}};
 
-/// Counts per axis are 16 bits, two turns of the arm and more: the lap that is nearest to where it was
-/// opened. The lap nearest to the reading before would be another one for good after two reports of noise.
+/// A count has 16 bits, which span two turns of the arm or more. So the wrap nearest to the count at opening
+/// is taken. The wrap nearest to the last reading could be permanently wrong after two noisy reports.
 std::int32_t unwrapped(std::int32_t raw, std::int32_t at_first) {
     return at_first + static_cast<std::int16_t>(static_cast<std::uint16_t>(raw - at_first));
 }
 
 class WoodenHaptics final : public Device {
   public:
-    /// `home`: rad, where the axes are at this moment; none: where the controller's counters say.
+    /// `home`: rad, the axes' angles at this moment; none: they follow from the controller's counters.
     WoodenHaptics(usb::Wanted wanted, const ArmFile& arm,
                   const std::optional<std::array<double, motors>>& home, double damping, double lag,
                   int priority)
@@ -63,7 +63,7 @@ class WoodenHaptics final : public Device {
             sample.position[i] = home_[i] + link_.radians_per_count[i] * counts;
         }
         sample.has_velocity = false;
-        // Its counters begin anew with its power, wherever the arm then is.
+        // The counters restart at power-up, wherever the arm is then.
         sample.calibrated = reading_.session == first_session_ && status != ReadStatus::unplugged;
         calibrated_ = sample.calibrated;
         return status;
@@ -71,7 +71,7 @@ class WoodenHaptics final : public Device {
 
     bool write(Nanoseconds, const JointEfforts& efforts) noexcept override {
         std::array<double, motors> wanted{};
-        double share = 1;  // of all of them, so that the force at the tip keeps its direction
+        double share = 1;  // common to all motors, so that the force at the tip keeps its direction
         for (std::size_t i = 0; i < motors; ++i) {
             wanted[i] = std::isfinite(efforts[i]) && calibrated_ ? efforts[i] : 0;
             const double size = std::abs(wanted[i]);

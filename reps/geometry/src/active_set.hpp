@@ -1,7 +1,7 @@
 #pragma once
-// The god-object by planes (Zilles and Salisbury, IROS 95), for where surfaces pass through each other and
-// the walk would pass below one of them: move towards the hand until a face is hit, keep in front of its
-// plane from then on, go to the point nearest to the hand that all those planes allow.
+// The god-object by planes (Zilles and Salisbury, IROS 95). It serves where surfaces pass through each other
+// and the walk would pass below one of them. The point moves towards the hand until it hits a face, stays in
+// front of its plane from then on, and goes to the point nearest to the hand that all those planes allow.
 
 #include <array>
 #include <cmath>
@@ -12,11 +12,11 @@
 
 namespace knurl::detail {
 
-// Of the size. How far in front of a plane it stays, and how far behind one it is still held: with a quarter
-// of it one falls through valleys, with three times it through sheets back to back.
+// Of the size: how far the point stays in front of a plane, and how far behind one it is still held. A
+// quarter of it lets the point fall through valleys; three times it lets it pass sheets back to back.
 inline constexpr double lift_of_size = 5e-7;
 inline constexpr double slack_of_lift = 1.25;
-inline constexpr double same_of_size = 5e-9;  // so little is no movement
+inline constexpr double same_of_size = 5e-9;  // a shorter movement counts as none
 inline constexpr std::uint32_t max_planes = 5, max_rounds = 16;
 static_assert(max_planes * max_rounds == max_tangles);
 
@@ -27,14 +27,15 @@ struct HalfSpace {
 };
 
 struct Held {
-    Vec at;                                   // a lift in front of what holds it; or where it has got to
-    Vec foot;                                 // of the surface
-    std::uint32_t face = no_face, faces = 0;  // that hold it, and how many; none: it is free
+    Vec at;                                   // a lift in front of the holding faces; or the point reached so
+                                              // far
+    Vec foot;                                 // on the surface
+    std::uint32_t face = no_face, faces = 0;  // a holding face, and how many hold; none: free
     bool whole = true;                        // false: a limit bit
 };
 
-/// The point nearest to h in all of them, by trying which of them hold it, at most three; false: there is
-/// none.
+/// The point nearest to h that satisfies all planes, found by trying sets of at most three active planes.
+/// False: none.
 inline bool project(const std::array<HalfSpace, max_planes>& planes, std::uint32_t count, const Vec& h,
                     double slack, Vec& goal, std::uint32_t& holding) noexcept {
     double nearest = HUGE_VAL;
@@ -75,7 +76,7 @@ inline bool project(const std::array<HalfSpace, max_planes>& planes, std::uint32
     return nearest < HUGE_VAL;
 }
 
-/// From p, which is in front of everything.
+/// Starts at p, which is in front of all faces.
 template <class S>
 [[gnu::noinline]] Held hold(const S& s, Vec p, const Vec& h, Work& work) noexcept {
     const double lift = lift_of_size * s.size(), same = same_of_size * s.size();
@@ -109,7 +110,9 @@ template <class S>
         held.faces = 0;
         for (std::uint32_t i = 0; i < count; ++i)
             if ((holding >> i & 1) != 0) held.face = planes[i].face, ++held.faces;
-        if (count > 0 && held.faces == 0) held.face = planes[0].face, held.faces = count;  // on its way yet
+        if (count > 0 && held.faces == 0)
+            held.face = planes[0].face, held.faces = count;  // it is still
+                                                             // moving
         held.foot = p;
         for (std::uint32_t i = 0; i < count; ++i) planes[i].least -= lift;
         Vec on;

@@ -1,4 +1,4 @@
-// Faces that others pass through, or stand on without a common edge: there the walk alone could pass under.
+// Faces that others pass through, or stand on without a common edge: there the walk alone could pass below.
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of each face, found once.
+/// Measures of each face, computed once.
 struct Measures {
     Vector3d normal;  // unit
     double longest;   // m, edge
@@ -21,14 +21,14 @@ struct Measures {
 
 struct Corners {
     Vector3d at[3];
-    double low[3], high[3];  // m, a little wider
+    double low[3], high[3];  // m, slightly enlarged
     bool meets(const Corners& o) const {
         return low[0] <= o.high[0] && high[0] >= o.low[0] && low[1] <= o.high[1] && high[1] >= o.low[1] &&
                low[2] <= o.high[2] && high[2] >= o.low[2];
     }
 };
 
-/// How far a face's corners are in front of another's plane (m).
+/// The heights of a face's corners over another face's plane (m).
 struct Heights {
     Heights(const Corners& of, const Corners& over, const Vector3d& normal)
         : at{normal.dot(of.at[0] - over.at[0]), normal.dot(of.at[1] - over.at[0]),
@@ -36,7 +36,7 @@ struct Heights {
           low(std::min({at[0], at[1], at[2]})),
           high(std::max({at[0], at[1], at[2]})) {}
     bool clear(double touch) const { return low > touch || high < -touch; }
-    /// The edge across from a corner.
+    /// The edge opposite a corner.
     bool clear_across(std::size_t c, double touch) const {
         const double a = at[(c + 1) % 3], b = at[(c + 2) % 3];
         return (a > touch && b > touch) || (a < -touch && b < -touch);
@@ -44,7 +44,7 @@ struct Heights {
     double at[3], low, high;
 };
 
-/// How far apart both sets are along an axis that need not be unit; < 0: by which they overlap.
+/// The distance of two sets along an axis, which need not be unit; < 0: the overlap.
 template <std::size_t N, std::size_t M>
 double gap(const Vector3d& axis, const Vector3d (&a)[N], const Vector3d (&b)[M]) {
     double a_low = axis.dot(a[0]), a_high = a_low, b_low = axis.dot(b[0]), b_high = b_low;
@@ -96,11 +96,11 @@ class Finder {
         }
         return c;
     }
-    /// From a vertex the walk goes to any face around it at once, over those that pass through each other
-    /// too: all around such a vertex say so. The pairs of a fan are asked for here alone, since the search
-    /// leaves out what is known to be crossed by something else.
+    /// From a vertex the walk goes to any face around it at once, also to faces that pass through each other.
+    /// All faces around such a vertex get the flag. The pairs of a fan are tested only here, since the search
+    /// leaves out faces that are already crossed.
     void find_knots(std::vector<std::uint8_t>& flags) {
-        std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // vertex, crossed face around it
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // vertex, crossed face at that vertex
         for (std::uint32_t f = 0; f < flags.size(); ++f) {
             if ((flags[f] & face_crossed) == 0) continue;
             for (const std::uint32_t v : faces_.corners[f]) fans.emplace_back(v, f);
@@ -118,9 +118,10 @@ class Finder {
         }
     }
 
-    /// Two of these faces around one vertex pass through each other.
+    /// Do two of these faces around one vertex pass through each other?
     bool is_knot(std::span<const std::pair<std::uint32_t, std::uint32_t>> fan) {
-        constexpr std::size_t most = 64;  // as above: what is taken for one unseen costs time alone
+        constexpr std::size_t most = 64;  // as above: an untested vertex that counts as a knot costs only
+                                          // time
         if (fan.size() > most) return true;
         for (std::size_t i = 0; i < fan.size(); ++i) {
             const std::uint32_t f = fan[i].second;
@@ -134,8 +135,8 @@ class Finder {
         return false;
     }
 
-    /// Tests the faces of a leaf against all whose boxes it meets. A face whose query came to its end is
-    /// done: others need not ask about it again.
+    /// Tests the faces of a leaf against all faces whose boxes they meet. A face with a complete query is
+    /// done: other queries need not test it again.
     void query(const MeshNode& leaf, std::uint32_t place, std::vector<std::uint8_t>& flags) {
         const std::uint32_t first = leaf_first(leaf.child[place]), count = leaf_count(leaf.child[place]);
         Corners own[4];
@@ -149,8 +150,8 @@ class Finder {
             low[k] = std::nextafter(leaf.low[k][place] - wider, -inf);
             high[k] = std::nextafter(leaf.high[k][place] + wider, inf);
         }
-        // Where very many boxes overlap, faces are taken for crossed unseen: that costs the hand time, not
-        // truth.
+        // Where very many boxes overlap, faces count as crossed without a test. That costs time in the cycle,
+        // but the contact stays right.
         const std::uint64_t limit = spent_ < 128 * flags.size() + 100000 ? 4096 : 128;
         std::uint64_t work = 0;
         bool all = false;
@@ -159,7 +160,7 @@ class Finder {
             const MeshNode& node = nodes_[stack_.back()];
             stack_.pop_back();
             ++work;
-            alignas(32) std::int32_t meets[MeshNode::fan];  // in four lanes at a time
+            alignas(32) std::int32_t meets[MeshNode::fan];  // in groups of four lanes
             for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
                 meets[i] = (node.low[0][i] <= high[0]) & (node.high[0][i] >= low[0]) &
                            (node.low[1][i] <= high[1]) & (node.high[1][i] >= low[1]) &
@@ -198,7 +199,7 @@ class Finder {
         for (std::uint32_t i = 0; i < own.size(); ++i) {
             const std::uint32_t f = first + i;
             if (f == g || (flags[f] & flags[g] & face_crossed) != 0) continue;
-            // Both in one leaf: once is enough.
+            // Both faces are in this leaf: one test is enough.
             if (g >= first && g < first + own.size() && g < f) continue;
             if (!own[i].meets(other)) continue;
             ++tests;
@@ -217,14 +218,16 @@ class Finder {
                 if (s[i] == t[k]) ++shared, ia = i, ib = k;
             }
         }
-        if (shared > 1) return false;  // beyond a common edge they meet only when folded onto each other
+        if (shared > 1)
+            return false;  // faces with a common edge meet elsewhere only when folded onto each
+                           // other
         const Vector3d &a_normal = measures_[f].normal, &b_normal = measures_[g].normal;
         const Heights of_b(b, a, a_normal);
         if (of_b.clear(touch_)) return false;
         const double longest = std::min(measures_[f].longest, measures_[g].longest);
         const double touch = std::min(touch_, 1e-4 * longest), reach = std::min(tree_, 1e-2 * longest);
-        // In the way of a hand is what has free space before it on both: not what hangs behind the other.
-        // Level with the other it is only if they overlap.
+        // A face matters only with free space before it on both sides, not when it hangs behind the other.
+        // Two faces in one plane matter only where they overlap.
         if (of_b.high <= reach && of_b.low < -reach) return false;
         const Heights of_a(a, b, b_normal);
         if (of_a.clear(touch) || of_b.clear(touch)) return false;
@@ -234,14 +237,15 @@ class Finder {
             return a_normal.dot(b_normal) > 0 && meet(a, a_normal, b.at, b_normal, -reach, true);
         }
         if (shared == 0) return meet(a, a_normal, b.at, b_normal, touch, false);
-        // From the common corner on they meet until the far edge of one of them.
+        // From the common corner they meet up to the far edge of one of them.
         const Vector3d a_far[2] = {a.at[(ia + 1) % 3], a.at[(ia + 2) % 3]};
         const Vector3d b_far[2] = {b.at[(ib + 1) % 3], b.at[(ib + 2) % 3]};
         return (!of_a.clear_across(ia, touch) && meet(b, b_normal, a_far, a_normal, touch, false)) ||
                (!of_b.clear_across(ib, touch) && meet(a, a_normal, b_far, b_normal, touch, false));
     }
 
-    /// No axis separates the face from the other's corners (all, or an edge of them) by more than `apart`.
+    /// No axis separates the face from the other face's corners (all, or an edge of them) by more than
+    /// `apart`.
     template <std::size_t N>
     static bool meet(const Corners& face, const Vector3d& normal, const Vector3d (&other)[N],
                      const Vector3d& other_normal, double apart, bool level) {

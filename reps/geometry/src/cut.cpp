@@ -1,7 +1,7 @@
-// Cuts faces where they meet, by the simplest steps there are: an edge is split at a vertex, a face is split
-// at a vertex, an edge within a plane is turned. What is pierced gets a vertex there, in both; two faces that meet along a segment then
-// have its ends as corners, and so the segment as an edge, or one more edge crosses it and is next. No face
-// is triangulated anew, and the sum of all faces stays closed where it was.
+// Cuts faces where they meet, in the simplest steps: split an edge at a vertex, split a face at a vertex,
+// turn an edge within a plane. A pierced face gets a vertex there, and so does the piercing edge. Two faces
+// that meet along a segment then have its ends as corners. So the segment is an edge, or an edge crosses it,
+// which is the next step. No face is triangulated anew, and the sum of all faces stays closed where it was.
 
 #include <algorithm>
 #include <array>
@@ -27,7 +27,7 @@ class Cutter {
     Cutter(Faces& faces, const Near& near, std::size_t most, Slices& slices)
         : faces_(faces), near_(near), most_(most), slices_(slices) {}
 
-    /// False: that is too much.
+    /// False: it takes too much.
     bool run(const Pairs& pairs, std::vector<bool>& touched) {
         const std::size_t vertices = faces_.at.size();
         add_roots(pairs);
@@ -52,7 +52,7 @@ class Cutter {
     std::uint64_t moved() const { return moved_; }
 
   private:
-    /// Faces that meet others, and all around their corners, which are split with them but not asked.
+    /// Adds the faces that meet others, and the faces around their corners, which are only split with them.
     void add_roots(const Pairs& pairs) {
         std::vector<bool> meets(faces_.at.size());
         for (const auto& [f, g] : pairs) {
@@ -81,7 +81,7 @@ class Cutter {
         }
     }
 
-    /// Over which another face goes on in the same plane.
+    /// The edges over which another face continues in the same plane.
     std::uint8_t flat_edges(std::uint32_t f) const {
         const Triangle& t = pieces_[f].corners;
         const Vector3d origin = at(t[0]), normal = (at(t[1]) - origin).cross(at(t[2]) - origin).normalized();
@@ -134,7 +134,7 @@ class Cutter {
         }
     }
 
-    /// Until f meets nothing, or is no more.
+    /// Splits f until it meets nothing, or no longer exists.
     void settle(std::uint32_t f) {
         if (slim(f)) return;
         const std::uint32_t root = root_of_.at(pieces_[f].face);
@@ -150,12 +150,12 @@ class Cutter {
                                        {at(b[0]), at(b[1]), at(b[2])}, pieces_[g].flat, near_.touch, splits_);
                 if (m.kind == Kind::none) continue;
                 push(f), push(g);
-                if (apply(m, m.whose == 0 ? f : g)) return;  // what is left of it is in the queue
+                if (apply(m, m.whose == 0 ? f : g)) return;  // the remaining pieces are in the queue
             }
         }
     }
 
-    /// One that is no wider than a point: its longest edge goes through its corner instead.
+    /// A face no wider than a point: its longest edge is split at the opposite corner.
     bool slim(std::uint32_t f) {
         const Triangle t = pieces_[f].corners;
         std::size_t longest = 0;
@@ -174,7 +174,7 @@ class Cutter {
         return true;
     }
 
-    /// False: put off, since something else may do for it.
+    /// False: put off, since another step may settle it.
     bool apply(const Meeting& m, std::uint32_t face) {
         ++steps_;
         switch (m.kind) {
@@ -212,9 +212,9 @@ class Cutter {
         return true;
     }
 
-    /// An edge between two pieces of one plane is nothing that must be there: instead of being split it becomes
-    /// the other diagonal (Sloan 1993). Where it is not the diagonal of a convex quadrangle others around it
-    /// are turned first. Vertices alone, put on it again and again, may come near a point for ever.
+    /// An edge between two pieces of one plane is not needed there. Instead of being split it becomes the
+    /// other diagonal (Sloan 1993). Where the quadrangle is not convex, other edges around it are turned
+    /// first. Splits alone might approach a point for ever.
     enum class Turn { no, later, done };
     Turn turn(std::uint32_t a, std::uint32_t b) {
         std::uint32_t f = 0, g = 0, count = 0;
@@ -226,7 +226,7 @@ class Cutter {
         const Piece first = pieces_[f], second = pieces_[g];
         if (!first.meets || !second.meets || (first.flat >> i & 1) == 0 || (second.flat >> k & 1) == 0)
             return Turn::no;
-        if (first.corners[i] == second.corners[k]) return Turn::no;  // wound against each other
+        if (first.corners[i] == second.corners[k]) return Turn::no;  // the windings contradict each other
         std::uint32_t& tries = turns_[split_of(0, a, b)];
         constexpr std::uint32_t enough = 16;
         if (++tries > enough) return Turn::no;
@@ -259,7 +259,7 @@ class Cutter {
         }
         return 0;
     }
-    /// Pieces of either may from now on lie in both.
+    /// From now on, pieces of either face may lie in both.
     void join(std::uint32_t one, std::uint32_t other) {
         if (one == other) return;
         for (const auto& [to, from] : {std::pair(one, other), std::pair(other, one)}) {
@@ -297,7 +297,7 @@ class Cutter {
             drop(f);
             for (std::size_t i = 0; i < 3; ++i) {
                 const std::uint32_t end = piece.corners[i], next = piece.corners[(i + 1) % 3];
-                // What is left of the edge begins at v, or ends there; the edge across is new.
+                // The rest of the edge begins or ends at v; the opposite edge is new.
                 if (end == a || end == b) put(with(piece, i, v, (next == a || next == b) ? (i + 2) % 3 : i));
             }
         }
@@ -312,7 +312,7 @@ class Cutter {
             put(third);
         }
     }
-    /// With v as its corner i, and an edge that is flat.
+    /// The piece with v as its corner i, and one flat edge.
     static Piece with(const Piece& piece, std::size_t i, std::uint32_t v, std::size_t flat) {
         Piece out = piece;
         out.there = true;
@@ -343,14 +343,15 @@ class Cutter {
     std::vector<Piece> pieces_;
     std::vector<Box> boxes_;  // of the pieces
     std::vector<bool> queued_;
-    std::deque<std::uint32_t> queue_;                               // the first first: none may wait for ever
+    std::deque<std::uint32_t> queue_;                               // first in, first out, so that no face
+                                                                    // waits for ever
     std::unordered_map<std::uint32_t, std::uint32_t> root_of_;      // of faces
     std::vector<std::vector<std::uint32_t>> partners_, pieces_of_;  // of roots
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> around_;  // pieces, of vertices
     Splits splits_;
-    std::map<std::array<std::uint32_t, 3>, std::uint32_t> turns_;  // tries, of edges
+    std::map<std::array<std::uint32_t, 3>, std::uint32_t> turns_;  // attempts, of edges
     std::size_t steps_ = 0;
-    std::uint64_t moved_ = 0;  // vertices that became another
+    std::uint64_t moved_ = 0;  // vertices that were merged into another one
 };
 
 }  // namespace

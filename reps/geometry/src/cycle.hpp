@@ -1,7 +1,7 @@
 #pragma once
 // One cycle of a proxy on a surface, in metres from the surface's origin.
 //
-//   free:     in the box known to be empty? ──> nothing.   sweep last..hand ──> miss: nothing; hit: on it
+//   free:     hand in the box known to be empty? ──> nothing.   sweep last..hand ──> miss: nothing; hit: touching
 //   touching: walk ──> hand behind: held.   in front (or slipped over a rim): sweep proxy..hand
 //             ──> miss: free; hit another face: on it, and walk again
 
@@ -39,11 +39,11 @@ class Cycle {
         } else if (proxy_.phase == Phase::free && in_room()) {
             return stay_free();
         }
-        if (!(h_.sum_of_sizes() < 1e12)) {  // not a number, or nowhere
+        if (!(h_.sum_of_sizes() < 1e12)) {  // NaN, or too far away
             proxy_ = Proxy{};
             return false;
         }
-        // Of the coordinates' own rounding too, where the hand is far away.
+        // Includes the rounding of the coordinates, where the hand is far away.
         hair_ =
             std::max(hair_of_size * s_.size(), 64 * std::numeric_limits<double>::epsilon() * h_.largest());
         if (proxy_.phase == Phase::fresh || !s_.has(proxy_.face)) {
@@ -66,9 +66,9 @@ class Cycle {
 
   private:
     static constexpr auto any = [](std::uint32_t, const Corners&, double) { return true; };
-    static constexpr std::uint8_t patience = 8;  // cycles from one look for room to the next
+    static constexpr std::uint8_t patience = 8;  // cycles between two searches for free room
 
-    /// Most cycles: still behind the face of the last one.
+    /// Most cycles: the hand is still behind the last cycle's face.
     bool still_there() noexcept {
         const std::uint32_t f = proxy_.face;
         return (s_.flags(f) & face_crossed) == 0 && (behind(f) || next_door(f));
@@ -85,8 +85,8 @@ class Cycle {
         const Vec n = normal * inverse;
         return touch(f, h_ + n * depth, n, depth + radius_);
     }
-    /// Where faces are so small that a hand leaves one in nearly every cycle: behind the next one, over an
-    /// edge and no corner. The walk would come to the same.
+    /// Where faces are so small that a hand leaves one in nearly every cycle: the hand is behind the next
+    /// one, over an edge, not a corner. The walk would find the same.
     [[gnu::noinline]] bool next_door(std::uint32_t f) noexcept {
         const Corners face = s_.corners(f);
         const Vec normal = face.side(2).cross(face.side(0));
@@ -124,7 +124,7 @@ class Cycle {
         put(proxy_.last, hand_);
         return false;
     }
-    /// A limit bit: the rest of the way is swept in the next cycle.
+    /// A limit was reached: the next cycle sweeps the rest of the way.
     bool stay_free(const Vec& swept) noexcept {
         stay_free();
         no_room();
@@ -133,7 +133,7 @@ class Cycle {
     }
     void no_room() noexcept { proxy_.low[0] = 1, proxy_.high[0] = 0; }
 
-    // A radius in 16 bits, rounded up.
+    // A radius kept in 16 bits, rounded up.
     static float kept(std::uint16_t bits) noexcept { return std::bit_cast<float>(std::uint32_t{bits} << 16); }
     static std::uint16_t keep(double radius) noexcept {
         return radius > 0 ? static_cast<std::uint16_t>(
@@ -157,7 +157,7 @@ class Cycle {
             proxy_.low[axis] = at_least(h_[axis] - half);
             proxy_.high[axis] = at_most(h_[axis] + half);
         }
-        proxy_.since = patience;  // where there was room there is likely to be more of it
+        proxy_.since = patience;  // where there was room, more is likely
     }
 
     bool contact(Vec from) noexcept {
@@ -176,12 +176,14 @@ class Cycle {
             const double bound = rest_.near.square * strictly, length = (h_ - from).norm();
             const Hit hit =
                 sweep(s_, from, h_, hair_ / 2, work_, [&](std::uint32_t, const Corners& corners, double t) {
-                    // Not what the walk rests on anyway: the hand is no nearer to it.
+                    // Leaves out the face on which the walk rests: the hand is no nearer to it.
                     return t * length > hair_ || nearest_on(corners, h_).square < bound;
                 });
             if (!hit.whole) return stay_free(hit.point);
             if (hit.face == no_face) {
-                if (crossed) return tangle(lifted(begin, first));  // it may have come out behind what crosses
+                if (crossed)
+                    return tangle(lifted(begin, first));  // it may have come out behind the crossing
+                                                          // face
                 if (reach()) return true;
                 no_room();
                 proxy_.since = patience;
@@ -202,7 +204,7 @@ class Cycle {
     Vec lifted(const Vec& p, std::uint32_t face) const noexcept {
         return p + unit_or_zero(s_.corners(face).normal()) * (lift_of_size * s_.size());
     }
-    /// Something that the walk does not know of lies between where it began and where it rests.
+    /// True: a face that the walk does not know lies between its start and its end.
     bool passes_below(const Vec& from) noexcept {
         ++work_.guards;
         Work sweeping;
@@ -210,7 +212,7 @@ class Cycle {
         const double lift = lift_of_size * s_.size();
         const Vec end = lifted(rest_.near.point, rest_.face);
         const auto unknown = [&](std::uint32_t face, const Corners& corners, double) {
-            // Behind it by more than its being lifted over another face explains.
+            // Behind it by more than the lift over another face explains.
             return !rest_.has_visited(face) &&
                    unit_or_zero(corners.normal()).dot(end - corners.at[0]) < -1.01 * lift;
         };
@@ -222,8 +224,7 @@ class Cycle {
     bool tangle(const Vec& from) noexcept {
         const Held held = hold(s_, from, h_, work_);
         if (held.whole && held.faces == 0) {
-            // Where surfaces pass through each other at a small angle it may slip between them: the walk must
-            // agree.
+            // Where surfaces cross at a small angle the point may slip between them, so the walk must agree.
             if (rest_.visits == 0) walk(s_, h_, rest_, work_);
             if (rest_.settled && !rest_.outward && !rest_.slipped)
                 return touch(std::sqrt(rest_.near.square) + radius_);
@@ -232,11 +233,12 @@ class Cycle {
             return stay_free();
         }
         const std::uint32_t face = held.face != no_face ? held.face : rest_.face;
-        // Where a limit bit it is on its way along the planes of faces, which may be off all of them.
+        // After a limit, the point is still moving along the planes of faces, and may be off all of these
+        // faces.
         const Vec foot = held.whole ? held.foot : nearest_on(s_.corners(face), held.foot).point;
         const Vec way = foot - h_;
         const double distance = way.norm();
-        // Nothing may hold it there yet.
+        // A point that is still moving may not be held.
         const double depth = held.whole ? distance + radius_ : 0;
         const Vec normal = distance > lift_of_size * s_.size() ? way * (1 / distance)
                                                                : unit_or_zero(s_.corners(face).normal());
@@ -246,7 +248,7 @@ class Cycle {
         return true;
     }
 
-    /// A ball reaches the surface from its front though its centre does not.
+    /// A ball touches the surface from its front although its centre does not reach it.
     bool reach() noexcept {
         if (!(radius_ > 0)) return false;
         double square = radius_ * radius_;
@@ -270,7 +272,7 @@ class Cycle {
         if (near.place == within || !(distance > 1e-12 * s_.size())) {
             normal = unit_or_zero(pseudonormal(s_, rest_.face, near));
             if (!(normal.squaredNorm() > 0.5))
-                normal = unit_or_zero(near.normal);  // a knife's edge: whichever
+                normal = unit_or_zero(near.normal);  // at a knife's edge, either normal
         } else {
             normal = d * ((rest_.outward ? 1 : -1) / distance);
         }

@@ -1,5 +1,5 @@
-// The faces around each vertex, as the walk reaches them: over edges. Where they are many fans or one too
-// large, the vertex is several to the walk, and the faces there say so.
+// The faces around each vertex, as the walk reaches them: over edges. Where they form several fans, or one
+// that is too large, the walk sees several vertices, and a flag on these faces says so.
 
 #include <algorithm>
 #include <span>
@@ -13,7 +13,7 @@
 namespace knurl::build {
 namespace {
 
-// The corner of a face that is its link's edge's start stands for the fan's face: face << 2 | corner.
+// The corner where the link's edge starts stands for the fan's face: face << 2 | corner.
 using Corner = Link;
 
 Corner onwards(const Links& links, Corner c) {  // over the edge that ends there
@@ -30,11 +30,11 @@ Eigen::Vector3d unit_normal(const Faces& faces, std::uint32_t f) {
     return (at(1) - at(0)).cross(at(2) - at(0)).normalized();
 }
 
-/// Cuts a fan, in its order, so that no piece has more than max_fan faces; where it is flattest, since there
-/// the missing neighbour's normal is missed least.
+/// Cuts a fan, in its order, so that no piece has more than max_fan faces. Cuts where it is flattest, since
+/// there the missing neighbour's normal has the least effect.
 void cut(const Faces& faces, Links& links, std::span<const Corner> fan, bool closed, Slices& slices) {
     const std::size_t n = fan.size();
-    const auto flatness = [&](std::size_t i) {  // between the i-th and the next
+    const auto flatness = [&](std::size_t i) {  // between face i and the next one
         slices(8);
         return unit_normal(faces, face_of(fan[i % n])).dot(unit_normal(faces, face_of(fan[(i + 1) % n])));
     };
@@ -51,7 +51,7 @@ void cut(const Faces& faces, Links& links, std::span<const Corner> fan, bool clo
         links[face_of(here)][edge_of(here)] = no_link;
         here = no_link;
     };
-    std::size_t last = 0, end = n;  // the faces from last on, up to end, hang together
+    std::size_t last = 0, end = n;  // the faces from last up to end are connected
     if (closed) {
         const std::size_t i = flattest(0, n);
         open(i);
@@ -89,7 +89,7 @@ std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes
                     fan.push_back(at);
                     seen[at] = true;
                 }
-                if (fan.size() > max_fan) {  // those behind the seed come before it, the last first
+                if (fan.size() > max_fan) {  // the faces behind the seed come before it, in reverse order
                     std::rotate(fan.begin(), fan.begin() + static_cast<std::ptrdiff_t>(ahead), fan.end());
                     std::reverse(fan.begin(), fan.end() - static_cast<std::ptrdiff_t>(ahead));
                 }
@@ -104,7 +104,7 @@ std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes
             if (fan.size() > max_fan) cut(faces, links, fan, closed, slices);
         }
     }
-    // Wherever the walk may rest without seeing all that is there: `several` marks now borders as well.
+    // Flags all places where the walk may rest without seeing all faces: `several` now also marks borders.
     for (std::size_t f = 0; f < links.size(); ++f, slices()) {
         for (std::size_t e = 0; e < 3; ++e) {
             if (links[f][e] == no_link)

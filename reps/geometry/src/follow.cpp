@@ -67,7 +67,7 @@ Vector3d shaded_normal(const Asset& asset, const Foot& foot) noexcept {
         Vec sum{0, 0, 0};
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t j = detail::after(i);
-            // of corner i, twice squared
+            // the weight of corner i, times twice the area squared
             const double share = normal.dot(face.side(j).cross(x - face.at[j]));
             detail::Nearest corner;
             corner.normal = normal;

@@ -1,4 +1,4 @@
-// Which vertices are plausible, and the box of those that a triangle names.
+// Which vertices are plausible, and the bounding box of those that triangles use.
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +42,7 @@ std::vector<bool> named(const Triangles& given, Slices& slices) {
     return used;
 }
 
-/// The middle half of a sample along each axis, or more than half if that is a point. {median, diagonal}
+/// The middle half of a sample along each axis, or a larger part if the half is a point. {median, diagonal}
 std::pair<Point3, double> middle(std::vector<Point3>& sample) {
     Point3 median{};
     for (std::size_t share = 4;; share *= 4) {
@@ -106,7 +106,7 @@ Frame find_frame(const Triangles& given, bool exact, MeshNotes& notes, Slices& s
     }
     frame.size = length(frame.low, frame.high);
     if (!(frame.size > 0)) return frame;
-    // On a grid that is coarse beside the mesh, so that corners of few digits keep them.
+    // Rounds to a grid that is coarse relative to the mesh, so that corners with few digits keep them.
     const double grid = std::ldexp(1.0, std::ilogb(frame.size) - 8);
     for (int k = 0; k < 3; ++k) {
         const auto i = static_cast<std::size_t>(k);

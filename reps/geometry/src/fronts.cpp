@@ -1,4 +1,5 @@
-// What a surface says of ways and places near it, apart from the walk: asked where it touches another one.
+// Queries of a surface about paths and places near it, apart from the walk. They serve where it touches
+// another surface.
 
 #include <knurl/geometry/proxy.hpp>
 
@@ -29,11 +30,11 @@ void put(const S& s, const Vec& origin, std::uint32_t face, const Vec& point, Fo
     foot.material = s.material(face);
 }
 
-/// Beside which face the way leads past from its front, by `reach` at most.
+/// The face that the path passes from its front, within `reach`.
 template <class S>
 void pass_beside(const S& s, const Vec& p, const Vec& q, const Vec& side, double reach, detail::Hit& hit,
                  Work& work) noexcept {
-    constexpr double facing = 0.1;  // cosine: else it is a wall beside the way
+    constexpr double facing = 0.1;  // cosine: below it the face is a wall beside the path
     const Vec d = q - p;
     const double least = facing * side.norm();
     s.overlapping(detail::low_of(p, q, reach), detail::high_of(p, q, reach), work, [&](std::uint32_t face) {
@@ -51,8 +52,8 @@ void pass_beside(const S& s, const Vec& p, const Vec& q, const Vec& side, double
     });
 }
 
-/// Of the faces that meet where the way meets the surface: the one that it meets most squarely. By an edge it might as
-/// well be a wall along which it goes.
+/// Of the faces that meet where the path meets the surface: the one that it meets at the steepest angle. At
+/// an edge another one might be a wall along the path.
 template <class S>
 void meet_squarely(const S& s, const Vec& d, detail::Hit& hit, Work& work) noexcept {
     const double near = 1e-9 * s.size();
@@ -77,7 +78,7 @@ void meet_squarely(const S& s, const Vec& d, detail::Hit& hit, Work& work) noexc
         if (!(p.sum_of_sizes() < 1e12 && q.sum_of_sizes() < 1e12)) return 2.0;
         const double hair = detail::hair_of_size * surface.size();
         const Vec d = q - p;
-        // A face along which the way goes is not met by rounding.
+        // A face along the path must not be met by rounding.
         const auto against = [&](std::uint32_t, const Corners& corners, double) {
             return -unit_or_zero(corners.normal()).dot(d) > 1e-9 * d.norm();
         };
@@ -105,7 +106,7 @@ void meet_squarely(const S& s, const Vec& d, detail::Hit& hit, Work& work) noexc
                 const Corners corners = surface.corners(face);
                 const Nearest near = nearest_on(corners, p);
                 if (!(near.square <= within * within)) return;
-                constexpr double alike = 1e-9;  // of two normals' cosines
+                constexpr double alike = 1e-9;  // difference of two cosines that counts as none
                 const double facing = unit_or_zero(near.normal).dot(n);
                 if (facing < best - alike || (facing <= best + alike && !(near.square < square))) return;
                 best = facing;

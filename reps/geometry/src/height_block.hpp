@@ -1,5 +1,5 @@
 #pragma once
-// A height field as one piece of memory: header, heights, then the levels, each on a line of its own.
+// A height field as one piece of memory: header, heights, then the levels. Each part begins on a cache line.
 
 #include <array>
 #include <cstddef>
@@ -17,7 +17,7 @@ struct HeightHeader {
     std::uint64_t material = 0;
 };
 
-/// Where the parts of so many cells lie (bytes from the beginning).
+/// Where the parts lie for so many cells (bytes from the beginning).
 struct HeightLayout {
     struct Level {
         std::uint32_t columns, rows;  // of blocks

@@ -12,7 +12,7 @@
 namespace knurl {
 namespace {
 
-constexpr std::size_t besides = sizeof(HeightField) + sizeof(HeightData);  // the block, bytes
+constexpr std::size_t besides = sizeof(HeightField) + sizeof(HeightData);  // bytes besides the block
 
 std::string length(double m) {
     char text[32];
@@ -35,7 +35,8 @@ void check(std::span<const float> heights, const HeightGrid& grid, std::size_t b
         throw HeightFieldError("the height field of " + shape + " would take " + std::to_string(need) +
                                " bytes, but the budget is " + std::to_string(budget) +
                                "; raise it, or send fewer heights");
-    const auto sensible = [](double x) { return x >= 1e-9 && x < 1e7; };  // squares of less are lost
+    const auto sensible = [](double x) { return x >= 1e-9 && x < 1e7; };  // squares of smaller values
+                                                                          // underflow
     if (!sensible(grid.dx) || !sensible(grid.dy) || !(grid.dx * grid.columns < 1e7) ||
         !(grid.dy * grid.rows < 1e7))
         throw HeightFieldError("the height field's cells are " + length(grid.dx) + " by " + length(grid.dy) +
@@ -54,7 +55,8 @@ struct alignas(64) Line {
     std::byte bytes[64];
 };
 
-/// The lowest and highest of each block: of heights below the first level, of the level before it else.
+/// The lowest and highest height of each block: from the heights for the first level, else from the level
+/// below.
 void sum_up(std::span<std::byte> block, const HeightLayout& layout, std::uint32_t columns,
             std::uint32_t rows) {
     const auto* heights = reinterpret_cast<const float*>(block.data() + layout.heights);
@@ -62,7 +64,7 @@ void sum_up(std::span<std::byte> block, const HeightLayout& layout, std::uint32_
     for (std::uint32_t l = 0; l < layout.level_count; ++l) {
         const HeightLayout::Level& level = layout.levels[l];
         auto* blocks = reinterpret_cast<HeightData::Span*>(block.data() + level.at);
-        const std::uint32_t more = below == nullptr ? 1 : 0;  // a cell has a height at its far side too
+        const std::uint32_t more = below == nullptr ? 1 : 0;  // the far side of a cell has a height, too
         for (std::uint32_t y = 0; y < level.rows; ++y) {
             for (std::uint32_t x = 0; x < level.columns; ++x) {
                 HeightData::Span span{std::numeric_limits<float>::max(),
@@ -84,7 +86,7 @@ void sum_up(std::span<std::byte> block, const HeightLayout& layout, std::uint32_
 
 }  // namespace
 
-/// Checks, and brings all into the form that it is read in.
+/// Checks the input and brings it into the form that is read.
 HeightField::Block HeightField::built(std::span<const float> heights, const HeightGrid& grid,
                                       std::uint8_t material, std::size_t budget) {
     check(heights, grid, budget);

@@ -1,6 +1,6 @@
 #pragma once
-// The height field as the walk sees it: of the same shape as MeshSurface, but what lies over an edge is
-// arithmetic, and the tree is the pyramid of the blocks' lowest and highest.
+// The height field as the walk sees it, with the interface of MeshSurface. The neighbour over an edge is
+// found by arithmetic, and the tree is the pyramid of the blocks' lowest and highest heights.
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +60,7 @@ class HeightSurface {
 
     template <class See>
     bool nearer(const Vec& h, double& square, Work& work, See&& see) const noexcept {
-        see_cell(column(h.x), row(h.y), see);  // below it: nothing farther is of interest
+        see_cell(column(h.x), row(h.y), see);  // the cell below it: farther cells do not matter
         const double reach = std::sqrt(square);
         const auto near = [&](const Vec& from, const Vec& to, bool) {
             const Vec out{std::max({from.x - h.x, h.x - to.x, 0.0}),
@@ -88,7 +88,7 @@ class HeightSurface {
             [&](const Vec& from, const Vec& to, bool lowest) {
                 const double far = away(from, to);
                 if (!lowest || !(far > 0)) return far < best;
-                best = std::min(best, far);  // good enough: its cells are many
+                best = std::min(best, far);  // good enough, since it has many cells
                 return false;
             },
             [&](std::uint32_t i, std::uint32_t j) {
@@ -135,11 +135,11 @@ class HeightSurface {
         see(face + 1);
     }
 
-    /// Cells under low..high: into(low, high, lowest) says whether a block is looked into, cell(i, j) whether
-    /// to go on. False: it did not look at all of them.
+    /// Visits the cells under low..high. into(low, high, lowest) says whether to enter a block, cell(i, j)
+    /// whether to continue. False: not all cells were visited.
     template <class Into, class See>
     bool visit(const Vec& low, const Vec& high, Work& work, Into&& into, See&& see) const noexcept {
-        const double margin = 1e-12 * d_.size;  // of the rounding in columns and rows
+        const double margin = 1e-12 * d_.size;  // rounding of columns and rows
         if (high.x < d_.low_x - margin || high.y < d_.low_y - margin || low.x > -d_.low_x + margin ||
             low.y > -d_.low_y + margin)
             return true;
@@ -153,12 +153,13 @@ class HeightSurface {
         while (depth > 0) {
             if (work.nodes + 1 + 8 + 64 > max_nodes) return false;
             const Block block = stack[--depth];
-            const std::uint32_t shift = HeightData::shift * block.level;  // of a child, in cells
+            const std::uint32_t shift = HeightData::shift * block.level;  // of a child, in powers of two of
+                                                                          // cells
             const std::uint32_t x0 = std::max(block.x * 8, first.i >> shift),
                                 x1 = std::min(block.x * 8 + 7, last.i >> shift),
                                 y0 = std::max(block.y * 8, first.j >> shift),
                                 y1 = std::min(block.y * 8 + 7, last.j >> shift);
-            work.nodes += 1 + (x1 - x0 + 1) * (y1 - y0 + 1) / 8;  // as much as a node of eight
+            work.nodes += 1 + (x1 - x0 + 1) * (y1 - y0 + 1) / 8;  // the cost in nodes of eight
             for (std::uint32_t y = y0; y <= y1; ++y) {
                 for (std::uint32_t x = x0; x <= x1; ++x) {
                     if (block.level == 0) {

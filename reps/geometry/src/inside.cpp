@@ -1,4 +1,4 @@
-// What lies inside of a body that it touches or crosses: no hand comes there.
+// Finds the faces inside a body that touches or crosses them: no hand can reach them.
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ struct Side {
     bool forward;
 };
 
-/// Faces that hang together over edges of two faces: a patch is inside of a body with all of it or not at all.
+/// Faces that are connected over edges of two faces: a patch is inside a body as a whole or not at all.
 class Patches {
   public:
     explicit Patches(std::size_t faces) : parent_(faces) { std::iota(parent_.begin(), parent_.end(), 0U); }
@@ -36,7 +36,7 @@ class Patches {
     std::vector<std::uint32_t> parent_;
 };
 
-/// By their edges.
+/// The sides, sorted by edge.
 std::vector<Side> sorted_sides(const Faces& faces, Slices& slices) {
     std::vector<Side> sides;
     sides.reserve(3 * faces.corners.size());
@@ -54,7 +54,7 @@ std::vector<Side> sorted_sides(const Faces& faces, Slices& slices) {
     return sides;
 }
 
-/// Calls `with(sides)` for each edge; false when it does.
+/// Calls `with(sides)` for each edge; false when it returns false.
 template <class With>
 bool for_each_edge(std::span<const Side> sides, Slices& slices, With with) {
     for (std::size_t i = 0, end = 0; i < sides.size(); i = end, slices()) {
@@ -75,7 +75,7 @@ Patches find_patches(std::span<const Side> sides, std::size_t faces, Slices& sli
     return patches;
 }
 
-/// How often closed parts wind around x; those from `end` on are left out.
+/// How often closed parts wind around x; parts from `end` on are left out.
 double winding(const Faces& faces, const std::vector<std::uint32_t>& part, const std::vector<bool>& closed,
                std::uint32_t end, const Vector3d& x, Slices& slices) {
     double sum = 0;
@@ -94,7 +94,8 @@ double winding(const Faces& faces, const std::vector<std::uint32_t>& part, const
 
 namespace {
 
-/// Bodies stay closed without what goes: as many of their faces run along each edge forwards as backwards.
+/// Are bodies still closed without the faces that go? As many of their faces must run forwards along each
+/// edge as backwards.
 template <class Goes>
 bool stays_closed(std::span<const Side> sides, const std::vector<std::uint32_t>& part,
                   const std::vector<bool>& closed, Slices& slices, Goes goes) {
@@ -107,8 +108,8 @@ bool stays_closed(std::span<const Side> sides, const std::vector<std::uint32_t>&
     });
 }
 
-/// The widest changed faces of each patch, one of each of six directions: they tell where the patch is. All of
-/// them say the same, unless the patch hangs together where a cut is missing.
+/// The widest changed faces of each patch, one in each of six directions. They show where the patch is. They
+/// agree, unless a missing cut leaves the patch connected.
 struct Witness {
     double width = 0;  // m
     std::uint32_t face = 0;
@@ -156,16 +157,16 @@ std::optional<std::uint64_t> drop_inside(Faces& faces, const std::vector<std::ui
     const std::size_t n = faces.corners.size();
     const std::vector<Side> sides = sorted_sides(faces, slices);
     Patches patches = find_patches(sides, n, slices);
-    constexpr std::uint64_t long_enough = 4'000'000'000;  // faces that are asked, in all
+    constexpr std::uint64_t long_enough = 4'000'000'000;  // faces tested in total
     std::uint64_t asked = 0;
     const auto lies_inside = [&](std::uint32_t f) {
         asked += n;
         const Geometry g = geometry_of(faces, f);
-        // Farther than what makes one wall of two.
+        // Farther than the distance within which two walls become one.
         const Vector3d off = g.normal * (2 * near.touch);
         constexpr std::uint32_t all = 0xffffffff;
         return winding(faces, part, closed, all, g.middle + off, slices) > 0.5 ||
-               // Two bodies' faces in one plane: the one with the lower number keeps its own.
+               // Where two bodies have faces in one plane, the body with the lower number keeps its own.
                (closed[part[f]] && winding(faces, part, closed, part[f], g.middle - off, slices) > 0.5 &&
                 winding(faces, part, closed, part[f], g.middle + off, slices) < 0.5);
     };
@@ -174,7 +175,7 @@ std::optional<std::uint64_t> drop_inside(Faces& faces, const std::vector<std::ui
         const double most = std::max_element(witnesses.begin(), witnesses.end(), [](auto& a, auto& b) {
                                 return a.width < b.width;
                             })->width;
-        // What is no wider than that may be turned anyhow: it is heard where there is nothing else.
+        // A narrower face may have any orientation: it counts only where there is no other.
         const double least = std::min(most, 16 * near.touch);
         int within = 0, without = 0;
         for (const auto& [width, f] : witnesses) {

@@ -1,5 +1,5 @@
-// Points nearer than `touch` are one, in this order: vertex at vertex, vertex at edge, edge at edge, vertex at
-// face, edge through face. So each test is decided by lengths far above what rounding moves.
+// Points nearer than `touch` are merged, in this order: vertex at vertex, vertex at edge, edge at edge,
+// vertex at face, edge through face. So each test depends on lengths far larger than rounding.
 
 #include "meeting.hpp"
 
@@ -35,7 +35,7 @@ bool edges_meet(const Vector3d& a, const Vector3d& b, const Vector3d& c, const V
     const Vector3d u = b - a, v = d - c, w = c - a;
     const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
     const double sine = uu * vv - uv * uv;
-    if (!(sine > 1e-14 * uu * vv)) return false;  // side by side: their ends tell
+    if (!(sine > 1e-14 * uu * vv)) return false;  // parallel: their ends decide
     const double i = (u.dot(w) * vv - v.dot(w) * uv) / sine, k = (u.dot(w) * uv - v.dot(w) * uu) / sine;
     if (!(i > 0 && i < 1 && k > 0 && k < 1)) return false;
     const Vector3d on = a + u * i, other = c + v * k;
@@ -73,7 +73,8 @@ Meeting meet(const Triangle& s, const Vector3d (&p)[3], std::uint32_t s_flat, co
         p_height[i] = q_normal.dot(p[i] - q[0]);
         q_height[i] = p_normal.dot(q[i] - p[0]);
     }
-    // Corners that stay two are farther apart than what makes them lie on an edge: so they are in order there.
+    // Corners that stay separate are farther apart than the distance at which they lie on an edge. So they
+    // are in order there.
     const double on = touch / 2;
     const auto clear = [touch](const double(&h)[3]) {
         return (h[0] > touch && h[1] > touch && h[2] > touch) ||

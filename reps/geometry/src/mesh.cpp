@@ -32,7 +32,7 @@ std::string Named::text() const {
 
 namespace {
 
-/// Pages are touched as the faces come, not all at once.
+/// Touches pages as the faces come, not all at once.
 template <class F>
 void write(const Faces& faces, const Links& links, const std::vector<std::uint8_t>& flags,
            std::span<const std::uint8_t> materials, std::vector<F>& out, Slices& slices) {
@@ -78,7 +78,7 @@ void check(const Triangles& given, const MeshBuild& how) {
                         std::to_string(how.budget) + "; raise it, or send fewer triangles");
 }
 
-/// Into the tree's order, each edge with its neighbour.
+/// Brings the faces into the tree's order and links each edge with its neighbour.
 void link(Faces& faces, Links& links, SolidLinks& solid, std::vector<MeshNode>& nodes, MeshNotes& notes,
           Slices& slices) {
     do {
@@ -91,22 +91,22 @@ void link(Faces& faces, Links& links, SolidLinks& solid, std::vector<MeshNode>& 
     } while (pair_edges(faces, links, solid, notes, slices));
 }
 
-/// What the budget leaves for pieces of faces that are cut, and not without bound where everything crosses.
+/// The pieces of cut faces that the budget allows, and a bound where everything crosses.
 std::size_t most_pieces(const Triangles& given, const MeshBuild& how) {
-    constexpr std::size_t bytes = 512;  // of a piece on its way, at most
+    constexpr std::size_t bytes = 512;  // of an unfinished piece, at most
     const std::size_t n = given.triangles.size();
     return std::min((how.budget - mesh_budget(given.vertices.size(), n, how.exact)) / bytes, 16 * n + 1024);
 }
 
-/// A surface on its way from the triangles as they were given to the mesh.
+/// A surface between the given triangles and the finished mesh.
 class Surface {
   public:
     Surface(const Triangles& given, const MeshBuild& how, const Frame& frame, MeshData& data,
             std::vector<MeshNode>& nodes, Slices& slices)
         : given_(given), how_(how), frame_(frame), data_(data), nodes_(nodes), slices_(slices) {}
 
-    /// Cuts what meets, where it can be cut soundly: it may take a coarser eye for what is one point. A surface
-    /// with a hole is worse than one that crosses itself, which the walk is told.
+    /// Cuts faces that meet, if they can be cut soundly; a larger tolerance for equal points may be needed. A
+    /// surface with a hole is worse than one that crosses itself, which the flags tell the walk.
     void make() {
         const MeshNotes before = data_.notes;
         const double touch = std::max({tolerance(frame_, how_), 4 * frame_.noise, 1e-9 * frame_.size});
@@ -127,10 +127,10 @@ class Surface {
     std::vector<std::uint8_t> flags;
 
   private:
-    /// From the beginning. False: the cuts are not sound.
+    /// Makes the surface from the beginning. False: the cuts are not sound.
     bool make(Near near, bool cuts) {
         faces = weld(given_, frame_, how_, data_.notes, slices_);
-        constexpr int rounds = 3;  // what is bent by a cut may meet something else
+        constexpr int rounds = 3;  // faces bent by a cut may meet others
         MeshNotes& notes = data_.notes;
         std::uint64_t duplicates = 0;
         bool closed = false;
@@ -180,7 +180,7 @@ class Surface {
 }  // namespace build
 
 std::size_t mesh_budget(std::size_t vertices, std::size_t triangles, bool exact) noexcept {
-    // While faces are brought into the tree's order, and while they are written.
+    // The larger of two phases: sorting into the tree's order, and writing.
     return std::max(vertices * 52 + triangles * 97, vertices * 24 + triangles * (exact ? 148 : 116)) + 8192;
 }
 

@@ -1,5 +1,5 @@
-// A mesh as one piece of memory, for another process of the same build: header, then faces, exact faces and
-// nodes, each on a line of its own.
+// A mesh as one piece of memory, for another process of the same build: header, faces, exact faces, nodes.
+// Each part begins on a cache line.
 
 #include <cstring>
 
@@ -76,7 +76,7 @@ void Mesh::write(std::span<std::byte> block) const {
 
 Mesh::Mesh(std::span<const std::byte> block, std::shared_ptr<const void> keeper)
     : Asset(AssetKind::mesh), data_(std::make_unique<MeshData>()) {
-    constexpr std::uint64_t most = std::uint64_t{1} << 32;  // of anything: no product overflows
+    constexpr std::uint64_t most = std::uint64_t{1} << 32;  // of any count: no product overflows
     BlockHeader header;
     if (block.size() >= sizeof header) std::memcpy(&header, block.data(), sizeof header);
     if (block.size() < sizeof header || header.magic != BlockHeader::magic_word || header.faces > most ||
@@ -86,7 +86,7 @@ Mesh::Mesh(std::span<const std::byte> block, std::shared_ptr<const void> keeper)
         throw MeshError("the mesh's block is not of this build; build the mesh anew");
     const Layout layout(header);
     MeshData& data = *data_;
-    // Never written to: the spans are the builder's, which does.
+    // Never written to: the spans are mutable for the builder only.
     auto* bytes = const_cast<std::byte*>(block.data());
     data.faces = {reinterpret_cast<Face*>(bytes + layout.faces), header.faces};
     data.exact_faces = {reinterpret_cast<ExactFace*>(bytes + layout.exact_faces), header.exact_faces};

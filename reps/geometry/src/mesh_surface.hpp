@@ -1,6 +1,6 @@
 #pragma once
-// The mesh as the walk sees it: faces and what lies over their edges, and the tree that is queried where
-// contact is made and left. What HeightField has instead is of the same shape.
+// The mesh as the walk sees it: faces, the neighbours over their edges, and the tree, which is queried where
+// contact begins and ends. HeightSurface has the same interface.
 
 #include <bit>
 #include <cmath>
@@ -17,7 +17,7 @@
 
 namespace knurl::detail {
 
-/// Rounded outwards; in float's own numbers.
+/// Rounded up, in float arithmetic.
 inline float at_most(double x) noexcept {
     const auto f = static_cast<float>(x);
     return f - std::abs(f) * 1.2e-7f - 1e-37f;
@@ -50,7 +50,7 @@ class MeshSurface {
         if (link != no_link) fetch(face_of(link));
     }
 
-    /// Calls see(face) for all faces whose leaves' boxes the box touches. False: more nodes than are allowed.
+    /// Calls see(face) for all faces in leaves whose boxes touch the box. False: more nodes than allowed.
     template <class See>
     bool overlapping(const Vec& low, const Vec& high, Work& work, See&& see) const noexcept {
         if (count_ == 0) return true;
@@ -66,7 +66,7 @@ class MeshSurface {
             for (std::uint32_t bits = touched(node, from, to); bits != 0; bits &= bits - 1) {
                 const std::uint32_t child = node.child[std::countr_zero(bits)];
                 if (is_leaf(child)) {
-                    ++work.nodes;  // its faces take as long
+                    ++work.nodes;  // its faces take as long as a node
                     const std::uint32_t first = leaf_first(child), end = first + leaf_count(child);
                     for (std::uint32_t face = first; face < end; ++face) see(face);
                 } else if (depth < stack_size) {
@@ -80,13 +80,13 @@ class MeshSurface {
         return true;
     }
 
-    /// Calls see(face) for faces of leaves that are nearer to h than sqrt(square), which see() may lessen:
-    /// nearer ones first, more or less. False: more nodes than are allowed.
+    /// Calls see(face) for faces of leaves nearer to h than sqrt(square), which see() may reduce: roughly
+    /// nearer ones first. False: more nodes than allowed.
     template <class See>
     bool nearer(const Vec& h, double& square, Work& work, See&& see) const noexcept {
         if (count_ == 0) return true;
         const float at[3] = {static_cast<float>(h.x), static_cast<float>(h.y), static_cast<float>(h.z)};
-        const float loss = 3e-7f * (std::abs(at[0]) + std::abs(at[1]) + std::abs(at[2]));  // by h's rounding
+        const float loss = 3e-7f * (std::abs(at[0]) + std::abs(at[1]) + std::abs(at[2]));  // rounding of h
         struct Entry {
             std::uint32_t node;
             float square;
@@ -115,7 +115,7 @@ class MeshSurface {
                 if (!(squares[lane] <= square)) continue;
                 const std::uint32_t child = node.child[lane];
                 if (is_leaf(child)) {
-                    ++work.nodes;  // its faces take as long
+                    ++work.nodes;  // its faces take as long as a node
                     const std::uint32_t first = leaf_first(child), end = first + leaf_count(child);
                     for (std::uint32_t face = first; face < end; ++face) see(face);
                 } else if (depth < stack_size) {
@@ -130,8 +130,8 @@ class MeshSurface {
         return true;
     }
 
-    /// Half the side of a cube around h that no face reaches, at most `most`; 0 where there is none, or where
-    /// it would take long to find.
+    /// Half the side of a cube around h that no face reaches, at most `most`. 0: there is none, or the search
+    /// would take too long.
     double room(const Vec& h, double most, Work& work) const noexcept {
         const float at[3] = {static_cast<float>(h.x), static_cast<float>(h.y), static_cast<float>(h.z)};
         auto best = static_cast<float>(most);
@@ -173,7 +173,7 @@ class MeshSurface {
         for (std::size_t line = 0; line < sizeof(MeshNode); line += 64) __builtin_prefetch(at + line);
     }
 
-    // Bits of the children whose boxes touch that one.
+    // Bits of the children whose boxes touch the box.
     static std::uint32_t touched(const MeshNode& node, const float (&from)[3],
                                  const float (&to)[3]) noexcept {
         std::uint32_t bits = 0;

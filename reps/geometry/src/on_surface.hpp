@@ -1,5 +1,5 @@
 #pragma once
-// An asset as the walk sees it: which surface it is.
+// Gives the walk the surface of an asset, by the asset's kind.
 
 #include <knurl/geometry/height_field.hpp>
 #include <knurl/geometry/mesh.hpp>
@@ -9,7 +9,7 @@
 
 namespace knurl::detail {
 
-/// f(surface, origin) of the kind that the asset is.
+/// Calls f(surface, origin) with the asset's surface.
 template <class Call>
 auto on_surface(const Asset& asset, Call&& f) noexcept {
     if (asset.kind == AssetKind::height_field) {

@@ -1,4 +1,4 @@
-// Windings that contradict each other: from face to face over the edges where two meet.
+// Contradictory windings: compared from face to face over edges that two faces share.
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +8,13 @@
 namespace knurl::build {
 namespace {
 
-/// One part, from its first face on.
+/// One part, starting at its first face.
 struct Part {
     std::vector<std::uint32_t> faces;
-    std::size_t turned = 0;  // against the first
+    std::size_t turned = 0;  // faces wound against the first one
     bool closed = true;
-    double volume = 0;  // m^3, 6 times, if all are wound as the first
-    double extent = 0;  // m^3, the sum of all contributions
+    double volume = 0;  // 6 x m^3, if all faces are wound as the first
+    double extent = 0;  // m^3, the sum of all absolute contributions
 };
 
 double determinant(const Point3& a, const Point3& b, const Point3& c) {
@@ -67,7 +67,7 @@ void orient(Faces& faces, const Links& links, MeshNotes& notes, Slices& slices) 
             if (contradicted) one_sided.add(faces.given[f]);
         }
         if (part.turned == 0) continue;
-        // A closed part is a body: its outside is the front. The rest as most of its faces say.
+        // A closed part is a body: its outside is the front. Other parts follow the majority of their faces.
         const bool body = part.closed && std::abs(part.volume) > 1e-6 * part.extent;
         const bool other = body ? part.volume < 0 : 2 * part.turned > part.faces.size();
         for (const std::uint32_t f : part.faces) {

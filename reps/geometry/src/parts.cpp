@@ -13,7 +13,7 @@ MeshParts parts_of(std::span<const F> faces, const Eigen::Vector3d& origin) {
     MeshParts found;
     found.triangles.reserve(faces.size());
     std::vector<bool> seen(faces.size());
-    std::vector<std::uint32_t> order;  // faces, as `triangles`
+    std::vector<std::uint32_t> order;  // faces, in the order of `triangles`
     order.reserve(faces.size());
     for (std::uint32_t seed = 0; seed < faces.size(); ++seed) {
         if (seen[seed]) continue;

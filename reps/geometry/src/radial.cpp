@@ -12,12 +12,12 @@
 namespace knurl::build {
 namespace {
 
-// rad: angles nearer than that are one. Bodies that touch may lie a little in each other there.
+// rad: a smaller difference of angles counts as none. Bodies that touch may overlap slightly there.
 constexpr double alike_in_space = 1e-6, alike_in_solid = 1e-3;
 
 struct Spoke {
     double angle;
-    bool backward;  // its front is on the side of lesser angles
+    bool backward;  // its front faces smaller angles
     Link half;
 };
 
@@ -52,8 +52,8 @@ void pair_radially(const Faces& faces, std::span<const Link> halves, Through thr
         if (angle < -alike) angle += 2 * std::numbers::pi;
         spokes.push_back({angle, (corner(h, 0) != first) == (through == Through::space), h});
     }
-    // Of those at one angle the backward ones first: else the two sides of a sheet without thickness would be
-    // each other's neighbours, and the sheet a crack.
+    // At equal angles, backward faces come first. Else the two sides of a sheet without thickness would be
+    // neighbours, and the sheet a crack.
     const auto before = [&slices](const Spoke& a, const Spoke& b) {
         slices();
         return std::tuple(a.angle, !a.backward, a.half) < std::tuple(b.angle, !b.backward, b.half);
@@ -66,8 +66,8 @@ void pair_radially(const Faces& faces, std::span<const Link> halves, Through thr
         last = angle;
     }
     std::sort(spokes.begin(), spokes.end(), before);
-    // As parentheses, twice around: what a forward face sees first is the next backward one that no other
-    // between them sees.
+    // Matches them like parentheses, twice around: a forward face sees the next backward one that no other
+    // face between them sees.
     std::vector<Link> waiting;
     waiting.reserve(spokes.size());
     std::vector<bool> done(spokes.size());

@@ -1,6 +1,7 @@
 #pragma once
-// Where a segment first meets the front of a face. In short pieces, each of which queries the tree with its
-// box: of so short ones that is as tight as slabs, without a division, and conservative without an epsilon.
+// Where a segment first meets the front of a face. The segment is cut into short pieces, each of which
+// queries the tree with its box. For pieces this short a box is as tight as a slab test, needs no division,
+// and is conservative without an epsilon.
 
 #include <algorithm>
 #include <cmath>
@@ -12,16 +13,17 @@
 
 namespace knurl::detail {
 
-inline constexpr double piece_of_size = 1.0 / 400;  // a hand step of 0.5 mm on something of 20 cm
+inline constexpr double piece_of_size = 1.0 / 400;  // a hand step of 0.5 mm on a surface of 20 cm
 
 struct Hit {
     std::uint32_t face = no_face;
-    double t = HUGE_VAL;  // of the segment
-    Vec point;            // where it is met; else how far the segment was looked at
-    bool whole = true;    // false: a limit bit before the end
+    double t = HUGE_VAL;  // share of the segment
+    Vec point;            // where the face is met; else how far the segment was searched
+    bool whole = true;    // false: a limit was reached before the end
 };
 
-/// From p to q; a face `behind` p still counts (m). take(face, corners, t): whether it counts at all.
+/// From p to q; a face up to `behind` (m) behind p still counts. take(face, corners, t) says whether a face
+/// counts.
 template <class S, class Take>
 Hit sweep(const S& s, const Vec& p, const Vec& q, double behind, Work& work, Take&& take) noexcept {
     ++work.sweeps;

@@ -10,11 +10,12 @@ namespace knurl::build {
 namespace {
 
 struct Half {
-    std::uint32_t far;  // the greater of its two vertices
+    std::uint32_t far;  // the higher of its two vertices
     Link link;
 };
 
-/// Half-edges by their edge: those of lesser vertex v from start[v] to start[v + 1], by the greater one.
+/// Half-edges sorted by edge: those with lower vertex v from start[v] to start[v + 1], sorted by the higher
+/// vertex.
 struct Edges {
     std::vector<std::uint32_t> start;
     std::unique_ptr<Half[]> halves;  // a vector would touch all its pages at once
@@ -71,7 +72,7 @@ std::uint32_t opposite(const Faces& faces, Link half) {
     return faces.corners[face_of(half)][(edge_of(half) + 2) % 3];
 }
 
-/// Drops all but the first of equal faces, wound alike. Each has an equal one over each of its edges.
+/// Drops all but the first of equal faces with equal winding. Each has an equal face over each of its edges.
 bool drop_duplicates(Faces& faces, const Edges& edges, MeshNotes& notes, Slices& slices) {
     std::vector<bool> dropped;
     std::vector<Link> sorted;

@@ -1,5 +1,5 @@
-// Boxes around boxes, eight to a node: binned surface area heuristic from the top (Wald 2007), halves where
-// it would grow too deep. The lowest nodes are filled: they are most of the tree's memory.
+// A tree of boxes, eight to a node: binned surface area heuristic from the top (Wald 2007), halving where the
+// tree would grow too deep. The lowest nodes are filled, since they are most of the tree's memory.
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,8 @@ namespace {
 
 constexpr float inf = std::numeric_limits<float>::infinity();
 constexpr std::uint32_t leaf_faces = 4, bins = 16;
-constexpr std::uint32_t filling = 24;  // faces that become one node, of leaves alone
-constexpr int deep = 12;  // levels of nodes; below them halves, of which at most 10 more are needed
+constexpr std::uint32_t filling = 24;  // faces that become one node with leaves only
+constexpr int deep = 12;               // levels of nodes; below them halving needs at most 10 more
 
 struct Box {
     float low[3] = {inf, inf, inf}, high[3] = {-inf, -inf, -inf};
@@ -31,7 +31,7 @@ struct Box {
             high[k] = std::max(high[k], p[k]);
         }
     }
-    float area() const {  // half of it; of an empty one 0
+    float area() const {  // half of it; 0 for an empty box
         if (!(low[0] <= high[0])) return 0;
         const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
         return x * y + y * z + z * x;
@@ -42,10 +42,10 @@ struct Box {
     }
 };
 
-struct Leaflet {  // a face on its way into a leaf
+struct Leaflet {  // a face to be put into a leaf
     Box box;
     std::uint32_t face;
-    float middle(int k) const { return box.low[k] + box.high[k]; }  // twice that
+    float middle(int k) const { return box.low[k] + box.high[k]; }  // twice the middle
 };
 
 struct Range {
@@ -136,7 +136,7 @@ class Builder {
         return range;
     }
 
-    /// The one to be split next, those first that cannot be leaves; MeshNode::fan: none.
+    /// The child to be split next, first those that cannot be leaves; MeshNode::fan: none.
     static std::uint32_t worst(std::span<const Range> children, int depth, bool lowest) {
         const auto badness = [=](const Range& r) {
             if (r.count() < 2 || (r.count() > leaf_faces && r.count() <= filling && !lowest)) return -1.0F;
@@ -151,7 +151,7 @@ class Builder {
         return best;
     }
 
-    /// Leaves the one part in `range` and returns the other.
+    /// Leaves one part in `range` and returns the other.
     Range split(Range& range, int depth) {
         std::uint32_t middle = range.first;
         if (range.count() > filling && depth < deep) middle = split_by_area(range);
@@ -225,7 +225,7 @@ class Builder {
     Slices& slices_;
 };
 
-/// The faces in their new order, and the vertices in that in which the faces name them.
+/// The faces in their new order, and the vertices in the order in which the faces name them.
 Faces ordered(const Faces& faces, const Builder& builder, Slices& slices) {
     constexpr std::uint32_t none = 0xffffffff;
     Faces out;

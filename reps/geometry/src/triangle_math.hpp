@@ -1,6 +1,6 @@
 #pragma once
-// One triangle: the point of it nearest to the hand, and where a segment pierces it from the front. All in
-// double, and of rounding alone; -ffp-contract=off, so that a x b = -(b x a) holds to the last bit.
+// One triangle: its point nearest to the hand, and where a segment pierces it from the front. All in double;
+// the only error is rounding. -ffp-contract=off makes a x b = -(b x a) exact to the last bit.
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,10 @@ namespace knurl::detail {
 struct Corners {
     Vec at[3];
     Vec side(std::uint32_t i) const noexcept { return at[i == 2 ? 0 : i + 1] - at[i]; }
-    Vec normal() const noexcept { return (at[1] - at[0]).cross(at[2] - at[0]); }  // its length: 2 areas
+    Vec normal() const noexcept {
+        return (at[1] - at[0]).cross(at[2] - at[0]);
+    }  // its length: twice the
+       // area
 };
 
 inline constexpr std::uint32_t after(std::uint32_t i) noexcept {
@@ -23,7 +26,7 @@ inline constexpr std::uint32_t before(std::uint32_t i) noexcept {
     return i == 0 ? 2 : i - 1;
 }
 
-/// Where on a face: a corner (0 to 2), an edge (3 to 5), or within.
+/// A place on a face: a corner (0 to 2), an edge (3 to 5), or inside.
 using Place = std::uint32_t;
 inline constexpr Place within = 6;
 
@@ -31,12 +34,12 @@ inline constexpr Place within = 6;
 struct Nearest {
     Vec point, normal;  // not of unit length
     double square;      // of the distance
-    double height;      // of h above the face's plane, times the normal's length
+    double height;      // of h over the face's plane, times the normal's length
     Place place;
 };
 
-/// Once in memory: it is asked at many places, and code that is cold costs more than a call. By the normal,
-/// not by Gram's determinants: of needles the edges stay sharp to rounding.
+/// Not inlined: it is called at many places, and cold code costs more than a call. Uses the normal, not Gram
+/// determinants, so that the edges of needles stay exact to rounding.
 [[gnu::noinline]] inline Nearest nearest_on(const Corners& face, const Vec& h) noexcept {
     const Vec ab = face.at[1] - face.at[0], bc = face.at[2] - face.at[1], ca = face.at[0] - face.at[2];
     const Vec a = h - face.at[0], b = h - face.at[1], c = h - face.at[2];
@@ -73,11 +76,11 @@ struct Nearest {
         const double square = (h - point).squaredNorm();
         if (square < out.square) out.point = point, out.square = square, out.place = place;
     }
-    if (out.square == HUGE_VAL) out.point = face.at[0];  // nothing is near: not a number, or overflown
+    if (out.square == HUGE_VAL) out.point = face.at[0];  // no point is nearest: NaN or overflow
     return out;
 }
 
-/// Where p + t d meets the face from the front: t, or NaN. Edges are inclusive.
+/// Where p + t d pierces the face from the front: t, or NaN. Edges are inclusive.
 inline double pierced(const Corners& face, const Vec& p, const Vec& d) noexcept {
     const Vec a = face.at[0] - p, b = face.at[1] - p, c = face.at[2] - p;
     const double u = d.dot(c.cross(b)), v = d.dot(a.cross(c)), w = d.dot(b.cross(a));
@@ -90,7 +93,7 @@ inline double pierced(const Corners& face, const Vec& p, const Vec& d) noexcept 
     return normal.dot(a) / against;
 }
 
-/// Of the face at its corner i.
+/// The angle of the face at its corner i.
 inline double angle_at(const Corners& face, std::uint32_t i) noexcept {
     const Vec to = face.at[after(i)] - face.at[i], from = face.at[before(i)] - face.at[i];
     return std::atan2(to.cross(from).norm(), to.dot(from));

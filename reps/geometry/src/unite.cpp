@@ -38,8 +38,8 @@ Extent extent_of(const Faces& faces, std::uint32_t f) {
     return box;
 }
 
-/// Calls see(f, g), f < g, for faces whose boxes are within `reach` of each other; `asked` says whether f's
-/// leaf needs to be looked at, and `skipped` which nodes do not. False when see() does.
+/// Calls see(f, g), f < g, for faces whose boxes are within `reach` of each other. `asked` says whether to
+/// look at f's leaf, `skipped` which nodes to skip. False when see() returns false.
 template <class Asked, class Skipped, class See>
 bool for_near(const Faces& faces, std::span<const MeshNode> nodes, double reach, Slices& slices,
               Asked&& asked, Skipped&& skipped, std::uint64_t& left, See&& see) {
@@ -93,8 +93,8 @@ std::uint32_t shared_corners(const Triangle& s, const Triangle& t) {
 
 enum class Beside { no, facing, flush };
 
-/// facing: the two sides of a gap, or of walls that lie on each other. flush: they look the same way, side by
-/// side but for a gap.
+/// facing: the two sides of a gap, or of walls that lie on each other. flush: they face the same way, side by
+/// side, perhaps with a gap.
 Beside beside(const Faces& faces, std::uint32_t f, std::uint32_t g, const Near& near, Vector3d& normal) {
     const auto corners = [&](std::uint32_t face, Vector3d(&p)[3]) {
         for (std::size_t i = 0; i < 3; ++i) p[i] = Vector3d(faces.at[faces.corners[face][i]].data());
@@ -133,12 +133,12 @@ Parts find_parts(Links links, const SolidLinks& solid, Slices& slices) {
 
 namespace {
 
-/// Pairs of different parts whose boxes are that near (m); of one part those that meet, where faces cross at
-/// all. False: more than `most`.
+/// Finds pairs of different parts whose boxes are within this distance (m); within one part, pairs that meet,
+/// if faces cross at all. False: more than `most`.
 bool find_pairs(const Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed,
                 const Near& near, std::size_t most, Pairs& pairs, Slices& slices) {
     const double reach = 3 * near.gap + near.touch;
-    // Few parts far from each other need no look at their faces.
+    // For few parts far from each other, a look at their boxes is enough.
     constexpr std::size_t few = 64;
     std::vector<Extent> boxes;
     if (parts.closed.size() <= few) {
@@ -155,7 +155,7 @@ bool find_pairs(const Faces& faces, std::span<const MeshNode> nodes, const Parts
         }
         return false;
     };
-    // Nodes of one part alone, which a face of that part need not look into.
+    // Nodes with one part only: a face of that part need not enter them.
     constexpr std::uint32_t mixed = 0xffffffff;
     std::vector<std::uint32_t> of_node(crossed ? 0 : nodes.size(), mixed);
     for (std::size_t n = of_node.size(); n-- > 0; slices()) {
@@ -175,7 +175,7 @@ bool find_pairs(const Faces& faces, std::span<const MeshNode> nodes, const Parts
         for (std::uint32_t f = first; f < end; ++f) own = own && of_node[node] == parts.of[f];
         return own;
     };
-    // Where very many boxes overlap the cuts would be too many as well.
+    // Where very many boxes overlap, there would be too many cuts.
     std::uint64_t left = 64 * faces.corners.size() + 100'000;
     return for_near(faces, nodes, reach, slices, asked, skipped, left, [&](std::uint32_t f, std::uint32_t g) {
         if (parts.of[f] != parts.of[g]) {
@@ -188,8 +188,8 @@ bool find_pairs(const Faces& faces, std::span<const MeshNode> nodes, const Parts
     });
 }
 
-/// Moves vertices of one body into the plane of another's face that they are within a gap of, so that the two
-/// are one wall, or level: then nothing is nearly so. Returns how many.
+/// Moves vertices of one body into the plane of another body's face within a gap. So the two become one wall,
+/// or level, and nothing is left that is nearly so. Returns how many.
 std::uint64_t shut_gaps(Faces& faces, const Pairs& pairs, const Parts& parts, const Near& near,
                         Slices& slices) {
     std::uint64_t moved = 0;
@@ -205,7 +205,7 @@ std::uint64_t shut_gaps(Faces& faces, const Pairs& pairs, const Parts& parts, co
         for (const std::uint32_t v : faces.corners[moves]) {
             const Vector3d p(faces.at[v].data());
             const double height = normal.dot(p - from);
-            // Walls that lie a little in each other likewise: so thin an overlap is cut badly.
+            // Walls that overlap slightly likewise: such a thin overlap is cut badly.
             if (!(std::abs(height) <= near.gap) || std::abs(height) < near.touch / 16) continue;
             const Vector3d to = p - normal * height;
             for (std::size_t k = 0; k < 3; ++k) {
@@ -222,11 +222,11 @@ std::uint64_t shut_gaps(Faces& faces, const Pairs& pairs, const Parts& parts, co
 
 namespace {
 
-/// What is there after a cut: the faces that were not touched, and the pieces of the others.
+/// The result of a cut: untouched faces, and the pieces of the others.
 struct Cut {
     Faces faces;
     std::vector<std::uint32_t> part;  // of each face
-    std::vector<bool> changed;        // a piece of one that meets others
+    std::vector<bool> changed;        // a piece of a face that meets others
 };
 
 Cut gather(Faces& faces, const Parts& parts, std::span<const Piece> pieces, const std::vector<bool>& touched,
@@ -264,7 +264,7 @@ United unite(Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, 
     slices.ask();
     Pairs pairs;
     if (!find_pairs(faces, nodes, parts, crossed, near, most, pairs, slices)) {
-        notes.not_united = 1;  // a coarser eye would see more of them still
+        notes.not_united = 1;  // a larger tolerance would find even more of them
         return United::nothing;
     }
     if (pairs.empty()) return United::nothing;

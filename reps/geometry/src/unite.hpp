@@ -1,8 +1,8 @@
 #pragma once
-// What touches or crosses becomes one surface: the walk goes over edges, and below a sheet that shares no
-// edge with its own it would pass unhindered.
+// What touches or crosses becomes one surface. The walk goes over edges, so it would pass below a sheet that
+// shares no edge with its own.
 //
-//   pairs that are near ──> gaps shut ──> cut where they meet ──> what lies inside of a body goes
+//   pairs that are near ──> gaps shut ──> cut where they meet ──> drop what lies inside a body
 
 #include <cstdint>
 #include <optional>
@@ -14,45 +14,45 @@
 
 namespace knurl::build {
 
-/// Two bodies with an edge in common are two.
+/// Two bodies with a common edge are two parts.
 Parts find_parts(Links links, const SolidLinks& solid, Slices& slices);
 
 struct Near {      // of the size, as lengths (m)
-    double touch;  // what is nearer is one point
-    double gap;    // so wide between two parts, face to face, is none
+    double touch;  // points nearer than this are merged
+    double gap;    // a gap this wide between two parts, face to face, is closed
     bool as_float;
 };
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// They meet otherwise than in corners and edges that they have in common. `across`: one's edge goes through
-/// the other, or crosses an edge of it.
+/// Do the faces meet other than in common corners and edges? `across`: an edge of one passes through the
+/// other, or crosses an edge of it.
 bool meet(const Faces& faces, std::uint32_t f, std::uint32_t g, bool across, double touch);
 
-/// A face and where it comes from.
+/// A piece of a face, and its face.
 struct Piece {
     Triangle corners;
     std::uint32_t face;  // that it is of
-    std::uint8_t flat;   // edges over which its surface goes on level, a bit each
-    bool meets;          // its face meets others, and is not only split with those that do
+    std::uint8_t flat;   // edges over which the surface continues in the same plane, a bit each
+    bool meets;          // its face meets others; false: it is only split with those that do
     bool there;
 };
 
-/// Splits the faces of pairs that meet, and those around them, until they meet in common corners and edges
-/// alone. Gives the pieces of all faces that `touched` then says, or none if there is nothing to split. Nothing,
-/// and nothing changed, if it takes more than `most`.
+/// Splits the faces of pairs that meet, and the faces around them, until they meet only in common corners and
+/// edges. Returns the pieces of all `touched` faces, or an empty list if there is nothing to split. Nothing,
+/// with nothing changed, if it takes more than `most`.
 std::optional<std::vector<Piece>> cut(Faces& faces, const Pairs& pairs, const Near& near, std::size_t most,
                                       std::vector<bool>& touched, MeshNotes& notes, Slices& slices);
 
 /// Drops walls between closed parts that lie on each other, and patches with changed faces whose front lies
-/// inside of closed parts. Returns how many faces. Nothing: the cuts are not sound, since a body would be open
-/// without them, or one patch lies inside and outside.
+/// inside closed parts. Returns how many faces. Nothing: the cuts are not sound, since a body would be open
+/// without the faces, or one patch lies inside and outside.
 std::optional<std::uint64_t> drop_inside(Faces& faces, const std::vector<std::uint32_t>& part,
                                          const std::vector<bool>& changed, const std::vector<bool>& closed,
                                          const Near& near, Slices& slices);
 
-/// All of that. `crossed`: faces of one part may meet as well. nothing: nothing to do, nothing changed. too_much:
-/// more than `most`, and uncut. unsound: `faces` are of no use any more.
+/// Performs all these steps. `crossed`: faces of one part may meet as well. nothing: no change. too_much:
+/// more than `most`, and uncut. unsound: `faces` can no longer be used.
 enum class United { nothing, changed, too_much, unsound };
 United unite(Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed,
              const Near& near, std::size_t most, MeshNotes& notes, Slices& slices);

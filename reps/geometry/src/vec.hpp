@@ -1,6 +1,6 @@
 #pragma once
-// Three doubles. Plain ones, which stay in registers: Eigen's vectors go through memory here, and of what was
-// stored in halves and is loaded whole the processor has to wait (half of the walk's time).
+// Three doubles that stay in registers. Eigen's vectors go through memory here: stored in halves and loaded
+// whole, they make the processor wait (half of the walk's time).
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ struct Vec {
     }
     double squaredNorm() const noexcept { return dot(*this); }
     double norm() const noexcept { return std::sqrt(dot(*this)); }
-    /// Not a number if one of them is none, which `largest` may overlook.
+    /// NaN if a component is NaN, which `largest` may overlook.
     double sum_of_sizes() const noexcept { return std::abs(x) + std::abs(y) + std::abs(z); }
     double largest() const noexcept { return std::max(std::max(std::abs(x), std::abs(y)), std::abs(z)); }
 };
@@ -36,7 +36,7 @@ inline Vec operator*(const Vec& a, double s) noexcept {
 inline Vec& operator+=(Vec& a, const Vec& b) noexcept {
     return a = a + b;
 }
-/// Of a box around a and b, `more` larger on every side.
+/// The low corner of a box around a and b, `more` larger on every side.
 inline Vec low_of(const Vec& a, const Vec& b, double more) noexcept {
     return {std::min(a.x, b.x) - more, std::min(a.y, b.y) - more, std::min(a.z, b.z) - more};
 }

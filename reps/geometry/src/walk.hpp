@@ -1,11 +1,11 @@
 #pragma once
-// The walk: from a face over its neighbours to the point of the surface that is nearest to the hand, downhill
-// all the way. Over any surface that says of a face: its corners, what lies over its edges
+// The walk goes from a face over its neighbours to the point of the surface nearest to the hand, always
+// downhill. It works on any surface that gives a face's corners and the neighbours over its edges
 // (mesh_surface.hpp).
 //
 //   within ──> rests.   edge ──> the face over it.   corner ──> the fan around it: the first that is nearer.
 //
-// Every step is strictly nearer to the hand, in the numbers as they are computed: no face is met twice.
+// Every step is strictly nearer to the hand, in computed numbers, so no face is met twice.
 
 #include <limits>
 #include <numbers>
@@ -23,18 +23,18 @@ inline constexpr double strictly = 1 - 8 * std::numeric_limits<double>::epsilon(
 inline constexpr std::uint32_t max_level_steps = 8;
 
 // All lengths are relative to the surface's size.
-inline constexpr double hair_of_size = 1e-11;   // nearer than that is on the surface
-inline constexpr double seam_of_size = 1.5e-5;  // faces that near hang together though no link says so
+inline constexpr double hair_of_size = 1e-11;   // a smaller distance is on the surface
+inline constexpr double seam_of_size = 1.5e-5;  // faces this close are connected even without a link
 
 /// Where a walk rests.
 struct Rest {
     std::uint32_t face = no_face;
     Nearest near;
-    bool settled = false;  // else a limit bit: the walk goes on in the next cycle
+    bool settled = false;  // false: a limit was reached, and the next cycle continues the walk
     bool outward = false;  // the hand is in front
-    bool slipped = false;  // over a rim, beyond which nothing goes on
+    bool slipped = false;  // over a rim, beyond which no face continues
     bool crossed = false;  // it came over a face that another one passes through
-    bool knotted = false;  // or one around whose vertex faces pass through each other
+    bool knotted = false;  // it came over a face at whose vertex faces pass through each other
     std::uint32_t visited[max_walk_faces + 1];
     std::uint32_t visits = 0, level = 0;
 
@@ -45,9 +45,9 @@ struct Rest {
     }
 };
 
-/// Worth to go to. Of two convex faces that share x, the point y of the other is nearer to the hand by
-/// |x - y| at least in the square: it may be out of x's place by much more than the distances tell, so a few
-/// steps on the level are taken too.
+/// Is y worth a step? Of two convex faces that share x, the point y of the other is nearer to the hand by at
+/// least |x - y| in the square. y may be away from x by much more than the distances show, so a few level
+/// steps are taken too.
 inline bool nearer(const Nearest& y, const Nearest& x, std::uint32_t& level, double size) noexcept {
     if (y.square < x.square * strictly) return true;
     constexpr double moved = 1e-15;
@@ -55,9 +55,9 @@ inline bool nearer(const Nearest& y, const Nearest& x, std::uint32_t& level, dou
            level++ < max_level_steps;
 }
 
-/// Which of two faces around a corner to go on to. The two sides of a sheet without thickness have one point
-/// between them and one distance, or two that rounding tells apart: the side that has the hand behind it
-/// holds it, and from the other one it would seem to be free.
+/// Which of two faces around a corner to continue on. The two sides of a sheet without thickness share the
+/// point and the distance, or rounding separates the distances. The side with the hand behind it holds the
+/// hand; from the other side the hand would seem free.
 inline bool preferred(const Nearest& y, const Nearest& x, std::uint32_t& level, double size) noexcept {
     const bool holds = !(y.height > 0);
     if (holds == !(x.height > 0) || (y.point - x.point).squaredNorm() > std::pow(hair_of_size * size, 2))
@@ -67,8 +67,8 @@ inline bool preferred(const Nearest& y, const Nearest& x, std::uint32_t& level, 
 
 enum class Fan { closed, open, stopped };
 
-/// The other faces around a face's corner: see(face, pivot, to_after, to_before), with the edges from the
-/// pivot, until it says false.
+/// Visits the other faces around a face's corner: see(face, pivot, to_after, to_before), with the edges from
+/// the pivot, until it returns false.
 template <class S, class See>
 Fan turn(const S& s, std::uint32_t face, std::uint32_t corner, const Vec& v, See&& see) noexcept {
     std::uint32_t seen = 0;
@@ -94,7 +94,8 @@ inline double angle_between(const Vec& a, const Vec& b) noexcept {
     return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-/// Angle-weighted (Baerentzen and Aanaes 2005), of any length: of a place of a face over the links.
+/// The angle-weighted normal (Baerentzen and Aanaes 2005), of any length, at a place of a face, over the
+/// links.
 template <class S>
 Vec pseudonormal(const S& s, std::uint32_t face, const Nearest& near) noexcept {
     if (near.place == within) return unit_or_zero(near.normal);
@@ -114,12 +115,12 @@ Vec pseudonormal(const S& s, std::uint32_t face, const Nearest& near) noexcept {
     return sum;
 }
 
-/// At the edge of a sheet with two sides the normals cancel out: who is nearest to that is beyond it.
+/// At the edge of a sheet with two sides the normals cancel: a hand nearest to that edge is beyond it.
 inline bool is_free(const Vec& d, const Vec& normal) noexcept {
     return d.dot(normal) > 0 || normal.squaredNorm() < 1e-18;
 }
 
-/// How much of a face lies around a point of it.
+/// The angle of a face around a point of it.
 inline double angle_around(const Corners& face, const Nearest& near, const Vec& x, double seam) noexcept {
     for (std::uint32_t i = 0; i < 3; ++i)
         if ((face.at[i] - x).squaredNorm() <= seam * seam) return angle_at(face, i);
@@ -132,8 +133,8 @@ inline double angle_around(const Corners& face, const Nearest& near, const Vec& 
     return 2 * std::numbers::pi;
 }
 
-/// The walk has come to an open edge or corner: what no link says, the tree may know (faces that were not
-/// welded, T-junctions). The face to go on to, or no_face: it rests.
+/// The walk has come to an open edge or corner. The tree may know neighbours that no link names (faces that
+/// were not welded, T-junctions). Returns the next face, or no_face: the walk rests.
 template <class S>
 std::uint32_t over_rim(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
     const double seam = seam_of_size * s.size();
@@ -175,7 +176,7 @@ std::uint32_t over_rim(const S& s, const Vec& h, Rest& rest, Work& work) noexcep
     return no_face;
 }
 
-/// One step: the face to go on to, with rest.near on it; or no_face: it rests, and rest says how.
+/// One step. Returns the next face, with rest.near on it; or no_face: the walk rests, and `rest` says how.
 template <class S>
 std::uint32_t step(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
     Nearest& near = rest.near;
@@ -197,7 +198,8 @@ std::uint32_t step(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
     } else {
         const Vec v = near.point, d = h - v;
         std::uint32_t next = no_face;
-        Nearest nearest = near;  // of all around: the steepest way, whichever face one comes from
+        Nearest nearest = near;  // the nearest of all faces around: the steepest way, whichever face the walk
+                                 // comes from
         const auto look = [&](std::uint32_t q, std::uint32_t, const Vec& to, const Vec& from) {
             ++work.fans;
             if (d.dot(to) > 0 || d.dot(from) > 0) {
@@ -221,7 +223,7 @@ std::uint32_t step(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
     return no_face;
 }
 
-/// From rest.face on.
+/// Starts at rest.face.
 template <class S>
 void walk(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
     rest.outward = rest.slipped = rest.crossed = rest.knotted = false;

@@ -1,4 +1,4 @@
-// Vertices that are one become one; triangles without area go.
+// Merges equal vertices and drops triangles without area.
 
 #include <algorithm>
 #include <bit>
@@ -19,7 +19,7 @@ std::uint64_t mixed(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
     return h ^ h >> 32;
 }
 
-/// Chains of entries by key.
+/// Hash table: chains of entries by key.
 class Table {
   public:
     explicit Table(std::size_t entries)
@@ -30,7 +30,7 @@ class Table {
     std::uint32_t first(std::uint64_t key) const { return heads_[key & mask_]; }
     std::uint32_t next(std::uint32_t entry) const { return next_[entry]; }
     std::uint32_t size() const { return static_cast<std::uint32_t>(next_.size()); }
-    void add(std::uint64_t key) {  // entry size()
+    void add(std::uint64_t key) {  // appends entry size()
         const auto entry = size();
         next_.push_back(heads_[key & mask_]);
         heads_[key & mask_] = entry;
@@ -47,7 +47,7 @@ double square(const Point3& a, const Point3& b) {
     return x * x + y * y + z * z;
 }
 
-/// Calls `with(v, key)` for v = 0 .. n - 1, having fetched what the key leads to.
+/// Calls `with(v, key)` for v = 0 .. n - 1, with the key's entry prefetched.
 template <class Key, class With>
 void ahead(std::size_t n, const Table& table, Slices& slices, Key key_of, With with) {
     std::array<std::uint64_t, 32> keys;
@@ -58,7 +58,7 @@ void ahead(std::size_t n, const Table& table, Slices& slices, Key key_of, With w
     }
 }
 
-/// Numbers the places of the vertices; equal ones have one. Vertices outside of the frame have none.
+/// Numbers the places of the vertices; equal vertices share a place. Vertices outside the frame have none.
 std::vector<std::uint32_t> number_places(const Triangles& given, const Frame& frame, std::vector<Point3>& at,
                                          Slices& slices) {
     const auto place = [&](std::size_t v) {
@@ -91,8 +91,9 @@ std::vector<std::uint32_t> number_places(const Triangles& given, const Frame& fr
     return number;
 }
 
-/// For each place the one that it becomes. Not transitive: nothing moves farther than the tolerance. Those
-/// that stay are farther apart than that, so however many come a cell holds no more than some thousands.
+/// For each place, the place that it becomes. Not transitive: nothing moves farther than the tolerance. The
+/// remaining places are farther apart than that, so a cell holds no more than some thousands, whatever the
+/// input.
 std::vector<std::uint32_t> near_ones(const std::vector<Point3>& at, double tolerance, Slices& slices) {
     const double cell = 16 * tolerance, square_tolerance = tolerance * tolerance;
     const auto in = [cell](double x) { return static_cast<std::int64_t>(std::floor(x / cell)); };
@@ -139,12 +140,12 @@ std::vector<std::uint32_t> near_ones(const std::vector<Point3>& at, double toler
     return becomes;
 }
 
-/// Leaves of the places those that stay; `becomes` then leads to their new numbers.
+/// Keeps only the remaining places; `becomes` then holds their new numbers.
 void keep_survivors(std::vector<Point3>& at, std::vector<std::uint32_t>& becomes, bool as_float,
                     Slices& slices) {
     std::uint32_t kept = 0;
     for (std::uint32_t v = 0; v < at.size(); ++v, slices()) {
-        // What a place becomes comes before it, so that one has its new number already.
+        // A place becomes an earlier one, which has its new number already.
         if (!becomes.empty()) {
             if (becomes[v] != v) {
                 becomes[v] = becomes[becomes[v]];
@@ -161,7 +162,7 @@ void keep_survivors(std::vector<Point3>& at, std::vector<std::uint32_t>& becomes
     at.resize(kept);
 }
 
-/// A triangle's height over its longest edge (m) and that edge. Of a point the height is not a number.
+/// A triangle's height over its longest edge (m), and that edge. For a point the height is NaN.
 std::pair<double, double> height(const Point3& a, const Point3& b, const Point3& c) {
     const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
     const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
@@ -187,7 +188,7 @@ Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, Mes
     std::vector<std::uint32_t> becomes;
     if (near > std::ldexp(frame.size, -40)) {
         becomes = near_ones(faces.at, near, slices);
-        // Two that were not near each other stay two where a triangle names both.
+        // Two places that were not close stay separate where a triangle names both.
         for (std::size_t t = 0; t < given.triangles.size(); ++t, slices()) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = number[given.triangles[t][k]],

@@ -1,5 +1,5 @@
 #pragma once
-// Bounding spheres as structure of arrays, and which of them a point is near: two at a time, without a
+// Bounding spheres as structure of arrays. Tests which of them contain a point, two at a time, without a
 // branch.
 
 #include <algorithm>
@@ -35,7 +35,7 @@ struct BoundingSpheres {
         return (dx * dx + dy * dy) + dz * dz < far * far;
     }
 
-    /// Calls take(i) for each sphere of begin ... begin + count that p is within.
+    /// Calls take(i) for each sphere in begin ... begin + count that contains p.
     template <class Take>
     void for_each_within(std::uint32_t begin, std::uint32_t count, const Eigen::Vector3d& p, double more,
                          Take take) const noexcept {

@@ -14,7 +14,7 @@ namespace knurl::detail {
 
 namespace {
 
-// Rounding of a difference of coordinates: a ball is tested a little larger than it is.
+// A difference of coordinates is rounded, so the test takes each ball as slightly larger than it is.
 constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
@@ -111,7 +111,8 @@ BoundingTree::Box BoundingTree::box_of(std::uint32_t item) const noexcept {
     return {(center - origin_).array() - r, (center - origin_).array() + r};
 }
 
-// Into runs of `part` that lie together: halves along the longest side of what their centres fill.
+// Sorts into runs of `part` items that lie close together. Splits each range along the longest extent of its
+// centres.
 void BoundingTree::sort(std::uint32_t begin, std::uint32_t end, std::uint32_t part) {
     if (end - begin <= part) return;
     const auto along = [&](std::uint32_t slot, int axis) {
@@ -135,7 +136,7 @@ void BoundingTree::sort(std::uint32_t begin, std::uint32_t end, std::uint32_t pa
 }
 
 std::pair<std::uint32_t, BoundingTree::Box> BoundingTree::build(std::uint32_t begin, std::uint32_t end) {
-    std::uint32_t part = 1;  // items of a child: as many as a full one has, so that all but the last are full
+    std::uint32_t part = 1;  // items of a child: each child is full, except the last
     while (part * std::uint64_t{fan} < end - begin) part *= fan;
     sort(begin, end, part);
     constexpr double none = std::numeric_limits<double>::infinity();
@@ -168,7 +169,8 @@ std::pair<std::uint32_t, BoundingTree::Box> BoundingTree::build(std::uint32_t be
     return {me, whole};
 }
 
-// Bits of the children whose boxes come as near as that (m^2); p from the origin.
+// Bits of the children whose boxes are within sqrt(square) of p. `square` in m^2; p is relative to the
+// origin.
 std::uint32_t BoundingTree::near_children(const Node& node, const float (&p)[3], float square) noexcept {
     std::uint32_t bits = 0;
 #if defined(__x86_64__)
@@ -215,17 +217,17 @@ std::uint32_t BoundingTree::collect(const Eigen::Vector3d& p, double within,
     const Eigen::Vector3d from = p - origin_;
     const float at[3] = {static_cast<float>(from.x()), static_cast<float>(from.y()),
                          static_cast<float>(from.z())};
-    // Farther than p may be off in float, and by more than float's arithmetic may lose.
+    // Adds the error of p in float and the error of the arithmetic in float.
     const double far = (slack + rounding * origin_.lpNorm<1>() + 1e-6 * from.lpNorm<1>()) * (1 + 1e-5);
     const auto square = static_cast<float>(far * far * (1 + 1e-6));
-    std::uint32_t stack[(fan - 1) * 11 + 1];  // 11 levels are more than there are numbers for slots
+    std::uint32_t stack[(fan - 1) * 11 + 1];  // slot numbers suffice for fewer than 11 levels
     std::uint32_t depth = 0;
     stack[depth++] = 0;
     while (depth > 0) {
         const Node& node = nodes_[stack[--depth]];
         for (std::uint32_t bits = near_children(node, at, square); bits != 0; bits &= bits - 1) {
             const std::uint32_t child = node.child[std::countr_zero(bits)];
-            if (child == nowhere) break;  // as all behind it
+            if (child == nowhere) break;  // all entries behind it are empty too
             if (node.bottom == 0) {
                 stack[depth++] = child;
                 for (std::size_t line = 0; line < sizeof(Node); line += 64)
@@ -242,7 +244,7 @@ BoundingTree::Coming BoundingTree::collect_moving(const Eigen::Vector3d& p, doub
                                                   const SceneTime& now,
                                                   std::span<std::uint32_t> out) const noexcept {
     Coming coming{.count = 0, .lasts = std::numeric_limits<double>::infinity()};
-    // One that has gone away by then is not looked at for ever.
+    // A ball that has moved away by then leaves the list.
     constexpr double looked_at_again = 0.1;  // s
     for (std::uint32_t i = 0; i < moving_size_; ++i) {
         const Moving& m = moving_[i];

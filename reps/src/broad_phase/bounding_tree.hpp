@@ -1,10 +1,9 @@
 #pragma once
-// Which of many bounded surfaces are near a point: an exact answer, so that whatever is left out is out of
-// reach.
+// Finds the bounded surfaces near a point. The answer is exact: whatever is left out is out of reach.
 //
 //   put, drop ──> loose: scanned, 32 bytes each
-//   index()   ──> tree over all that are there (built outside the cycle); what moves later is loose again
-//   put_moving ──> moving: scanned where they are by now
+//   index()   ──> tree over all surfaces (built outside the cycle); a surface that moves later is loose again
+//   put_moving ──> moving: scanned at their present places
 
 #include <cstdint>
 #include <limits>
@@ -18,10 +17,10 @@
 
 namespace knurl::detail {
 
-/// A ball that comes closer is a candidate two of these before it may be within reach, so a cycle may take as
-/// long.
+/// A ball that approaches becomes a candidate up to two of these times before it may be within reach. So a
+/// cycle may last this long.
 inline constexpr double soon = 16e-3;  // s
-/// So far away, at such a speed: it is no candidate for so long (s; 0: it is one now).
+/// How long a ball at this distance with this speed is no candidate (s; 0: it is one now).
 inline double away_for(double gap, double speed) noexcept {
     if (!(gap > 2 * soon * speed)) return 0;
     return speed > 0 ? gap / speed - soon : std::numeric_limits<double>::infinity();
@@ -34,13 +33,13 @@ class BoundingTree {
 
     /// The surface of `slot` lies within `radius` (m) of `center` (m) from now on. Allocates nothing.
     void put(std::uint32_t slot, const Eigen::Vector3d& center, double radius) noexcept;
-    /// Likewise, moving on with `velocity` (m/s) since it was there.
+    /// Likewise, for a surface that has moved with `velocity` (m/s) since that time.
     void put_moving(std::uint32_t slot, const Eigen::Vector3d& center, double radius,
                     const Eigen::Vector3d& velocity, double since, bool holds) noexcept;
     void drop(std::uint32_t slot) noexcept;
     void clear() noexcept;
 
-    /// Builds the tree over all surfaces that are there: O(n log n), allocates; never called in a cycle.
+    /// Builds the tree over all surfaces: O(n log n), allocates; never called in a cycle.
     void index();
 
     /// All slots whose ball comes nearer to p than `within` (m), each once; returns how many.
@@ -49,9 +48,9 @@ class BoundingTree {
 
     struct Coming {
         std::uint32_t count = 0;
-        double lasts = 0;  // s, for which no other one comes as near
+        double lasts = 0;  // s, until another ball may come as near
     };
-    /// The same of those that move: all that may come as near soon.
+    /// The same for moving balls: all that may soon come as near.
     Coming collect_moving(const Eigen::Vector3d& p, double within, const SceneTime& now,
                           std::span<std::uint32_t> out) const noexcept;
 
@@ -73,8 +72,8 @@ class BoundingTree {
     struct Box {
         Eigen::Vector3d low, high;  // m, from origin_
     };
-    /// Boxes around eight children, or at the bottom around eight items: in float, larger than what rounding
-    /// may hide.
+    /// Boxes around eight children or, at the bottom, around eight items. They are floats, enlarged by what
+    /// rounding may hide.
     struct alignas(64) Node {
         float low[3][fan], high[3][fan];  // m, from origin_
         std::uint32_t child[fan];         // nodes; at the bottom: items
@@ -89,18 +88,18 @@ class BoundingTree {
     std::vector<Ball> ball_;             // by slot
     std::vector<std::uint32_t> loose_;   // slots
     std::vector<std::uint32_t> place_;   // by slot: in loose_; nowhere: in the tree or absent
-    std::vector<std::uint8_t> in_tree_;  // by slot: the tree's ball is the present one
+    std::vector<std::uint8_t> in_tree_;  // by slot: the tree holds the present ball
     std::uint32_t loose_size_ = 0;
     std::vector<Moving> moving_;               // scanned
     std::vector<std::uint32_t> moving_place_;  // by slot: in moving_
     std::uint32_t moving_size_ = 0;
     std::uint32_t size_ = 0;
-    double radii_ = 0;  // m, sum
-    // m, in the middle: floats are exact enough from there
+    double radii_ = 0;  // m, sum of all radii
+    // m, the middle of all balls: relative to it, floats are exact enough
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     std::vector<Node> nodes_;           // the root is the first
     std::vector<std::uint32_t> items_;  // slots, in the tree's order
-    std::vector<Ball> item_balls_;      // theirs, as the tree was built
+    std::vector<Ball> item_balls_;      // the items' balls at the time of the build
 };
 
 }  // namespace knurl::detail

@@ -12,11 +12,11 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// m, of the hand.
+// m, at the hand.
 constexpr double least_margin = 2e-3, smallest_margin = 1e-6;
-// Of candidates: more than `many` surfaces narrow the margin, fewer than `few` widen it.
+// Numbers of candidates: above `many` surfaces the margin is narrowed, below `few` it is widened.
 constexpr std::uint32_t many = 64, few = 16, few_effects = 8;
-constexpr int narrowings = 4;  // of the margin, in one collection of effects
+constexpr int narrowings = 4;  // steps by which one collection of effects narrows the margin
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::optional<Bound> ball_now(const Record& r, const Clock& clock) noexcept {
 
 namespace {
 
-// One that turns, having been out of reach: all steps since then at once.
+// A turning surface was out of reach: its motion makes up for all steps since then.
 void move_on_since(Record& r, const Clock& clock) noexcept {
     const double then = clock.before.of(r.options.on_silence == OnSilence::hold);
     if (!(then >= r.moved)) return;  // placed in this cycle
@@ -47,7 +47,7 @@ void catch_up(Record& r, const SceneState& state, const Eigen::Vector3d& held) n
     const ProbeState& probe = state.probes[r.probe];
     const KindOps& ops = kind_ops()[r.kind];
     if (ops.turns) move_on_since(r, state.clock);
-    if (!ops.bound(r) && !ops.clearance(r, probe.probe)) return;  // not skipped, but without stiffness
+    if (!ops.bound(r) && !ops.clearance(r, probe.probe)) return;  // a surface with stiffness would be skipped
     ops.out_of_reach(r);
     Probe then = probe.probe;
     then.position = probe.before;
@@ -82,7 +82,7 @@ void SurfaceCandidates::reset() noexcept {
     tree_.clear();
 }
 
-// One without stiffness is in no set, wherever the probe is.
+// A surface without stiffness is in no set, wherever the probe is.
 bool SurfaceCandidates::may_be_far(const Record& r, const SceneState& state) const noexcept {
     const KindOps& ops = kind_ops()[r.kind];
     return r.stiffness > 0 && (ops.bound(r) || ops.clearance(r, state.probes[r.probe].probe));
@@ -134,7 +134,7 @@ void SurfaceCandidates::forget(std::uint32_t i, const Record& current) noexcept 
 
 bool SurfaceCandidates::outdated(std::uint32_t p, const SceneState& state, double deepest) const noexcept {
     const Candidates& candidates = probes_[p];
-    // After a deep contact the candidates are many: as soon as few will do, they are collected anew.
+    // A deep contact collects many candidates. They are collected anew as soon as a smaller margin suffices.
     return too_many(candidates, deepest) || !(state.clock.now.all < candidates.until) ||
            !candidates.coverage.holds(state.probes[p].probe.position, deepest);
 }
@@ -158,13 +158,13 @@ bool SurfaceCandidates::passes_by(std::uint32_t p, const Bound& ball, const Scen
     return true;
 }
 
-// What is near now was far from any cache: all of it is on its way at once before any of it is looked at.
+// These records are in no cache yet. Prefetching all of them first lets their cache misses overlap.
 void SurfaceCandidates::fetch(std::span<const std::uint32_t> slots, const SceneState& state) const noexcept {
     const auto lines_of = [](const auto& what, std::size_t bytes) {
         for (std::size_t at = 0; at < bytes; at += 64)
             __builtin_prefetch(reinterpret_cast<const std::byte*>(&what) + at);
     };
-    constexpr std::size_t shape = 128;  // bytes: the lengths and places that a bound takes
+    constexpr std::size_t shape = 128;  // bytes: the lengths and positions that a bound reads
     for (const std::uint32_t i : slots) {
         lines_of(slots_[i], sizeof(SurfaceSlot));
         lines_of(state.slots[i], sizeof(SlotState));
@@ -186,7 +186,8 @@ bool SurfaceCandidates::collect(std::uint32_t p, SceneState& state, double deep)
     const double typical = std::max(world_length(least_margin, limits), tree_.mean_radius() / 2);
     if (!(covered.wanted > 0)) covered.wanted = typical;
     covered.at = probe.probe.position;
-    // Twice what a contact needs, but of a deep one no more than lets its need double: there are many.
+    // Twice what the contact needs, so that it may deepen. In a deep contact the reserve is smaller, since
+    // the margin holds many surfaces.
     covered.margin = std::max(covered.wanted, deep + std::min(deep, std::max(covered.wanted, 0.6 * deep)));
     const double within = covered.margin + probe.placement.radius;
     std::uint32_t found = tree_.collect(covered.at, within, found_);
@@ -196,7 +197,8 @@ bool SurfaceCandidates::collect(std::uint32_t p, SceneState& state, double deep)
         tree_.collect_moving(covered.at, within, state.clock.now, std::span(found_).subspan(found));
     found += coming.count;
     candidates.until = state.clock.now.all + coming.lasts;
-    // Through one that has no end the path of this cycle may have led, if it was as long as that is far away.
+    // The probe's path of this cycle may have crossed an endless surface, so the length of that path is
+    // added.
     const double endless = covered.margin + (covered.at - probe.before).norm();
     for (const std::uint32_t i : endless_) {
         const Record& r = state.records.current(i);
@@ -212,11 +214,11 @@ bool SurfaceCandidates::collect(std::uint32_t p, SceneState& state, double deep)
     for (std::uint32_t k = 0; k < found; ++k) {
         if (is_of_probe(found_[k])) found_[size++] = found_[k];
     }
-    for (const std::uint32_t i : candidates.list) {  // but not what is another probe's by now
+    for (const std::uint32_t i : candidates.list) {  // a surface may belong to another probe by now
         if (is_of_probe(i)) slots_[i].candidate = false;
     }
     for (std::uint32_t k = 0; k < size; ++k) slots_[found_[k]].candidate = true;
-    // One that holds the probe from however deep has no bound at the moment.
+    // A surface that holds the probe at any depth has no bound at the moment, so the tree does not find it.
     for (const std::uint32_t i : candidates.list) {
         const SurfaceSlot& slot = slots_[i];
         const bool stays = !slot.candidate && slot.bounded && !slot.endless && state.slots[i].active &&
@@ -284,8 +286,8 @@ void EffectCandidates::collect(std::uint32_t p, std::span<const std::uint32_t> e
     coverage.at = state.probes[p].probe.position;
     coverage.margin = coverage.wanted;
     std::uint32_t found = tree_.collect(coverage.at, coverage.margin, scratch);
-    // One that is large makes the others no nearer: rather look again sooner than evaluate many that give
-    // nothing.
+    // A large effect leaves the others as far away as they are. Collecting again sooner is cheaper than
+    // evaluating many effects whose force is zero.
     for (int i = 0; i < narrowings && found > few_effects && coverage.margin > least; ++i) {
         coverage.margin = std::max(least, coverage.margin / 4);
         found = tree_.collect(coverage.at, coverage.margin, scratch);

@@ -1,8 +1,7 @@
 #pragma once
 // Where planes meet: x and the multipliers of planes that all touch, dx = sum u_i n_i with n_i . dx = s_i, in
-// closed form. Computed anew from the planes each time, so that no rounding accumulates. In plain vectors,
-// which a cycle holds in registers: one of Eigen's, stored by halves and loaded whole, waits for its own
-// store.
+// closed form. Computed anew from the planes each time, so that no rounding accumulates. Plain vectors stay
+// in registers; an Eigen vector, stored by halves and loaded whole, waits for its own store.
 
 #include <cmath>
 
@@ -13,16 +12,16 @@ namespace knurl {
 
 struct Meeting {
     double x, y, z;     // m, dx
-    double u0, u1, u2;  // m, of as many planes as there are; else 0
+    double u0, u1, u2;  // m, of the planes that there are; else 0
     bool exists;        // false: not found, the normals are (nearly) dependent
 };
 
 namespace corner {
 
-inline constexpr double dependent = 1e-13;  // a normal this near to the span of the others lies in it
+inline constexpr double dependent = 1e-13;  // a normal this close to the span of the others counts as in it
 
-// The determinant of the normals' Gram matrix from which on a corner needs no care: rounding is amplified by
-// its inverse, to 5e-14 of the largest length. Two normals have this much from 8 degrees on.
+// From this determinant of the normals' Gram matrix on, no special care is needed: its inverse amplifies
+// rounding to at most 5e-14 of the largest length. Two normals reach it from 8 degrees on.
 inline constexpr double blunt = 0.02;
 
 inline constexpr Meeting none = {0, 0, 0, 0, 0, 0, false};
@@ -47,8 +46,8 @@ inline Vec3 normal_of(const ContactPlanes& planes, std::uint32_t i) noexcept {
     return {planes.nx[i], planes.ny[i], planes.nz[i]};
 }
 
-// Two planes. With w = b -+ a instead of b every difference of nearly equal numbers is taken first, where it
-// has no rounding: a corner of a hundredth of a degree keeps all its digits, whichever way it opens.
+// Two planes. w = b -+ a replaces b, so that every difference of nearly equal numbers is taken first, without
+// rounding. A corner of a hundredth of a degree keeps all its digits, whichever way it opens.
 struct Pair {
     Vec3 m, am, wm;           // a x b, a x m, w x m
     double sign, mm, per_mm;  // of a.b; |m|^2 and its inverse
@@ -83,7 +82,7 @@ template <std::uint32_t Count>
     const double ab = ax * bx + ay * by + az * bz, cc = 1 - ab * ab;
     if constexpr (Count == 2) {
         if (!(cc > blunt)) return none;
-        const double per = 1 / cc, u0 = sa - ab * sb, u1 = sb - ab * sa;  // times cc
+        const double per = 1 / cc, u0 = sa - ab * sb, u1 = sb - ab * sa;  // multiplied by cc
         return {(u0 * ax + u1 * bx) * per,
                 (u0 * ay + u1 * by) * per,
                 (u0 * az + u1 * bz) * per,
@@ -101,7 +100,7 @@ template <std::uint32_t Count>
     const double det = aa + (ab * mixed_ab + ca * mixed_ca);
     if (!(det > blunt)) return none;
     const double per = 1 / det;
-    const double u0 = aa * sa + mixed_ab * sb + mixed_ca * sc;  // times det
+    const double u0 = aa * sa + mixed_ab * sb + mixed_ca * sc;  // multiplied by det
     const double u1 = mixed_ab * sa + bb * sb + mixed_bc * sc;
     const double u2 = mixed_ca * sa + mixed_bc * sb + cc * sc;
     return {(u0 * ax + u1 * bx + u2 * cx) * per,
@@ -113,7 +112,7 @@ template <std::uint32_t Count>
             true};
 }
 
-// For two or three planes as sharp as they come.
+// For two or three planes at any angle.
 [[gnu::always_inline]] inline Meeting meet_sharp(const ContactPlanes& planes, double give,
                                                  const ActiveSet& set) noexcept {
     const auto s = [&](std::uint32_t j) { return planes.s[set.plane[j]] - give; };
@@ -123,7 +122,7 @@ template <std::uint32_t Count>
         const Vec3 dx = pair.meet(s(0), s(1));
         return {dx.x, dx.y, dx.z, pair.along_a(dx), pair.along_b(dx), 0, pair.mm > dependent * dependent};
     }
-    // The most nearly parallel two first; then along their line to the third.
+    // The two most nearly parallel planes first; then along their line to the third.
     const double ab = std::abs(dot(n(0), n(1))), bc = std::abs(dot(n(1), n(2))),
                  ca = std::abs(dot(n(2), n(0)));
     const std::uint32_t third = ab >= bc && ab >= ca ? 2 : bc >= ca ? 0 : 1;
@@ -135,7 +134,7 @@ template <std::uint32_t Count>
     Vec3 dx = pair.meet(s(i), s(j));
     const double per_d = 1 / d;
     dx = dx + ((s(third) - dot(c, dx)) * per_d) * pair.m;
-    // Three nearly in one plane: what the first step's rounding left is amplified, so it is taken away.
+    // Three planes nearly along one line amplify the rounding of the first step, so it is removed.
     if (dd < 1e-2 * pair.mm) dx = dx + ((s(third) - dot(c, dx)) * per_d) * pair.m;
     const double uc = dot(dx, pair.m) * per_d;
     const Vec3 rest = dx - uc * c;

@@ -1,11 +1,12 @@
 #pragma once
-// The surfaces of each probe that are solved together, and while a cross-fade lasts those that were before:
+// The surfaces of each probe that are solved together and, during a cross-fade, those that were solved
+// before:
 //
 //   records, sorted by stiffness ──> set `now` ─┐
-//   what they were before, or one frozen plane ──> set `old` ─┴─> contact stage
+//   their old records, or one frozen plane ──> set `old` ─┴─> contact stage
 //
-// Sets lie as structure of arrays in one of two arenas; a change builds the other one. Planes that stand and are put
-// elsewhere, a thousand at a time, keep their set: scene_reshape.cpp.
+// Sets lie as structure of arrays in one of two arenas; a change builds the other one. Planes that stand
+// still and are moved, a thousand in one batch, keep their set: scene_reshape.cpp.
 
 #include <algorithm>
 #include <array>
@@ -22,21 +23,22 @@
 
 namespace knurl::detail {
 
-/// Stiffnesses that one probe's set keeps apart, each with its own solution; more are rounded down to these.
+/// Distinct stiffnesses in one probe's set, each with its own solution; further ones are rounded down to
+/// these.
 inline constexpr std::uint32_t max_layers = 8;
 
-/// What a layer with curved surfaces came to in a cycle: from there the next one goes on.
+/// The solution of a layer with curved surfaces in a cycle: the next cycle starts from it.
 struct CurvedStart {
-    // m: x - p, and that p (apart: a hand at rest starts from the same to the bit)
+    // m: x - p, and that p (kept apart, so that a hand at rest starts from the same to the bit)
     Eigen::Vector3d dx = Eigen::Vector3d::Zero(), p = Eigen::Vector3d::Zero();
     ActiveSet active;
     std::array<double, 3> multiplier{};
     std::uint64_t cycle = 0;
 };
 
-/// Those of all layers of a set: where it held the probe goes on being where it is solved from, whatever changes.
+/// The starts of all layers of a set. A new set starts where the old one held the probe, whatever changes.
 struct CurvedStarts {
-    // What held it there: a surface, which of its contacts, and how much it pushed.
+    // What held it: a surface, the index of its contact, and how much it pushed.
     struct Push {
         Owner owner;
         std::uint32_t part;
@@ -51,7 +53,7 @@ struct CurvedStarts {
     struct OfLayer {
         double stiffness = 0;  // N/m
         Place newest, before;
-        bool started = false;  // the newest one, from the one before
+        bool started = false;  // the newest one started from the one before
     };
     std::array<OfLayer, max_layers> layer{};  // softest first
     std::uint32_t count = 0;
@@ -59,78 +61,80 @@ struct CurvedStarts {
 
 struct Layer {
     double stiffness = 0;     // N/m
-    std::uint32_t count = 0;  // the first so many members are as stiff or stiffer
+    std::uint32_t count = 0;  // so many first members are as stiff or stiffer
     double give = 0;          // m, by which contradictory planes give way
-    double given_at = 0;      // m, the worst violation where that was found
+    double given_at = 0;      // m, the worst violation when `give` was found
     ContactSolution solution;
-    // m, world: last cycle's x, kept when no solution is found
+    // m, world: the last cycle's x, kept when no solution is found
     Eigen::Vector3d proxy = Eigen::Vector3d::Zero();
-    // Of a set with curved surfaces.
+    // For a set with curved surfaces.
     std::array<CurvedStart, 2> reached;  // in the last two cycles that took time
-    std::uint8_t newest = 0;             // of them
-    bool started = false;                // the newest one, from the other
-    bool joined = false;                 // by the surfaces themselves, not by planes at the probe's feet
-    double far = 0;                      // m, what lies farther from the probe has had no say
+    std::uint8_t newest = 0;             // index of the newest in `reached`
+    bool started = false;                // the newest one started from the other
+    bool joined = false;                 // solved with the surfaces themselves, not with planes at the
+                                         // probe's feet
+    double far = 0;                      // m, from the probe: surfaces beyond it were not evaluated
 };
 
-/// Where many planes that stand were last evaluated, and how far the nearest was away (m); at most 0:
-/// evaluate them.
+/// Where many standing planes were last evaluated, and the distance of the nearest (m); at most 0: evaluate
+/// them.
 struct ClearOfPlanes {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     double distance = 0;
-    bool alone = false;  // they are all that the set has, and in the last cycle none was touched
+    bool alone = false;  // the set has only them, and none was touched in the last cycle
 };
 
 struct ContactSet {
     std::uint32_t begin = 0, count = 0;                // members in the arena, solved together
-    std::uint32_t room = 0, moving_room = 0;           // as many members may lie there, of either kind
-    std::uint32_t standing = 0;                        // of those: planes that are not evaluated
-    std::uint32_t summed = 0;                          // those behind them, whose forces add up
+    std::uint32_t room = 0, moving_room = 0;           // room for so many members, of each sort
+    std::uint32_t standing = 0;                        // of `count`: planes that stand still
+    std::uint32_t summed = 0;                          // members behind those, whose forces are summed
     std::uint32_t moving_begin = 0, moving_count = 0;  // surfaces that are evaluated each cycle
-    std::uint32_t inside = 0;                          // of those: evaluated when they were last looked at
+    std::uint32_t inside = 0;                          // of those: were evaluated last time
     std::uint32_t layers = 0;
-    bool has_tangential = false;          // one of them is
-    bool curved = false;                  // one of several may be
-    bool follows = false;                 // one is entered and left: see ProxyPath
+    bool has_tangential = false;          // a member has a tangential part
+    bool curved = false;                  // has several members, of which one may be curved
+    bool follows = false;                 // a member is entered and left: see ProxyPath
     std::array<Vec3, 3> corner{};         // of the softest layer, if joined: the active normals
-    bool left_out = false;                // in the last evaluation: some were out of reach
-    double slack = 0;                     // m, by which their bounds are extended: the proxy may get that far
-    double scale = 1;                     // the weight, where all members share one
+    bool left_out = false;                // in the last evaluation, members were out of reach
+    double slack = 0;                     // m, added to their bounds: the proxy may get so far
+    double scale = 1;                     // the common weight of all members, if there is one
     std::array<Layer, max_layers> layer;  // softest (all members) first
-    // Of the last cycle that took time: the proxy from the probe (m), and the only slot that held it there.
+    // Of the last cycle that took time: the proxy relative to the probe (m), and the slot that held it alone.
     Eigen::Vector3d held = Eigen::Vector3d::Zero();
     std::uint32_t held_by = 0xffffffff;
-    bool led = false;  // in the last cycle that took time the proxy was led: see ProxyPath
-    Eigen::Vector3d reached = Eigen::Vector3d::Zero();  // m: of this cycle, where the proxy was led
+    bool led = false;  // in the last cycle that took time the proxy followed a path: see ProxyPath
+    Eigen::Vector3d reached = Eigen::Vector3d::Zero();  // m: the end of the proxy's path in this cycle
     // Last cycle's result.
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, damped, weighted, clamped
-    double elastic = 0;                               // N, of the joint solution alone, before that
-    double per_elastic = 0;                           // 1, what became of it by damping, weight, clamp
+    double elastic = 0;                               // N, of the joint solution alone
+    double per_elastic = 0;                           // 1, ratio of `force` to `elastic`: damping, weight,
+                                                      // clamp
     bool touching = false;
     bool infeasible = false;
     ClearOfPlanes clear;
 };
 
-/// A surface that is evaluated each cycle, unless the probe is out of its ball.
+/// A surface that is evaluated in each cycle, unless the probe is out of its ball.
 struct Moving {
-    std::uint32_t member = 0;  // its first
-    bool inside = false;       // it was evaluated when it was last looked at
+    std::uint32_t member = 0;  // its first member
+    bool inside = false;       // it was evaluated last time
 };
 
-/// Of two, sets are built in one by turns. They are built from records: of what stood in the other one, only whose it
-/// was is looked at, so the rest has one memory.
+/// Sets are built alternately in one of two arenas. They are built from records; of the other arena only the
+/// owners are read. So all other arrays share one memory.
 struct Arena {
     std::span<double> nx, ny, nz, c, s, b;
     std::vector<Owner> owner;
     std::vector<Moving> moving;
-    BoundingSpheres* bounding_spheres = nullptr;  // theirs; radius infinity: always evaluated
+    BoundingSpheres* bounding_spheres = nullptr;  // of the moving surfaces; radius infinity: always evaluated
     std::uint32_t used = 0, moving_used = 0;
 };
 
-/// What is felt along the surface: friction, texture, the braking pulse.
+/// State of the tangential stage: friction, texture, braking pulse.
 struct TangentialState {
-    bool present = false;  // there may be something
-    FrictionLaw law;       // last cycle's, of all that pushed
+    bool present = false;  // the set may have a tangential part
+    FrictionLaw law;       // last cycle's, mixed from all pushing surfaces
     Tangent tangent;       // last cycle's
     FrictionState friction;
     Eigen::Vector3d friction_force = Eigen::Vector3d::Zero();  // N, friction in the last cycle
@@ -139,29 +143,29 @@ struct TangentialState {
     double apart = 1;                                          // s, since the last touch
 
     bool needed() const noexcept { return present || friction.residual_time > 0; }
-    /// Nothing is felt, nor remembered, and time makes no difference any more.
+    /// No force, no memory of one, and time has no further effect.
     bool rests() const noexcept;
-    /// Nothing is touched any more.
+    /// No surface is touched any more.
     void release() noexcept;
-    /// Where nothing rubs the tip is not followed: what rubs next begins where the tip is then.
+    /// Without friction the tip is not followed: friction that begins later starts at the tip's place then.
     void leave_anchor() noexcept {
         if (!needed()) friction.held = false;
     }
 };
 
-/// The plane that gives the force of an interrupted cross-fade: what the next one goes on from. It rubs as its surfaces
-/// did.
+/// The plane that gives the force of an interrupted cross-fade, from which the next one starts. It has its
+/// surfaces' friction.
 struct FrozenPlane {
     HalfSpace plane;
-    double stiffness = 0;  // N/m; 0: nothing was felt
+    double stiffness = 0;  // N/m; 0: there was no force
     FrictionLaw law;
 };
 
 struct CrossFade {
     bool under_way = false;
-    bool frozen = false;           // the fading set is the frozen plane alone
-    bool olds_left_out = false;    // old records out of reach are not in it
-    bool fresh = false;            // it has not been evaluated yet
+    bool frozen = false;           // the fading set is only the frozen plane
+    bool olds_left_out = false;    // old records out of reach are left out of it
+    bool fresh = false;            // not evaluated yet
     std::uint32_t number = 0;      // of the probe's fades
     double elapsed = 0, time = 0;  // s
 
@@ -169,14 +173,14 @@ struct CrossFade {
     double share_of_new() const noexcept { return under_way ? elapsed / time : 1; }
 };
 
-/// What changes of a probe's set while changes are taken.
+/// What changes in a probe's set while changes are taken.
 struct SetChange {
     bool edited = false;  // its set changes
-    bool fades = false;   // the change is cross-faded, over
+    bool fades = false;   // the change is cross-faded, over `time`
     double time = 0;      // s
-    // What was felt becomes a frozen plane (alone: over the time that the fade had).
+    // The present force becomes a frozen plane (if only that: over the remaining time of the fade).
     bool interrupted = false;
-    bool replaced = false;  // the probe sits elsewhere on the hand now
+    bool replaced = false;  // the probe moved to another place on the hand
 
     void fade_over(double seconds) noexcept {
         edited = fades = true;
@@ -184,26 +188,26 @@ struct SetChange {
     }
 };
 
-/// What one probe touches.
+/// The contacts of one probe.
 struct ContactState {
     ContactSet now, old;
     CrossFade fade;
     FrozenPlane frozen_plane;
     TangentialState tangential;
     SetChange change;
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();     // last cycle's blend, without what rubs
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // where the probe was then
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();     // last cycle's blend, without tangential forces
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // of the probe in the last cycle
 
     bool empty() const noexcept { return now.count + now.summed == 0; }
-    /// There are only planes, none of which was touched in the last cycle, and that left nothing to end.
+    /// There are only planes, none was touched in the last cycle, and no transient is left.
     bool is_clear() const noexcept {
         return now.clear.alone && !fade.under_way && (!tangential.needed() || tangential.rests());
     }
     /// m, how far its proxies may lie from the probe.
     double deepest() const noexcept { return std::max(now.slack, old.slack); }
-    /// Some that fade out were out of reach: whether they still are, a new set finds out.
+    /// Fading surfaces were out of reach; a new set finds out whether they still are.
     bool old_may_be_near() const noexcept { return fade.under_way && fade.olds_left_out; }
-    void release() noexcept;  // nothing is touched any more
+    void release() noexcept;  // no surface is touched any more
 };
 
 class ContactSets {
@@ -212,22 +216,23 @@ class ContactSets {
     void reset() noexcept;
 
     // While changes are taken.
-    void add(std::uint32_t slot) noexcept;     // a surface that is felt from now on
-    void remove(std::uint32_t slot) noexcept;  // ... no longer
-    /// Its felt record fades out.
+    void add(std::uint32_t slot) noexcept;     // a surface that acts from now on
+    void remove(std::uint32_t slot) noexcept;  // a surface that no longer acts
+    /// The current record fades out.
     void keep_old(std::uint32_t slot) noexcept;
-    /// Its old record is about to be overwritten: what still fades from it goes on from the force of this moment.
+    /// The old record is about to be overwritten: if it still fades, the fade continues from the present
+    /// force.
     void release_old(std::uint32_t slot) noexcept;
     SetChange& change_of(std::uint32_t probe) noexcept { return states_[probe].change; }
-    /// The probe sits elsewhere on the hand: what it felt becomes an interrupted fade.
+    /// The probe moves to another place on the hand: its present force becomes an interrupted fade.
     void replace_probe(std::uint32_t probe) noexcept;
-    /// Its surface stands elsewhere and nothing else has changed: see scene_reshape.cpp.
+    /// The slot's surface has moved and nothing else has changed: see scene_reshape.cpp.
     void reshape(std::uint32_t slot, double fade_time) noexcept;
     void edit() noexcept { edited_ = true; }
     bool edited() const noexcept { return edited_; }
-    /// All that was said since the last time. `renewed`: the surfaces that are, among others.
+    /// Applies all changes since the last update. `renewed`: contains the renewed surfaces, among others.
     void update(std::span<const std::uint32_t> renewed) noexcept;
-    /// The same surfaces, of other weights, or of other candidates.
+    /// The same surfaces, with other weights or other candidates.
     void rebuild(std::span<const std::uint32_t> renewed = {}) noexcept;
 
     // For the stages that follow.
@@ -236,11 +241,11 @@ class ContactSets {
     const ContactState& operator[](std::uint32_t probe) const noexcept { return states_[probe]; }
     Arena& arena() noexcept { return arenas_[arena_]; }
     const Arena& arena() const noexcept { return arenas_[arena_]; }
-    std::uint32_t probes() const noexcept { return used_; }  // bit mask: with a set, or fading
+    std::uint32_t probes() const noexcept { return used_; }  // bit mask: those with a set or a fade
     std::span<const std::uint32_t> surfaces() const noexcept { return surfaces_; }
     std::uint32_t member(std::uint32_t slot) const noexcept { return slots_[slot].member; }
     void end_fade(std::uint32_t probe) noexcept;
-    /// Calls visit(record) for each that is in a fading set as it was.
+    /// Calls visit(record) for each old record in a fading set.
     template <class Visit>
     void for_each_old(Visit visit) noexcept {
         for_each_bit(used_, [&](std::uint32_t p) {
@@ -252,17 +257,17 @@ class ContactSets {
             }
         });
     }
-    /// Its old record is in a fading set, or will be.
+    /// The old record is in a fading set, or will be.
     bool old_in_use(std::uint32_t slot) const noexcept;
 
   private:
     struct SetSlot {
-        std::uint32_t place = 0;           // among surfaces_
+        std::uint32_t place = 0;           // index in surfaces_
         std::uint32_t member = 0;          // its first index in the arena, or in_no_set
-        std::int32_t old_surface_of = -1;  // the probe whose fading set has its old record
-        std::uint32_t new_in_fade = 0;     // the fade of its probe that brings it in: not in the fading set
-        std::uint32_t old_in_fade = 0;     // ... whose fading set has its old record; 0: to come
-        bool old_listed = false;           // in olds_
+        std::int32_t old_surface_of = -1;  // the probe whose fading set has the old record
+        std::uint32_t new_in_fade = 0;     // the fade of its probe that adds it: it is not in the fading set
+        std::uint32_t old_in_fade = 0;     // the fade whose fading set has the old record; 0: not begun
+        bool old_listed = false;           // it is in olds_
     };
 
     bool reshape_sets(std::span<const std::uint32_t> renewed) noexcept;
@@ -302,10 +307,10 @@ class ContactSets {
     SurfaceCandidates& candidates_;
     std::vector<ContactState> states_;  // by probe
     std::vector<SetSlot> slots_;
-    SlotList surfaces_;       // that are felt
-    SlotList olds_;           // whose old record is in a fading set
-    SlotList reshaped_;       // in this cycle
-    std::uint32_t used_ = 0;  // bit mask: probes with a set, or fading
+    SlotList surfaces_;       // active surfaces
+    SlotList olds_;           // slots whose old record is in a fading set
+    SlotList reshaped_;       // slots reshaped in this cycle
+    std::uint32_t used_ = 0;  // bit mask: probes with a set or a fade
     bool edited_ = false;
     std::vector<double> planes_;        // of both arenas
     BoundingSpheres bounding_spheres_;  // likewise
@@ -316,25 +321,25 @@ class ContactSets {
     std::array<std::uint32_t, max_layers> next_place_{};  // likewise, of each layer
 };
 
-/// What its weight makes of a member's stiffness and damping. Where all members share one weight, that is the set's scale
-/// instead.
+/// Factor of a member's stiffness and damping by its weight. Where all members share one weight, the set's
+/// scale has it.
 inline double own_weight(const ContactSet& set, double weight) noexcept {
     return set.scale == 1 ? weight : 1;
 }
-/// m, the worst violation of some members.
+/// m, the worst violation of these members.
 inline double worst_of(const Arena& arena, std::uint32_t begin, std::uint32_t count) noexcept {
     double worst = -std::numeric_limits<double>::infinity();
     for (std::uint32_t i = begin; i < begin + count; ++i) worst = std::max(worst, arena.s[i]);
     return worst;
 }
-/// Where the probe would touch a surface that is that far from it (m).
+/// Where the probe would touch a surface at this distance (m).
 inline Eigen::Vector3d foot_of(const Probe& probe, double height, const Eigen::Vector3d& normal) noexcept {
     return probe.position - (height + probe.radius) * normal;
 }
-/// As for a set that has never been solved.
+/// Resets the set to one that was never solved.
 void forget_solution(ContactSet& set, const Eigen::Vector3d& probe) noexcept;
 
-/// Where a set's curved surfaces held the probe, for the set that follows it.
+/// Where a set's curved surfaces held the probe: the start of the following set.
 CurvedStarts starts_of(const ContactSet& set, const ContactState& contact, const Arena& arena,
                        const Clock& clock) noexcept;
 void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts) noexcept;

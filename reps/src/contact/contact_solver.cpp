@@ -15,8 +15,8 @@ using namespace corner;
 
 constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-// A violation that rounding alone explains, for a solution of this size. Past `patience` steps it grows
-// fourfold each step: copies of a plane that differ in the last bit would take turns for ever.
+// A violation that rounding alone explains, for a solution of this size. After `patience` steps it grows
+// fourfold in each step: else copies of a plane that differ in the last bit would take turns for ever.
 constexpr std::uint32_t patience = 20;
 double tolerance(double worst, const Vec3& dx, std::uint32_t iterations) noexcept {
     const double exact = 16 * std::numeric_limits<double>::epsilon() *
@@ -25,7 +25,8 @@ double tolerance(double worst, const Vec3& dx, std::uint32_t iterations) noexcep
                                   : exact * std::ldexp(1.0, 2 * static_cast<int>(iterations - patience));
 }
 
-// The same for a blunt corner, by the worst violation at the probe: 5e-14 of it are left over at most.
+// The same for a blunt corner, relative to the worst violation at the probe: at most 5e-14 of it is left
+// over.
 constexpr double blunt_tolerance = 1e-13;
 
 bool holds(const ActiveSet& set, std::uint32_t i) noexcept {
@@ -82,8 +83,8 @@ void drop(ContactSolution& at, std::uint32_t leaves) noexcept {
     at.multiplier[2] = met.u2;
 }
 
-// Takes plane q in, dropping those that it pushes away: at most four rounds, since each but the last drops
-// one. False: infeasible, and `contradiction` says by how much.
+// Takes in plane q and drops the planes that it pushes away. Takes at most four rounds, since each but the
+// last drops one. False: infeasible, and `contradiction` says by how much.
 bool take_in(const ContactPlanes& planes, std::uint32_t q, double give, Vec3& dx,
              ContactSolution& at) noexcept {
     const Vec3 n = normal_of(planes, q);
@@ -104,8 +105,8 @@ bool take_in(const ContactPlanes& planes, std::uint32_t q, double give, Vec3& dx
         const double t2 = zz > dependent * dependent ? (s - dot(n, dx)) / zz : unbounded;
         if (t1 == unbounded && t2 == unbounded) {
             // n = sum r_j n_j with all r_j <= 0: the planes face each other. The weights 1, -r_j sum the
-            // normals to zero, so the same sum of offsets must not be positive: each must give way by its
-            // weighted mean.
+            // normals to zero, so the same sum of the offsets must not be positive. Each plane must give way
+            // by the weighted mean.
             double sum = planes.s[q], weight = 1;
             for (std::uint32_t j = 0; j < set.count; ++j)
                 sum -= r[j] * planes.s[set.plane[j]], weight -= r[j];
@@ -135,8 +136,8 @@ bool is_possible(const ActiveSet& guess, std::uint32_t planes) noexcept {
     return met.exists && met.u0 >= 0 && met.u1 >= 0 && met.u2 >= 0;
 }
 
-// Takes in the worst violated plane until there is none. Starts from the guessed planes' own optimum if they
-// all push (it is the optimum of all planes if no other is violated), else from the probe.
+// Takes in the worst violated plane until no plane is violated. Starts from the optimum of the guessed planes
+// if they all push (it is the optimum of all planes if no other is violated), else from the probe.
 [[gnu::noinline]] void search(const ContactPlanes& planes, double worst, double give,
                               ContactSolution& at) noexcept {
     at.status = Status::solved;
@@ -159,7 +160,7 @@ bool is_possible(const ActiveSet& guess, std::uint32_t planes) noexcept {
         }
         const std::uint32_t q = find_violation(planes, {dx.x, dx.y, dx.z}, unshifted);
         if (holds(at.active, q))
-            break;  // the worst is an active plane's rounding: all others are nearer still
+            break;  // the worst plane is active, so its violation is rounding; all others are less violated
         if (at.iterations == max_contact_iterations) {
             at.status = Status::unfinished;
             break;
@@ -174,7 +175,7 @@ bool is_possible(const ActiveSet& guess, std::uint32_t planes) noexcept {
     for (std::uint32_t i = 0; i < at.active.count; ++i) at.multiplier[i] = std::max(0.0, at.multiplier[i]);
 }
 
-// Do the guessed planes hold x, and is no plane violated there?
+// Do the guessed planes hold x, and does x violate no plane?
 [[gnu::always_inline]] inline bool accepted(const ContactPlanes& planes, const Meeting& met, double limit,
                                             ContactSolution& at) noexcept {
     if (!all_push(met)) return false;
@@ -196,8 +197,8 @@ bool is_possible(const ActiveSet& guess, std::uint32_t planes) noexcept {
                     at);
 }
 
-// Nearly every cycle of a servo ends here: the planes that held x in the last cycle still do, and make a
-// blunt corner. All of it in registers, no call. False: it takes a search.
+// Nearly every cycle of a servo ends here: the planes that held x in the last cycle still hold it and form a
+// blunt corner. Runs in registers, without a call. False: a search is needed.
 template <std::uint32_t Count>
 [[gnu::always_inline]] inline bool still_held(const ContactPlanes& planes, double worst, double give,
                                               ContactSolution& at) noexcept {
@@ -234,9 +235,10 @@ template <std::uint32_t Count>
     return false;
 }
 
-// Newton's method on the largest contradiction: each certificate is a lower bound that the next solve
-// respects, and there are finitely many. One that asks for no more than has been given is rounding, of planes
-// that touch exactly: then a little more, by the rounding of lengths of this size and each time fourfold.
+// Newton's method on the largest contradiction. Each certificate is a lower bound that the next solve
+// respects, and there are finitely many. A certificate that is no larger than the present give is rounding,
+// of planes that touch exactly: then the give grows by the rounding of lengths of this size, fourfold each
+// time.
 [[gnu::noinline]] void relax(const ContactPlanes& planes, double worst, double& give,
                              ContactSolution& at) noexcept {
     search(planes, worst, give, at);

@@ -1,6 +1,7 @@
 #pragma once
-// Narrow phase, joint contact and cross-fade: where the surfaces of a set are, the nearest point to the probe that
-// satisfies them all, layered by stiffness, and one force of the set and the one that fades out.
+// Narrow phase, joint contact and cross-fade. Evaluates the surfaces of a set, finds the point nearest to the
+// probe that satisfies them all, layered by stiffness, and blends the force of the set with that of the
+// fading one.
 
 #include <array>
 #include <cstddef>
@@ -16,7 +17,7 @@
 
 namespace knurl::detail {
 
-/// Of a layer's planes as they are; p is the probe. False: they contradict each other.
+/// Solves a layer's planes as they are; p is the probe. False: they contradict each other.
 [[gnu::always_inline]] inline bool solve_planes(Layer& layer, const ContactPlanes& planes, double worst,
                                                 const Eigen::Vector3d& p) noexcept {
     const double given = layer.give;
@@ -26,55 +27,54 @@ namespace knurl::detail {
         layer.proxy = p + layer.solution.dx;
         return !(layer.give > 0);
     }
-    // Bounded whatever happens: the proxy stays where it was.
+    // The force stays bounded: the proxy stays where it was.
     layer.solution.dx = layer.proxy - p;
     layer.solution.active.count = 0;
     return false;
 }
 
-/// The planes of solids that hold the probe by another one in harder layers, as they were.
+/// The original planes of solids that hold the probe by another plane in harder layers.
 struct PlanesApart {
     struct Plane {
         std::uint32_t member;
         double nx, ny, nz, s;
     };
-    std::array<Plane, 8> plane;  // solids beyond these hold by one plane in all layers
+    std::array<Plane, 8> plane;  // further solids hold by one plane in all layers
     std::uint32_t count = 0;
 };
 
-/// The joint contact where surfaces are curved. Their tangent planes at the probe's own feet are solved first, as
-/// everywhere. What is found is exact where one surface holds alone (its foot is the nearest point) and no other is
-/// violated there, or where all that hold are flat; else it is sought where they meet.
+/// The joint contact of curved surfaces: see scene_curved.cpp.
 class CurvedStage {
   public:
     CurvedStage(SceneState& state, const ContactSets& sets) : state_(state), sets_(sets) {}
 
-    /// False: the surfaces contradict each other, as far as their planes show it.
+    /// False: the surfaces contradict each other, as far as their planes show.
     bool solve(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept;
-    /// Solids that hold the probe alone in the layers from this one on (j > 0), by another plane: it becomes theirs.
-    /// True: there is one.
+    /// Finds solids that hold the probe alone, with another plane, in the layers from j > 0 on, and puts that
+    /// plane in place of theirs. True: there is one.
     bool put_planes_alone(Arena& arena, const ContactSet& set, const Probe& probe, std::uint32_t j,
                           PlanesApart& apart) const noexcept;
     static void put_back(Arena& arena, const PlanesApart& apart) noexcept;
-    /// At the end of a cycle: the surfaces learn where they hold. Within it, one that is evaluated again
-    /// answers the same.
+    /// At the end of a cycle the surfaces learn where they hold. Within the cycle, a repeated evaluation
+    /// gives the same answer.
     void lean(const ContactSet& set, const Probe& probe) noexcept;
 
   private:
-    /// Of the surfaces near the probe, on the stack: each claim would keep its own. Made where they are listed.
+    /// Room for the surfaces near the probe, on the stack: else each claim would need its own. Constructed
+    /// when listed.
     struct Room {
         alignas(NearSurface) std::byte bytes[max_near_surfaces * sizeof(NearSurface)];
         NearSurface* at(std::uint32_t i) noexcept {
             return std::launder(reinterpret_cast<NearSurface*>(bytes + i * sizeof(NearSurface)));
         }
     };
-    /// On the way to where the surfaces meet.
+    /// The state of the iteration towards the point where the surfaces meet.
     struct Descent {
         ContactSolution at;
-        double within = 0;  // m, from the probe: what lies farther is not looked at
-        bool warm = false;  // it began where the last cycle's ended
+        double within = 0;  // m, from the probe: farther surfaces are ignored
+        bool warm = false;  // it started at the last cycle's solution
         bool done = false;
-        std::array<Vec3, 3> normals{};  // of those that hold
+        std::array<Vec3, 3> normals{};  // of the surfaces that hold
     };
     bool solve_layer(ContactSet& set, const Probe& probe, Layer& layer, double worst) noexcept;
     bool jumps(const ContactSet& set, const CurvedStart& start, const Layer& layer,
@@ -98,28 +98,28 @@ class CurvedStage {
     const ContactSets& sets_;
 };
 
-/// What is felt along the surface, once per probe, on the blended contact: friction, texture, the braking pulse at
-/// entry. `force` is the contact's; the answer is that and all that lies along the surface.
+/// The tangential stage, once per probe, on the blended contact: friction, texture, braking pulse. Takes the
+/// contact's `force` and returns it with all tangential forces.
 Eigen::Vector3d with_tangential(std::uint32_t probe, ContactSets& sets, const SceneState& state,
                                 const Eigen::Vector3d& force, double dt) noexcept;
-/// A fine relief is gone at a speed that takes a few cycles to leave: what is felt of it, not the speed, moves on
+/// A fine relief vanishes at a speed that takes a few cycles to leave. So the gain, not the speed, changes
 /// evenly.
 double texture_gain_of(const Record& record, const Texture& texture, const Probe& probe,
                        const SceneState& state) noexcept;
 
-/// How the proxy of a set is led in this cycle: scene_seams.cpp.
+/// How the proxy of a set follows its path in this cycle: scene_seams.cpp.
 struct Lead {
     const ContactState* contact = nullptr;  // of its probe
-    bool on = false;                        // it is led at all
-    bool led = false;                       // something else may hold the probe than what is evaluated
-    bool lone = false;                      // there is one surface
-    bool fades = false;                     // the set that fades out
+    bool on = false;                        // the proxy follows a path
+    bool led = false;                       // the holding surface may differ from the evaluated one
+    bool lone = false;                      // the set has one surface
+    bool fades = false;                     // it is the fading set
     bool solved = false;                    // the proxy is known
-    bool again = false;  // its set has been evaluated in this cycle before, when it had other candidates
-    ProxyPath::Stage stage = ProxyPath::Stage::answer;  // of what is evaluated again
+    bool again = false;  // the set was already evaluated in this cycle, with other candidates
+    ProxyPath::Stage stage = ProxyPath::Stage::answer;  // of the repeated evaluation
     Eigen::Vector3d before =
         Eigen::Vector3d::Zero();                      // m, world: where the probe was in the last timed cycle
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, from the probe: what is near it counts
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, from the probe: surfaces near this place count
     std::uint32_t deepest = 0;                        // the member that overlaps the probe most
 };
 
@@ -128,7 +128,7 @@ class ContactStage {
     ContactStage(SceneState& state, ContactSets& sets, SurfaceCandidates& candidates)
         : state_(state), sets_(sets), candidates_(candidates), curved_(state, sets) {}
 
-    /// The path of the proxy, which each probe shows to what it enters and leaves.
+    /// The path of the proxy, which surfaces read that are entered and left.
     ProxyPath& path() noexcept { return path_; }
     /// Adds the wrench of all surfaces, about the hand's position.
     void evaluate(double dt, Wrench& sum) noexcept;
@@ -157,8 +157,7 @@ class ContactStage {
     Eigen::Vector3d cross_fade(std::uint32_t probe, double dt) noexcept;
     Eigen::Vector3d felt_by(std::uint32_t probe, double dt) noexcept;
 
-    // scene_seams.cpp
-    // Alone with the surface that holds it a probe is its own path; and where nothing holds it.
+    // scene_seams.cpp: A probe without contact, or with one surface alone, is its own path.
     [[gnu::always_inline]] bool is_alone(const ContactSet& set) noexcept {
         path_.stage = ProxyPath::Stage::free;
         path_.holds = path_.beside = false;
@@ -167,7 +166,7 @@ class ContactStage {
     bool is_held_by_first(const ContactSet& set) const noexcept {
         return sets_.arena().owner[set.begin] >> 1 == set.held_by;
     }
-    // As far as it was led is where its one surface holds it, and not where that pushes a probe with a radius.
+    // The path ends where its one surface holds it, not where that surface pushes a probe with a radius.
     void come_alone(ContactSet& set, bool violated) const noexcept {
         set.led = false;
         if (violated && path_.holds) {
@@ -197,8 +196,8 @@ class ContactStage {
     SurfaceCandidates& candidates_;
     CurvedStage curved_;
     std::array<Contact, max_contacts> found_;  // scratch of evaluate_moving
-    ProxyPath path_;                           // of the surface that is evaluated
-    Lead lead_;                                // of the set that is evaluated
+    ProxyPath path_;                           // for the surface under evaluation
+    Lead lead_;                                // for the set under evaluation
 };
 
 }  // namespace knurl::detail

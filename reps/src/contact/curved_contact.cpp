@@ -12,7 +12,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A matrix below this share of the unit's is taken for one that curves the wrong way.
+// A matrix with an eigenvalue below this (the identity has 1) counts as not positive definite.
 constexpr double least_eigenvalue = 0.02;
 
 struct Model {
@@ -27,10 +27,10 @@ bool factor(const Matrix3d& second, Model& model) noexcept {
     return model.lower.diagonal().minCoeff() > std::sqrt(least_eigenvalue);
 }
 
-// I - sum u C. Where it is not positive across the surfaces that hold, which no step sees, their own planes
-// are added to the function, which are zero where they hold: neither the point nor its multipliers change.
-// Where it is not positive along them, p lies beyond their centre of curvature: then as much of it as there
-// is a minimum of.
+// I - sum u C. Where it is not positive across the holding surfaces, in directions that no step takes, their
+// planes are added to the function. They are zero where they hold, so neither the point nor its multipliers
+// change. Where it is not positive along the surfaces, p lies beyond their centre of curvature: then the
+// largest share of the bend that still has a minimum is taken.
 Model model_of(std::span<const NearSurface> near, const Vector3d& dx) noexcept {
     Model model{Matrix3d::Identity(), dx};
     Matrix3d bend = Matrix3d::Zero(), planes = Matrix3d::Zero();
@@ -62,7 +62,7 @@ CurvedStep solve_curved_step(std::span<const NearSurface> near, const Vector3d& 
     if (near.size() > max_near_surfaces) near = near.first(max_near_surfaces);
     const Model model = model_of(near, dx);
     const auto lower = model.lower.triangularView<Eigen::Lower>();
-    // In y = L^T step + L^-1 gradient it is the point nearest to 0.
+    // In y = L^T step + L^-1 gradient the solution is the point nearest to 0.
     const Vector3d pulled = lower.solve(model.gradient);
     ContactSolution solution;
     double worst = -std::numeric_limits<double>::infinity();

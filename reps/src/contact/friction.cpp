@@ -11,10 +11,12 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-/// Sliding ends where the force falls below this share of what sliding takes: with less, noise would end it.
+/// Sliding ends where the force falls below this share of the sliding force. With a larger share, noise would
+/// end it.
 constexpr double sticking_share = 0.7;
-/// While stuck the spring keeps the softest stiffness it has had, or a stiffness that flickers (the shares of
-/// two surfaces in a corner) would make the tip creep; from this ratio on it is taken for a change.
+/// While stuck, the spring keeps the softest stiffness that it has had. Else a stiffness that flickers (the
+/// shares of two surfaces in a corner) would make the tip creep. A rise by this ratio or more counts as a
+/// change.
 constexpr double stiffening = 1.25;
 
 /// Steele, Lea & Flood 2014 (SplitMix64); evenly in [0, 1).
@@ -30,8 +32,7 @@ double next_distance(const FrictionLaw& law, FrictionState& state) noexcept {
     return std::max(0.0, law.d_mean + law.d_spread * (draw(state.generator) - 0.5));
 }
 
-/// The point of the way from `from` to `to` that is `distance` away from the origin; |from| <= distance <=
-/// |to|.
+/// The point on the way from `from` to `to` at `distance` from the origin; |from| <= distance <= |to|.
 Vector at_distance(const Vector& from, const Vector& to, double distance) noexcept {
     const Vector way = to - from;
     const double a = way.squaredNorm(), b = from.dot(way), c = from.squaredNorm() - distance * distance;
@@ -56,7 +57,7 @@ struct Cycle {
                                                             : next_distance(law, state);
     }
 
-    /// The spring's stiffness is now `k`, and it holds no more energy than before.
+    /// Sets the spring's stiffness to `k` without raising its energy.
     void stiffen(double k) noexcept {
         if (state.sliding || k > stiffening * state.stiffness) {
             if (k > state.stiffness) d *= state.stiffness / k;  // the same force
@@ -66,7 +67,7 @@ struct Cycle {
         }
     }
 
-    /// Elastic Coulomb friction, and passive snags: the same until the next snag comes.
+    /// Elastic Coulomb friction, and passive snags, which behave alike until the next snag.
     void drag() noexcept {
         const double force = state.stiffness * d.norm(), sticks = law.static_ * normal_force;
         if (!state.sliding && force > sticks) let_go();
@@ -80,7 +81,8 @@ struct Cycle {
         if (!state.sliding || law.kind != FrictionLaw::Kind::snag) return;
         const Vector snag = tangent.along(state.snag - tip);
         if (!((d - snag).norm() >= state.next)) return;
-        // Where it lies, not where the cycle found it: the same at every rate.
+        // The snag's own place, not the place at which the cycle detected it, so that all rates give the
+        // same.
         const Vector caught = snag + at_distance(before - snag, d - snag, state.next);
         if (state.stiffness * caught.norm() <= sticks) {
             d = caught;
@@ -90,7 +92,8 @@ struct Cycle {
         }
     }
 
-    /// The snags of Mark et al. 96, 2.1: the spring acts while stuck alone, and the anchor stays where it is.
+    /// The snags of Mark et al. 96, section 2.1: the spring acts only while stuck, and the anchor stays where
+    /// it is.
     void snap(double resolution) noexcept {
         const double r = d.norm();
         if (!state.sliding) {
@@ -122,7 +125,7 @@ void forget(FrictionState& state) noexcept {
     state = {.generator = state.generator, .seed = state.seed};
 }
 
-/// The force of the anchor's spring; of the paper's law while it slides, kinetic friction away from the last
+/// The force of the anchor's spring. With the paper's law, sliding gives kinetic friction away from the last
 /// snag.
 Vector spring_force(const FrictionLaw& law, const FrictionState& state, const Vector& d,
                     double normal_force) noexcept {
@@ -133,15 +136,15 @@ Vector spring_force(const FrictionLaw& law, const FrictionState& state, const Ve
     return state.stiffness * d;
 }
 
-/// Another corner, or none: what the last force had may not be held any more. A line that turns by less than
-/// `dt` is of the time in which a residual is let go loses no more in a cycle than that does.
+/// The tip slides in another space: the new planes may not hold the last force. A line may turn in one cycle
+/// by `dt` as a share of the residual's decay time; that loses no more force than the decay does in a cycle.
 bool space_changed(const FrictionState& state, const Tangent& tangent, double dt) noexcept {
     if (state.dimensions != tangent.dimensions) return true;
     return tangent.dimensions == 1 && tangent.line.cross(state.line).squaredNorm() >
                                           std::min(1.0, dt * dt / (residual_decay * residual_decay));
 }
 
-/// What the anchor's spring holds of its last force in the new space, the tip where it was.
+/// The part of the last force that the anchor's spring holds in the new space, with the tip at its old place.
 Vector still_held(const FrictionLaw& law, const FrictionState& state, const Tangent& tangent) noexcept {
     const Vector held = tangent.along(state.last);
     if (law.kind != FrictionLaw::Kind::paper_snag || !state.sliding) return held;
@@ -149,7 +152,7 @@ Vector still_held(const FrictionLaw& law, const FrictionState& state, const Tang
     return part > 0 ? Vector(held * (state.last.norm() / part)) : held;
 }
 
-/// True: the space in which the tip can slide is another than in the last cycle.
+/// True: the tip can slide in another space than in the last cycle.
 bool rub(const FrictionLaw& law, FrictionState& state, const Tangent& tangent, const Rubbing& rubbing,
          const Limits& limits, double dt) noexcept {
     const double k = spring_stiffness(law, rubbing.normal_force, limits);
@@ -176,10 +179,11 @@ bool rub(const FrictionLaw& law, FrictionState& state, const Tangent& tangent, c
     }
     const bool changed = space_changed(state, tangent, dt);
     if (changed) {
-        // All that was felt and is not held: so losses that follow each other do not add up.
+        // The whole last force that the new space does not hold: so losses that follow each other do not add
+        // up.
         state.residual = clamped(state.last + state.residual, state.cone) - still_held(law, state, tangent);
         state.residual_time = residual_decay;
-        state.farthest = 0;  // no motion has ceased, it is measured along another space
+        state.farthest = 0;  // the motion is measured in another space from now on, so it has not ceased
     }
     state.dimensions = tangent.dimensions;
     state.line = tangent.line;
@@ -227,7 +231,7 @@ FrictionLaw friction_law(const Friction& friction, const Snag& snag, double surf
             law.stiffness = clamped_stiffness(snag.k_stick * limits.newton /* 1 N */, limits);
         law.static_ = sticks ? snaps : snag.k_kinetic;
         law.dynamic = sticks && snag.d_mean > 0 ? std::min(snag.k_kinetic, snaps) : law.static_;
-        if (sticks && snag.d_mean > 0) law.kind = FrictionLaw::Kind::snag;  // else Coulomb friction says it
+        if (sticks && snag.d_mean > 0) law.kind = FrictionLaw::Kind::snag;  // else it is Coulomb friction
     }
     law.d_snap = snag.d_snap;
     law.d_mean = snag.d_mean;
@@ -276,7 +280,8 @@ Vector friction_force(const FrictionLaw& law, FrictionState& state, const Tangen
     if (law.viscous > 0) {
         const Vector relative = rubbing.velocity - rubbing.surface_velocity;
         viscous = clamped(-law.viscous * tangent.along(relative), n);
-        // Gaining a dimension is a change like losing one: the velocity in it is not felt at once.
+        // The tip can move in one direction more. As when it loses one, viscous friction there sets in
+        // gradually.
         if (changed) state.viscous_residual = state.viscous - viscous;
         if (state.residual_time > 0)
             viscous = clamped(viscous + state.viscous_residual, std::min(n, law.viscous * relative.norm()));

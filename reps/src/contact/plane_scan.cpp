@@ -14,7 +14,7 @@ KNURL_AVX2 double largest_avx2(const PlaneArrays& a, std::uint32_t count, const 
     const __m256d px = _mm256_set1_pd(x.x()), py = _mm256_set1_pd(x.y()), pz = _mm256_set1_pd(x.z());
     __m256d worst = _mm256_set1_pd(nothing), other = worst;
     std::uint32_t i = 0;
-    for (; i + 8 <= count; i += 8) {  // two chains: each maximum waits for the one before
+    for (; i + 8 <= count; i += 8) {  // two independent chains, since each maximum depends on the one before
         const __m256d v = at(a, i, px, py, pz), w = at(a, i + 4, px, py, pz);
         if constexpr (Store) _mm256_storeu_pd(out + i, v), _mm256_storeu_pd(out + i + 4, w);
         worst = _mm256_max_pd(v, worst);
@@ -49,7 +49,7 @@ template <bool Store>
     return narrow<Store>(a, count, x, out);
 }
 
-// Two copies of the narrow code: where the compiler knows that there are few, it unrolls.
+// Two copies of the narrow code: the compiler unrolls the one in which it knows that there are few planes.
 template <bool Store>
 [[gnu::always_inline]] inline double largest(const PlaneArrays& a, std::uint32_t count,
                                              const Eigen::Vector3d& x, double* out) noexcept {

@@ -1,7 +1,7 @@
 #pragma once
-// The one kernel of the contact solver: c_i - n_i . x over all planes; the largest, or whether any is above a
-// limit. Every version computes c - ((nx x + ny y) + nz z) in this order without contraction, and a maximum
-// has no rounding: all give the same bits.
+// The only kernel of the contact solver: c_i - n_i . x over all planes; the largest value, or whether any
+// exceeds a limit. Every version computes c - ((nx x + ny y) + nz z) in this order without contraction, and a
+// maximum has no rounding. So all versions give the same bits.
 
 #include <limits>
 
@@ -24,7 +24,8 @@ struct PlaneArrays {
 namespace scan {
 
 inline constexpr double nothing = -std::numeric_limits<double>::infinity();
-inline constexpr std::uint32_t many = 12;  // below, entering the code for AVX2 costs more than it saves
+inline constexpr std::uint32_t many = 12;  // with fewer planes, entering the AVX2 code costs more than it
+                                           // saves
 
 inline double at(const PlaneArrays& a, std::uint32_t i, double x, double y, double z) noexcept {
     return a.c[i] - ((a.nx[i] * x + a.ny[i] * y) + a.nz[i] * z);
@@ -58,7 +59,7 @@ inline double rest(const PlaneArrays& a, std::uint32_t i, std::uint32_t count, c
     return worst;
 }
 
-// The largest, and with Store each of them in `out`.
+// Returns the largest value and, with Store, writes each value to `out`.
 template <bool Store>
 [[gnu::always_inline]] inline double narrow(const PlaneArrays& a, std::uint32_t count,
                                             const Eigen::Vector3d& x, double* out) noexcept {
@@ -80,7 +81,7 @@ template <bool Store>
     return rest<Store>(a, i, count, x, worst, out);
 }
 
-// Is none above the limit? Cheaper than to find the largest.
+// Is no value above the limit? Cheaper than the search for the largest.
 [[gnu::always_inline]] inline bool none_above(const PlaneArrays& a, std::uint32_t count, double x, double y,
                                               double z, double limit) noexcept {
     std::uint32_t i = 0;

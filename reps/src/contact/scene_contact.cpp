@@ -13,12 +13,12 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Each widening at least doubles how far surfaces are evaluated, so this many suffice from nanometres to any
-// scene's size.
+// Each widening at least doubles the radius of evaluation. So this many suffice from nanometres to a scene of
+// any size.
 constexpr int widenings = 64;
 
-// How far the proxy lies from the probe (m). Not the first layer's alone: one that contradicts itself gives
-// way, and may lie nearer than a harder one, which does not.
+// The distance of the proxy from the probe (m). It is not always the first layer's: a layer that contradicts
+// itself gives way, and its point may be nearer than that of a harder layer that does not.
 [[gnu::always_inline]] inline double proxy_distance(const ContactSet& set) noexcept {
     double square = 0;
     for (std::uint32_t j = 0; j < set.layers; ++j)
@@ -32,8 +32,8 @@ constexpr int widenings = 64;
 
 }  // namespace
 
-// Surfaces that do not stand still say where they are. In both sets of a fade there may be the same one: its
-// state advances once. Returns the worst violation.
+// Evaluates surfaces that do not stand still. A surface may be in both sets of a fade: its state advances
+// once. Returns the worst violation.
 double ContactStage::evaluate_moving(ContactSet& set, const Probe& probe, double dt, double worst) noexcept {
     Arena& a = sets_.arena();
     std::uint32_t near = 0;
@@ -46,7 +46,7 @@ double ContactStage::evaluate_moving(ContactSet& set, const Probe& probe, double
         });
     set.left_out = near < set.moving_count;
     if (set.inside == near) return worst;
-    // Some were inside and are out of reach now. One that holds the probe from however deep has no ball at
+    // Surfaces that were inside may be out of reach now. One that holds the probe at any depth has no ball at
     // the moment.
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
         Moving& moving = a.moving[m];
@@ -65,7 +65,8 @@ double ContactStage::evaluate_moving(ContactSet& set, const Probe& probe, double
     return worst;
 }
 
-// The surface whose first member is `i`. Returns its worst violation, among those that are solved together.
+// Evaluates the surface whose first member is `i`. Returns its worst violation, among those that are solved
+// together.
 double ContactStage::evaluate_member(const ContactSet& set, const Probe& probe, double dt,
                                      std::uint32_t i) noexcept {
     const Owner owner = sets_.arena().owner[i];
@@ -83,8 +84,8 @@ double ContactStage::evaluate_member(const ContactSet& set, const Probe& probe, 
     return put_contacts(set, r, ops.contacts, count, i);
 }
 
-// Into found_. What holds in a silence stays where it is, as in the cycle that placed it. All else goes on: what it
-// remembers of the probe's path, and a recovery.
+// Writes into found_. A surface that holds in silence stays where it is, as in the cycle that placed it. All
+// others advance: their memory of the probe's path, and a recovery.
 std::uint32_t ContactStage::contacts_of(Record& r, const KindOps& ops, const Probe& probe,
                                         double step) noexcept {
     const bool held = state_.silence.holds(r);
@@ -106,14 +107,14 @@ void ContactStage::subtract_relief(const Record& r, TangentialRecord& feel, cons
     for (std::uint32_t c = 0; c < count; ++c) {
         Contact& found = found_[c];
         feel.height[c] = found.height;
-        if (!std::isfinite(found.height)) continue;  // nowhere near: it has no foot
+        if (!std::isfinite(found.height)) continue;  // it has no foot near the probe
         const Vector3d foot = foot_of(probe, found.height, found.normal);
         found.height -= gain * relief(feel.texture, foot, found.normal, feel.shift).height;
     }
 }
 
-// The first `count` of `room` contacts, as members `i` on. Returns the worst violation, among those that are solved
-// together.
+// Writes the first `count` contacts of `room` to members `i` on. Returns the worst violation, among those
+// that are solved together.
 double ContactStage::put_contacts(const ContactSet& set, const Record& r, std::uint32_t room,
                                   std::uint32_t count, std::uint32_t i) noexcept {
     Arena& a = sets_.arena();
@@ -135,7 +136,7 @@ double ContactStage::put_contacts(const ContactSet& set, const Record& r, std::u
     return worst;
 }
 
-// Planes whose forces add up, as the paper's do.
+// Planes whose forces are summed, as in the paper.
 void ContactStage::add_summed(ContactSet& set, const Probe& probe) noexcept {
     const Arena& a = sets_.arena();
     for (std::uint32_t i = set.begin + set.count; i < set.begin + set.count + set.summed; ++i) {
@@ -151,8 +152,8 @@ void ContactStage::add_summed(ContactSet& set, const Probe& probe) noexcept {
 }
 
 // F = sum_j (k_j - k_{j-1}) (x_j - p), x_j the nearest point to p that satisfies all planes of stiffness k_j
-// or more: a sum of gradients, so conservative, and with weights that add up to the largest k, so no stiffer
-// than that.
+// or more. A sum of gradients, so conservative. The weights add up to the largest k, so it is no stiffer than
+// that.
 const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double worst) noexcept {
     Arena& a = sets_.arena();
     const std::uint32_t begin = set.begin;
@@ -169,8 +170,8 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
             worst = worst_of(a, begin, layer.count);
         }
         const ContactPlanes planes{&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.s[begin], layer.count};
-        // How far contradictory planes that stand still give way is found once, but as exactly as distances
-        // round where the probe is then: again where they are half as large. Moving ones are evaluated
+        // The give of contradictory planes that stand still is found once, as exactly as distances round at
+        // the probe's place. It is found again where the violation has halved. Moving planes are solved
         // afresh.
         if (set.moving_count > 0 || worst < layer.given_at / 2) layer.give = 0;
         if (set.curved) {
@@ -189,8 +190,8 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
     return top;
 }
 
-// Damping of each plane that holds, against its own surface's motion: along the force alone, and never
-// pulling. Returns the size of what is left (N).
+// Damping of each plane that holds, relative to its own surface's motion: along the force alone, and never
+// pulling. Returns the size of the remaining force (N).
 double ContactStage::damped_force(ContactSet& set, const Probe& probe, const Layer& top) noexcept {
     const Arena& a = sets_.arena();
     double weighted = 0, closing = 0, sum = 0;
@@ -212,7 +213,8 @@ double ContactStage::damped_force(ContactSet& set, const Probe& probe, const Lay
     return felt;
 }
 
-// What is out of reach of the probe might hold the proxy, which is as far from it as the contact is deep.
+// A surface out of the probe's reach might hold the proxy, whose distance from the probe is the depth of the
+// contact.
 [[gnu::always_inline]] inline const Layer* ContactStage::widen(ContactSet& set, const Probe& probe, double dt,
                                                                double standing, double& worst) noexcept {
     const Layer* top = solve(set, probe, worst);
@@ -232,7 +234,7 @@ const Layer* ContactStage::solve_widening(ContactSet& set, const Probe& probe, d
     return widen(set, probe, dt, standing, worst);
 }
 
-// Planes that stand say where they are. Returns the worst violation, of those that are solved together.
+// Evaluates planes that stand still. Returns the worst violation, of those that are solved together.
 [[gnu::always_inline]] inline double ContactStage::scan_standing(ContactSet& set,
                                                                  const Vector3d& p) noexcept {
     Arena& a = sets_.arena();
@@ -240,7 +242,7 @@ const Layer* ContactStage::solve_widening(ContactSet& set, const Probe& probe, d
         const std::uint32_t from = set.begin + set.count;
         shift_to_probe(&a.nx[from], &a.ny[from], &a.nz[from], &a.c[from], set.summed, p, &a.s[from]);
     }
-    // Else all of them are evaluated where they are.
+    // Else all of them are evaluated at the probe's place.
     return set.standing > 0 ? evaluate_standing(set, a, p) : -std::numeric_limits<double>::infinity();
 }
 
@@ -270,7 +272,8 @@ void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, co
     if (set.count + set.summed == 0) return;
     const double standing = scan_standing(set, probe.position);
     double worst = standing;
-    // What is in both sets of a fade answers the fading one as it has answered the other: by the proxy's path.
+    // A surface in both sets of a fade answers the fading set as it has answered the other: by the proxy's
+    // path.
     lead_.on = set.follows && (!is_alone(set) || &set == &contact.old);
     if (lead_.on) begin_path(contact, set, at.before);
     if (set.moving_count > 0) worst = evaluate_moving(set, probe, dt, standing);
@@ -301,8 +304,8 @@ void ContactStage::evaluate_set(const ContactState& contact, ContactSet& set, co
     }
 }
 
-// Candidates cover the proxy's way too: a contact that suddenly is deeper than their margin asks for more of
-// them.
+// Candidates must cover the proxy too. A contact that suddenly becomes deeper than their margin needs more
+// candidates.
 bool ContactStage::candidates_fall_short() noexcept {
     bool more = false;
     for_each_bit(sets_.probes() & candidates_.probes(), [&](std::uint32_t p) {
@@ -321,7 +324,7 @@ Vector3d ContactStage::cross_fade(std::uint32_t p, double dt) noexcept {
     ContactState& contact = sets_[p];
     CrossFade& fade = contact.fade;
     if (fade.fresh) {
-        // A surface that rises under the hand does it no faster than rise_speed.
+        // A surface that rises under the hand pushes it out no faster than rise_speed.
         const auto depth = [](const ContactSet& set) {
             return set.layers > 0 && set.touching ? set.layer[0].solution.dx.norm() : 0.0;
         };
@@ -342,7 +345,7 @@ void ContactStage::stay_clear(ContactState& contact, const Vector3d& p) const no
     for (std::uint32_t j = 0; j < contact.now.layers; ++j) contact.now.layer[j].proxy = p;
 }
 
-/// All that the surfaces of a probe do to it, once its sets are solved.
+/// The whole force of a probe's surfaces, once its sets are solved.
 [[gnu::always_inline]] inline Vector3d ContactStage::felt_by(std::uint32_t p, double dt) noexcept {
     const Probe& probe = state_.probes[p].probe;
     ContactState& contact = sets_[p];

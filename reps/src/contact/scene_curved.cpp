@@ -1,6 +1,7 @@
-// The joint contact solution where surfaces are curved. Their tangent planes at the probe's own feet are solved
-// first, as everywhere. What is found is exact where one surface holds alone (its foot is the nearest point)
-// and no other is violated there, or where all that hold are flat; else it is sought where they meet.
+// The joint contact solution where surfaces are curved. First the tangent planes at the probe's own feet are
+// solved, as everywhere. Their solution is exact where one surface holds alone (its foot is the nearest
+// point) and it violates no other, or where all holding surfaces are flat. Else the point where the surfaces
+// meet is sought.
 
 #include <algorithm>
 #include <cmath>
@@ -15,17 +16,18 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Of the hand. m: an error that no force shows.
+// m, at the hand: an error without a perceptible force.
 constexpr double exact_of_hand = 1e-15;
-// 1/m: what is round somewhere (the edges of a box) may be flat at x_k and not where the step ends.
+// 1/m: a surface that is round somewhere (a box at its edges) may be flat at x_k and round where the step
+// ends.
 constexpr double least_bend = 10;
-// By how much more than the hand a place moves that holds it where surfaces curve as sharply as it is deep in
-// them: in the middle of a hole whose rim holds it by any amount.
+// The largest motion of a holding point per motion of the hand, where the radius of curvature equals the
+// depth. In the middle of a hole whose rim holds the probe there is no limit.
 constexpr double most_per_motion = 4;
-constexpr double least_jump = 1e-6;  // m: of a millinewton, which nobody feels
+constexpr double least_jump = 1e-6;  // m: changes the force by a millinewton, which is imperceptible
 
-// Where it came to in the last cycle that took time; null: it is not known. One that is solved again, of more
-// surfaces or without time passing, starts from the same: so its answer is the same to the bit.
+// The solution of the last cycle that took time; null: unknown. A layer that is solved again, with more
+// surfaces or without time passing, starts from the same point. So its answer is the same to the bit.
 const CurvedStart* start_of(const Layer& layer, const Clock& clock) noexcept {
     const CurvedStart& newest = layer.reached[layer.newest];
     const bool again = newest.cycle == (clock.step > 0 ? clock.cycle : clock.last_timed);
@@ -65,9 +67,9 @@ CurvedStart found_again(const CurvedStarts::Place& place, const ContactSet& set,
     return start;
 }
 
-// A layer's surfaces are those of its stiffness and all that are harder. So one that was not there, since nothing near
-// was as soft, was held as the next harder one was; one that is harder than all that were was not held. A stiffness
-// that changes by and by (a weight) stays the same layer.
+// A layer holds the surfaces of its stiffness and all harder ones. A layer of a new stiffness, softer than
+// the hardest, starts where the next harder one was; one that is harder than all starts unheld. A stiffness
+// that changes gradually (a weight) stays the same layer.
 const CurvedStarts::OfLayer* start_for(const CurvedStarts& starts, double stiffness) noexcept {
     constexpr double same = 0.9;
     for (std::uint32_t j = 0; j < starts.count; ++j)
@@ -91,7 +93,7 @@ CurvedStarts starts_of(const ContactSet& set, const ContactState& contact, const
             of.started = layer.started;
             continue;
         }
-        // A set that was flat may not be any more: it was held where its planes meet.
+        // A flat set may become curved: its solution is where its planes meet.
         CurvedStart from;
         from.dx = layer.solution.dx;
         from.p = contact.position;
@@ -114,13 +116,13 @@ void take_starts(ContactSet& set, const Arena& arena, const CurvedStarts& starts
     }
 }
 
-// A texture's relief is that of the probe's foot.
+// The relief of a texture is taken at the probe's foot.
 double CurvedStage::relief_at(Owner owner, std::uint32_t member, std::uint32_t part) const noexcept {
     if (!state_.records[owner].textured) return 0;
     return -sets_.arena().s[member] - state_.records.tangential(owner).height[part];
 }
 
-// Is it where the surfaces themselves meet, what their planes at the probe's feet have told?
+// Do the surfaces meet elsewhere than their planes at the probe's feet do?
 bool CurvedStage::meet_elsewhere(const ContactSet& set, const Probe& probe,
                                  const Layer& layer) const noexcept {
     const Arena& a = sets_.arena();
@@ -147,7 +149,7 @@ bool CurvedStage::meet_elsewhere(const ContactSet& set, const Probe& probe,
         const Owner owner = a.owner[first];
         const KindOps& ops = kind_ops()[state_.records[owner].kind];
         if (!ops.curved) continue;
-        bool near = false;  // one that holds alone does so at its foot
+        bool near = false;  // a surface that holds alone holds at its foot
         for (std::uint32_t i = first; i < first + ops.contacts; ++i)
             near = near || (-a.s[i] < layer.far && (active.count != 1 || !holds(i)));
         if (near && lies_elsewhere(first, ops, owner)) return true;
@@ -155,8 +157,8 @@ bool CurvedStage::meet_elsewhere(const ContactSet& set, const Probe& probe,
     return false;
 }
 
-// Those that may matter no farther than `within` from the probe, as they are at p + dx. More than there is room
-// for: none.
+// Lists the surfaces within `within` of the probe, evaluated at p + dx. Lists none where there are more than
+// fit.
 std::uint32_t CurvedStage::list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
                                               const Vector3d& dx, double within, Room& room) noexcept {
     const Arena& a = sets_.arena();
@@ -194,7 +196,7 @@ std::uint32_t CurvedStage::list_near_surfaces(const ContactSet& set, const Probe
     return size;
 }
 
-// m: a way of the proxy that no surface has let go for.
+// m: a motion of the proxy that needs no release by a surface.
 double CurvedStage::explained(const ContactSet& set, const ContactSolution& to,
                               double motion) const noexcept {
     double speed = 0;
@@ -214,9 +216,9 @@ bool CurvedStage::any_curved(const ContactSet& set, const ActiveSet& active) con
     return false;
 }
 
-// Where the planes' solution lies farther off than the hand's motion explains, it is another place, though nearer: the
-// one that holds goes on. Not so one that holds alone, as it did, nor what is flat: they answer as if there were no
-// other.
+// The planes' solution may lie farther off than the hand's motion explains. Then it is another place, though
+// a nearer one, and the surface that holds continues to hold. Exceptions: one surface that holds alone as
+// before, and flat ones. They answer as if there were no other.
 bool CurvedStage::jumps(const ContactSet& set, const CurvedStart& start, const Layer& layer,
                         const Vector3d& p) const noexcept {
     const ActiveSet &now = layer.solution.active, &then = start.active;
@@ -226,7 +228,7 @@ bool CurvedStage::jumps(const ContactSet& set, const CurvedStart& start, const L
            explained(set, layer.solution, (p - start.p).norm()) + world_length(least_jump, state_.limits);
 }
 
-// The surfaces near the probe, as they are at `at`, and how much each pushed there.
+// The surfaces near the probe, evaluated at `at`, and how much each pushed there.
 std::span<NearSurface> CurvedStage::near_surfaces(const ContactSet& set, const Probe& probe,
                                                   const Layer& layer, const Descent& descent,
                                                   Room& room) noexcept {
@@ -243,8 +245,8 @@ std::span<NearSurface> CurvedStage::near_surfaces(const ContactSet& set, const P
     return near;
 }
 
-// Takes one step. The next one makes up for what the bend of the surfaces has changed on the way, and what the change of
-// their multipliers has changed of this one.
+// Takes one step. The next step corrects for the bend of the surfaces over this step, and for the change of
+// their multipliers.
 void CurvedStage::take_step(std::span<NearSurface> near, const CurvedStep& step, const Vector3d& p,
                             Descent& descent) const noexcept {
     ContactSolution& at = descent.at;
@@ -259,7 +261,7 @@ void CurvedStage::take_step(std::span<NearSurface> near, const CurvedStep& step,
     }
     const double exact = world_length(exact_of_hand, state_.limits), length = step.step.norm();
     double bend = 0, change = 0;
-    bool missed = false;  // one that the step did not touch may bend into it
+    bool missed = false;  // a surface without a part in the step may bend into it
     for (const NearSurface& surface : near) {
         if (!surface.curved) continue;
         const double by = std::max(least_bend / state_.limits.metre, surface.at.bend.norm());
@@ -271,15 +273,16 @@ void CurvedStage::take_step(std::span<NearSurface> near, const CurvedStep& step,
             missed = missed || (left < by * length * length && by * length * length > exact);
         }
     }
-    // What is no more than rounding is no step: a hand at rest feels the same to the bit.
+    // A step within rounding is left out: a hand at rest gets the same force to the bit.
     const double scale = p.lpNorm<1>() + at.dx.lpNorm<1>();
     if (length > std::max(exact / 8, 4 * std::numeric_limits<double>::epsilon() * scale)) at.dx += step.step;
     descent.done = !missed && bend * length * (length + change) <= exact;
     descent.within = std::max(descent.within, 2 * at.dx.norm());
 }
 
-// Steps that have not ended leave multipliers that belong to no place, and the next cycle would begin with them: they
-// grow without bound where the hand is between surfaces that contradict each other. Instead those that come nearest to dx.
+// A descent that has not ended has multipliers that belong to no point, and the next cycle would start with
+// them. They grow without bound where the hand is between contradictory surfaces. They are replaced by those
+// that come nearest to dx.
 void CurvedStage::balance(Descent& descent) noexcept {
     ContactSolution& at = descent.at;
     std::array<double, 3> nx{}, ny{}, nz{}, s{};
@@ -298,7 +301,8 @@ void CurvedStage::balance(Descent& descent) noexcept {
         at.multiplier[nearest.active.plane[i]] = nearest.multiplier[i];
 }
 
-// Where it has to go farther than the hand explains, since the place that held it is none any more, it slides.
+// The place that held the hand exists no longer. Where the new one is farther off than the hand's motion
+// explains, the proxy slides there.
 void CurvedStage::slide(const ContactSet& set, const CurvedStart& start, const Vector3d& p,
                         ContactSolution& at) const noexcept {
     const Vector3d from = start.dx + (start.p - p), way = at.dx - from;
@@ -317,7 +321,8 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
     const bool feasible = solve_planes(layer, planes, worst, p);
     layer.far = layer.solution.dx.norm();
     layer.joined = false;
-    // The hand has come from nearer than it was held: else it begins where the planes meet.
+    // A warm start needs a hand that moved less than its depth. Else the descent starts where the planes
+    // meet.
     const CurvedStart* const start = start_of(layer, state_.clock);
     Descent descent{.at = layer.solution};
     descent.warm = start && start->active.count > 0 && start->dx.norm() >= (p - start->p).norm();
@@ -330,7 +335,7 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
         at.active = start->active;
         at.multiplier = start->multiplier;
     }
-    const double most = 2 * std::max(layer.far, at.dx.norm());  // m: no farther, whatever happens
+    const double most = 2 * std::max(layer.far, at.dx.norm());  // m: the limit of the proxy's distance
     descent.within = most;
     Room room;
     for (std::uint32_t round = 0; round < max_curved_rounds && !descent.done; ++round) {
@@ -346,7 +351,8 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
         take_step(near, step, p, descent);
         layer.far = std::max(layer.far, at.dx.norm());
     }
-    layer.far = std::max(layer.far, descent.within);  // all that was listed has been evaluated, then
+    layer.far = std::max(layer.far, descent.within);  // all listed surfaces have been evaluated at this
+                                                      // distance
     if (!at.dx.allFinite() || (!descent.done && at.dx.norm() > most)) return feasible;
     if (!descent.done) balance(descent);
     if (descent.warm) slide(set, *start, p, at);
@@ -412,8 +418,8 @@ void CurvedStage::put_back(Arena& a, const PlanesApart& apart) noexcept {
     }
 }
 
-// In layer j a solid leans to where x is: there it takes hold and lets go without a step, whether it holds with others
-// or does not hold, since another one does. Where it holds alone x is at its own foot.
+// In layer j a solid leans to where x is. So it takes hold and lets go without a step, with others or while
+// another one holds in its place. Where it holds alone, x is at its own foot.
 void CurvedStage::lean_in_layer(const ContactSet& set, const Probe& probe, std::uint32_t j) noexcept {
     const Arena& a = sets_.arena();
     const Layer& layer = set.layer[j];
@@ -435,7 +441,7 @@ void CurvedStage::lean_in_layer(const ContactSet& set, const Probe& probe, std::
     }
 }
 
-// At the end of a cycle: within it a surface that is evaluated again answers the same.
+// Runs at the end of a cycle, so that within a cycle a repeated evaluation gives the same answer.
 void CurvedStage::lean(const ContactSet& set, const Probe& probe) noexcept {
     for (std::uint32_t j = 0; j < set.layers; ++j) lean_in_layer(set, probe, j);
 }

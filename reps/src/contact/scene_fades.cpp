@@ -1,4 +1,4 @@
-// Cross-fades of contact sets: what fades out, from what, and when that ends.
+// Cross-fades of contact sets: which set fades out, from where, and when the fade ends.
 
 #include <algorithm>
 
@@ -39,7 +39,7 @@ void ContactSets::release_old(std::uint32_t i) noexcept {
 
 void ContactSets::replace_probe(std::uint32_t p) noexcept {
     ContactState& contact = states_[p];
-    // Nothing was felt there, and there is nothing that a larger probe might reach.
+    // There was no force, and a larger probe reaches nothing.
     if (contact.now.count == 0 && !contact.fade.under_way && !candidates_.any(p)) return;
     contact.change.fade_over(0);
     contact.change.time = state_.policy.automatic;
@@ -47,19 +47,20 @@ void ContactSets::replace_probe(std::uint32_t p) noexcept {
     edited_ = true;
 }
 
-// The plane that gives the present force here. What texture pushed is let go.
+// The plane that gives the present force here. The texture's part is dropped.
 void ContactSets::freeze_fade(std::uint32_t p) noexcept {
     ContactState& contact = states_[p];
     const double force = contact.force.norm();
     double k = 0;
     for (const ContactSet* set : {&contact.now, &contact.old}) {
-        for (std::uint32_t j = 0; j < set->layers; ++j) {  // of those that push: the others may be far away
+        for (std::uint32_t j = 0; j < set->layers; ++j) {  // only the pushing planes: the others may be far
+                                                           // away
             if (!set->layer[j].solution.dx.isZero(0)) k = std::max(k, set->layer[j].stiffness);
         }
     }
     if (k == 0 && force > 0)
         k = std::min(world_stiffness(unlimited_stiffness, state_.limits),
-                     state_.limits.max_stiffness);  // summed planes: no layer
+                     state_.limits.max_stiffness);  // summed planes have no layer
     FrozenPlane& frozen_plane = contact.frozen_plane;
     frozen_plane.stiffness = force > 0 ? k : 0;
     if (frozen_plane.stiffness <= 0) return;
@@ -75,8 +76,8 @@ void ContactSets::freeze_fade(std::uint32_t p) noexcept {
     friction.residual_time = residual_decay;
 }
 
-// The changes that were taken for this probe become one cross-fade: from the set that was felt, or, where
-// that was a fade itself, from the plane that stands for it.
+// Merges the accepted changes of this probe into one cross-fade. It starts from the active set or, where a
+// fade was under way, from the plane that stands for it.
 void ContactSets::begin_fade(std::uint32_t p, std::span<const std::uint32_t> renewed) noexcept {
     ContactState& contact = states_[p];
     const SetChange& change = contact.change;
@@ -104,8 +105,8 @@ void ContactSets::begin_fade(std::uint32_t p, std::span<const std::uint32_t> ren
     }
 }
 
-// A plane that stood where one stands now: in the same order, so that no rounding differs from that of a set
-// that is copied (reshape_sets).
+// A plane that stood still, where another one stands now. The same order as in a copied set (reshape_sets),
+// so that rounding is the same.
 bool ContactSets::stands_in_for_old(std::uint32_t i, std::uint32_t p) const noexcept {
     const SetSlot& slot = slots_[i];
     const std::uint32_t fade = states_[p].fade.number;
@@ -115,8 +116,8 @@ bool ContactSets::stands_in_for_old(std::uint32_t i, std::uint32_t p) const noex
            now.stands && state_.records.old(i).stands;
 }
 
-// The owners of the fading set: what changed as it was, and what did not change as it is. Surfaces that recover
-// by themselves are in both sets as they are now.
+// The owners of the fading set: changed surfaces by their old records, unchanged ones by their current
+// records. Surfaces that recover by themselves are in both sets with their current record.
 std::span<const Owner> ContactSets::list_old(std::uint32_t p) noexcept {
     CrossFade& fade = states_[p].fade;
     const Records& records = state_.records;
@@ -183,7 +184,8 @@ ContactSets::Starts ContactSets::starts_of_probe(std::uint32_t p) const noexcept
             .old = starts_of(contact.old, contact, arena(), state_.clock)};
 }
 
-// What is new is felt for what it is. What begins to fade out goes on from where it held the probe until now.
+// The new set starts at its own solution. What begins to fade out continues from where it held the probe
+// until now.
 void ContactSets::take_starts_of_probe(std::uint32_t p, Arena& a, const Starts& starts) noexcept {
     ContactState& contact = states_[p];
     const bool begins = contact.change.edited && contact.fade.fresh;

@@ -1,7 +1,7 @@
-// Planes that stand and are put elsewhere, a thousand at a time: their sets keep their members. What was felt
-// is copied whole, and the new places are written over it:
+// Moves planes that stand still, a thousand in one batch: their sets keep their members. The present set is
+// copied whole, and the new places are written over it:
 //
-//   now, edited in place ──copy──> old, in room of its own        (overtaken: the frozen plane alone is in old)
+//   now, edited in place ──copy──> old, in room of its own     (interrupted fade: old is the frozen plane)
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ namespace knurl::detail {
 void ContactSets::reshape(std::uint32_t i, double fade_time) noexcept {
     const Record& next = state_.records.current(i);
     ContactState& contact = states_[next.probe];
-    // What still fades from `next` goes on as the frozen plane: the set is edited, and that interrupts its
+    // The frozen plane stands for the part of `next` that still fades: the edit of the set interrupts its
     // fade.
     contact.change.fade_over(fade_time);
     keep_old(i);
@@ -22,7 +22,7 @@ void ContactSets::reshape(std::uint32_t i, double fade_time) noexcept {
     reshaped_.push_back(i);
 }
 
-// As much as the new set takes, where there is less at the end of the arena: false if that is full.
+// Makes as much room as the new set takes, at the end of the arena if needed. False: the arena is full.
 bool ContactSets::make_room_for_old(ContactState& contact) noexcept {
     Arena& a = arena();
     const ContactSet& now = contact.now;
@@ -70,7 +70,7 @@ void ContactSets::copy_to_old(ContactState& contact) noexcept {
     for (std::uint32_t j = 0; j < now.layers; ++j) old.layer[j] = now.layer[j];
 }
 
-// By the frozen plane, or nothing.
+// Replaces the old set by the frozen plane, or by nothing.
 void ContactSets::replace_old(std::uint32_t p) noexcept {
     Arena& a = arena();
     ContactSet& old = states_[p].old;
@@ -85,7 +85,7 @@ void ContactSets::replace_old(std::uint32_t p) noexcept {
     a.moving_used = moving_used;
 }
 
-// False: there is no room, and nothing has been done.
+// False: there is no room, and nothing has changed.
 bool ContactSets::reshape_sets(std::span<const std::uint32_t> renewed) noexcept {
     for (ContactState& contact : states_) {
         if (contact.change.edited && !make_room_for_old(contact)) return false;

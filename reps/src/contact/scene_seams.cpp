@@ -1,5 +1,5 @@
-// What touches holds the hand like one: the proxy is led along what holds it, and what can be entered and left is
-// so by the proxy's path. proxy_path.hpp says how a surface is evaluated.
+// Touching surfaces hold the hand as one surface. The proxy follows a path along the surfaces that hold it,
+// and it enters and leaves a solid by this path. proxy_path.hpp says how a surface is evaluated.
 
 #include <cmath>
 #include <utility>
@@ -14,11 +14,11 @@ using Stage = ProxyPath::Stage;
 
 namespace {
 
-// Each enters or leaves a surface, which none does twice in a cycle. Where dozens lie in each other the next cycle
-// goes on from where this one came to.
+// In each round the proxy enters or leaves one surface, and no surface twice in a cycle. Where dozens
+// overlap, the next cycle continues from the place reached.
 constexpr int most_rounds = 16;
-// How often in a cycle surfaces that are not flat are evaluated again because the proxy has come to another
-// place of them. Each time it is nearer to where it rests; the next cycle goes on from there.
+// How often in a cycle curved surfaces are evaluated again because the proxy has reached another place on
+// them. Each time it is nearer to its final place; the next cycle continues from there.
 constexpr int most_turns = 16;
 
 }  // namespace
@@ -33,7 +33,8 @@ void ContactStage::begin_path(const ContactState& contact, const ContactSet& set
     path_.hand = world_length(seam_of_hand, state_.limits);
 }
 
-// A surface that is in both sets of a fade goes by what holds the probe now, and answers the fading set alike.
+// A surface in both sets of a fade follows the set that holds the probe now, and answers the fading set
+// alike.
 void ContactStage::set_stage(const ContactSet& set, std::uint32_t member, bool first) noexcept {
     const Owner owner = sets_.arena().owner[member];
     const bool shared = lead_.fades && !state_.records.fades_out(owner);
@@ -49,7 +50,7 @@ void ContactStage::set_stage(const ContactSet& set, std::uint32_t member, bool f
         path_.stage = first ? Stage::answer : lead_.stage;
     }
     lead_.again = lead_.again || !(first || lead_.solved);
-    path_.joined = true;  // `to` is the proxy, until it is known what holds it
+    path_.joined = true;  // `to` is the proxy, until the holding surface is known
     path_.push.setZero();
     if (path_.passes) {
         path_.to = lead_.contact->now.reached;
@@ -77,7 +78,7 @@ void ContactStage::fill_path(const ContactSet& set, std::uint32_t member) noexce
     if (own > 0 && !path_.joined) path_.to.setZero();  // its foot is the probe's
 }
 
-// Those that are within reach. Whoever answers, answers for the layers to be solved again.
+// Offers the path to all surfaces within reach. If one answers, its layers must be solved again.
 void ContactStage::pass_along(ContactSet& set, const Probe& probe, Stage stage) noexcept {
     const Arena& a = sets_.arena();
     lead_.stage = stage;
@@ -104,7 +105,8 @@ void ContactStage::pass_along(ContactSet& set, const Probe& probe, Stage stage) 
     lead_.stage = Stage::answer;
 }
 
-// How many surfaces are near enough to that place (m, from the probe) to touch it, but for what is about to leave.
+// Counts the surfaces near enough to that place (m, from the probe) to touch it, except one that is about to
+// leave.
 std::uint32_t ContactStage::count_close(ContactSet& set, const Probe& probe, const Vector3d& place) noexcept {
     const Arena& a = sets_.arena();
     lead_.place = place;
@@ -152,7 +154,8 @@ const Layer* ContactStage::lead_proxy(ContactSet& set, const Probe& probe, doubl
     return brush(set, probe, dt, standing, worst, top);
 }
 
-// What a probe with a radius overlaps, the deepest first: it may have nothing to do with the others any more.
+// Offers the path to each surface that a probe with a radius overlaps, the deepest first: it may be apart
+// from the others by now.
 const Layer* ContactStage::brush(ContactSet& set, const Probe& probe, double dt, double standing,
                                  double& worst, const Layer* top) noexcept {
     path_.commits = dt > 0;
@@ -170,7 +173,7 @@ const Layer* ContactStage::brush(ContactSet& set, const Probe& probe, double dt,
     return top;
 }
 
-// From where the proxy was to where all that holds it leaves it.
+// Moves the proxy from its last place to where all holding surfaces leave it.
 const Layer* ContactStage::lead_on(ContactSet& set, const Probe& probe, double dt, double standing,
                                    double& worst) noexcept {
     const Vector3d& dx = set.layer[0].solution.dx;
@@ -203,7 +206,7 @@ const Layer* ContactStage::lead_on(ContactSet& set, const Probe& probe, double d
             top = solve_anew();
         } else if (path_.grazed && path_.hold.isZero(0) &&
                    count_close(set, probe, Vector3d(path_.graze)) > 1) {
-            path_.hold = lead_.before - probe.position;  // it comes down on what two make up
+            path_.hold = lead_.before - probe.position;  // it lands on what two surfaces form together
         } else {
             break;
         }

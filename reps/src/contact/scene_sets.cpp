@@ -1,4 +1,4 @@
-// Builds each probe's sets: the surfaces that act now, and while a fade lasts those that acted before.
+// Builds each probe's sets: the surfaces that act now and, while a fade lasts, those that acted before.
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +17,8 @@ ContactSets::ContactSets(SceneState& state, SurfaceCandidates& candidates)
       surfaces_(empty_list(slots_.size())),
       olds_(empty_list(slots_.size())),
       reshaped_(empty_list(slots_.size())) {
-    // A slot is at most in three sets: the old record in one probe's fading set, the new one in both of
-    // another's. Each set is aligned to four.
+    // A slot is in at most three sets: its old record in one probe's fading set, its new one in both sets of
+    // another probe. Each set is aligned to four.
     const std::size_t n = slots_.size();
     const std::size_t members = 3 * n * max_contacts + Scene::max_probes + 2 * 4 * Scene::max_probes;
     planes_.resize(6 * members);
@@ -70,8 +70,8 @@ std::span<const Owner> ContactSets::list_now(std::uint32_t p) noexcept {
     return {scratch_.data(), n};
 }
 
-// The distinct stiffnesses of a set, softest first. One too many and the nearest two become one, the softer:
-// nobody feels more than was asked for.
+// The distinct stiffnesses of a set, softest first. Where there is one too many, the nearest two become one,
+// the softer: no surface is stiffer than requested.
 struct ContactSets::Levels {
     std::array<double, max_layers + 1> k{};
     std::uint32_t count = 0;
@@ -95,7 +95,7 @@ struct ContactSets::Levels {
         while (at > 0 && k[at] > stiffness) --at;
         return static_cast<std::uint8_t>(at);
     }
-    // Besides layers: in no set, and behind them.
+    // Values besides the layers: in no set, and summed behind the layers.
     static constexpr std::uint8_t none = 0xff, summed = 0xfe;
 };
 
@@ -112,7 +112,7 @@ std::uint32_t ContactSets::parts_of(Owner o) const noexcept {
     return stands(o) ? 1 : kind_ops()[state_.records[o].kind].contacts;
 }
 
-// One weight for all scales the force; unequal weights make unequal stiffnesses, which the layers keep
+// A common weight scales the force. Unequal weights give unequal stiffnesses, and the layers keep their force
 // continuous.
 void ContactSets::share_weight(ContactSet& set, std::span<const Owner> owners) const noexcept {
     const double first = weight_of(owners.front());
@@ -121,7 +121,7 @@ void ContactSets::share_weight(ContactSet& set, std::span<const Owner> owners) c
     set.scale = uniform ? first : 1;
 }
 
-// Hardest first, so that each layer is a prefix; behind them those whose forces add up.
+// Hardest first, so that each layer is a prefix; summed planes come last.
 void ContactSets::sort_into_layers(ContactSet& set, std::uint32_t p, std::span<const Owner> owners) noexcept {
     const auto felt_stiffness = [&](Owner o) { return stiffness_of(o, p) * own_weight(set, weight_of(o)); };
     Levels levels;
@@ -169,7 +169,7 @@ void ContactSets::put_plane(const ContactSet& set, std::uint32_t p, Arena& into,
     into.b[at] = o == frozen_plane_owner ? 0 : plane.damping * own_weight(set, weight_of(o));
 }
 
-// A surface that moves is evaluated each cycle; until then it is out of reach.
+// A moving surface is evaluated in each cycle; until the first evaluation it is out of reach.
 void ContactSets::put_moving(std::uint32_t p, Arena& into, Owner o, std::uint32_t at) const noexcept {
     for (std::uint32_t part = at; part < at + parts_of(o); ++part) {
         into.owner[part] = o;
@@ -178,7 +178,7 @@ void ContactSets::put_moving(std::uint32_t p, Arena& into, Owner o, std::uint32_
     }
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     double reach = std::numeric_limits<double>::infinity();
-    // One that moves may come near: it is evaluated while it is in a set.
+    // A moving surface may come near, so it is evaluated while it is in a set.
     const Record& r = state_.records[o];
     const std::optional<Bound> ball = kind_ops()[r.kind].bound(r);
     if (ball && ball->velocity.isZero(0)) {

@@ -1,5 +1,5 @@
-// What is felt along the surface, once per probe, on the blended contact: friction, texture, the braking
-// pulse at entry.
+// The tangential stage on the blended contact, once per probe: friction, texture, and the braking pulse at
+// entry.
 
 #include <cmath>
 
@@ -13,9 +13,9 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double pulse_time = 4e-3;   // s: Salcudean and Vlaar 1994
-constexpr double rearm_time = 20e-3;  // s outside, until the next entry brakes again
+constexpr double rearm_time = 20e-3;  // s outside, before an entry brakes again
 
-// Where the surface's material rubs more or less than the rest of it.
+// A place where the surface's material has more or less friction than elsewhere.
 FrictionLaw scaled(FrictionLaw law, double share) noexcept {
     law.static_ *= share;
     law.dynamic *= share;
@@ -71,7 +71,7 @@ double texture_gain_of(const Record& r, const Texture& texture, const Probe& pro
 
 namespace {
 
-/// What the surfaces that push make of what is felt along them, each by its part of the normal force.
+/// The mixture of the tangential laws of all pushing surfaces, each weighted by its part of the normal force.
 struct Mixture {
     FrictionLaw law;  // without viscous friction
     double viscous = 0, braking = 0;
@@ -84,13 +84,13 @@ class Mixer {
           const SceneState& state) noexcept
         : contact_(contact), arena_(arena), probe_(probe), state_(state), s_(contact.fade.share_of_new()) {}
 
-    // Coefficients count by each plane's part of the normal force. Viscous friction is no part of that, so it
-    // comes and goes with its set.
+    // Coefficients are weighted by each plane's part of the normal force. Viscous friction does not depend on
+    // that force, so it is weighted by its set's share.
     Mixture mix() const noexcept {
         double total = 0, total_now = 0, total_old = 0;
         each([&](bool now, std::uint32_t, double push) {
             total += push;
-            (now ? total_now : total_old) += push;  // apart: their difference may round to nothing
+            (now ? total_now : total_old) += push;  // kept apart, since their difference may round to zero
         });
         Mixture mixture;
         if (!(total > 0)) return mixture;
@@ -131,7 +131,7 @@ class Mixer {
         mixture.braking += share * feel.braking;
         if (!r.textured) return;
         const Vector3d n(arena_.nx[member], arena_.ny[member], arena_.nz[member]);
-        std::uint32_t part = 0;  // of its surface's contacts
+        std::uint32_t part = 0;  // index among its surface's contacts
         while (member - part > set.begin && arena_.owner[member - part - 1] == owner) ++part;
         Relief under = relief(feel.texture, foot_of(probe_, feel.height[part], n), n, feel.shift);
         under.slope *= texture_gain_of(r, feel.texture, probe_, state_);
@@ -160,7 +160,7 @@ Tangent tangent_of(const ContactState& contact, const Arena& a, const Vector3d& 
     };
     const Vector3d line = normal_of(0).cross(normal_of(1));
     const double length = line.norm();
-    // Two planes that are one to a ten-thousandth of a degree are no corner.
+    // Two planes within a ten-thousandth of a degree form no corner.
     if (length > 1e-6) {
         tangent.line = line / length;
         tangent.dimensions = 1;

@@ -11,13 +11,13 @@ using Vector = Eigen::Vector3d;
 
 constexpr double turn = 2 * std::numbers::pi;
 
-/// Phase of a cosine (rad). The remainder is exact, so that far away only the distance's own rounding is
-/// left.
+/// Phase of a cosine (rad). The remainder is exact, so far away only the rounding of the distance is left.
 double phase(double distance, double wavelength) noexcept {
     return turn * (std::remainder(distance, wavelength) / wavelength);
 }
 
-/// Across the ridges of the second direction of a grid: along the surface and them.
+/// Across the ridges of a grid's second direction: perpendicular to the surface normal and to the ridges'
+/// direction.
 Vector perpendicular(const Vector& normal, const Vector& direction) noexcept {
     const Vector v = normal.cross(direction);
     const double length = v.norm();
@@ -52,7 +52,7 @@ Relief relief(const Texture& texture, const Vector& p, const Vector& normal, con
 }
 
 double texture_gain(const Texture& texture, double speed, const Limits& limits) noexcept {
-    const double per_cycle = speed / texture.wavelength * limits.period;  // ridges passed
+    const double per_cycle = speed / texture.wavelength * limits.period;  // ridges per cycle
     return std::clamp(2 - 8 * per_cycle, 0.0, 1.0);
 }
 

@@ -3,7 +3,7 @@
 namespace knurl {
 namespace {
 
-// One row of a rotation. In scalars: GCC 12 spends more on shuffling Eigen's pairs than the products take.
+// One row of a rotation, in scalars: GCC 12 spends more time on shuffling Eigen's pairs than on the products.
 struct Row {
     double x, y, z;
     double operator*(const Eigen::Vector3d& v) const noexcept { return x * v.x() + y * v.y() + z * v.z(); }

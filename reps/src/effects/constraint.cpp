@@ -15,7 +15,7 @@ Constraint prepared(Constraint params, const Limits& limits) noexcept {
 void adopt(const Constraint&, const Constraint*, Constraint::State&, const Probe&) noexcept {}
 
 Wrench evaluate(const Constraint& params, Constraint::State&, const Probe& probe, double) noexcept {
-    // P is linear: once for the whole force.
+    // P is linear, so it is applied once to the whole force.
     const Eigen::Vector3d pull =
         params.stiffness * (to_eigen(params.origin) - probe.position) - params.damping * probe.velocity;
     const Eigen::Vector3d u = to_eigen(params.direction);

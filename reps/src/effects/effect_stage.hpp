@@ -1,6 +1,6 @@
 #pragma once
-// Effects add up; each fades by itself. Those that give nothing where the probe is, or as they stand, are not evaluated:
-// what they would answer is nothing, so the sum is the same to the bit.
+// Effects are summed; each fades separately. Effects whose force is zero at the probe, or with their
+// parameters, are not evaluated. Their force would be zero, so the sum is the same to the bit.
 
 #include <array>
 #include <cstdint>
@@ -17,19 +17,19 @@
 
 namespace knurl::detail {
 
-/// From what an effect fades into what it is now.
+/// What the effect fades from.
 enum class FadeFrom : std::uint8_t { none, nothing, record, frozen };
 
 struct EffectState {
     FadeFrom from = FadeFrom::none;
-    bool evaluated = false;        // in each cycle
+    bool evaluated = false;        // it is evaluated in each cycle
     bool collapsed = false;        // a spring that is part of its probe's CollapsedSprings
-    bool carries = false;          // the old record is the same effect's: it moves along
-    std::uint32_t place = 0;       // among effects_
+    bool carries = false;          // the old record belongs to the same effect: it moves along
+    std::uint32_t place = 0;       // index in effects_
     double elapsed = 0, time = 0;  // s
-    double gain = 1;               // of the new one
+    double gain = 1;               // of the new record
     Wrench frozen;                 // about the hand
-    Wrench remnant;                // this cycle's share of the old
+    Wrench remnant;                // the old record's share in this cycle
     Wrench last;                   // contribution to the hand in the last cycle
 };
 
@@ -39,17 +39,16 @@ class EffectStage {
     void reset() noexcept;
     void index() { candidates_.index(); }
 
-    // While changes are taken.
-    /// It is no longer felt as it is.
+    // While changes are taken: the current record no longer acts.
     void forget(std::uint32_t slot) noexcept { candidates_.forget(slot, state_.records.current(slot)); }
-    /// What is felt in its place, if `is`. `previous`: what was felt, if anything was; `same`: it is the same effect with
-    /// other parameters. True: its old record is what fades out now, whatever it was.
+    /// The current record acts in its place, if `is`. `previous`: the record that acted before, if any;
+    /// `same`: it is the same effect with other parameters. True: its old record is what fades out now.
     bool change(std::uint32_t slot, Record* previous, bool is, bool same) noexcept;
-    /// These probes (bit mask) sit elsewhere on the hand: what was felt there fades out.
+    /// These probes (bit mask) move to another place on the hand: their present forces fade out.
     void replace_probes(std::uint32_t probes) noexcept;
-    /// Its old record is about to be overwritten.
+    /// The old record is about to be overwritten.
     void release_old(std::uint32_t slot) noexcept;
-    /// Another list of what is evaluated may be needed.
+    /// The list of evaluated effects may change.
     void edit() noexcept { edited_ = true; }
     bool edited() const noexcept { return edited_; }
     bool probes_left() noexcept { return candidates_.probes() != 0 && candidates_.left(state_); }
@@ -61,22 +60,21 @@ class EffectStage {
 
     // For the stages that follow.
     const EffectState& operator[](std::uint32_t slot) const noexcept { return effects_state_[slot]; }
-    std::span<const std::uint32_t> effects() const noexcept { return effects_; }  // that are felt
+    std::span<const std::uint32_t> effects() const noexcept { return effects_; }  // the active ones
     std::span<const std::uint32_t> evaluated() const noexcept {
         return by_kind_;
-    }  // but for collapsed springs
+    }  // except collapsed springs
     std::span<const std::uint32_t> fading() const noexcept { return fading_; }
     std::uint32_t collapsed_probes() const noexcept { return collapsed_; }  // bit mask
     Wrench collapsed_wrench(std::uint32_t probe) const noexcept {
         return springs_[probe].evaluate(state_.probes[probe].probe);
     }
-    /// At the hand, in shares of what the device stands: of all that are evaluated.
+    /// Upper bound at the hand over all evaluated effects, in shares of the device's limits.
     const Demand& bound() const noexcept { return bound_; }
     Demand bound_of(const Record& effect) const noexcept;
     double sleep_radius() const noexcept { return candidates_.sleep_radius(state_); }
 
-    /// One call per kind in the scene: a kind that nobody uses is not even called. From
-    /// KindOps::evaluate_all.
+    /// One call per kind in the scene: unused kinds cost no call. Called from KindOps::evaluate_all.
     template <class Evaluate, class Arrived>
     void evaluate_each(std::span<const std::uint32_t> slots, double dt, Wrench& sum, Evaluate evaluate,
                        Arrived arrived) noexcept {
@@ -89,7 +87,7 @@ class EffectStage {
             effect.last = (effect.gain * r.weight) * at_hand(evaluate(r, probe.probe, step), probe);
             sum += effect.last;
             if (effect.from != FadeFrom::none) effect.last += effect.remnant;
-            // It may be one with others, or cost nothing, from now on.
+            // From now on it may be collapsed with others, or cost nothing.
             if (under_way && arrived(r)) edited_ = true;
         }
     }
@@ -102,7 +100,7 @@ class EffectStage {
     bool may_collapse(std::uint32_t slot) const noexcept;
     void list() noexcept;
     void bound_all() noexcept;
-    void evaluate_at_probes(double dt, Wrench& sum) noexcept;  // as fast as they say that they are
+    void evaluate_at_probes(double dt, Wrench& sum) noexcept;  // at the velocity that the probes report
     Wrench at_hand(const Wrench& at_probe, const ProbeState& probe) const noexcept {
         const Limits& limits = state_.limits;
         Wrench w{clamped(at_probe.force, limits.max_force), clamped(at_probe.torque, limits.max_torque)};
@@ -116,14 +114,14 @@ class EffectStage {
     SceneState& state_;
     EffectCandidates candidates_;
     std::vector<EffectState> effects_state_;  // by slot
-    SlotList effects_;                        // that are felt
-    SlotList fading_;                         // whose effect fades
+    SlotList effects_;                        // active ones
+    SlotList fading_;                         // slots whose effect fades
     bool edited_ = false;
     bool bound_stale_ = false;
     Demand bound_;
     std::vector<CollapsedSprings> springs_;  // by probe
     std::uint32_t collapsed_ = 0;            // bit mask: probes with collapsed springs
-    SlotList by_kind_;                       // that are evaluated, but for collapsed springs
+    SlotList by_kind_;                       // evaluated ones, except collapsed springs
     std::array<std::uint32_t, Representations::size + 1> kind_begin_{};
     std::vector<Kind> active_kinds_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What fields with a jacobian share: the bound on its eigenvalues, and the edge of their reach.
+// Shared by fields with a Jacobian: the bound on its eigenvalues, and the edge of their reach.
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +11,8 @@ namespace knurl {
 template <int N>
 using Square = Eigen::Matrix<double, N, N>;
 
-/// Jacobi's rotations (Golub & Van Loan, Matrix Computations, 8.5): s becomes diagonal, q^T s q of what it
-/// was. They converge quadratically: 6 x 6 takes 6 to 8 sweeps; whatever the last one leaves, q is
-/// orthogonal.
+/// Jacobi's rotations (Golub & Van Loan, Matrix Computations, 8.5): s becomes diagonal, q^T s q of the input.
+/// They converge quadratically: 6 x 6 takes 6 to 8 sweeps. q is orthogonal after any number of sweeps.
 template <int N>
 void diagonalise(Square<N>& s, Square<N>& q) noexcept {
     constexpr int sweeps = 16;
@@ -48,14 +47,14 @@ void diagonalise(Square<N>& s, Square<N>& q) noexcept {
     }
 }
 
-/// What the eigenvalues of a symmetric matrix lie between (N/m); 0 does so too.
+/// An interval that contains the eigenvalues of a symmetric matrix (N/m), and 0.
 struct Spectrum {
     double least = 0, most = 0;
     double largest() const noexcept { return std::max(-least, most); }
 };
 
-/// Brings the eigenvalues of j's symmetric part into [low, high]; j is untouched, to the bit, where
-/// Gershgorin's circles show that they are there. Returns what they lie between then.
+/// Brings the eigenvalues of j's symmetric part into [low, high]. j stays the same to the bit where
+/// Gershgorin's circles show that it is inside. Returns the interval of the result.
 template <int N>
 Spectrum clamp_eigenvalues(Square<N>& j, double low, double high) noexcept {
     Square<N> s = 0.5 * (j + j.transpose());
@@ -75,16 +74,17 @@ Spectrum clamp_eigenvalues(Square<N>& j, double low, double high) noexcept {
     return {std::min(0.0, values.minCoeff()), std::max(0.0, values.maxCoeff())};
 }
 
-/// The lower clamp of a field that is held beyond its rim: there the tangential force goes on growing, and a
-/// direction restores with up to a third of the most that pushes away more than within.
+/// The lower clamp of a field that is held beyond its rim. There the tangential force still grows, and a
+/// direction's stiffness rises by up to a third of the largest negative one.
 inline double restoring_when_held(double largest, double pushing) noexcept {
     return std::isfinite(largest) ? std::max(0.0, largest - pushing / 3) : largest;
 }
 
-/// Up to this share of its reach a field is its series, unless the edge would be too steep for the device.
+/// Up to this share of its reach a field equals its series, unless the edge would be too steep for the
+/// device.
 inline constexpr double widest_core = 0.8;
 
-/// What is left of the energy at a distance, and how that changes with it (1/m).
+/// The share of the energy that is left at a distance, and its derivative (1/m).
 struct EdgeShare {
     double value = 1, slope = 0;
 };
@@ -97,19 +97,19 @@ inline EdgeShare smooth_edge(double distance, double core, double reach) noexcep
     return {.value = t * t * (3 - 2 * t), .slope = -6 * t * (1 - t) / width};
 }
 
-/// What is left of a field's load: all up to nine tenths of its reach, nothing at its end.
+/// The share of a field's load: all of it up to nine tenths of its reach, zero at the reach.
 inline double load_left(double distance, double reach) noexcept {
     return std::clamp(10 * (1 - distance / reach), 0.0, 1.0);
 }
 
-/// The middle of the edge, as a share of the reach: from the field's mean energy there it is cut, so that least
-/// of it has to be taken away.
+/// The middle of the edge, as a share of the reach. The field's mean energy there is the level for the cut,
+/// so that the least energy is cut off.
 inline double middle_of_edge(double core) noexcept {
     return (1 + core) / 2;
 }
 
-/// The widest core, at most widest_core, with which `slope_of(core)` is no more than `largest` (N/m).
-/// `strength` is the share of the field that is left where even an edge over all of the reach is steeper.
+/// The widest core, at most widest_core, for which `slope_of(core)` is at most `largest` (N/m). `strength` is
+/// the remaining share of the field where even an edge over the whole reach is steeper.
 struct Core {
     double share = widest_core, strength = 1;
     double slope = 0;  // N/m, of the edge

@@ -8,7 +8,7 @@
 namespace knurl {
 namespace {
 
-// 1 up to the strongest pull, then down to 0 at the end of its reach.
+// The share of the pull: 1 up to the strongest pull, then falling to 0 at the end of its reach.
 double share_left(const Magnet& magnet, double x, double strongest) noexcept {
     if (x <= strongest) return 1;
     if (x >= magnet.max_distance) return 0;
@@ -52,7 +52,7 @@ Wrench evaluate(const Magnet& params, Magnet::State&, const Probe& probe, double
     const double strongest = params.max_force / params.stiffness;
     const double share = share_left(params, std::abs(x), strongest);
     if (!(share > 0)) return {};
-    double scale = -params.stiffness;  // of q: to a point, near it
+    double scale = -params.stiffness;  // of q: near a point, it pulls to that point
     if (params.radius > 0 || r > strongest) {
         const double pull = std::min(params.stiffness * std::abs(x), params.max_force * share);
         const double length = std::sqrt(r * r + params.rounding * params.rounding);
@@ -63,7 +63,7 @@ Wrench evaluate(const Magnet& params, Magnet::State&, const Probe& probe, double
 
 namespace {
 
-// The work of the pull from `x` away to where there is none, rounding left out.
+// The work of the pull from `x` to the end of its reach. Rounding is cut off.
 double energy_of(const Magnet& magnet, double x, double strongest) noexcept {
     const double near = std::min(x, strongest), far = std::max(0.0, x - strongest);
     return 0.5 * magnet.stiffness * near * near +
@@ -78,12 +78,12 @@ HandLoad stiffness_of(const Magnet& params, const Probe& probe) noexcept {
     const double strongest = params.max_force / params.stiffness;
     const double share = share_left(params, std::abs(x), strongest);
     if (!(share > 0)) return {};
-    // Beyond the strongest pull the hand may be back at any time: a load that ends there would make the scale of all
-    // effects jump, and their forces with it. It goes with the pull.
+    // Beyond the strongest pull the hand may return at any time. A load that ended there would make the scale
+    // of all effects jump, and their forces with it, so the load falls with the pull.
     if (std::abs(x) > strongest) return isotropic_load(share * params.stiffness, share * params.damping);
     if (!(r > 0) || (params.radius == 0 && r <= strongest))
         return isotropic_load(params.stiffness, share * params.damping);
-    // Along the radius it is a spring; outside, the pull turns with the radius.
+    // Along the radius it is a spring; outside, the direction of the pull turns with the radius.
     const double pull = params.stiffness * std::abs(x), length = std::hypot(r, params.rounding);
     const double turning = x > 0 ? pull / length : 0;
     const double radial =

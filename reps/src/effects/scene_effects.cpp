@@ -51,12 +51,13 @@ bool EffectStage::fade_in(std::uint32_t i, Record* previous, bool is, bool same)
         edited_ = true;
 
     if (same && ops.carry(*previous, now)) {
-        // All that changed moves by itself. A fade in progress goes on, its old end moving along.
+        // The only change is of values that move gradually by themselves. A fade in progress continues, and
+        // its old end moves along.
         if (effect.from == FadeFrom::record && effect.carries) ops.carry(state_.records.old(i), now);
         return false;
     }
     const double time = state_.settles ? 0 : fade_time(is ? now : *previous, state_.policy);
-    if (effect.from != FadeFrom::none) {  // overtaken: on from the wrench of this moment
+    if (effect.from != FadeFrom::none) {  // an interrupted fade continues from the present wrench
         effect.frozen = effect.last;
         start_fade(i, FadeFrom::frozen, time);
     } else if (previous) {
@@ -100,7 +101,7 @@ void EffectStage::replace_probes(std::uint32_t probes) noexcept {
 void EffectStage::update() noexcept {
     for_each_bit(candidates_.probes(), [this](std::uint32_t p) {
         if (!candidates_.expired(p)) return;
-        by_kind_.resize(effects_state_.size());  // scratch: it is listed anew
+        by_kind_.resize(effects_state_.size());  // scratch: list() fills it anew
         candidates_.collect(p, effects_, by_kind_, state_);
         edited_ = true;
     });
@@ -115,13 +116,14 @@ void EffectStage::start_fade(std::uint32_t i, FadeFrom from, double time) noexce
         effect.gain = 1;
         return;
     }
-    effect.from = from;  // a listed one that is to end at once does so when the fades are advanced
+    effect.from = from;  // where the fade is to end at once, the advance of the fades ends it
     effect.elapsed = 0;
     effect.time = time;
     if (!listed) fading_.push_back(i);
 }
 
-// One that fades is evaluated, as its old end is. What a silence has taken away stays so until it is asked to move.
+// A fading effect is evaluated, and so is its old end. An effect that a silence has faded out stays so until
+// the silence moves it.
 bool EffectStage::is_needed(std::uint32_t i) const noexcept {
     if (effects_state_[i].from != FadeFrom::none) return true;
     if (!candidates_.may_be_near(i)) return false;
@@ -131,8 +133,8 @@ bool EffectStage::is_needed(std::uint32_t i) const noexcept {
     return !(gives_nothing && ops.arrived(r));
 }
 
-// A spring of which nobody wants feedback, that has no state of its own at the moment and that no fade
-// scales, nor a silence.
+// A spring without feedback, without state of its own at the moment, and which neither a fade nor a silence
+// scales.
 bool EffectStage::may_collapse(std::uint32_t i) const noexcept {
     const Record& r = state_.records.current(i);
     if (r.kind != kind_of<Spring> || r.options.feedback != 0 || effects_state_[i].from != FadeFrom::none ||
@@ -142,7 +144,7 @@ bool EffectStage::may_collapse(std::uint32_t i) const noexcept {
                                    *std::launder(reinterpret_cast<const Spring::State*>(r.state)));
 }
 
-// The felt effects grouped by kind, and the kinds that there are; springs that can be one, made one.
+// Groups the active effects by kind and lists the kinds. Springs that can be collapsed become one.
 void EffectStage::list() noexcept {
     for_each_bit(collapsed_, [this](std::uint32_t p) { springs_[p].clear(); });
     collapsed_ = 0;
@@ -224,7 +226,7 @@ void EffectStage::advance_fades(double dt, Wrench& sum) noexcept {
         } else if (effect.from == FadeFrom::frozen) {
             effect.remnant = (1 - effect.gain) * effect.frozen;
         }
-        effect.last = effect.remnant;  // those that still have an effect add theirs
+        effect.last = effect.remnant;  // the loop below adds the effects that are still active
         sum += effect.remnant;
         ++f;
     }
@@ -232,7 +234,7 @@ void EffectStage::advance_fades(double dt, Wrench& sum) noexcept {
 
 namespace {
 
-// What an effect makes of velocity is linear in it.
+// The velocity's part in an effect's force is linear.
 void scale_velocity(Probe& probe, double scale) noexcept {
     probe.velocity *= scale;
     probe.smooth_velocity *= scale;

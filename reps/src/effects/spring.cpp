@@ -9,7 +9,7 @@
 namespace knurl {
 namespace {
 
-/// m: with it the direction of a spring of no length is no jump.
+/// m: smooths the direction of a spring of no length, so that it does not jump.
 double rounding(const Spring& params, double rest) noexcept {
     return std::max(std::min(params.rounding, rest / 20), rest * params.share);
 }
@@ -52,7 +52,7 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
     Wrench out;
     const double rest = state.rest_length;
     const double e = rounding(params, rest);
-    const double ee = e * e;  // 0 also where a rest length of next to nothing squares to nothing
+    const double ee = e * e;  // also 0 where a tiny rest length squares to 0
     if (ee > 0) {
         out.force = params.stiffness * (1 - rest / std::sqrt(d.squaredNorm() + ee)) * d;
     } else {
@@ -61,7 +61,7 @@ Wrench evaluate(const Spring& params, Spring::State& state, const Probe& probe, 
     if (params.damping > 0) {
         const double ll = d.squaredNorm();
         const double nothing = 1e-9 * params.rounding;
-        if (ll > nothing * nothing) {  // below a picometre the direction is rounding
+        if (ll > nothing * nothing) {  // below a picometre the direction would be rounding
             Eigen::Vector3d v = probe.velocity;
             if (!at_probe) v += probe.angular_velocity.cross(arm);
             out.force -= (params.damping * v.dot(d) / ll) * d;
@@ -85,8 +85,8 @@ void settle(const Spring& params, Spring::State& state) noexcept {
     state.remaining = 0;
 }
 
-// F = k (1 - L0 / sqrt(l^2 + e^2)) d: held with k along the spring at most, and across it with what the rest length
-// leaves of k.
+// F = k (1 - L0 / sqrt(l^2 + e^2)) d: stiffness at most k along the spring, and across it the part of k that
+// the rest length leaves.
 HandLoad load(const Spring& params, const Spring::State& state, const Probe& probe) noexcept {
     const Eigen::Vector3d arm = probe.orientation * to_eigen(params.attach);
     const Eigen::Vector3d d = (to_eigen(state.anchor) - probe.position) - arm;

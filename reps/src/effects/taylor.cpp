@@ -38,8 +38,8 @@ double slope_of_edge(double force, const Spectrum& spectrum, double mean, double
     return most;
 }
 
-// Within the rim the series. Beyond it W = F0 d + (2 R r - R^2) u^T S u / 2, whose gradient is continuous with
-// it: radially the rim's, tangentially up to twice that, so that the work of a loop is returned.
+// Within the rim it is the series. Beyond it W = F0 d + (2 R r - R^2) u^T S u / 2. Its gradient is
+// continuous: radially the rim's, tangentially up to twice that. So a closed loop returns its work.
 Vector3d held(const Taylor& params, const Vector3d& d) noexcept {
     const auto j = to_eigen(params.jacobian);
     const double r = d.norm();
@@ -124,8 +124,8 @@ double most_work(const Taylor& params) noexcept {
 
 }  // namespace
 
-// No direction restores with more, inside or at the edge. The load goes before the field does, and in every direction
-// alike: were it to jump, so would the scale of all effects, and their forces with it.
+// No direction is stiffer, inside or at the edge. The load falls before the field does, alike in all
+// directions: a jump of the load would make the scale of all effects jump, and their forces with it.
 HandLoad load(const Taylor& params, const Taylor::State&, const Probe& probe) noexcept {
     const Vector3d d = probe.position - to_eigen(params.origin);
     const double r = d.norm();

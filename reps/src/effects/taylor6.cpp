@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// (s w, s v) for s = +-1 are the same orientation: the one with w >= 0 is reached the shorter way.
+// (s w, s v) for s = +-1 are the same orientation: w >= 0 gives the shorter rotation.
 Vector3d rotation_vector(const Eigen::Quaterniond& q) noexcept {
     const double sine = q.vec().norm();
     if (!(sine > 0)) return Vector3d::Zero();
@@ -18,13 +18,13 @@ Vector3d rotation_vector(const Eigen::Quaterniond& q) noexcept {
     return (std::copysign(angle, q.w()) / sine) * q.vec();
 }
 
-// How far a bounded length goes on beyond its rim: R (2 - R / r), of which the slope is continuous, as a share of
-// the length at the rim.
+// A bounded length continues beyond its rim as R (2 - R / r), with a continuous slope; as a share of the
+// length at the rim.
 constexpr double stretched(double share) noexcept {
     return 2 - share;
 }
 
-// A linear and a quadratic part of one argument (position, or rotation vector) beyond its rim.
+// The linear and the quadratic part of one argument (position, or rotation vector) beyond its rim.
 struct Rim {
     explicit Rim(const Vector3d& whole, double reach) noexcept : at(whole) {
         const double length = whole.norm();
@@ -33,21 +33,21 @@ struct Rim {
         at = share * whole;
         u = whole / length;
     }
-    // Of the work u^T S u (2 R r - R^2) / 2, from S times what is at the rim.
+    // Gradient of the work u^T S u (2 R r - R^2) / 2, from S times the value at the rim.
     Vector3d quadratic(const Vector3d& change) const noexcept {
         return stretched(share) * change - (1 - share) * u.dot(change) * u;
     }
-    // Of the work c^T x R (2 - R / r) / r.
+    // Gradient of the work c^T x R (2 - R / r) / r.
     Vector3d linear(const Vector3d& c) const noexcept {
         return share * (stretched(share) * c - 2 * (1 - share) * u.dot(c) * u);
     }
     Vector3d at;                    // clamped
-    Vector3d u = Vector3d::Zero();  // towards it, where it is beyond
+    Vector3d u = Vector3d::Zero();  // towards the argument, where it is beyond the rim
     double share = 1;
 };
 
-// By a potential where J is symmetric: what position and rotation vector make together goes on to no more than
-// twice the rim's, so that neither force nor torque grows with the distance.
+// From a potential where J is symmetric. The product of position and rotation vector grows to at most twice
+// its value at the rim, so neither force nor torque grows with distance.
 Eigen::Matrix<double, 6, 1> held(const Taylor6& params, const Vector3d& d, const Vector3d& turn) noexcept {
     const Rim far(d, params.radius), turned(turn, params.angle);
     const auto j = to_eigen(params.jacobian);
@@ -56,7 +56,7 @@ Eigen::Matrix<double, 6, 1> held(const Taylor6& params, const Vector3d& d, const
     Eigen::Matrix<double, 6, 1> change = j * rim;
     if (far.share == 1 && turned.share == 1) return change;
     const Square<6> even = 0.5 * (j + j.transpose());
-    change -= even * rim;  // what is left is the curl's, of the rim
+    change -= even * rim;  // the rest comes from the curl, at the rim
     const Vector3d stretched_turn = stretched(turned.share) * turned.at,
                    stretched_d = stretched(far.share) * far.at;
     change.head<3>() += far.quadratic(even.topLeftCorner<3, 3>() * far.at) +
@@ -66,8 +66,8 @@ Eigen::Matrix<double, 6, 1> held(const Taylor6& params, const Vector3d& d, const
     return change;
 }
 
-// What the jacobian is bounded in: a radian counts as so many metres. Where the device's torsion is not known,
-// force by position alone is bounded, at any rotation within the field's reach.
+// The measure in which the Jacobian is bounded: a radian counts as so many metres. Where the device's
+// torsional limit is unknown, only force by position is bounded, at any rotation within the field's reach.
 struct Metric {
     Metric(const Limits& limits, double largest) noexcept
         : metres(std::sqrt(limits.max_torsion / largest)),
@@ -77,8 +77,8 @@ struct Metric {
     bool whole;
 };
 
-// As Taylor's, over both edges at once: with e the largest slope of the share, G and V what the gradient and the
-// energy are at most, S + 2 e G + V (the second derivative of the share).
+// As in taylor.cpp, over both edges at once: S + 2 e G + V (the second derivative of the share), with e the
+// largest slope of the share, and G and V upper bounds of gradient and energy.
 double slope_of_edge(const Taylor6& params, const Square<6>& even, double mean_work, const Metric& metric,
                      double largest, double core) noexcept {
     const double reach = params.radius, angle = params.angle, per = 1 / (1 - core);
@@ -103,8 +103,7 @@ double slope_of_edge(const Taylor6& params, const Square<6>& even, double mean_w
     return largest + 2 * 1.5 * per * first * gradient + per * per * second * work;
 }
 
-// Beyond the rim of a field that is held: what restores more there, of each argument by itself and of both
-// together.
+// Beyond the rim of a held field: the additional stiffness, of each argument alone and of both together.
 double slope_when_held(const Taylor6& params, const Square<6>& even, const Metric& metric,
                        const Spectrum& spectrum) noexcept {
     const double mixed = even.topRightCorner<3, 3>().norm();
@@ -205,8 +204,8 @@ std::optional<Bound> bound(const Taylor6& params) noexcept {
 
 namespace {
 
-// At most, of the work that the field does from its origin, less `level`: with lengths by the radius and angles by the
-// angle no step is longer than sqrt 2.
+// Upper bound of the work that the field does from its origin, less `level`. With lengths relative to the
+// radius and angles relative to the angle, no step is longer than sqrt 2.
 double most_work(const Taylor6& params) noexcept {
     Eigen::Matrix<double, 6, 1> reach;
     reach << Vector3d::Constant(params.radius), Vector3d::Constant(params.angle);
@@ -234,7 +233,7 @@ double energy_of(const Taylor6& params, const Vector3d& d, const Vector3d& turn)
 
 }  // namespace
 
-// As taylor's.
+// As in taylor.cpp.
 HandLoad load(const Taylor6& params, const Taylor6::State&, const Probe& probe) noexcept {
     const Vector3d d = probe.position - to_eigen(params.origin);
     const Vector3d turn = rotation_vector(probe.orientation * to_eigen(params.orientation).conjugate());

@@ -8,7 +8,7 @@ namespace knurl {
 
 Vibration prepared(Vibration params, const Limits& limits) noexcept {
     params.direction = to_plain(to_eigen(params.direction).normalized());
-    // Four samples of a period are the least that a hand takes for a wave.
+    // A hand needs at least four samples per period to feel a wave.
     if (limits.period > 0) params.frequency = std::min(params.frequency, 1 / (4 * limits.period));
     return params;
 }

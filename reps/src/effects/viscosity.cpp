@@ -6,7 +6,7 @@ namespace knurl {
 
 Viscosity prepared(Viscosity params, const Limits& limits) noexcept {
     params.damping = clamped_damping(params.damping, limits);
-    // Stiffness and damping that a device stands grow with its own damping, about an axis as along it.
+    // A device's stable stiffness and damping grow with its own damping, for rotation as for translation.
     const double ratio = limits.max_torsion / limits.max_stiffness;
     if (std::isfinite(limits.max_torsion) && std::isfinite(ratio))
         params.angular_damping = std::min(params.angular_damping, largest_damping(limits) * ratio);

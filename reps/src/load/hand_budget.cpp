@@ -17,8 +17,8 @@ HandLoad isotropic_load(double stiffness, double damping) noexcept {
     return load;
 }
 
-// The hand's displacement (x, theta) displaces the point by x + theta cross arm, and a force there has the moment
-// arm cross force: K -> T^T K T.
+// The hand's displacement (x, theta) displaces the point by x + theta cross arm, and a force there has the
+// moment arm cross force: K -> T^T K T.
 HandLoad moved_by(const HandLoad& load, const Eigen::Vector3d& arm) noexcept {
     Matrix6 t = Matrix6::Identity();
     t.topRightCorner<3, 3>() << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
@@ -99,8 +99,8 @@ bool LoadBound::exceeds() const noexcept {
 
 namespace {
 
-// The largest s <= 1 for which no eigenvalue of `taken` + s `contacts` is above 1: with L L^T = 1 - `taken`, it is
-// 1 / lambda_max(L^-1 contacts L^-T).
+// The largest s <= 1 for which no eigenvalue of `taken` + s `contacts` is above 1: with L L^T = 1 - `taken`,
+// it is 1 / lambda_max(L^-1 contacts L^-T).
 double contacts_left(const Matrix6& taken, const Matrix6& contacts) noexcept {
     if (contacts.isZero(0)) return 1;
     if (taken.isZero(0)) return 1 / largest_eigenvalue_above_1(contacts);
@@ -138,7 +138,7 @@ HandScales HandBudget::slewed(const HandScales& targets, double dt) const noexce
 
 namespace {
 
-// J that the hand is given by raising the scales of `from` to those of `to`.
+// J that the hand receives when the scales rise from `from` to `to`.
 double cost(const HandScales& from, const HandScales& to, const SceneLoad& load) noexcept {
     return std::max(0.0, to.effects - from.effects) * load.in_effects.held +
            std::max(0.0, to.contacts - from.contacts) * load.in_contacts.held;
@@ -146,7 +146,7 @@ double cost(const HandScales& from, const HandScales& to, const SceneLoad& load)
 
 }  // namespace
 
-// With E = m v^2 / 2 + s V: what scales that rise add to it was taken from the hand before.
+// With E = m v^2 / 2 + s V: the energy that a rising scale adds must have been taken from the hand before.
 void HandBudget::pay(HandScales& next, const SceneLoad& load, double spent) noexcept {
     if (!(cost(scales_, next, load) > 0)) {  // nothing waits
         tank_ = 0;
@@ -155,12 +155,12 @@ void HandBudget::pay(HandScales& next, const SceneLoad& load, double spent) noex
     const double used = largest_eigenvalue(scales_.contacts * load.contacts + scales_.effects * load.effects);
     tank_ += scales_.contacts * load.in_contacts.freed + scales_.effects * load.in_effects.freed +
              spent_share * (1 - used) * spent;
-    tank_ = std::clamp(tank_, 0.0, cost(scales_, {}, load));  // more is of no use
+    tank_ = std::clamp(tank_, 0.0, cost(scales_, {}, load));  // more would never be spent
     const auto rise = [this](double from, double& to, double held) {
         const double costs = std::max(0.0, to - from) * held;
         if (costs > tank_) to = from + tank_ / held;
         tank_ = std::max(0.0, tank_ - costs);
-        if (to > 1 - 1e-9) to = 1;  // but for rounding
+        if (to > 1 - 1e-9) to = 1;  // removes rounding
     };
     rise(scales_.effects, next.effects, load.in_effects.held);
     rise(scales_.contacts, next.contacts, load.in_contacts.held);

@@ -1,6 +1,6 @@
 #pragma once
-// How stiff and how damped the hand feels the scene: of the contacts as they were solved, of the effects where the
-// probes are.
+// The stiffness and damping of the scene at the hand: of the contacts as they were solved, and of the effects
+// at the probes.
 
 #include <knurl/reps/hand_budget.hpp>
 
@@ -16,7 +16,7 @@ class LoadStage {
 
     /// At full strength.
     SceneLoad load() const noexcept;
-    /// At least its eigenvalues, for next to nothing.
+    /// An upper bound of its eigenvalues, at low cost.
     LoadBound bound() const noexcept;
 
   private:

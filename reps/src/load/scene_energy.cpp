@@ -1,4 +1,4 @@
-// What the contacts of a probe hold at full strength: the potential of which their forces are the gradient.
+// The energy that a probe's contacts hold at full strength: the potential whose gradient is their force.
 
 #include "load/scene_energy.hpp"
 
@@ -6,7 +6,7 @@ namespace knurl::detail {
 
 namespace {
 
-// sum_j (k_j - k_{j-1}) |x_j - p|^2 / 2, and k depth^2 / 2 of each plane by sum.
+// sum_j (k_j - k_{j-1}) |x_j - p|^2 / 2, and k depth^2 / 2 of each summed plane.
 double held_by(const ContactSet& set, const Arena& a, const Records& records) noexcept {
     if (!set.touching) return 0;
     double twice = 0, below = 0;
@@ -25,7 +25,8 @@ double held_by(const ContactSet& set, const Arena& a, const Records& records) no
 }  // namespace
 
 double freed_by_fade(double before, double after, double time, double step) noexcept {
-    // A fade is seen in all its cycles but the last: what that takes away is shared out among the others.
+    // A fade acts in all its cycles but the last. What the last one takes away is distributed over the
+    // others.
     return time > step ? std::max(0.0, before - after) * step / (time - step) : 0;
 }
 

@@ -17,20 +17,20 @@ const Layer* hardest_that_holds(const ContactSet& set) noexcept {
     return nullptr;
 }
 
-/// Onto what up to three planes hold: the span of their normals.
+/// The projector onto the span of the normals of up to three planes.
 Matrix3d held_directions(const ContactSet& set, const ActiveSet& active, const Arena& a) noexcept {
     Matrix3d span = Matrix3d::Zero();
     for (std::uint32_t i = 0; i < active.count; ++i) {
         const std::uint32_t at = set.begin + active.plane[i];
         const Vector3d n(a.nx[at], a.ny[at], a.nz[at]);
         const Vector3d left = n - span * n;
-        // Two planes that are one to a ten-thousandth of a degree hold one direction.
+        // Two planes within a ten-thousandth of a degree count as one direction.
         if (left.squaredNorm() > 1e-12) span += left * left.transpose() / left.squaredNorm();
     }
     return span;
 }
 
-/// The most damping of the planes that hold.
+/// The largest damping of the planes that hold.
 double damping_of(const ContactSet& set, const ActiveSet& active, const Arena& a) noexcept {
     double most = 0;
     for (std::uint32_t i = 0; i < active.count; ++i) most = std::max(most, a.b[set.begin + active.plane[i]]);
@@ -64,7 +64,7 @@ Demand LoadStage::bound_of(std::uint32_t p) const noexcept {
     }
     const TangentialState& tangential = contact.tangential;
     if (tangential.present && tangential.friction.held) {
-        // Friction acts across the force. That is across all planes that hold where they are solved as one.
+        // Friction acts across the force. That is across all holding planes where they are solved as one.
         const bool across = !contact.fade.under_way && contact.now.summed == 0 && contact.now.layers == 1;
         const auto with = [&](double normal, double along) {
             return across ? std::max(normal, along) : normal + along;
@@ -79,7 +79,7 @@ Demand LoadStage::bound_of(std::uint32_t p) const noexcept {
             shares.damping * turned * bound.damping};
 }
 
-// F = sum_j (k_j - k_{j-1}) (x_j - p), and x_j follows p along all that its planes do not hold.
+// F = sum_j (k_j - k_{j-1}) (x_j - p); x_j follows p in all directions that its planes do not hold.
 void LoadStage::add(const ContactSet& set, double share, HandLoad& load) const noexcept {
     if (!set.touching) return;
     const Arena& a = sets_.arena();
@@ -160,7 +160,7 @@ double LoadStage::bound_of_turning_effects() const noexcept {
     return bound;
 }
 
-/// One that matters: of rotation nothing may be known.
+/// Has the arm an effect on the load? `turning` is 0 where the device's limits of rotation are unknown.
 bool LoadStage::has_arm(std::uint32_t p) const noexcept {
     return state_.shares.turning > 0 && state_.probes[p].placement.offset != Vec3{};
 }
@@ -169,7 +169,7 @@ void LoadStage::move_to_hand(HandLoad& sum, const HandLoad& at_probe, std::uint3
     sum += has_arm(p) ? moved_by(at_probe, state_.probes[p].arm) : at_probe;
 }
 
-/// What the arm of a force adds, which turns with the hand.
+/// The force turns with the hand; this adds what its arm contributes to the load.
 void LoadStage::turn(HandLoad& sum, const Vector3d& force, std::uint32_t p) const noexcept {
     if (has_arm(p)) sum.stiffness.bottomRightCorner<3, 3>() += turned_force(state_.probes[p].arm, force);
 }
@@ -187,7 +187,7 @@ HandLoad LoadStage::of_contacts() const noexcept {
 HandLoad LoadStage::of_effects() const noexcept {
     HandLoad sum;
     const Records& records = state_.records;
-    // J that it holds at its full gain.
+    // J that the effect holds at its full gain.
     const auto add_effect = [&](const Record& r, double gain) {
         const KindOps& ops = kind_ops()[r.kind];
         if (ops.load == nullptr || !(gain * r.weight > 0)) return 0.0;
@@ -209,7 +209,7 @@ HandLoad LoadStage::of_effects() const noexcept {
         if (!effect.collapsed) turn(sum, effect.last.force, r.probe);
         add_old(i, held);
     }
-    // Those that are removed are faded out though they are no longer felt.
+    // Removed effects still fade out though they are not listed any more.
     for (const std::uint32_t i : effects_.fading()) {
         if (!state_.slots[i].active) add_old(i, 0);
     }

@@ -1,5 +1,5 @@
 #pragma once
-// What the application and the servo learn after a cycle.
+// Feedback to the application and the servo after a cycle.
 
 #include <cstdint>
 #include <span>
@@ -16,9 +16,9 @@ class FeedbackStage {
                   const EffectStage& effects);
     void reset() noexcept;
 
-    /// All that ask for it; returns how many.
+    /// Feedback of all representations that request it; returns how many.
     std::size_t write(std::span<Feedback> out) const noexcept;
-    /// The same for a `kept` that holds what the call before left there.
+    /// The same, where `kept` holds what the previous call left there.
     std::size_t write_changes(std::span<Feedback> kept, const Rewritten& rewritten) noexcept;
     Eigen::Vector3d contact_point(std::uint32_t probe) const noexcept;
     bool touches() const noexcept { return !touched_.empty(); }
@@ -41,11 +41,11 @@ class FeedbackStage {
     const SurfaceCandidates& candidates_;
     const ContactSets& sets_;
     const EffectStage& effects_;
-    // What kept feedback of surfaces was made from. While nothing of this changes, nothing is to be said of
-    // those that are not touched.
+    // The state from which the kept feedback of surfaces was made. While it stays the same, surfaces that are
+    // not touched need no new feedback.
     std::uint32_t silent_ = 0, fading_ = 0, infeasible_ = 0;  // bit masks: probes
-    std::uint32_t surface_entries_ = 0, effect_entries_ = 0;  // of effects, behind the others
-    std::vector<std::uint32_t> entry_;                        // by slot: in kept feedback, or no_entry
+    std::uint32_t surface_entries_ = 0, effect_entries_ = 0;  // effects lie behind the surfaces
+    std::vector<std::uint32_t> entry_;                        // by slot: index in kept feedback, or no_entry
     std::vector<std::uint8_t> probe_;                         // by entry
     SlotList touched_;
 };

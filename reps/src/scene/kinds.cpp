@@ -10,7 +10,7 @@
 namespace knurl {
 namespace {
 
-// The table is known here, so each row becomes the few comparisons that it stands for.
+// The table is known at compile time, so each row compiles to a few comparisons.
 template <class R, std::size_t Row>
 bool check_row(const void* params, Verdict& verdict) noexcept {
     static constexpr Field field = Describe<R>::fields[Row];

@@ -1,4 +1,4 @@
-// All changes since the last evaluate become felt together.
+// All changes since the last evaluation act together.
 
 #include <cstring>
 
@@ -31,12 +31,12 @@ void SceneCore::take_changes() noexcept {
     model_.forget_taken();
 }
 
-// A probe that sits elsewhere on the hand from now on: what it felt becomes an interrupted fade.
+// A probe that moves to another place on the hand: its present force becomes an interrupted fade.
 void SceneCore::take_placements() noexcept {
     std::uint32_t placed = 0;  // bit mask
     model_.take_placements([&](std::uint32_t p, const ProbePlacement& placement) {
         state_.probes[p].placement = placement;
-        candidates_.expire(p);  // it may be larger
+        candidates_.expire(p);  // its radius may be larger
         sets_.replace_probe(p);
         placed |= 1u << p;
     });
@@ -51,7 +51,7 @@ void SceneCore::take_slot(std::uint32_t i) noexcept {
     state_.feedback_edited = true;
     const bool same = was && is && state.generation == slot.generation;
     const Records& records = state_.records;
-    // Records that stay as they are stay twins, or strangers; but another recovery may have been noted in one.
+    // A slot without a change keeps its twin records. But its recovery may have changed, in one record only.
     if (change(i, was, is, same)) {
         state.twins = same && slot.geometry_alone && records.current(i).stands && records.old(i).stands &&
                       !records.current(i).has_tangential;
@@ -87,8 +87,8 @@ bool SceneCore::change(std::uint32_t i, bool was, bool is, bool same) noexcept {
     return true;
 }
 
-// What a moving hand's planes are updated in, a thousand at a time: of the records no more than their first
-// lines is touched. False: it does not stand any more.
+// The path for a moving hand's planes, a thousand in one batch: it touches only the first cache lines of each
+// record. False: the plane does not stand any more.
 bool SceneCore::reshape(std::uint32_t i) noexcept {
     const Record& now = state_.records.current(i);
     Record& next = state_.records.old(i);
@@ -104,7 +104,8 @@ void SceneCore::cross_fade(const Record& judged) noexcept {
     sets_.change_of(judged.probe).fade_over(fade_time(judged, state_.policy));
 }
 
-// What is felt becomes what fades out; its successor, if it is the same surface, goes on from its state.
+// The current record becomes the one that fades out. If its successor is the same surface, it continues with
+// its state.
 void SceneCore::swap_records(std::uint32_t i, bool same) noexcept {
     Records& records = state_.records;
     records.swap_roles(i);
@@ -117,8 +118,8 @@ void SceneCore::swap_records(std::uint32_t i, bool same) noexcept {
         records.tangential(records.owner(i, false)) = records.tangential(records.owner(i, true));
 }
 
-// Makes the new record of a slot, from prepared_, in place of the present one, which the caller has saved
-// where it is needed.
+// Makes the new record of a slot from prepared_, in place of the present one. The caller has saved that where
+// it is needed.
 void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     const SceneModel::ModelSlot& slot = model_[i];
     Records& records = state_.records;
@@ -132,11 +133,12 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     now.reported = slot.options.feedback != 0;
     if (!previous) {
         now.weight = 1;
-        now.evaluated_cycle = clock.last_timed;  // there is nothing before that to catch up with
+        now.evaluated_cycle = clock.last_timed;  // a new record has nothing to catch up with
     }
     if (now.has_tangential && !(previous && previous->has_tangential)) tangential.shift.setZero();
     ops.adopt(now, previous, state_.probes[now.probe].probe, state_.assets);
-    // It stands until the end of a cycle that takes time: if this one does not, of the next, a period long.
+    // It stands still until the end of the next cycle that takes time: of this one, or of the next, which
+    // lasts a period.
     if (ops.turns && ops.motion(now)->placed != 0) {
         const bool holds = now.options.on_silence == OnSilence::hold;
         now.moved =
@@ -147,10 +149,11 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
 
 void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) noexcept {
     Records& records = state_.records;
-    const bool listed = same && !candidates_.bounded(i);  // among those that are always candidates
+    const bool listed = same && !candidates_.bounded(i);  // one of the surfaces that are always candidates
     if (was) {
         Record& current = records.current(i);
-        // It may be sent to the other side of the probe: then it must know where that was.
+        // The change may put it on the other side of the probe, so it must know the probe's side before the
+        // change.
         if (same && !current.stands && current.evaluated_cycle < state_.clock.last_timed)
             catch_up(current, state_, sets_[current.probe].now.held);
         sets_.release_old(i);
@@ -173,8 +176,7 @@ void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) no
     }
     if (was) {
         const Record& old = records.old(i);
-        // One that brings its own changes in does so in place of the cross-fade; but it cannot bring in its
-        // absence.
+        // A record that applies its own changes gradually needs no cross-fade. But it cannot fade itself out.
         const bool stays = is && now.probe == old.probe;
         if (!stays) {
             cross_fade(old);

@@ -9,7 +9,7 @@
 
 namespace knurl::detail {
 
-// A limit that is no number or negative allows nothing: the safe reading.
+// A limit that is NaN or negative allows nothing, which is safe.
 Limits sane_limits(Limits limits) noexcept {
     for (double* limit : {&limits.max_stiffness, &limits.max_force, &limits.max_torque}) {
         if (!(*limit > 0)) *limit = 0;
@@ -38,7 +38,7 @@ SceneCore::SceneCore(Scene::Capacity capacity, const Limits& limits)
       feedback_(state_, candidates_, sets_, effects_),
       load_(state_, sets_, effects_) {}
 
-// The probes stay where they are, and the silence; so does the count of cycles.
+// The placements of the probes, the silence and the count of cycles stay.
 void SceneCore::clear() noexcept {
     model_.clear();
     candidates_.reset();
@@ -82,7 +82,7 @@ bool SceneCore::refers_to(const Asset& asset) const noexcept {
 void SceneCore::set_silence(double seconds) noexcept {
     Silence& silence = state_.silence;
     const double before = std::exchange(silence.seconds, seconds > 0 ? seconds : 0);
-    // It only ever grows until it ends.
+    // The time of a silence only grows until the silence ends.
     if (silence.moves || !(before > 0 ? silence.seconds < before : silence.seconds > 0)) return;
     silence.moves = true;
     effects_.edit();
@@ -90,7 +90,7 @@ void SceneCore::set_silence(double seconds) noexcept {
 
 namespace {
 
-// Whatever set_silence is told, what it changes moves by these rates only, so nothing jumps.
+// A silence changes weights at these rates only, so no force jumps.
 constexpr double fade_out = 0.1, fade_in = 0.05;  // s
 
 double weight_after(double from, bool out, double dt) noexcept {
@@ -98,10 +98,10 @@ double weight_after(double from, bool out, double dt) noexcept {
     return to < 1e-12 ? 0 : to > 1 - 1e-12 ? 1 : to;
 }
 
-/// One cycle of a silence for all records that are felt.
+/// One cycle of a silence, for all active records.
 struct WeightStep {
     double silence, dt;       // s
-    bool all_arrived = true;  // who holds, or has faded, costs nothing more however long it is silent
+    bool all_arrived = true;  // a record that holds, or has faded out, costs nothing more in a long silence
 
     bool changes(Record& r) noexcept {
         if (r.options.on_silence == OnSilence::hold) return false;
@@ -128,7 +128,7 @@ void SceneCore::advance_weights(double dt) noexcept {
     }
     if (surfaces) sets_.rebuild();
     state_.feedback_edited = true;
-    effects_.edit();  // springs whose weight moves do not collapse
+    effects_.edit();  // springs whose weights change cannot be collapsed
     state_.silence.moves = !step.all_arrived;
 }
 
@@ -160,8 +160,8 @@ void SceneCore::advance_clock(double dt) noexcept {
     clock.now.all += dt;
     Silence& silence = state_.silence;
     if (!(silence.seconds > 0)) clock.now.held += dt;
-    // What holds stays where it is at once. With what velocity it rubs, damps and carries its texture is a force,
-    // which must not step.
+    // A surface that holds stops at once. The velocity that its friction, damping and texture use changes
+    // gradually, since a force must not step.
     silence.held_velocity_weight = weight_after(silence.held_velocity_weight, silence.seconds > 0, dt);
 }
 
@@ -173,7 +173,7 @@ bool SceneCore::has_changed() noexcept {
 }
 
 Wrench SceneCore::evaluate(const Probe& hand, double dt) noexcept {
-    // A probe that is nowhere feels nothing, and leaves no trace in any state.
+    // A probe with an invalid or far position has no force and changes no state.
     constexpr double farthest = 1e12;  // m
     if (!(hand.position.lpNorm<1>() < farthest) || !(hand.velocity.lpNorm<1>() < farthest) ||
         !(hand.angular_velocity.lpNorm<1>() < farthest) || !hand.orientation.coeffs().allFinite())
@@ -186,7 +186,7 @@ Wrench SceneCore::evaluate(const Probe& hand, double dt) noexcept {
     place_probes(hand);
     if (has_changed()) {
         Silence& silence = state_.silence;
-        // What comes during a silence begins in full.
+        // A representation that is added during a silence starts at full strength.
         silence.moves = silence.moves || (silence.seconds > 0 && (model_.slots_changed() || sets_.edited()));
         take_changes();
     }
@@ -196,7 +196,7 @@ Wrench SceneCore::evaluate(const Probe& hand, double dt) noexcept {
     if (sets_.probes() != 0) contacts_.evaluate(dt, sum);
     if (!effects_.idle()) effects_.evaluate(dt, sum);
     if (dt > 0) state_.clock.last_timed = state_.clock.cycle;
-    // The field tables keep every product finite; this is the last word all the same.
+    // The field tables keep every product finite. This check guards the result nevertheless.
     if (!sum.force.allFinite() || !sum.torque.allFinite()) return {};
     return sum;
 }

@@ -1,12 +1,12 @@
 #pragma once
-// The pipeline of one scene. Calls from outside write the model only; the next evaluation takes all that changed
+// The pipeline of one scene. Calls from outside write only the model. The next evaluation takes all changes
 // together, as one change of the set with one cross-fade:
 //
 //   model ── changes ──> broad phase ──> contact sets ──> contact stage (narrow phase, joint contact, cross-fade,
 //                                                          tangential) ─┐
-//                   └──> effect stage ──────────────────────────────────┴──> wrench ──> load, feedback
+//                  └──> effect stage ──────────────────────────────────┴──> wrench ──> load, feedback
 //
-// Everything is allocated by the constructor.
+// The constructor allocates everything.
 
 #include <array>
 #include <cstddef>
@@ -65,7 +65,7 @@ class SceneCore {
     void take_placements() noexcept;
     void take_slot(std::uint32_t slot) noexcept;
     bool reshape(std::uint32_t slot) noexcept;
-    bool change(std::uint32_t slot, bool was, bool is, bool same) noexcept;  // false: it is the same still
+    bool change(std::uint32_t slot, bool was, bool is, bool same) noexcept;  // false: the slot acts as before
     void change_surface(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void change_effect(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void renew(std::uint32_t slot, const Record* previous) noexcept;
@@ -80,7 +80,7 @@ class SceneCore {
     EffectStage effects_;
     FeedbackStage feedback_;
     LoadStage load_;
-    alignas(16) std::array<std::byte, max_params> prepared_{};  // of the slot that is being taken
+    alignas(16) std::array<std::byte, max_params> prepared_{};  // of the slot under change
 };
 
 }  // namespace knurl::detail

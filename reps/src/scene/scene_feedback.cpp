@@ -31,7 +31,7 @@ double layer_stiffness(const ContactSet& set, std::uint32_t member) noexcept {
     return k;
 }
 
-/// Neither is touched, so that neither has a wrench.
+/// Both are untouched, so neither has a wrench.
 bool rests_alike(const Feedback& a, const Feedback& b) noexcept {
     return ((a.flags | b.flags) & Feedback::touching) == 0 && a.flags == b.flags && a.id == b.id &&
            a.stiffness == b.stiffness && a.tangential_stiffness == b.tangential_stiffness;
@@ -70,7 +70,7 @@ void FeedbackStage::write_touch(std::uint32_t i, const Record& r, Feedback& out)
     const Arena& a = sets_.arena();
     const std::uint32_t first = sets_.member(i);
     const double s = contact.fade.share_of_new();
-    double push = 0;  // N; 0 too where damping outweighs the depth, and touched all the same
+    double push = 0;  // N; also 0 where damping outweighs the depth, though the surface is touched
     bool touched = false;
     for (std::uint32_t at = first; at < first + kind_ops()[r.kind].contacts; ++at) {
         const double part = r.summed ? r.stiffness * std::max(0.0, a.s[at]) : share(set, at - set.begin);
@@ -128,7 +128,7 @@ Feedback FeedbackStage::feedback_of(std::uint32_t i, bool surface) const noexcep
     return f;
 }
 
-/// What all surfaces of a probe share changes their flags alike. False: more than that has changed.
+/// Changes the flags that all surfaces of a probe share. False: more than these flags has changed.
 bool FeedbackStage::rewrite_flags(std::span<Feedback> kept, std::span<std::uint64_t> written) noexcept {
     std::uint32_t fading = 0, infeasible = 0;
     for_each_bit(state_.probes_used, [&](std::uint32_t p) {
@@ -165,7 +165,7 @@ void FeedbackStage::write_surfaces(std::uint32_t room, Put put) noexcept {
     }
 }
 
-/// All effects, or those alone that are evaluated: of the others there is nothing new.
+/// Reports all effects, or only those that are evaluated: the others have not changed.
 template <class Put>
 void FeedbackStage::write_effects(std::uint32_t room, bool all, Put put) noexcept {
     if (!all) {
@@ -184,7 +184,7 @@ void FeedbackStage::write_effects(std::uint32_t room, bool all, Put put) noexcep
     state_.feedback_relisted = false;
 }
 
-/// Those that are touched, and those that were.
+/// Reports the surfaces that are touched, and those that were touched before.
 template <class Put>
 void FeedbackStage::write_touched(Put put) noexcept {
     std::size_t kept = 0;
@@ -242,7 +242,7 @@ std::size_t FeedbackStage::write_changes(std::span<Feedback> kept, const Rewritt
     const bool all_effects = state_.feedback_edited || state_.feedback_relisted || silence;
     if (rewrite_flags(kept, flags)) {
         write_touched([&, written = written](std::size_t n, auto feedback) {
-            return (written[n / 64] & bit(n)) == 0 && put(n, feedback());  // one may be named twice
+            return (written[n / 64] & bit(n)) == 0 && put(n, feedback());  // a surface may be listed twice
         });
     } else {
         write_surfaces(static_cast<std::uint32_t>(room), put);

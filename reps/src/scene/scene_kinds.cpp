@@ -1,4 +1,4 @@
-// From the list of representations to functions over bytes.
+// The table from the list of representations to functions over bytes.
 
 #include <cstring>
 #include <new>
@@ -55,7 +55,7 @@ struct Ops {
     static void prepare(const std::byte* raw, const Limits& limits, std::byte* out) noexcept {
         new (out) R(prepared(typed(raw), limits));
     }
-    // Nothing that is felt: another recovery alone is noted for the change that it will belong to.
+    // True: the change has no effect on the force. A change of recovery alone is noted for the next change.
     static bool unchanged(std::byte* prepared, Record& now) noexcept {
         if constexpr (requires(R & r) { r.recovery; }) {
             const double requested = typed(prepared).recovery;
@@ -83,7 +83,7 @@ struct Ops {
             const bool rubs = params.friction.static_ > 0 || params.friction.dynamic > 0 ||
                               params.friction.viscous > 0 || params.snag.k_stick > 0 ||
                               params.snag.k_kinetic > 0;
-            // What is finer than two counts of the encoder is noise, in a world of any size.
+            // A texture finer than two encoder counts is noise, in a world of any scale.
             out.textured = params.texture.amplitude > 0 && params.texture.wavelength >= 2 * limits.resolution;
             out.has_tangential = rubs || out.textured || (params.braking > 0 && limits.mass > 0);
             if (out.has_tangential) {
@@ -128,7 +128,7 @@ struct Ops {
             return Reshaped::moves;
         }
     }
-    // The state of one that stood is that of a new one: nobody has evaluated it.
+    // A record that stood still has the state of a new one: it was never evaluated.
     static void adopt_new(Record& now, const Record* previous, const Probe& probe,
                           [[maybe_unused]] const Assets& assets) noexcept {
         if (!previous || previous->stands) new (now.state) typename R::State{};
@@ -167,7 +167,8 @@ struct Ops {
             return same;
         }
     }
-    // Of each kind's own clamps: nothing turns the hand more stiffly than the device stands, nor more damped.
+    // The stiffness and damping follow from each kind's clamps: no torque is stiffer than the device's limit,
+    // nor more damped.
     static Demand load_bound_of(const Record& r, const Limits& limits) noexcept {
         const Shares shares = shares_of(limits);
         const R& params = params_of<R>(r);
@@ -193,8 +194,8 @@ struct Ops {
         }
         return std::memcmp(old.params, next.params, sizeof(R)) == 0;
     }
-    // One that moves by itself is evaluated in every cycle: its ball would have to move along, which that of
-    // one that turns does, but not its texture.
+    // A surface with its own motion is evaluated in every cycle, since its ball would have to move along. A
+    // turning surface's ball does move along, but not its texture.
     static std::optional<Bound> bound_of(const Record& r) noexcept {
         if constexpr (Effect<R> && requires(const R& p) { bound(p); }) {
             return bound(params_of<R>(r));

@@ -48,7 +48,8 @@ Verdict SceneModel::check_update(RepresentationId id, Kind kind, const void* par
     const std::size_t geometry = ops.geometry_bytes;
     if (bytes != ops.params_size && bytes != geometry)
         return {Code::wrong_size, Verdict::no_field, static_cast<double>(bytes)};
-    // What stands in the slot is legal: where only the geometry differs from it, only that is looked at.
+    // The slot holds legal parameters. Where only the geometry differs from them, only the geometry is
+    // checked.
     const std::byte* raw = &raw_[id.slot * max_parameter_bytes];
     const auto* sent = static_cast<const std::byte*>(params);
     const bool rest_stays = std::memcmp(raw + geometry, sent + geometry, bytes - geometry) == 0;
@@ -56,7 +57,7 @@ Verdict SceneModel::check_update(RepresentationId id, Kind kind, const void* par
     return slots_[id.slot].differ != Differ::anywhere ? Verdict{} : validate(kind, raw, sent, bytes);
 }
 
-// So many bytes of them, over those that are there.
+// Puts the first bytes of the new parameters over those that are there.
 Verdict SceneModel::validate(Kind kind, const std::byte* raw, const std::byte* sent,
                              std::size_t bytes) noexcept {
     if (bytes == kind_ops()[kind].params_size) return kinds()[kind].validate(sent);
@@ -65,11 +66,11 @@ Verdict SceneModel::validate(Kind kind, const std::byte* raw, const std::byte* s
     return kinds()[kind].validate(merged_.data());
 }
 
-// By what the last check has found. A batch may name a slot twice: then that was of the last of them, which
-// is what remains, whatever is copied of the others.
+// Uses the result of the last check. A batch may name a slot twice: then the result is of the last entry,
+// which is also the one that remains.
 void SceneModel::update_checked(std::uint32_t i, const void* params, std::size_t bytes) noexcept {
     ModelSlot& slot = slots_[i];
-    if (slot.differ == Differ::nowhere) return;  // as it was asked for last
+    if (slot.differ == Differ::nowhere) return;  // no difference from the last requested value
     const bool geometry = slot.differ == Differ::in_geometry;
     slot.geometry_alone = slot.geometry_alone && geometry;
     std::memcpy(&raw_[i * max_parameter_bytes], params,

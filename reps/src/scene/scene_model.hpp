@@ -1,7 +1,7 @@
 #pragma once
-// What the application said: which representations there are, with which parameters, and where the probes sit. A
-// change is checked first, then written whole or not at all. Nothing here is felt: the next evaluation takes the
-// slots and placements that changed.
+// What the application has sent: the representations, their parameters, and the places of the probes. A
+// change is checked first, then written whole or not at all. Nothing here acts on the hand: the next
+// evaluation takes the slots and placements that changed.
 
 #include <array>
 #include <cstddef>
@@ -19,8 +19,8 @@ class SceneModel {
     struct ModelSlot {
         bool present = false;
         bool changed = false;
-        Differ differ = Differ::anywhere;  // what was checked last
-        bool geometry_alone = false;       // since it was taken nothing but its geometry has changed
+        Differ differ = Differ::anywhere;  // result of the last check
+        bool geometry_alone = false;       // only its geometry has changed since it was taken
         std::uint32_t generation = 0;
         Kind kind = 0;
         AddOptions options;
@@ -35,13 +35,13 @@ class SceneModel {
     void update_checked(std::uint32_t slot, const void* params, std::size_t bytes) noexcept;
     Verdict remove(RepresentationId) noexcept;
     Verdict place_probe(std::uint32_t probe, const ProbePlacement& placement) noexcept;
-    void clear() noexcept;  // the probes stay where they are
-    /// All are to be taken anew: what they mean has changed.
+    void clear() noexcept;  // the probes' placements stay
+    /// All slots must be taken anew, since limits or assets have changed.
     void touch_all() noexcept;
 
     std::uint32_t probes_used() const noexcept {
         return probes_used_;
-    }  // bit mask: the first, and all that were
+    }  // bit mask: the first probe, and all that were placed or used
     std::uint32_t size() const noexcept { return size_; }
     std::uint32_t count(Kind kind) const noexcept { return counts_[kind]; }
     const ModelSlot& operator[](std::uint32_t slot) const noexcept { return slots_[slot]; }
@@ -50,8 +50,8 @@ class SceneModel {
     bool changed() const noexcept { return !changed_.empty() || placements_changed_; }
     bool slots_changed() const noexcept { return !changed_.empty(); }
     bool placements_changed() const noexcept { return placements_changed_; }
-    /// Calls take(slot) for each that changed, in the order of their first changes. Those of which it says true are
-    /// `taken` until they are forgotten.
+    /// Calls take(slot) for each changed slot, in the order of first change. A slot for which it returns true
+    /// is `taken` until it is forgotten.
     template <class Take>
     void take_changed(Take take) noexcept {
         std::size_t kept = 0;
@@ -64,7 +64,7 @@ class SceneModel {
     }
     std::span<const std::uint32_t> taken() const noexcept { return changed_; }
     void forget_taken() noexcept { changed_.clear(); }
-    /// Calls take(probe, placement) for each that was placed elsewhere.
+    /// Calls take(probe, placement) for each probe with a new place.
     template <class Take>
     void take_placements(Take take) noexcept {
         for (std::uint32_t p = 0; p < placements_.size(); ++p) {
@@ -86,7 +86,8 @@ class SceneModel {
     std::vector<ModelSlot> slots_;
     std::vector<std::byte> raw_;  // max_parameter_bytes each
     alignas(
-        16) std::array<std::byte, max_params> merged_{};  // what is there with what was sent, to be checked
+        16) std::array<std::byte, max_params> merged_{};  // the present parameters with the new bytes, to be
+                                                          // checked
     SlotList changed_;
     std::vector<Placement> placements_;  // by probe
     bool placements_changed_ = false;

@@ -1,5 +1,6 @@
 #pragma once
-// The two records of each slot: what is felt, and what fades out. They change roles whenever a surface changes.
+// The two records of each slot: the current one, and the old one that fades out. They change roles whenever a
+// surface changes.
 
 #include <array>
 #include <cstddef>
@@ -12,46 +13,47 @@
 
 namespace knurl::detail {
 
-// Of any list of kinds: so a kind that nobody uses does not even move the others in memory.
+// The size is the same for any list of kinds, so an unused kind does not move the others in memory.
 static_assert(max_parameter_bytes % 16 == 0, "parameters as they were sent lie one behind the other");
 inline constexpr std::size_t max_params = (max_parameter_bytes + 63) / 64 * 64;
 
-/// Tangent planes that one surface may have at once.
+/// The most tangent planes of one surface.
 inline constexpr std::uint32_t max_contacts = 3;
 
-/// All that a set is built from, and all that changes when a plane that stands is put elsewhere: one line of
-/// memory, since a batch of updates costs what it touches.
+/// All that a set is built from, and all that changes when a standing plane is moved. One cache line, since
+/// the cost of a batch is the memory that it touches.
 struct RecordLine {
     HalfSpace plane;       // of a surface that stands still
-    double weight = 1;     // by silence: 1 in full, 0 faded away
+    double weight = 1;     // in silence: 1 full strength, 0 faded out
     double stiffness = 0;  // N/m
     Kind kind = 0;
     std::uint8_t probe = 0;           // that of `options`
     bool stands : 1 = false;          // one plane until it changes
-    bool recovers : 1 = false;        // brings its own changes in; not cross-faded
-    bool summed : 1 = false;          // its force is added, not solved with the others
-    bool has_tangential : 1 = false;  // there is something to feel along it: see TangentialRecord
+    bool recovers : 1 = false;        // applies its own changes gradually; not cross-faded
+    bool summed : 1 = false;          // its force is summed, not solved with the others
+    bool has_tangential : 1 = false;  // it has a tangential part: see TangentialRecord
     bool textured : 1 = false;
-    bool clamped : 1 = false;   // less stiff than asked for
-    bool reported : 1 = false;  // feedback is asked for
+    bool clamped : 1 = false;   // less stiff than requested
+    bool reported : 1 = false;  // feedback is requested
 };
 static_assert(sizeof(RecordLine) == 64);
 
 struct RecordHead : RecordLine {
     AddOptions options;
-    // The cycle in which it was evaluated, or as if it had been: again in the same one, it is with dt = 0.
+    // The last cycle in which it was evaluated, or caught up. In the same cycle it is evaluated with dt = 0.
     std::uint64_t evaluated_cycle = 0;
-    double moved = 0;  // s, of its scene's time: as far has it moved on, if it turns
+    double moved = 0;  // s, of its scene's time: its motion is computed up to here, if it turns
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface
 };
 
-/// What a surface feels like along it, beside its record: touched only where there is something.
+/// The tangential part of a surface, beside its record, so that only surfaces with such a part touch this
+/// memory.
 struct TangentialRecord {
     FrictionLaw law;
     Texture texture;
     double braking = 0;
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // m, by which its velocity has carried the texture
-    double share = 1;                                 // of the friction, where it is touched
+    double share = 1;                                 // of the friction, at the place of contact
     std::array<double, max_contacts> height{};        // m, of each contact, without the relief
 };
 
@@ -60,8 +62,8 @@ struct alignas(64) Record : RecordHead {
     alignas(64) std::byte state[max_state_bytes] = {};
 };
 
-/// Names a record: each slot has two, which change roles whenever its surface changes. A frozen plane stands
-/// for an interrupted fade.
+/// Names a record: each slot has two, which change roles whenever its surface changes. A frozen plane
+/// represents an interrupted fade.
 using Owner = std::uint32_t;
 inline constexpr Owner frozen_plane_owner = 0xffffffff;
 
@@ -82,17 +84,17 @@ class Records {
     TangentialRecord& tangential(Owner owner) noexcept { return tangential_[owner]; }
     const TangentialRecord& tangential(Owner owner) const noexcept { return tangential_[owner]; }
 
-    /// What is felt becomes what fades out.
+    /// The current record becomes the old one.
     void swap_roles(std::uint32_t slot) noexcept { current_[slot] ^= 1; }
     void reset() noexcept { std::fill(current_.begin(), current_.end(), std::uint8_t{0}); }
 
   private:
     std::vector<Record> records_;               // by Owner
     std::vector<TangentialRecord> tangential_;  // by Owner
-    std::vector<std::uint8_t> current_;         // by slot: which of its two records is felt
+    std::vector<std::uint8_t> current_;         // by slot: index of the current record
 };
 
-/// As long as the kind's parameters and state are.
+/// Copies as many bytes as the kind's parameters and state have.
 void copy(const Record& from, Record& to) noexcept;
 
 }  // namespace knurl::detail

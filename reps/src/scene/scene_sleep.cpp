@@ -1,5 +1,5 @@
-// Scenes out of the hand's reach: how far it may move before that ends, and the time that has passed until it
-// did.
+// Sleeping scenes, out of the hand's reach: how far the hand may move until they wake, and the time that
+// passes until they do.
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ bool SceneCore::changed() const noexcept {
            state_.settles || state_.feedback_edited || state_.feedback_relisted;
 }
 
-// Planes that are evaluated where they stand, and nothing of a fade or of friction.
+// Requires planes that stand still, and neither a fade nor friction.
 double SceneCore::sleep_radius_of(std::uint32_t probe) const noexcept {
     const ContactState& contact = sets_[probe];
     const ContactSet& set = contact.now;
@@ -26,7 +26,7 @@ double SceneCore::sleep_radius_of(std::uint32_t probe) const noexcept {
     double worst = -std::numeric_limits<double>::infinity();
     for (std::uint32_t i = set.begin; i < set.begin + set.count + set.summed; ++i)
         worst = std::max(worst, sets_.arena().s[i]);
-    // Many planes were evaluated where the probe was then.
+    // A skipped scan left the heights of the probe's place at that time, set.clear.at.
     const bool skipped = set.clear.distance > 0;
     const Eigen::Vector3d& p = state_.probes[probe].probe.position;
     return -worst - (skipped ? (p - set.clear.at).norm() : 0);
@@ -34,7 +34,7 @@ double SceneCore::sleep_radius_of(std::uint32_t probe) const noexcept {
 
 double SceneCore::sleep_radius() const noexcept {
     const Clock& clock = state_.clock;
-    // In the last evaluation time passed, and nothing was evaluated.
+    // In the last evaluation time passed, and no surface was evaluated.
     if (state_.work.evaluated > 0 || clock.last_timed != clock.cycle || !effects_.idle() ||
         feedback_.touches() || changed())
         return 0;
@@ -44,17 +44,17 @@ double SceneCore::sleep_radius() const noexcept {
         turns = turns || state_.probes[p].placement.offset != Vec3{};
         farthest = std::max(farthest, state_.probes[p].probe.position.lpNorm<1>());
     });
-    if (turns) return 0;  // the hand's turning moves it, too
+    if (turns) return 0;  // a rotation of the hand moves the probe, too
     for_each_bit(sets_.probes(), [&](std::uint32_t p) { within = std::min(within, sleep_radius_of(p)); });
-    // What has bounds is not evaluated where its candidates are while they hold.
+    // While the candidates hold, surfaces with bounds that are not among them are not evaluated.
     for_each_bit(candidates_.probes(), [&](std::uint32_t p) {
         within = std::min(within, candidates_.sleep_radius(p, state_, sets_[p].deepest()));
     });
-    // Less what the rounding of coordinates and of normals may hide.
+    // Subtracts what the rounding of coordinates and normals may hide.
     return std::max(0.0, within * (1 - 1e-6) - 1e-9 * farthest);
 }
 
-// All that the evaluations would have left behind.
+// Brings the state to what the skipped evaluations would have left.
 void SceneCore::pass(std::uint64_t cycles, const SceneTime& time, const Probe& hand) noexcept {
     if (cycles == 0) return;
     state_.clock.cycle += cycles;

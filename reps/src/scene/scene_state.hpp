@@ -1,6 +1,6 @@
 #pragma once
-// What all stages of a scene read: the limits, the time, the probes, the records. What one stage alone remembers is in
-// that stage.
+// What all stages of a scene read: limits, time, probes, records. State that only one stage needs is in that
+// stage.
 
 #include <array>
 #include <cstdint>
@@ -13,13 +13,14 @@
 
 namespace knurl::detail {
 
-/// By number less one; null: there is none.
+/// By asset number minus one; null: no asset.
 using Assets = std::array<const Asset*, max_assets>;
 
-/// By which loads become shares of what the device stands; 0: of what is not known.
+/// Factors that turn loads into shares of the device's limits; 0: limit unknown.
 struct Shares {
     double stiffness = 0, damping = 0;  // m/N, m/(N s)
-    double turning = 0;  // 1/m^2: an arm's square makes this share of rotation of one of translation
+    double turning = 0;  // 1/m^2: times an arm squared, the factor from a share of translation to one of
+                         // rotation
 };
 Shares shares_of(const Limits& limits) noexcept;
 Limits sane_limits(Limits limits) noexcept;
@@ -27,16 +28,16 @@ Limits sane_limits(Limits limits) noexcept;
 struct Clock {
     std::uint64_t cycle = 0;
     std::uint64_t last_timed = 0;  // the last cycle in which time passed
-    SceneTime now, before;         // at the end of this cycle, of the one before
+    SceneTime now, before;         // at the end of this cycle and of the one before
     double step = 0;               // s, of this cycle
 };
 
 struct Silence {
-    double seconds = 0;               // for how long the application has been silent; 0: it is not
-    bool moves = false;               // not all weights are where the silence, or its end, takes them
-    double held_velocity_weight = 1;  // of what holds: 1 it moves, 0 the silence has brought it to rest
+    double seconds = 0;               // duration of the application's silence; 0: none
+    bool moves = false;               // some weights have not arrived at their final values
+    double held_velocity_weight = 1;  // of surfaces that hold in silence: 1 they move, 0 they have stopped
 
-    /// How much of its velocity counts: what holds in a silence stands still, by and by.
+    /// The share of its velocity that counts: a surface that holds in silence stops gradually.
     double velocity_weight(const Record& r) const noexcept {
         return r.options.on_silence == OnSilence::hold ? held_velocity_weight : 1;
     }
@@ -46,18 +47,18 @@ struct Silence {
     }
 };
 
-/// Of a slot, as it is felt.
+/// The state of a slot in the evaluation.
 struct SlotState {
     bool active = false;
-    bool twins = false;  // its records differ in nothing but geometry, of a surface that stands: see reshape
-    bool renewed = false;  // while changes are taken: this slot's is one of them
+    bool twins = false;  // its two records differ only in geometry, and its surface stands still: see reshape
+    bool renewed = false;  // while changes are taken: this slot has changed
     std::uint32_t generation = 0;
 };
 
 struct ProbeState {
     ProbePlacement placement;
     Probe probe;
-    Eigen::Vector3d before = Eigen::Vector3d::Zero();  // m, where it was in the last cycle that took time
+    Eigen::Vector3d before = Eigen::Vector3d::Zero();  // m, its place in the last cycle that took time
     Eigen::Vector3d arm = Eigen::Vector3d::Zero();     // m, from the hand's position, world
 };
 
@@ -77,17 +78,18 @@ struct SceneState {
 
     Clock clock;
     Silence silence;
-    bool settles = false;  // the changes of this cycle are there from the start
+    bool settles = false;  // this cycle's changes act at once
     Records records;
     std::vector<SlotState> slots;
     std::vector<ProbeState> probes;
     std::uint32_t probes_used = 1;  // bit mask
-    bool any_follows = false;       // a surface that the proxy enters and leaves has been felt: see ProxyPath
+    bool any_follows = false;       // an active surface is entered and left by the proxy: see ProxyPath
     SceneWork work;                 // of this cycle
 
-    // What feedback has to write anew.
-    bool feedback_edited = true;    // what is felt, its order, or what follows from its parameters alone
-    bool feedback_relisted = true;  // other effects are evaluated than were
+    // Which feedback must be written anew.
+    bool feedback_edited = true;    // the active representations, their order, or what follows from
+                                    // parameters alone
+    bool feedback_relisted = true;  // the list of evaluated effects
 };
 
 /// Calls visit(index) for each bit that is set, the lowest first.
@@ -98,12 +100,12 @@ void for_each_bit(std::uint32_t mask, Visit visit) {
 
 using SlotList = std::vector<std::uint32_t>;
 
-/// Puts `slot` at the end of a list that has room for all slots, and notes where.
+/// Appends `slot` to a list with room for all slots, and notes its place.
 inline void join(SlotList& list, std::uint32_t slot, std::uint32_t& place) noexcept {
     place = static_cast<std::uint32_t>(list.size());
     list.push_back(slot);
 }
-/// Takes it out; the last one moves to its place. place_of(slot): what `join` noted.
+/// Removes the slot; the last one moves to its place. place_of(slot): what `join` noted.
 template <class PlaceOf>
 void leave(SlotList& list, std::uint32_t slot, PlaceOf place_of) noexcept {
     const std::uint32_t last = list.back();

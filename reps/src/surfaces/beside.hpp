@@ -1,13 +1,14 @@
 #pragma once
 // How a surface that can be entered and left is evaluated beside others (proxy_path.hpp). The stages are the
-// same for all such surfaces. What each stage does is the surface's own: `Surface` has a function for each.
+// same for all such surfaces. `Surface` has a function for each stage, with what the surface does there.
 
 #include <knurl/reps/concepts.hpp>
 #include <knurl/reps/proxy_path.hpp>
 
 namespace knurl {
 
-/// False: it is asked for no answer. `cold` asks for small code: it is locked into memory, once for each kind.
+/// False: the surface need not answer. `cold` asks for small code, since the code is locked into memory, once
+/// for each kind.
 template <class Surface>
 [[gnu::cold, gnu::noinline]] bool take_stage(Surface& surface, ProxyPath::Stage stage, double dt) noexcept {
     using Stage = ProxyPath::Stage;

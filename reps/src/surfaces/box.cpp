@@ -52,7 +52,8 @@ Box prepared(Box params, const Limits& limits) noexcept {
     return params;
 }
 
-// The probe's last place is kept as the box sees it, so a box that is sent elsewhere meets it on its way.
+// The state keeps the probe's last place in the box's frame. So a box that is sent elsewhere meets the probe
+// on its way.
 void adopt(const Box& params, const Box* previous, Box::State& state, const Probe&) noexcept {
     if (!previous) {
         state = {};

@@ -1,5 +1,5 @@
 #pragma once
-// A box beside others: which face the proxy's path enters, and when that lets go (proxy_path.hpp).
+// A box beside others: which face the proxy's path enters, and when that face lets go (proxy_path.hpp).
 
 #include <knurl/reps/proxy_path.hpp>
 
@@ -8,27 +8,27 @@
 
 namespace knurl::boxes {
 
-// m: how far from it something touches it.
+// m: anything within this distance touches the box.
 inline double seam_of(const Vector3d& half) noexcept {
     return seam_of_size * 2 * half.maxCoeff();
 }
 
-// As far off a face, in seams, a proxy is not held by it: more than rounding.
+// A proxy this far off a face, as a share of the seam, is not held by it: it is more than rounding.
 inline constexpr double off_of_seam = 1e-6;
 
-// The way of a proxy that others hold, in the box's frame.
+// The way of a proxy that other surfaces hold, in the box's frame.
 struct Way {
     Vector3d from, to;
-    Vector3d hold;    // m: by which the probe was held at its beginning
-    Vector3d around;  // ... is at its end
+    Vector3d hold;    // the push that held the probe at the start of the way
+    Vector3d around;  // ... at its end
 };
 
 inline bool faces(double part, const Vector3d& held) noexcept {
     return part > 1e-6 * held.lpNorm<1>();
 }
 
-// Does the face, which the path crosses there, go so far? Where the probe is held against it, it goes as much
-// farther as touching is; and all others end as much below it: what they have above that is a step that touches.
+// Does the face extend to where the path crosses it? The face against which the probe is held extends farther
+// by a seam. All other faces end a seam lower: a step below that height only touches.
 inline bool goes_as_far(const Face& face, const Vector3d& at, const Vector3d& half,
                         const Vector3d& hold) noexcept {
     const double seam = (hold.isZero(0) ? off_of_seam : 1) * seam_of(half);
@@ -46,8 +46,8 @@ struct Crossing {
     double when = 2;         // share of the way
 };
 
-// The first face on the way, from its front. One that touches counts as in front of a face against which the
-// probe is held.
+// The first face that the way enters from its front. If the probe is held against a face that the way
+// touches, the way counts as in front of it.
 inline Crossing first_face(const Way& way, const Vector3d& half) noexcept {
     const double seam = seam_of(half);
     Crossing first;
@@ -56,7 +56,7 @@ inline Crossing first_face(const Way& way, const Vector3d& half) noexcept {
         const Face face(number);
         const double held = face.sign * way.hold[face.axis], holds = face.sign * way.around[face.axis];
         const double above = -face.depth(way.from, half), below = face.depth(way.to, half);
-        // One along which the path goes is not entered by rounding.
+        // A path along a face must not enter it by rounding.
         const double little = off_of_seam * seam;
         const double behind = faces(held, way.hold) ? seam : little;
         const double within = above <= 0 && faces(holds, way.around) ? seam
@@ -72,7 +72,8 @@ inline Crossing first_face(const Way& way, const Vector3d& half) noexcept {
     return first;
 }
 
-// Within, though it has come through no face: seen for the first time there, or by less than rounding.
+// The face of a probe that is inside and came through no face: it was first seen there, or entered by less
+// than rounding.
 inline std::uint32_t face_about(const Vector3d& y, const Vector3d& half, const Vector3d& around) noexcept {
     const double seam = seam_of(half), little = around.isZero(0) ? 0 : off_of_seam * seam;
     for (int i = 0; i < 3; ++i) {
@@ -82,7 +83,7 @@ inline std::uint32_t face_about(const Vector3d& y, const Vector3d& half, const V
     return nearest_face(y, half);
 }
 
-// Where a path through nothing passes within touching of the box, by the first face that is so near (share of the
+// Where a path through free space first comes within a seam of the box, by the first such face (share of the
 // way; 2: it does not).
 inline double grazed(const Vector3d& from, const Vector3d& to, const Vector3d& half) noexcept {
     const double far = seam_of(half) + (to - from).lpNorm<1>();
@@ -149,8 +150,12 @@ class Beside {
 
     void near() noexcept {
         const Vector3d at = there(path_.to);
-        if (state_.face != 0 && !holds(at, slack())) return;  // it is about to leave itself
-        if (!(at.norm() <= half_.norm() + radius_)) return;   // as far as others are evaluated
+        if (state_.face != 0 && !holds(at, slack()))
+            return;  // this box is about to let go, so it does not
+                     // count itself
+        if (!(at.norm() <= half_.norm() + radius_))
+            return;  // the others are evaluated within the same
+                     // distance
         path_.close += distance(at) <= near_in_seams * seam_ + radius_;
     }
 
@@ -191,7 +196,8 @@ class Beside {
         Hold hold{state_.face, state_.slipped != 0};
         if (state_.brushed != 0 && state_.out != 0) hold.face = 0;
         if (hold.face != 0) return solid(box_, seen_, radius_, hold);
-        // What the proxy has not come to holds nothing, but for a probe with a radius: by the plane at the proxy.
+        // A box that the proxy has not reached holds nothing. Exception: a probe with a radius overlaps it,
+        // held by the plane at the proxy.
         if (state_.brushed == 0) return {.height = std::numeric_limits<double>::infinity()};
         const Vector3d offset = to_eigen(state_.brush);
         Contact felt = rim_of(offset, hold);
@@ -200,7 +206,8 @@ class Beside {
     }
 
   private:
-    // The probe is back above its face; so it holds nothing alone, but may hold the proxy beside others.
+    // The probe is back above its face. So the box alone holds nothing, but it may hold the proxy beside
+    // others.
     bool is_back() const noexcept { return !(Face(state_.face).depth(seen_.y, half_) >= 0); }
 
     void go_from_start() noexcept {

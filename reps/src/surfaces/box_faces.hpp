@@ -1,5 +1,5 @@
 #pragma once
-// The six faces of a box, and which of them holds a probe that came through it.
+// The six faces of a box, and which of them holds a probe that entered through it.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 struct Face {
     int axis;
-    double sign;  // of its normal
+    double sign;  // of the normal
 
     explicit Face(std::uint32_t number) noexcept
         : axis(static_cast<int>(number - 1) / 2), sign(number % 2 == 1 ? 1 : -1) {}
@@ -28,14 +28,15 @@ struct Face {
         return half[axis] - sign * y[axis];
     }
 
-    // The foot lies within it, or beside it by no more than `by`.
+    // The foot lies within the face, or beside it by no more than `by`.
     bool has_foot(const Vector3d& y, const Vector3d& half, double by) const noexcept {
         for (int i = 0; i < 3; ++i) {
             if (i != axis && !(std::abs(y[i]) <= half[i] + by)) return false;
         }
         return true;
     }
-    // Below its plane, with the foot within: there it holds a probe that came through it.
+    // The probe is below the face's plane, with its foot within: the face holds a probe that entered through
+    // it.
     bool holds(const Vector3d& y, const Vector3d& half) const noexcept {
         return has_foot(y, half, 0) && depth(y, half) >= 0;
     }
@@ -51,9 +52,8 @@ inline bool within(const Vector3d& y, const Vector3d& half) noexcept {
     return (y.cwiseAbs().array() <= half.array()).all();
 }
 
-// The face through which the path from `last`, outside, enters the closed box; 0: it does not. It enters
-// where it has passed the planes of all faces that it was in front of, so through the last of them, if it is
-// still within the others.
+// The face through which the path from `last`, outside, enters the closed box; 0: it does not. The path
+// enters through the last face whose plane it passes, if it is still within the other faces then.
 inline std::uint32_t face_entered(const Vector3d& last, const Vector3d& y, const Vector3d& half) noexcept {
     int axis = -1;
     double latest = -1;
@@ -61,9 +61,9 @@ inline std::uint32_t face_entered(const Vector3d& last, const Vector3d& y, const
         const double outside = std::abs(last[i]) - half[i];
         if (!(outside > 0)) continue;
         const double sign = last[i] < 0 ? -1 : 1, along = sign * (last[i] - y[i]);
-        if (!(along >= outside)) return 0;  // still in front of that one
+        if (!(along >= outside)) return 0;  // still in front of that plane
         const double t = outside / along;
-        // Through an edge: by the face that is nearer then.
+        // Through an edge: the nearer face at the end of the path.
         if (t > latest || (t == latest && half[i] - sign * y[i] < half[axis] - std::abs(y[axis]))) {
             latest = t;
             axis = i;
@@ -82,7 +82,7 @@ struct Hold {
     bool slipped;
 };
 
-// A step that ends out of reach (of the ball of `bound`) has led past the box, however it went there.
+// A step that ends out of reach (of the ball of `bound`) has led past the box, whatever its path.
 inline Hold follow(const Box::State& state, const Vector3d& y, const Vector3d& half, double radius) noexcept {
     if (state.face != 0) {
         const Face face(state.face);

@@ -11,12 +11,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-// shorter ones, also as a share within the tangent plane, are no direction
+// a shorter axis, or a shorter part of it in the tangent plane, gives no direction
 constexpr double least_axis = 1e-6;
 
-// The signed distance of (x, z) from an arc of that curvature through the origin, tangent to x there, that is
-// continued by its tangents where the angle's sine reaches `rim`; and its gradient, a unit vector.
-//   within:  h = 1/K - sqrt(x^2 + (z - 1/K)^2)     as a plane's z where K is 0: multiplied out by the conjugate
+// The signed distance of (x, z) from an arc with the given curvature through the origin, tangent to x there.
+// Where the sine of the arc's angle reaches `rim`, its tangents continue it. The gradient is a unit vector.
+//   within:  h = 1/K - sqrt(x^2 + (z - 1/K)^2)     multiplied out by the conjugate: K = 0 gives z
 //   beyond:  h = n.(p - g), g the rim point
 struct Arc {
     double height, x, z;
@@ -28,7 +28,7 @@ struct Arc {
         if (mz >= 0 && cosine * std::abs(mx) <= rim * mz) {
             const double length = std::sqrt(mx * mx + mz * mz);
             height = (2 * pz - curvature * (px * px + pz * pz)) / (1 + length);
-            x = length > 0 ? mx / length : 0;  // at the centre itself: as on the way there from the foot
+            x = length > 0 ? mx / length : 0;  // at the centre: the limit on the way there from the foot
             z = length > 0 ? mz / length : 1;
             bend = length > 0 ? -curvature / length : 0;
         } else {
@@ -72,8 +72,8 @@ Cap prepared(Cap params, const Limits& limits) noexcept {
         return params;
     }
     Vector3d along = across(axis.normalized(), normal).normalized();
-    // The tube of the torus is the stronger curvature, so that the surface does not depend on which is named
-    // first.
+    // The stronger curvature becomes the tube of the torus, so that the order of the two curvatures has no
+    // effect.
     const double first = std::abs(params.curvature), second = std::abs(params.curvature2);
     if (second > first || (second == first && params.curvature < 0)) {
         std::swap(params.curvature, params.curvature2);
@@ -85,7 +85,7 @@ Cap prepared(Cap params, const Limits& limits) noexcept {
 
 namespace {
 
-// `bend` alone takes more than the contact; who does not ask for it does not pay.
+// Computing `bend` costs more than the contact, so only callers that need it pay for it.
 template <bool Bends>
 CurvedContact curved_at(const Cap& params, const Vector3d& p, double radius) noexcept {
     const Vector3d q = p - to_eigen(params.foot);
@@ -107,7 +107,8 @@ CurvedContact curved_at(const Cap& params, const Vector3d& p, double radius) noe
         }
         return out;
     }
-    // The distance from a torus is that from a circle in the plane which has turned with the ring: two arcs.
+    // The distance from a torus is the distance from a circle in the plane that turns with the ring: two
+    // arcs.
     const Vector3d side = normal.cross(axis);
     const double share = std::abs(params.curvature2 / params.curvature);  // the same reach in both directions
     const Arc ring(felt(params.curvature2, radius), params.rim * share, side.dot(q), z);

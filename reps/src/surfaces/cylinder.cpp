@@ -25,10 +25,11 @@ struct Place {
     Vector3d to_end() const noexcept { return std::copysign(1.0, along) * axis; }
 };
 
-constexpr std::uint32_t wall_part = 1, front_part = 2, back_part = 3;  // the ends: along the axis, against it
+constexpr std::uint32_t wall_part = 1, front_part = 2,
+                        back_part = 3;  // the ends: along the axis, and against it
 
-// Once the probe's centre is within, a face holds it, as a box's does: what it came in by. The wall turns round
-// with the probe down to half its radius.
+// While the probe's centre is inside, the face through which it came in holds it, as with a box. The wall's
+// normal turns with the probe, down to half the radius.
 struct SolidCylinder {
     Vector3d axis;
     double radius, half_length, probe;
@@ -44,8 +45,8 @@ struct SolidCylinder {
         if (wall >= end) return {at.out, wall - probe, wall_part};
         return {at.to_end(), end - probe, at.along < 0 ? back_part : front_part};
     }
-    // A path is in the slab between its ends for a while, and in the endless cylinder: it comes in by what it
-    // crosses last.
+    // A path is for a while between the planes of the ends, and for a while in the endless cylinder. It
+    // enters through the face that it crosses last.
     std::optional<Facing> entered(const Vector3d& last, const Vector3d& q,
                                   const SolidHold& hold) const noexcept {
         const Vector3d way = q - last;
@@ -73,7 +74,7 @@ struct SolidCylinder {
             return std::nullopt;
         }
         if (part == 0 || in > out || in < 0) return std::nullopt;
-        // A probe with a radius came over the edge by the normal that it felt there.
+        // A probe with a radius came over the edge with the normal that held it there.
         if (!(hold.normal == Vec3{})) return Facing{to_eigen(hold.normal), 0, part};
         if (part != wall_part) return Facing{(part == front_part ? 1 : -1) * axis, 0, part};
         return Facing{Place(axis, last + in * way, Vec3{}).out, 0, part};
@@ -95,19 +96,19 @@ struct SolidCylinder {
         }
         return {Aim::Kind::natural, natural.normal};
     }
-    // The plane that supports it in this direction; an endless one has none across its axis but the wall's.
+    // The supporting plane in this direction. An endless cylinder has one only across its axis.
     double over(const Vector3d& q, const Vector3d& n, std::uint32_t) const noexcept {
         const double cosine = n.dot(axis), sine = n.cross(axis).norm();
-        // What leans less is rounding, which a long way along it would amplify.
+        // A smaller cosine is rounding, which a long distance along the axis would amplify.
         if (std::abs(cosine) < 1e-14) return n.dot(q) - cosine * axis.dot(q) - radius * sine - probe;
         const double ends = std::isfinite(half_length) ? half_length * std::abs(cosine) : 0;
         return n.dot(q) - radius * sine - ends - probe;
     }
 };
 
-// All that its section, turned about the axis, has in common with the plane that `lean` (from the wall, along
-// the axis) is normal to: the wall, endless, over an end its plane, over an edge the cone between them. By what
-// it is met follows from the probe, as that of a box; so it changes where the probe rolls over, not where x does.
+// The wall, an end or the cone over the edge: what the section turned about the axis has in common with the
+// plane of normal `lean` (from the wall, along the axis). The probe decides which one, as with a box. So it
+// changes where the probe rolls over the edge, not where x does.
 CurvedContact turned_about(const SolidCylinder& solid, const Place& at, double out, double along) noexcept {
     CurvedContact cone{.normal = out * at.out + along * at.axis};
     cone.height = out * (at.away - solid.radius) - solid.probe;
@@ -199,7 +200,7 @@ std::uint32_t curved(const Cylinder& params, const Cylinder::State& state, const
     return 1;
 }
 
-// By its wall: an end is as flat wherever it is met.
+// Only the wall leans: an end is flat everywhere.
 void lean(const Cylinder& params, Cylinder::State& state, const Probe& there, double below) noexcept {
     if (state.hold.part != wall_part) return;
     const Vector3d q = from_surface(params.center, params.velocity, state.motion, there);

@@ -6,12 +6,12 @@
 
 namespace knurl {
 
-/// A vector's length and direction, also where the squares of its components are no numbers any more.
+/// A vector's length and direction, also where the squares of its components over- or underflow.
 struct Distance {
     Eigen::Vector3d direction;
-    double length;  // as v
+    double length;  // in the unit of v
 
-    explicit Distance(const Eigen::Vector3d& v) noexcept {  // not 0
+    explicit Distance(const Eigen::Vector3d& v) noexcept {  // v is not 0
         const double square = v.squaredNorm();
         if (square > 1e-280) {
             length = std::sqrt(square);

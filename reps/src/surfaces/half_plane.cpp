@@ -7,9 +7,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double least_share = 1e-6;  // of the edge's direction that must lie in the face
+constexpr double least_share = 1e-6;  // least share of the edge's direction that must lie in the face
 
-// What is left of v in the plane of the unit normal n; twice, since the first time leaves its rounding.
+// The part of v in the plane of the unit normal n. Done twice, since the first pass leaves its rounding.
 Vector3d in_plane(const Vector3d& v, const Vector3d& n) noexcept {
     const Vector3d once = v - n.dot(v) * n;
     return once - n.dot(once) * n;
@@ -78,7 +78,7 @@ Contact contact(const HalfPlane& params, PieceState& state, const Probe& probe, 
     return piece::contact(params, HalfPlaneOutline(params), state, probe, dt);
 }
 
-// Clear of the piece there is nothing to remember but the side, which prime() finds again.
+// Away from the piece only the side matters, and prime() finds it again.
 double clearance(const HalfPlane& params, const PieceState& state, const Probe& probe) noexcept {
     if (state.touched != 0 && state.out == 0) return 0;
     const HalfPlaneOutline outline(params);

@@ -3,11 +3,11 @@
 //
 //   normal()             unit, towards the front
 //   height(q)            m, of q over its plane
-//   holds(q, reach, by)  the foot of q lies within the piece, or beside it by no more than `by` (m) but for
-//                        rounding of coordinates of size `reach` (m)
+//   holds(q, reach, by)  the foot of q lies within the piece, or beside it by no more than `by` (m), except for
+//                        the rounding of coordinates of size `reach` (m)
 //   reaches(q, r)        a probe of radius r at q meets the ball around the piece (of `bound`)
 //   away(q)              m, from the nearest point of the piece to q, where the foot lies outside
-//   seam(path)           m, how far from it something touches it
+//   seam(path)           m: anything within this distance touches it
 //
 // With a probe of radius r the piece is a thin plate with rounded edges until the centre has crossed it:
 // height |p - x| - r along p - x, x the piece's nearest point. After that it is -|h| - r along the normal of
@@ -29,9 +29,9 @@ using Eigen::Vector3d;
 
 inline constexpr double rounding = 16 * std::numeric_limits<double>::epsilon();
 
-/// What one cycle finds out: where the probe is, and what the state becomes if time has passed.
+/// The result of one cycle: where the probe is, and the new state if time has passed.
 struct Step {
-    Vector3d q;  // m, the probe, less what the piece has moved on by
+    Vector3d q;  // m, the probe minus the piece's own motion
     double height;
     bool held;  // the foot lies within the piece
     std::int32_t side;
@@ -39,7 +39,7 @@ struct Step {
     LetGo let_go;
 };
 
-/// As far off its face, in seams, a proxy is not held by it: more than rounding.
+/// A proxy this far off the face, as a share of the seam, is not held by it: it is more than rounding.
 inline constexpr double off_of_seam = 1e-6;
 
 inline std::int32_t side_of(double height, std::int32_t otherwise) noexcept {
@@ -50,8 +50,8 @@ inline bool can_enter(std::int32_t from, Sides sides) noexcept {
     return from > 0 || sides == Sides::both;
 }
 
-/// Where a path crosses a plane: which share of the way, from and to these heights (m). One that was on that side
-/// though rounding, or what touches, puts it behind, crosses where it begins.
+/// Where a path crosses a plane: the share of the way, from and to these heights (m). A path that was on that
+/// side crosses at its beginning, even if rounding or a touch puts that behind the plane.
 inline double crossed_at(double from, double to, std::int32_t side) noexcept {
     return side * from > 0 ? from / (from - to) : 0;
 }
@@ -73,7 +73,7 @@ Step follow(const Outline& outline, Sides sides, const PieceState& state, const 
         return now;
     }
     if (!state.met || now.side == state.side || now.let_go == LetGo::from_behind) return now;
-    if (!outline.reaches(q, radius)) return now;  // it has led past the piece, whichever way
+    if (!outline.reaches(q, radius)) return now;  // the path has led past the piece, on either side
     const Vector3d last = to_eigen(state.last);
     const Vector3d crossing = last + crossed_at(outline.height(last), height, state.side) * (q - last);
     if (!outline.holds(crossing, reach + last.lpNorm<1>(), 0)) return now;
@@ -88,7 +88,7 @@ Step follow(const Outline& outline, Sides sides, const PieceState& state, const 
     return now;
 }
 
-/// The piece as an untouched one is felt by a probe at `at`: nearest point, or not at all.
+/// The contact of an untouched piece with a probe at `at`: the nearest point, or none.
 struct Rim {
     Vector3d normal;
     double height;
@@ -191,8 +191,12 @@ class Beside {
 
     void near() noexcept {
         const Vector3d to = q_ + path_.to;
-        if (state_.touched != 0 && !holds(to, slack())) return;  // it is about to leave itself
-        if (!outline_.reaches(to, radius_)) return;              // as far as others are evaluated
+        if (state_.touched != 0 && !holds(to, slack()))
+            return;  // this piece is about to let go, so it does
+                     // not count itself
+        if (!outline_.reaches(to, radius_))
+            return;  // the others are evaluated within the same
+                     // distance
         const double away = holds(to, 0) ? std::abs(outline_.height(to)) : outline_.away(to).norm();
         path_.close += away <= near_in_seams * seam_ + radius_;
     }
@@ -236,7 +240,8 @@ class Beside {
             return contact_of(params_, state_.touched * outline_.normal(),
                               state_.touched * outline_.height(q_) - radius_);
         }
-        // What the proxy has not come to holds nothing, but for a probe with a radius: by the plane at the proxy.
+        // A piece that the proxy has not reached holds nothing. Exception: a probe with a radius overlaps it,
+        // held by the plane at the proxy.
         if (state_.brushed == 0) return {.height = std::numeric_limits<double>::infinity()};
         const Vector3d offset = to_eigen(state_.brush);
         const Rim felt = rim_of(offset);
@@ -244,7 +249,7 @@ class Beside {
     }
 
   private:
-    // The probe is back in front; so it holds nothing alone, but may hold the proxy beside others.
+    // The probe is back in front. So the piece alone holds nothing, but it may hold the proxy beside others.
     bool is_back() const noexcept { return side_of(outline_.height(q_), -state_.touched) == state_.touched; }
 
     void go_from_start() noexcept {
@@ -259,17 +264,17 @@ class Beside {
         return rim_at(at, side(outline_.height(at), offset, state_.side));
     }
 
-    // How the path crosses the piece's plane. What begins truly in front crosses it by however little; what lies in
-    // the plane, but for what touching is, where nothing holds it in front any more.
+    // How the path crosses the piece's plane. A path that begins clearly in front crosses it with any motion.
+    // A path that begins in the plane, within a seam, crosses it where nothing holds it in front any more.
     struct Way {
         std::int32_t from, to;  // sides
-        double crossed = 2;     // share of the way, if it is the piece that it crosses
+        double crossed = 2;     // share of the way at which it crosses the piece itself
     };
     Way way() const noexcept {
         const Vector3d from = to_eigen(state_.from), to = q_ + path_.to;
         const double above = outline_.height(from), below = outline_.height(to);
         Way way{state_.from_side, side(below, path_.to, state_.from_side)};
-        if (way.from == 0) way.from = way.to;  // it has not met the probe before
+        if (way.from == 0) way.from = way.to;  // the probe has not met the piece before
         const bool through = way.from * above > 0 && way.from * below < 0;
         if ((way.from == way.to && !through) || state_.let_go == LetGo::from_behind || state_.left != 0 ||
             !outline_.reaches(to, radius_))
@@ -296,8 +301,9 @@ class Beside {
                    radius_);
     }
 
-    // What lies in the plane, but for what touching is, is on the side to which the probe is held, if the piece can be
-    // entered from there. Else a surface that pushes it towards the back would bring it behind the piece unseen.
+    // A path within a seam of the plane is on the side towards which the probe is held, if the piece can be
+    // entered from there. Else a surface that pushes it towards the back would bring it behind the piece
+    // unseen.
     std::int32_t side(double height, const Vector3d& held, std::int32_t otherwise) const noexcept {
         const double facing = outline_.normal().dot(held);
         const std::int32_t to = facing > 0 ? 1 : -1;
@@ -360,9 +366,8 @@ Contact contact(const Piece& params, const Outline& outline, PieceState& state, 
     return contact_of(params, normal, height);
 }
 
-/// A change of place may carry the piece past the probe. Then the probe, which did not move, has crossed it
-/// if its foot lay within the piece before and after; and a probe that it holds stays held where it is still
-/// behind.
+/// A new place may carry the piece past the probe. Then the probe, which did not move, has crossed it if its
+/// foot lay within the piece before and after. A held probe stays held where it is still behind.
 template <class Piece, class Outline>
 void adopt(const Piece& params, const Outline& outline, const Piece& previous, const Outline& old,
            PieceState& state) noexcept {
@@ -371,7 +376,7 @@ void adopt(const Piece& params, const Outline& outline, const Piece& previous, c
     place(state.motion);
     if (!state.met) return;
     state.last = to_plain(last);
-    const std::int32_t turned = old.normal().dot(outline.normal()) < 0 ? -1 : 1;  // sent the other way round
+    const std::int32_t turned = old.normal().dot(outline.normal()) < 0 ? -1 : 1;  // the piece was turned over
     const std::int32_t from = turned * state.side;
     state.touched *= turned;
     state.side = side_of(outline.height(last), from);

@@ -43,7 +43,7 @@ void adopt(const Plane& params, const Plane* previous, Plane::State& state, cons
     state.remaining = 0;
     if (!recovers) return;
     const double depth = -raw_height(params, state, probe);
-    if (!(depth > 0)) return;  // leaves the probe outside: at once
+    if (!(depth > 0)) return;  // the surface now leaves the probe outside: no recovery is needed
     state.lowered = params.update == PlaneUpdate::paper ? depth : depth - felt;
     state.remaining = params.recovery == automatic ? paper_recovery : params.recovery;
     if (!(state.remaining > 0)) state.lowered = 0;

@@ -15,7 +15,7 @@ std::uint32_t next(const Vertices& vertices, std::uint32_t i) noexcept {
     return i + 1 < vertices.count ? i + 1 : 0;
 }
 
-// Twice the area along the normal, seen from the first vertex (Newell): all vertices have a say.
+// Twice the area times the normal, seen from the first vertex (Newell's method: all vertices count).
 Vector3d area_vector(const Vertices& vertices) noexcept {
     const Vector3d first = to_eigen(vertices.at[0]);
     Vector3d sum = Vector3d::Zero(), edge = to_eigen(vertices.at[1]) - first;
@@ -63,7 +63,7 @@ class PolygonOutline {
         for (std::uint32_t i = 0; i < vertices_.count; ++i) {
             const Vector3d start = to_eigen(vertices_.at[i]);
             const Vector3d edge = to_eigen(vertices_.at[next(vertices_, i)]) - start;
-            const double beyond = edge.cross(normal_).dot(q - start);  // times the edge's length
+            const double beyond = edge.cross(normal_).dot(q - start);  // multiplied by the edge's length
             if (!(beyond > 0)) continue;
             const double slack = by + piece::rounding * (reach + start.lpNorm<1>());
             if (beyond * beyond > slack * slack * edge.squaredNorm()) return false;
@@ -71,7 +71,7 @@ class PolygonOutline {
         return true;
     }
 
-    // The nearest point lies on an edge that the foot is beyond.
+    // If the foot lies beyond an edge, the nearest point is on such an edge.
     Vector3d away(const Vector3d& q) const noexcept {
         Vector3d nearest = Vector3d::Zero();
         double least = std::numeric_limits<double>::infinity();
@@ -142,7 +142,7 @@ Polygon prepared(Polygon params, const Limits& limits) noexcept {
     Vertices& v = params.vertices;
     v.reserved = params.reserved = 0;
     std::fill(v.at + v.count, v.at + max_vertices, Vec3{});
-    // What the tolerance lets pass is taken away, so that face and edges meet.
+    // Vertices may deviate from the plane within the tolerance. Projecting them makes face and edges meet.
     const Vector3d normal = Distance(area_vector(v)).direction, middle = centre(v);
     for (std::uint32_t i = 0; i < v.count && v.count > 3; ++i) {
         const Vector3d at = to_eigen(v.at[i]);

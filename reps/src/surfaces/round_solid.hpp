@@ -1,5 +1,5 @@
 #pragma once
-// A solid of all that lies within `reach` of a straight core: a point (sphere) or a segment (capsule).
+// All points within `reach` of a straight core: a point (sphere) or a segment (capsule).
 
 #include "surfaces/bend.hpp"
 #include "surfaces/solid.hpp"
@@ -8,9 +8,9 @@ namespace knurl {
 
 struct RoundSolid {
     Eigen::Vector3d axis;  // unit
-    double half_length;    // m, of the core; 0: a point
+    double half_length;    // m, of the core; 0: the core is a point
     double reach;          // m, with the probe's radius
-    double margin;         // m: half way to the core the nearest surface soon turns round
+    double margin;         // m: half way to the core, beyond which the nearest surface turns quickly
 
     RoundSolid(const Eigen::Vector3d& along, double length, double radius) noexcept
         : axis(along), half_length(length), reach(radius), margin(radius / 2) {}
@@ -44,8 +44,8 @@ struct RoundSolid {
             const Facing& natural) const noexcept {
         const Aim lets_go{Aim::Kind::natural, natural.normal}, keeps{Aim::Kind::keep, n};
         if (natural.height < -margin) return keeps;
-        if (n.dot(from_core(q)) > 0) return lets_go;  // in front: it is back where it came in
-        // Behind it. Does the line along n through q meet it?
+        if (n.dot(from_core(q)) > 0) return lets_go;  // in front: the probe is back where it came in
+        // Behind the core. Does the line along n through q meet it?
         const Eigen::Vector3d aside = q - n.dot(q) * n, core = axis - n.dot(axis) * n;
         const double square = core.squaredNorm();
         const double along = square > 0 ? std::clamp(core.dot(aside) / square, -half_length, half_length) : 0;

@@ -15,7 +15,7 @@ using shapes::at;
 using shapes::put;
 using shapes::touches;
 
-// Where the shape is in this cycle: extrapolated from its last update.
+// The pose of the shape in this cycle, extrapolated from its last update.
 struct Pose {
     Quaterniond turn;
     Vector3d position;
@@ -34,7 +34,7 @@ AssetMaterial material_of(const Shape::State& state) noexcept {
     return state.material < materials.size() ? materials[state.material] : AssetMaterial{};
 }
 
-constexpr double out = std::numeric_limits<double>::infinity();  // m, the height of what is not touched
+constexpr double out = std::numeric_limits<double>::infinity();  // m, the height of an untouched surface
 
 }  // namespace
 
@@ -52,7 +52,7 @@ void adopt(const Shape& params, const Shape* previous, Shape::State& state, cons
     Motion before = state.motion;
     if (placed) place(state.motion);
     if (state.asset == state.met) return;
-    // Another form in the place of the one that is touched: the proxy goes on from where it was in the world.
+    // Another asset replaces the touched one: the proxy continues from its place in the world.
     if (previous && state.asset && state.met && touches(state.proxy.phase)) {
         const Pose then(*previous, before), now(params, state.motion);
         put(state.proxy.at, now.to_asset(then.turn * at(state.proxy.at) + then.position));
@@ -71,11 +71,11 @@ void adopt(const Shape& params, const Shape* previous, Shape::State& state, cons
 
 namespace {
 
-// Of the plane by which it holds the probe; the normal is the world's.
+// Of the plane by which it holds the probe; the normal is in the world frame.
 Contact felt(const Shape& params, const Shape::State& state, const Pose& pose, const Probe& probe,
              const Vector3d& normal, double height) noexcept {
     const AssetMaterial share = material_of(state);
-    // The material's stiffness as a shorter way: what is solved together has one stiffness for each surface.
+    // A softer material is expressed as a shorter depth: one surface has one stiffness when solved jointly.
     Contact contact = contact_of(params, normal, height < 0 ? share.stiffness * height : height);
     contact.damping *= share.damping;
     contact.friction = share.friction;
@@ -84,7 +84,7 @@ Contact felt(const Shape& params, const Shape::State& state, const Pose& pose, c
     return contact;
 }
 
-// By the path of the proxy.
+// Follows the path of the proxy.
 [[gnu::cold, gnu::noinline]] Contact contact_of_proxy(const Shape& params, Shape::State& state,
                                                       const Pose& pose, const Probe& probe,
                                                       double dt) noexcept {
@@ -101,8 +101,8 @@ Contact felt(const Shape& params, const Shape::State& state, const Pose& pose, c
     return felt(params, state, pose, probe, normal, height);
 }
 
-// Where no time passes and it alone has held the probe, it is evaluated what it would answer there. Evaluated
-// again in that cycle, it answers alike.
+// Where no time passes and it alone has held the probe, it is evaluated at its own answer. An evaluation that
+// is repeated in a cycle gives the same answer.
 bool goes_by_proxy(const Shape& params, Shape::State& state, const ProxyPath& path, double dt) noexcept {
     using Stage = ProxyPath::Stage;
     if (path.stage == Stage::free || params.shading != Shading::flat) return false;
@@ -114,7 +114,7 @@ bool goes_by_proxy(const Shape& params, Shape::State& state, const ProxyPath& pa
     return state.tries == 0;
 }
 
-// What the path of the probe has led to in this cycle.
+// Reports to the path what the probe's motion has led to in this cycle.
 [[gnu::cold, gnu::noinline]] void report_to_path(const Shape::State& state, const Vector3d& hand,
                                                  ProxyPath& path) noexcept {
     const bool held = touches(state.was_phase), holds = touches(state.proxy.phase);
@@ -142,7 +142,7 @@ Contact contact(const Shape& params, Shape::State& state, const Probe& probe, do
     std::uint32_t material = state.material;
     const bool fresh = state.proxy.phase == Proxy::Phase::fresh;
     if (dt > 0) shapes::begin_cycle(state);
-    // Evaluated again within a cycle it answers what it has answered.
+    // A repeated evaluation within a cycle gives the same answer.
     if (dt > 0 || fresh || hand != at(state.proxy.last)) {
         Proxy proxy = state.proxy;
         Foot foot;
@@ -172,8 +172,9 @@ Contact contact(const Shape& params, Shape::State& state, const Probe& probe, do
     return felt(params, state, pose, probe, normal, height);
 }
 
-// While it holds the hand it may hold it from however deep. About its own middle, or, where it turns, about
-// the point of the axis next to that, which goes straight on: so it holds wherever it has moved on to.
+// While it holds the hand it may hold it at any depth, so it has no bound. The ball is about its middle. If
+// it turns, the ball is about the nearest point of its axis, which moves straight, so the ball holds over
+// time.
 std::optional<Bound> bound(const Shape& params, const Shape::State& state) noexcept {
     if (touches(state.proxy.phase)) return std::nullopt;
     if (!state.asset) return Bound{.center = to_eigen(params.position)};
@@ -187,7 +188,7 @@ std::optional<Bound> bound(const Shape& params, const Shape::State& state) noexc
         radius += (arm - along).norm();
         arm = along;
     }
-    // What the rounding of its pose may hide, where its origin lies far away.
+    // Adds the rounding of its pose, where its origin is far away.
     radius += 1e-14 * (middle.lpNorm<1>() + pose.position.lpNorm<1>());
     return Bound{.center = arm + pose.position, .radius = radius, .velocity = to_eigen(params.velocity)};
 }

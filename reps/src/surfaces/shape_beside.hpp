@@ -1,9 +1,10 @@
 #pragma once
-// A shape beside others (proxy_path.hpp): its god-object follows the proxy of all surfaces less its own push. That is
-// the probe together with what the others push it by; so where none does, it is the probe.
+// A shape beside others (proxy_path.hpp). Its god-object follows the proxy of all surfaces minus the shape's
+// own push, that is, the probe displaced by the push of the others. Where no other surface pushes, it follows
+// the probe.
 //
 //        push of the others           The point x that satisfies all lies on the shape where the walk towards
-//     t <------------------ probe     t = x - own push comes to rest: solving and walking by turns arrive at both.
+//     t <------------------ probe     t = x - own push comes to rest: solving and walking by turns reach both.
 //      \  own push
 //       x
 //
@@ -33,18 +34,18 @@ inline bool touches(Proxy::Phase phase) noexcept {
     return phase == Proxy::Phase::touching || phase == Proxy::Phase::tangled;
 }
 
-/// m: how far from it something touches it.
+/// m: anything within this distance touches the shape.
 inline double seam_of(const Asset& asset) noexcept {
     return seam_of_size * (asset.high - asset.low).norm();
 }
 
-/// Faces that lean against each other by less than this cosine are no rim where a neighbour goes on.
+/// Two faces whose normals have a larger cosine than this form no rim, so a neighbour may continue there.
 inline constexpr double along = 0.9;
-/// A face that leans against the way by this cosine stops it.
+/// A face stops the way if its normal leans against it by this cosine.
 inline constexpr double stops = 1e-4;
-/// Of the seam: less than that is rounding.
+/// As a share of the seam: less than this is rounding.
 inline constexpr double little_of_seam = 1e-6;
-/// So often may it be left in one cycle.
+/// The most times that the shape lets go in one cycle.
 inline constexpr std::uint8_t most_left = 2;
 
 inline void begin_cycle(Shape::State& state) noexcept {
@@ -79,7 +80,7 @@ class Beside {
         if (!(dt > 0)) return;
         Proxy& proxy = state_.proxy;
         if (proxy.phase == Proxy::Phase::fresh) put(proxy.last, place());
-        // A ball whose centre has not entered brushes it anew in each cycle, in the order in which it overlaps the others.
+        // A ball whose centre has not entered finds its overlap anew in each cycle, in the order of overlap.
         if (state_.brushed != 0) free_at(at(proxy.last) + in_asset(path_.to));
         if (!holds()) free_at(path_.passes ? place() : at(proxy.last));
         if (state_.anew != 0 && holds()) find_plane();
@@ -90,7 +91,7 @@ class Beside {
     void rewind() noexcept {
         state_.left = state_.leaving = 0;
         const bool held = touches(state_.was_phase), brushed = state_.brushed != 0;
-        if (held && holds() && !brushed) return;  // on its way over the surface
+        if (held && holds() && !brushed) return;  // it is on its way over the surface
         free_at(to_eigen(state_.start));
         if (!held || brushed) return;
         state_.proxy.phase = Proxy::Phase::touching;
@@ -129,7 +130,7 @@ class Beside {
         state_.handed = 0;
         Proxy next = state_.proxy;
         Foot foot;
-        // Over an edge of its own, where nothing else goes on.
+        // Over an edge of the shape itself, where no other surface continues.
         if (path_.close == 0 && walk(next, target(), foot)) return turn_to(next, foot);
         free_at(place());
     }
@@ -146,7 +147,7 @@ class Beside {
         if (!holds() && walk(next, place(), foot)) turn_to(next, foot);
     }
 
-    /// m: of the probe's surface over the plane by which it holds; infinity: it does not.
+    /// m: of the probe's surface over the holding plane; infinity: it does not hold.
     double height() const noexcept {
         if (!holds()) return std::numeric_limits<double>::infinity();
         return normal().dot(hand_) - state_.offset - radius_;
@@ -157,7 +158,7 @@ class Beside {
     Vector3d normal() const noexcept { return to_eigen(state_.normal); }
     Vector3d in_asset(const Vector3d& world) const noexcept { return turn_.conjugate() * world; }
 
-    /// Where its god-object goes: the probe, as far as the others let it.
+    /// The target of the god-object: the probe, displaced by the push of the others.
     Vector3d target() const noexcept {
         return path_.joined ? hand_ + in_asset(path_.to - path_.push) : hand_ + in_asset(path_.to);
     }
@@ -165,7 +166,7 @@ class Beside {
     Vector3d place() const noexcept {
         return path_.joined ? hand_ + in_asset(path_.to) : hand_ + in_asset(path_.to + path_.push);
     }
-    /// ... as it lies on its own plane.
+    /// The proxy's foot on the shape's own plane.
     Vector3d foot_of_proxy() const noexcept {
         const Vector3d t = target();
         return t + (state_.offset - normal().dot(t)) * normal();
@@ -189,7 +190,7 @@ class Beside {
         return facing_near(*state_.asset, where, within, normal, least, foot, work);
     }
 
-    // The asset is another one than the plane's.
+    // The plane belongs to another asset.
     void find_plane() noexcept {
         Foot foot;
         if (facing(at(state_.proxy.at), seam_, Vector3d::Zero(), -2, foot)) hold_on(foot, foot.point);
@@ -210,7 +211,7 @@ class Beside {
         hold_by(state_, foot.normal, foot.normal.dot(foot.point), foot.material);
     }
 
-    /// By another plane, if that makes a difference to the proxy.
+    /// Would another plane make a difference to the proxy?
     bool differs(const Foot& foot) const noexcept {
         const double away = std::abs(foot.normal.dot(foot.point) - foot.normal.dot(foot_of_proxy()));
         const double leans = path_.push.norm() * (foot.normal - normal()).norm();
@@ -221,7 +222,7 @@ class Beside {
         Proxy next = state_.proxy;
         Foot foot;
         const bool held = walk(next, target(), foot) && lies_on_it(foot);
-        // What it has met again after it let go holds it wherever the walk comes to.
+        // A face that it meets again after it let go holds it, wherever the walk ends.
         if (held && (state_.left > 0 || (!drops(foot) && !clings(foot)))) return go_on(next, foot);
         if (path_.push.isZero(0) && !held) return come_off();
         if ((state_.handed != 0 || path_.joined) && reaches_on()) return;
@@ -230,22 +231,23 @@ class Beside {
         state_.leaving = 1;
     }
 
-    // Others hold the proxy off it. While the probe is behind the plane over which the proxy lies, that may still hold it in
-    // a stiffer layer, and does so as soon as the others let go.
+    // Other surfaces hold the proxy off the shape. While the probe is behind the plane below the proxy, that
+    // plane may still hold it in a stiffer layer, and it does so as soon as the others let go.
     void come_off() noexcept {
         if (path_.joined && normal().dot(hand_) < state_.offset && reaches_on()) return;
         if (!path_.turns) return;
         free_at(place());
-        path_.turned = true;  // a stiffer layer was solved with its plane
+        path_.turned = true;  // a stiffer layer was solved with this plane
     }
 
-    // Along a face, and seen from its very plane, what a way meets may be rounding.
+    // For a way along a face, seen from its very plane, the face that it meets may be rounding.
     bool lies_on_it(const Foot& foot) const noexcept {
         Foot same;
         return foot.normal.dot(normal()) >= along || facing(foot.point, little_, Vector3d::Zero(), -2, same);
     }
 
-    // Over an edge, to a face that lies behind its plane: where that is not so much as a seam, to one that is turned away.
+    // Over an edge to a face behind its plane. If that is behind by less than a seam, only to a face that is
+    // turned away.
     bool drops(const Foot& foot) const noexcept {
         const double behind = state_.offset - normal().dot(foot.point);
         if (behind > seam_) return true;
@@ -253,11 +255,12 @@ class Beside {
         return behind > little_ || foot.normal.dot(foot_of_proxy() - foot.point) > -little_;
     }
 
-    // At a rim, or an edge over which it leans back: then there is no face that stops it.
+    // At a rim, or at an edge over which it leans back: no face there stops it.
     bool clings(const Foot& foot) const noexcept {
         const Vector3d on = foot_of_proxy() - foot.point;
         const double far = on.norm();
-        // By the turn of the plane itself, which rounding does not hide: turned again in each cycle it would add up.
+        // Measures the turn of the plane itself, which rounding does not hide: small turns in each cycle
+        // would add up.
         const double least = std::min(little_of_seam, little_ / (2 * path_.push.norm()));
         if (!(far > little_) || !((foot.normal - normal()).dot(on) < -least * far)) return false;
         if (std::abs(normal().dot(foot.point) - state_.offset) > little_) return false;
@@ -276,7 +279,7 @@ class Beside {
         }
     }
 
-    // Beyond a rim, by no more than touching is.
+    // Is the proxy beyond a rim by no more than a seam?
     bool reaches_on() noexcept {
         Foot foot;
         if (!facing(foot_of_proxy(), seam_, normal(), along, foot)) return false;
@@ -294,8 +297,8 @@ class Beside {
         return true;
     }
 
-    // The walk goes to whichever face is nearest to the target, and so it may drop over a rim at a corner although the
-    // plane goes on below the target, where it holds the probe as before.
+    // The walk goes to the face nearest to the target, so at a corner it may drop over a rim. Yet the plane
+    // continues below the target, where it holds the probe as before.
     bool stays_on_plane() noexcept {
         constexpr double same = 1 - 1e-9;  // cosine
         Foot foot;
@@ -307,8 +310,8 @@ class Beside {
         return true;
     }
 
-    // Where a hand is held the way is lifted off what holds it by what touching is, and comes down at its end: so it leads
-    // over a step, and not against its side.
+    // For a held hand the way starts a seam above the holding surface and ends on it. So it leads over a
+    // step, not against its side.
     double way_in(Foot& foot) const noexcept {
         Work work;
         const Vector3d from = at(state_.proxy.at), to = place();
@@ -325,7 +328,7 @@ class Beside {
         return first_front(*state_.asset, to + lift, to, 0, lift, foot, work) <= 1 ? 1 : 2;
     }
 
-    // Nothing holds the probe, and it passes beside a face.
+    // Nothing holds the probe, and it passes close to a face.
     void graze(const Vector3d& from, const Vector3d& to) const noexcept {
         Work work;
         Foot foot;

@@ -26,17 +26,17 @@ void adopt_solid(const R& params, const R* previous, SolidState& state) noexcept
     if (previous && params.side != previous->side) state.hold = {};
 }
 
-/// The size of a hollow for a probe's centre: one that is larger than its hollow is held at the middle.
+/// The size of a hollow for a probe's centre. A probe larger than its hollow is held at the middle.
 inline double room(double size, const Probe& probe) noexcept {
     return std::max(0.0, size - probe.radius);
 }
 
-/// The same surface from within.
+/// The same surface, seen from inside.
 inline CurvedContact hollow(const CurvedContact& solid, double height) noexcept {
     return {.normal = -solid.normal, .height = height, .bend = -solid.bend};
 }
 
-/// Of a solid that does not hold the probe (it holds it from however deep).
+/// Bound of a solid that does not hold the probe (one that holds it may do so at any depth).
 template <class R>
 std::optional<Bound> ball_about(const R& params, const SolidState& state, double radius) noexcept {
     if (params.side == Side::inside || state.hold.part != 0) return std::nullopt;

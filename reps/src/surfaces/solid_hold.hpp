@@ -27,18 +27,18 @@
 
 namespace knurl {
 
-/// What a shape alone decides of its contact, in whatever frame it keeps its normals in.
+/// The part of a contact that depends on the shape only, in the frame in which the shape keeps its normals.
 struct Facing {
     Eigen::Vector3d normal;  // unit
     double height;           // m
     std::uint32_t part = 1;  // of the solid (1, 2, ...) whose normal this is
-    bool held = false;       // by a normal that is kept
+    bool held = false;       // a kept normal holds the probe
 };
 
-/// With which a normal that is kept no longer turns to the natural one: a right angle in 31 ms.
+/// Angular rate at which a normal that is no longer kept turns to the natural one: a right angle in 31 ms.
 inline constexpr double turn_rate = 50;  // rad/s
 
-/// `from` turned towards `to` by no more than that angle (rad): `to` itself, to the bit, where it gets there.
+/// `from` turned towards `to` by at most that angle (rad); `to` itself, to the bit, if that suffices.
 inline Eigen::Vector3d turned(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double angle) noexcept {
     if (!(angle > 0)) return from;
     const double cosine = from.dot(to);
@@ -49,8 +49,8 @@ inline Eigen::Vector3d turned(const Eigen::Vector3d& from, const Eigen::Vector3d
     return (std::cos(angle) * from + std::sin(angle) * side).normalized();
 }
 
-/// Where the straight way between two points first comes to above(at) <= 0, by steps of that distance, which
-/// no surface changes by more than the way.
+/// Where the straight way between two points first reaches above(at) <= 0, in steps of above(at): no surface
+/// changes faster than the way is long.
 template <class Above>
 std::optional<Eigen::Vector3d> where_entered(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                                              double size, Above&& above) noexcept {
@@ -65,33 +65,33 @@ std::optional<Eigen::Vector3d> where_entered(const Eigen::Vector3d& from, const 
         gone += left;
         if (gone > length) return std::nullopt;
     }
-    return std::nullopt;  // it only grazes
+    return std::nullopt;  // the way only grazes
 }
 
-/// The normal that a solid is to have where it holds a probe.
+/// The normal that a solid should have where it holds a probe.
 struct Aim {
     enum class Kind {
-        keep,     // the one that it has
-        face,     // a flat or straight face's, through which the probe came
-        natural,  // the nearest surface's: it lets go
+        keep,     // the present one
+        face,     // of the flat or straight face through which the probe came
+        natural,  // of the nearest surface: the solid lets go
     };
     Kind kind;
     Eigen::Vector3d normal;
 };
 
-/// Where it meets other surfaces, it is felt at their common point and not at its own foot: as it leans there it
-/// takes hold and lets go, so that neither is a step. `alone` becomes the normal at its own foot: that of the layers
-/// that are harder than all in which it meets others, where it holds alone. One plane for both would be a step for one
-/// of them, to where it is deeper: the hand would be given that energy each time that it takes hold.
+/// Where the solid meets other surfaces, it acts at their common point, with the normal `lean` found there.
+/// So taking hold and letting go are no steps. `alone` becomes the normal at its own foot, for harder layers
+/// in which it holds alone. One plane for both would make one of them a step to greater depth, which gives
+/// the hand energy at each taking of hold.
 inline void lean(Facing& facing, const SolidHold& hold, Vec3& alone) noexcept {
     if (hold.joint == Vec3{}) return;
     if (std::isfinite(hold.met_below)) alone = to_plain(facing.normal);
     facing.normal = to_eigen(hold.joint);
 }
 
-/// It met other surfaces where its normal is `normal`, in a layer of the stiffness `below` (N/m; infinity: there is no
-/// harder one that it is in). Layers that are told later are harder. While it keeps two normals, those of the harder
-/// layers are of no concern to the one that leans.
+/// The solid met other surfaces with this normal, in a layer of the stiffness `below` (N/m; infinity: it is
+/// in no harder layer). Later calls are for harder layers. While the solid keeps two normals, harder layers
+/// do not affect the leaning one.
 inline void meet(SolidHold& hold, const Eigen::Vector3d& normal, double below) noexcept {
     if (!(hold.alone == Vec3{})) {
         if (below > hold.met_below) return;
@@ -101,7 +101,7 @@ inline void meet(SolidHold& hold, const Eigen::Vector3d& normal, double below) n
     hold.joint = to_plain(normal);
 }
 
-/// Where `hold` did not hold the probe. True: it does now, by what `by` becomes.
+/// For a solid that did not hold the probe. True: it does now, and `by` becomes its facing.
 template <class Solid>
 bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, const SolidHold& hold,
                 double dt, Facing& by, Vec3& alone) noexcept {
@@ -112,7 +112,7 @@ bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, c
         if (may_have && q.squaredNorm() <= solid.ball() * solid.ball()) {
             if (std::optional<Facing> entry = solid.entered(last, q, hold)) {
                 lean(*entry, hold, alone);
-                // One that cuts a corner and is out again has touched nothing.
+                // A path that cuts a corner and leaves again has touched nothing.
                 const bool holds =
                     above < 0 || solid.aim(q, entry->normal, entry->part, natural).kind != Aim::Kind::natural;
                 if (holds) {
@@ -130,7 +130,7 @@ bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, c
     return true;
 }
 
-/// The normal that is kept where it holds alone is kept and turns by itself. True: it has arrived.
+/// Turns the kept normal of a solid that holds alone. True: it has arrived.
 template <class Solid>
 bool turn_alone(const Solid& solid, const Eigen::Vector3d& q, const Facing& natural, std::uint32_t part,
                 double angle, Vec3& alone) noexcept {
@@ -142,15 +142,15 @@ bool turn_alone(const Solid& solid, const Eigen::Vector3d& q, const Facing& natu
     return next == aim.normal;
 }
 
-/// The contact of a solid at q (m, from its middle). A solid offers, for itself as large as the probe makes it
+/// The contact of a solid at q (m, from its middle). A solid, enlarged by the probe's radius, offers
 ///
-///   margin                     m, how deep the natural contact counts
-///   ball()                     m, no farther from the middle does a path end that has not led past it
-///   entered(last, q, hold)     by what a path came in deep, if it did
+///   margin                     m, the depth down to which the natural contact counts
+///   ball()                     m, about the middle: a path that ends farther away has led past the solid
+///   entered(last, q, hold)     the facing through which a path entered deeply, if it did
 ///   aim(q, normal, part, natural)
 ///   over(q, normal, part)      m, height over the plane that supports it in that direction
 ///
-/// `natural` is that of the nearest surface. Time that does not pass (dt = 0) leaves no trace in `hold`.
+/// `natural` is the contact of the nearest surface. An evaluation with dt = 0 does not change `hold`.
 template <class Solid>
 Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, SolidHold& hold,
                  double dt) noexcept {
@@ -203,7 +203,7 @@ Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, 
     return now;
 }
 
-/// The plane by which it holds the probe in layers of that stiffness (N/m), where that is another one than its contact's.
+/// The plane by which it holds the probe in layers of that stiffness (N/m), if it differs from its contact's.
 template <class Solid>
 bool plane_alone(const Solid& solid, const Eigen::Vector3d& q, const SolidHold& hold, double stiffness,
                  CurvedContact& out) noexcept {
@@ -213,7 +213,7 @@ bool plane_alone(const Solid& solid, const Eigen::Vector3d& q, const SolidHold& 
     return true;
 }
 
-/// A direction. On the core there is none: last cycle's then, and where that is none (0 0 0) a fixed one
+/// A direction. On the core there is none: then the last cycle's is used or, if that is 0 0 0, a fixed one
 /// across `axis`.
 inline Eigen::Vector3d direction_or(const Eigen::Vector3d& v, double length, const Vec3& last,
                                     const Eigen::Vector3d& axis) noexcept {

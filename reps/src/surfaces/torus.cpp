@@ -11,9 +11,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The probe in the plane through it and the axis: `from_axis` away from it, `along` it. The tube's section
-// there is a disc about (radius, 0), and a kept normal turns with this plane: what is kept is a cone around
-// the ring.
+// The probe in the plane through it and the axis, at distance `from_axis` from the axis and `along` it. The
+// tube's section there is a disc about (radius, 0). A kept normal turns with this plane, so the kept surface
+// is a cone around the ring.
 struct Section {
     Vector3d axis, radial;
     double from_axis, along;
@@ -41,23 +41,23 @@ struct Section {
     }
 };
 
-// A probe of radius r sees a tube of the size t = tube + r. Where t > radius = R it plugs the hole: the
-// section's disc and its mirror image about (-R, 0) overlap, and of the axis only what lies beyond the seats
-// (0, +-s), s^2 = t^2 - R^2, is free. A probe whose foot on its own disc would lie beyond the axis, in the
-// other disc, has the seat as the nearest free point instead. (The feet of both discs as two planes would
-// meet nearly anywhere along the axis: they face each other.) Of the tube the normal in the section is kept,
-// of a seat the world's: near the axis the section turns at once.
+// A probe of radius r meets a tube of size t = tube + r. Where t > R, R the radius, the probe plugs the hole.
+// Then the section's disc and its mirror image about (-R, 0) overlap, and the axis is free only beyond the
+// seats (0, +-s), s^2 = t^2 - R^2. Where the foot on the probe's own disc would lie in the other disc, the
+// seat is the nearest free point. (The feet on both discs as two planes would meet almost anywhere along the
+// axis, since they face each other.) A tube's normal is kept in the section, a seat's in the world: near the
+// axis the section turns at once.
 constexpr std::uint32_t tube_part = 1, seat_part = 2;
 
 struct Seat {
-    double along;  // m, of both seats from the centre; 0: there are none
+    double along;  // m, of both seats from the centre; 0: no seats
     Seat(double size, double radius) noexcept
         : along(size > radius ? std::sqrt((size - radius) * (size + radius)) : 0) {}
     double over(const Vector3d& q, const Vector3d& axis, const Vector3d& normal) const noexcept {
         const double rises = normal.dot(axis);
         return normal.dot(q) - rises * std::copysign(along, rises);
     }
-    // Half way on the straight line from the seat to the middle plane, where the other seat becomes the
+    // Half way on the straight line from the seat to the middle plane, beyond which the other seat is
     // nearest.
     double limit(const Vector3d& axis, const Vector3d& normal) const noexcept {
         return along / (2 * std::abs(normal.dot(axis)));
@@ -75,8 +75,8 @@ Facing facing(const Section& at, const Section::Away& away, const Seat& seat, do
     return {away.normal(hold), away.length - size, tube_part};
 }
 
-// One that the probe's radius makes `size` thick. `radial` is where around the axis it holds: with the probe
-// from half way to the axis outwards, further in as it was.
+// A ring that the probe's radius makes `size` thick. `radial` is the direction about the axis in which it
+// holds: from half way to the axis outwards it follows the probe, further in it is kept.
 struct Ring {
     Vector3d axis, radial;
     double radius, size;
@@ -101,7 +101,7 @@ struct Ring {
     std::optional<Facing> entered(const Vector3d& last, const Vector3d& q, const SolidHold& hold) noexcept {
         const double from = axis.dot(last), to = axis.dot(q);
         if (seat.along > 0) {
-            // Only one way through is as short as a step: past the middle of the hole.
+            // A path this short crosses the axis only through the middle of the hole.
             if (!(from * to < 0)) return std::nullopt;
             if (Section(axis, last + from / (from - to) * (q - last)).from_axis >= radius)
                 return std::nullopt;
@@ -148,7 +148,7 @@ Contact solid(const Torus& params, const Vector3d& q, SolidHold& hold, const Pro
     Ring ring(params, at, natural, hold, probe, dt);
     const Facing now = facing_of(ring, q, natural, hold, dt);
     if (dt > 0) {
-        // Of a seat that does not hold it is no section's, and there is no doubt about it.
+        // A seat that does not hold keeps no normal: its normal belongs to no section, and it is unique.
         if (now.part == seat_part && hold.part == 0) hold.normal = Vec3{};
         if (hold.part == tube_part) hold.radial = to_plain(ring.radial);
     }
@@ -182,7 +182,7 @@ Contact contact(const Torus& params, Torus::State& state, const Probe& probe, do
     return contact_of(params, at.world(-away.normal(SolidHold{})), room(params.tube, probe) - away.length);
 }
 
-// Where the probe plugs the hole its seats are points: the plane of this cycle stands for them.
+// Where the probe plugs the hole, the seats are points: this cycle's plane stands for them.
 std::uint32_t curved(const Torus& params, const Torus::State& state, const Probe&, const Probe& there,
                      std::span<CurvedContact> out) noexcept {
     const bool inside = params.side == Side::inside;

@@ -37,7 +37,7 @@ Verdict check_options(const AddOptions& options, std::uint32_t probes) noexcept 
 }
 
 Verdict check_placement(std::uint32_t probe, const ProbePlacement& placement, std::uint32_t probes) noexcept {
-    // No row of the table: the probe is not part of its placement.
+    // The table has no row for `probe`: the probe is not part of its own placement.
     constexpr auto rows = static_cast<std::uint32_t>(std::size(Describe<ProbePlacement>::fields));
     if (probe >= probes) return no_such_probe(Verdict::of_placement + rows, probe, probes);
     return check_table(placement, Verdict::of_placement);

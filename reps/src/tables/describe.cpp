@@ -20,7 +20,7 @@ std::string with_unit(double value, std::string_view unit) {
     return text;
 }
 
-// What may be given: the remedy that ends every refusal of a field.
+// The legal values: the remedy that ends every refusal of a field.
 std::string legal(const Field& field) {
     if (field.type == Field::Type::choice) {
         std::string text = "give one of";
@@ -56,7 +56,7 @@ std::string reason(const Verdict& verdict, const KindInfo& kind, std::string_vie
 }
 
 struct Blamed {
-    const Field* field = nullptr;  // null: it is about the whole
+    const Field* field = nullptr;  // null: the message is about the whole representation
     std::string name;              // "plane.stiffness", "plane", "probe.radius"
 };
 

@@ -7,7 +7,7 @@
 
 namespace knurl {
 
-inline constexpr double least_length = 1e-6;  // of a vector that is to give a direction
+inline constexpr double least_length = 1e-6;  // of a vector that gives a direction
 
 inline bool legal(const Field& field, double value) noexcept {
     return (value >= field.minimum && value <= field.maximum) ||
@@ -19,9 +19,8 @@ inline Verdict refuse(std::uint32_t index, double value) noexcept {
     return {std::isfinite(value) ? Verdict::Code::out_of_range : Verdict::Code::not_finite, index, value};
 }
 
-/// One field of the parameters at `params` against its row. Where the row is a constant all but the
-/// comparisons that it asks for folds away. A range that is unbounded still refuses NaN and, unless allowed,
-/// infinity.
+/// Checks one field of the parameters at `params` against its row. For a constant row, all but the needed
+/// comparisons folds away. An unbounded range still refuses NaN and, unless allowed, infinity.
 inline Verdict check_field(const Field& field, std::uint32_t index, const unsigned char* params) noexcept {
     const unsigned char* at = params + field.offset;
     std::size_t reals = field.reals();
@@ -35,7 +34,7 @@ inline Verdict check_field(const Field& field, std::uint32_t index, const unsign
             if (!legal(field, value)) return refuse(index, value);
         } else {
             if (whole < field.least || whole > field.count) return {Verdict::Code::count, index, value};
-            reals = std::size_t{3} * whole;  // what lies behind the last one is nobody's
+            reals = std::size_t{3} * whole;  // entries behind the last one are unused
         }
     }
     double square = 0;

@@ -1,7 +1,6 @@
 #pragma once
-// Whether parameters are legal, as the few comparisons that their table stands for: where a row is a constant
-// all the rest folds away. It only ever says yes or no; whoever fails is judged once more by check_field,
-// which finds out what to say.
+// Whether parameters are legal, in the few comparisons that their table stands for: a constant row folds to
+// these. The answer is only yes or no. check_field checks illegal parameters again and finds the message.
 
 #include <cstddef>
 #include <cstdint>
@@ -41,7 +40,7 @@ bool row_is_legal(const unsigned char* params) noexcept {
 
 }  // namespace detail
 
-/// `Bytes`: of the rows that begin before it; the others are known to be legal.
+/// Checks the rows that begin before `Bytes`; the others are known to be legal.
 template <class R, std::size_t Bytes = sizeof(R)>
 bool fields_are_legal(const void* params) noexcept {
     const auto* at = static_cast<const unsigned char*>(params);
@@ -51,7 +50,7 @@ bool fields_are_legal(const void* params) noexcept {
     (std::make_index_sequence<std::size(Describe<R>::fields)>{});
 }
 
-/// Whether so many bytes, whole words, are the same.
+/// Are so many bytes, whole words, equal?
 template <std::size_t Bytes>
 bool same_words(const void* a, const void* b) noexcept {
     static_assert(Bytes % 8 == 0);

@@ -22,7 +22,7 @@ namespace {
                                                      bytes, std::strerror(errno)));
 }
 
-/// Its pages become memory when they are written.
+/// A page takes memory when it is first written.
 shm::UniqueFd make_memory(std::uint64_t bytes) {
     shm::UniqueFd fd(::memfd_create("knurl-source", MFD_CLOEXEC | MFD_ALLOW_SEALING));
     if (!fd || ::ftruncate(fd.get(), static_cast<off_t>(bytes)) != 0) no_memory(bytes);
@@ -44,7 +44,7 @@ bool AssetReceiver::refuse(std::uint64_t ticket, const Error& error, std::string
     return say(FrameType::asset_refused, message, why);
 }
 
-/// As the servo would say once all of it had travelled.
+/// Gives the refusals that the servo would give after the whole transfer.
 void AssetReceiver::require_place(std::uint32_t stream, const AssetOffer& offer) const {
     const auto bad = [](const std::string& text) {
         throw Error(Error::Kind::bad_parameters, "asset: " + text);
@@ -76,7 +76,7 @@ bool AssetReceiver::offer(std::uint32_t stream, const std::shared_ptr<detail::As
                           std::span<const std::byte> payload, std::string& why) {
     AssetOffer offer;
     if (!take(payload, offer) || !payload.empty() || offer.ticket <= last_ticket_ || !door) {
-        why = "an offer of an asset that is none";
+        why = "a malformed offer of an asset";
         return false;
     }
     last_ticket_ = offer.ticket;
@@ -105,7 +105,7 @@ bool AssetReceiver::piece(std::span<const std::byte> payload, std::string& why) 
         return false;
     if (!say(FrameType::asset_taken, AssetTicket{.ticket = piece.ticket}, why)) return false;
     const auto found = parcels_.find(piece.ticket);
-    if (found == parcels_.end()) return true;  // it was refused while this was on its way
+    if (found == parcels_.end()) return true;  // the asset was refused while this piece was on its way
     Parcel& parcel = found->second;
     if (piece.offset != parcel.come || payload.size() > parcel.bytes - parcel.come) return false;
     try {
@@ -160,11 +160,11 @@ bool AssetReceiver::answers(std::string& why) {
 bool AssetReceiver::cancel(std::span<const std::byte> payload, std::string& why) {
     AssetTicket message;
     if (!take(payload, message) || message.ticket > last_ticket_) {
-        why = "an asset called off that was never offered";
+        why = "it cancelled an asset that was never offered";
         return false;
     }
     parcels_.erase(message.ticket);
-    // Or the answer that it is ready was on its way.
+    // The answer that it is ready may have been on its way.
     const auto found = std::find_if(held_.begin(), held_.end(),
                                     [&](const auto& each) { return each.second.ticket == message.ticket; });
     if (found != held_.end()) let_go(found);
@@ -173,7 +173,7 @@ bool AssetReceiver::cancel(std::span<const std::byte> payload, std::string& why)
 
 bool AssetReceiver::forget(std::uint32_t stream, std::span<const std::byte> payload, std::string& why) {
     AssetForget message;
-    why = "an asset to be forgotten that it does not have";
+    why = "it told the servo to forget an asset that it does not have";
     if (!take(payload, message)) return false;
     const auto found = held_.find({stream, message.number});
     if (found == held_.end() || found->second.forgotten) return false;
@@ -181,7 +181,7 @@ bool AssetReceiver::forget(std::uint32_t stream, std::span<const std::byte> payl
     return true;
 }
 
-/// A servo that does not listen just now is told when its place is wanted again.
+/// If the servo does not listen at the moment, it is told when the place is needed again.
 void AssetReceiver::let_go(HeldOnes::iterator which) {
     asked_servo_ = true;
     try {

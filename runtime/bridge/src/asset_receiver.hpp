@@ -1,8 +1,8 @@
 #pragma once
-// The servo's end of a peer's assets: what comes in pieces is put together in memory of the bridge's own,
-// sealed, and offered to the servo as any local client does. A peer's memory grows with what has come: at
-// most one claim's limit of what is incomplete, and for each that waits for the servo's builder its source;
-// all of it goes with the peer.
+// The servo's end of a peer's assets. Pieces are put together in memory of the bridge, sealed, and offered to
+// the servo as by any local client. A peer's memory grows with what has arrived: at most one claim's limit of
+// incomplete assets, plus the source of each asset that waits for the servo's builder. It is all freed with
+// the peer.
 
 #include <cstdint>
 #include <map>
@@ -23,19 +23,20 @@ class AssetReceiver {
   public:
     explicit AssetReceiver(FrameStream& frames) : frames_(frames) {}
 
-    // Each false: the peer is to be closed, for `why`. `door`: of the frame's claim; null: it has none.
+    // Each of these returns false if the peer must be closed, for `why`. `door`: of the frame's claim; null:
+    // no such claim.
     bool offer(std::uint32_t stream, const std::shared_ptr<detail::AssetDoor>& door,
                std::span<const std::byte> payload, std::string& why);
     bool piece(std::span<const std::byte> payload, std::string& why);
     bool cancel(std::span<const std::byte> payload, std::string& why);
     bool forget(std::uint32_t stream, std::span<const std::byte> payload, std::string& why);
-    /// Passes on what the servo says of those that it builds.
+    /// Passes on the servo's answers about assets under construction.
     bool answers(std::string& why);
     /// Readable when answers() has something; -1: none was offered yet.
     int event() const noexcept { return event_.get(); }
-    /// Whether the servo was asked for something since the last call: a way there and back, or more.
+    /// Was the servo asked since the last call? That takes at least one round trip.
     bool asked_servo() noexcept { return std::exchange(asked_servo_, false); }
-    /// That claim has gone.
+    /// That claim has ended.
     void drop(std::uint32_t stream) noexcept;
 
   private:
@@ -43,13 +44,13 @@ class AssetReceiver {
         std::uint32_t stream = 0, number = 0;
         std::uint64_t bytes = 0, come = 0;
         std::shared_ptr<detail::AssetDoor> door;
-        shm::UniqueFd memory;                             // until it is complete,
-        std::unique_ptr<detail::AssetTransfer> building;  // then it is the servo's
+        shm::UniqueFd memory;                             // until the asset is complete
+        std::unique_ptr<detail::AssetTransfer> building;  // then the servo has it
     };
     struct Held {
         std::uint64_t bytes = 0, ticket = 0;
         std::shared_ptr<detail::AssetDoor> door;
-        bool forgotten = false;  // the peer has; the servo was too slow to hear it
+        bool forgotten = false;  // the peer has forgotten it; the servo was too slow to learn this
     };
     using HeldOnes = std::map<std::pair<std::uint32_t, std::uint32_t>, Held>;  // by stream and number
 
@@ -61,10 +62,10 @@ class AssetReceiver {
     bool say(FrameType type, const T& body, std::string& why);
 
     FrameStream& frames_;
-    std::map<std::uint64_t, Parcel> parcels_;  // on their way, by ticket
+    std::map<std::uint64_t, Parcel> parcels_;  // under way, by ticket
     std::uint64_t last_ticket_ = 0;
-    HeldOnes held_;        // by the servo
-    shm::UniqueFd event_;  // an epoll set of those that are being built
+    HeldOnes held_;        // complete ones, at the servo
+    shm::UniqueFd event_;  // an epoll set of the assets under construction
     bool asked_servo_ = false;
 };
 

@@ -65,7 +65,7 @@ std::shared_ptr<AssetSender::Parcel> AssetSender::take(std::uint64_t ticket) noe
 }
 
 bool AssetSender::withdraw(const Parcel& parcel) noexcept {
-    if (!take(parcel.ticket) && (parcel.heard || !parcel.ready)) return true;  // it is answered
+    if (!take(parcel.ticket) && (parcel.heard || !parcel.ready)) return true;  // it was answered
     const bool told =
         !parcel.offered || send(FrameType::asset_cancel, parcel.stream, AssetTicket{.ticket = parcel.ticket});
     go_on();
@@ -85,7 +85,7 @@ void AssetSender::wake() noexcept {
     for (const auto& parcel : parcels_) raise(*parcel);
 }
 
-/// One after the other: what is complete first is built first.
+/// One after the other: the asset that is complete first is built first.
 void AssetSender::go_on() noexcept {
     for (std::size_t i = 0; i < std::min(parcels_.size(), max_assets_on_their_way); ++i) {
         Parcel& parcel = *parcels_[i];
@@ -120,7 +120,7 @@ bool AssetSender::send_piece(Parcel& parcel) noexcept {
     }
     if (!frames_.send(static_cast<std::uint16_t>(FrameType::asset_piece),
                       static_cast<std::uint16_t>(parcel.stream), parts)) {
-        flights_.pop_back();  // there is room later
+        flights_.pop_back();  // tried again when there is room
         return false;
     }
     parcel.sent += bytes;
@@ -143,9 +143,11 @@ bool AssetSender::ready(std::span<const std::byte> payload) noexcept {
     AssetReady message;
     if (!bridge::take(payload, message) || message.ticket > last_ticket_) return false;
     const auto parcel = take(message.ticket);
-    if (!parcel) return true;  // it was withdrawn meanwhile
+    if (!parcel) return true;  // it was withdrawn in the meantime
     if (parcel->sent < parcel->bytes || message.ready.number != parcel->number) {
-        refuse(*parcel, "the bridge says that an asset is ready which was not sent; build both alike");
+        refuse(*parcel,
+               "the bridge reports an asset as ready that was not sent; build application and bridge from "
+               "the same version");
         return false;
     }
     parcel->ready = message.ready;

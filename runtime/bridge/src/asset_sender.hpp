@@ -1,6 +1,6 @@
 #pragma once
-// The application's end of assets: their sources in pieces, among the frames of its connection, as many at a
-// time as do not delay the others. All of it with the connection's lock held.
+// The application's end of assets. Sends their sources in pieces between the other frames of the connection,
+// as many at a time as do not delay these. All functions need the connection's lock.
 
 #include <deque>
 #include <memory>
@@ -24,10 +24,10 @@ class AssetSender {
         std::uint32_t stream = 0, number = 0;
         bool offered = false;
         shm::UniqueFd source;
-        shm::UniqueFd event;  // readable when one of the following is there, or the connection has ended
+        shm::UniqueFd event;  // readable when an answer has arrived, or the connection has ended
         std::optional<protocol::AssetReady> ready;
         std::optional<Refused> refused;
-        bool heard = false;  // the application has taken one of these
+        bool heard = false;  // the application has read the answer
     };
 
     explicit AssetSender(FrameStream& frames) : frames_(frames) {}
@@ -35,16 +35,16 @@ class AssetSender {
     /// `source` is duplicated. Throws Error.
     std::shared_ptr<Parcel> offer(std::uint32_t stream, std::uint32_t number, const shm::UniqueFd& source,
                                   std::uint64_t bytes);
-    /// Nobody waits for it any more. False: that cannot be said.
+    /// Nobody waits for the asset any more. False: the message could not be sent.
     bool withdraw(const Parcel& parcel) noexcept;
-    /// Those of a stream that has ended.
+    /// Gives up the assets of a stream that has ended.
     void give_up(std::uint32_t stream) noexcept;
-    /// Sends on, if there is room; again and again.
+    /// Sends further pieces if there is room; called repeatedly.
     void go_on() noexcept;
     /// The connection has ended.
     void wake() noexcept;
 
-    // What the bridge says; false: it makes no sense.
+    // Handles the bridge's messages; false: malformed.
     bool taken(std::span<const std::byte> payload) noexcept;
     bool ready(std::span<const std::byte> payload) noexcept;
     bool refused(std::span<const std::byte> payload) noexcept;
@@ -55,14 +55,14 @@ class AssetSender {
         std::int64_t sent_ns = 0;
     };
     bool send_piece(Parcel& parcel) noexcept;
-    std::shared_ptr<Parcel> take(std::uint64_t ticket) noexcept;  // out of the list
+    std::shared_ptr<Parcel> take(std::uint64_t ticket) noexcept;  // removes it from the list
     template <class T>
     bool send(FrameType type, std::uint32_t stream, const T& body) noexcept;
 
     FrameStream& frames_;
-    std::vector<std::shared_ptr<Parcel>> parcels_;  // that are not answered, in the order of their tickets
+    std::vector<std::shared_ptr<Parcel>> parcels_;  // unanswered ones, in order of ticket
     std::uint64_t last_ticket_ = 0;
-    std::deque<Flight> flights_;  // pieces that the bridge has not taken yet
+    std::deque<Flight> flights_;  // pieces that the bridge has not acknowledged yet
     std::size_t on_their_way_ = 0;
     CongestionWindow window_;
 };

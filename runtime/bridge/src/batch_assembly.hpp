@@ -1,6 +1,6 @@
 #pragma once
-// The servo's end of the data channel: a batch out of its datagrams. Only the newest counts; a sequence that
-// was complete once is never given again, so that a datagram which comes twice renews nobody's claim.
+// The servo's end of the data channel: assembles a batch from its datagrams. Only the newest batch counts. A
+// sequence that was complete once is never returned again, so a repeated datagram does not renew a claim.
 
 #include <array>
 #include <cstring>
@@ -12,8 +12,8 @@ namespace knurl::bridge {
 
 class BatchAssembly {
   public:
-    /// The whole batch (BatchHeader + entries) when this was its last piece, until the next call; else empty.
-    /// Any bytes may come in.
+    /// The whole batch (BatchHeader + entries) if this was its last piece, valid until the next call; else
+    /// empty. Accepts any bytes.
     std::span<const std::byte> add(const DatagramHeader& header, const BatchPiece& piece,
                                    std::span<const std::byte> bytes) noexcept {
         if (piece.sequence <= done_ || piece.sequence < sequence_) return {};
@@ -21,7 +21,7 @@ class BatchAssembly {
         if (piece.total > buffer_.size() || piece.offset > piece.total ||
             bytes.size() > piece.total - piece.offset)
             return {};
-        // Sent again after the path has turned out to be narrower, it may come in other pieces.
+        // When the path has become narrower, a repeated batch may come in other pieces.
         if (piece.sequence != sequence_ || header.pieces != pieces_ || piece.total != total_) {
             sequence_ = piece.sequence;
             pieces_ = header.pieces;
@@ -39,7 +39,7 @@ class BatchAssembly {
         return {buffer_.data(), total_};
     }
 
-    /// One that came whole, by the other way. False: it is not newer.
+    /// A batch that came as a whole, by TCP. False: it is not newer.
     bool whole(std::uint64_t sequence) noexcept {
         if (sequence <= done_) return false;
         done_ = sequence;

@@ -1,9 +1,9 @@
 #pragma once
-// How often callers of one host are heard. A handshake with a key is work for the one thread that all peers
-// share; to hang up is next to none. Each host may call `burst` times at once, and `per_second` for good:
-// enough that the applications of a host, which ask up to 50 times a second each when they have lost a servo,
-// wait for each other a little only, and little enough that a host which does nothing but call does not keep
-// the others waiting.
+// Limits how often the callers of one host are heard. A handshake with a key costs time of the one thread
+// that all peers share; hanging up costs almost none. Each host may call `burst` times at once, and
+// `per_second` over time. The rate is high enough for the applications of a host, each of which calls up to
+// 50 times a second when it has lost a servo. It is low enough that a host of nothing but callers does not
+// delay the others.
 
 #include <algorithm>
 #include <array>
@@ -18,9 +18,9 @@ namespace knurl::bridge {
 class CallerRate {
   public:
     static constexpr std::int64_t burst = 128, per_second = 100;
-    static constexpr std::size_t hosts = 64;  // remembered; of more the one that has called least gives way
+    static constexpr std::size_t hosts = 64;  // remembered; a new host replaces the one that has called least
 
-    /// A caller of that host: may it speak? It counts if it may.
+    /// May a caller of that host speak? If it may, the call is counted.
     bool allows(const sockaddr_storage& from, std::int64_t now) noexcept {
         Host* host = &hosts_.front();
         for (Host& each : hosts_) {
@@ -41,7 +41,7 @@ class CallerRate {
     static constexpr std::int64_t interval_ns = 1'000'000'000 / per_second;
     struct Host {
         sockaddr_storage address{};
-        std::int64_t paid_ns = 0;  // when its calls so far would be done at that rate
+        std::int64_t paid_ns = 0;  // the time at which its calls so far are paid for, at that rate
     };
     std::array<Host, hosts> hosts_{};
 };

@@ -30,7 +30,7 @@ bool ClockEstimate::add(std::int64_t t0, std::int64_t t1, std::int64_t t2, std::
         first_ = (first_ + 1) % window;
         --count_;
     }
-    // Facts that no line satisfies: a clock was set or slewed. The old ones are what no longer holds.
+    // No line satisfies all constraints: a clock was set or slewed. The older constraints no longer hold.
     while (!solve()) {
         first_ = (first_ + 1) % window;
         --count_;
@@ -38,13 +38,13 @@ bool ClockEstimate::add(std::int64_t t0, std::int64_t t1, std::int64_t t2, std::
     return true;
 }
 
-/// The lines y = a + b t with y(t0_j) <= above_j and y(t3_i) >= below_i for all i, j. Eliminating a leaves
-/// b (t0_j - t3_i) <= above_j - below_i for each pair, which bounds b from above where t0_j is later, from
-/// below where it is earlier. At a time after all of them the highest line has the greatest b, and the lowest
-/// the least.
+/// The lines y = a + b t with y(t0_j) <= above_j and y(t3_i) >= below_i for all i, j. Eliminating a gives b
+/// (t0_j - t3_i) <= above_j - below_i for each pair. It bounds b from above where t0_j is later, and from
+/// below where it is earlier. At a time after all of them the highest line has the greatest b, the lowest the
+/// least.
 bool ClockEstimate::solve() noexcept {
     const Exchange& newest = at(count_ - 1);
-    // ns relative to the newest exchange: 20 s and any offset keep their nanoseconds in a double.
+    // ns relative to the newest exchange, so that a double keeps nanoseconds over 20 s with any offset.
     const auto when = [&](std::int64_t t) { return static_cast<double>(t - newest.t3); };
     const auto slack = [&](std::int64_t t) { return wander * -when(t); };
     const auto above = [&](const Exchange& e) {
@@ -90,7 +90,7 @@ std::int64_t ClockEstimate::offset_at(std::int64_t now) const noexcept {
 std::int64_t ClockEstimate::uncertainty(std::int64_t now) const noexcept {
     if (!known()) return unknown;
     const double dt = static_cast<double>(now - at(count_ - 1).t3);
-    // Before the newest exchange the two lines may cross: there only the bound on the drift is used.
+    // Before the newest exchange the two lines may cross, so only the bound on the drift is used there.
     const double half_drift =
         dt >= 0 ? 0.5 * (most_drift_ - least_drift_) + wander : max_drift + std::abs(drift());
     return static_cast<std::int64_t>(std::ceil(0.5 * (high_ - low_) + half_drift * std::abs(dt))) + 1;

@@ -1,10 +1,9 @@
 #pragma once
-// How another host's clock stands to ours, from exchanges of time stamps, with a bound that holds: both
-// directions of an exchange are one-sided facts (a datagram cannot arrive before it was sent), and the lines
-// offset(t) = a + drift t that contradict none of them are all that can be true (Duda et al., "Estimating
-// global time in distributed systems", ICDCS 1987). The estimate is the middle of what they leave, the
-// uncertainty half of it. However asymmetric the way is, the truth is inside; symmetric delays merely bring
-// it near the middle.
+// The offset of another host's clock, from exchanges of time stamps, with a guaranteed bound. Each direction
+// of an exchange gives an inequality, since a datagram cannot arrive before it was sent. The true line
+// offset(t) = a + drift t satisfies all of them (Duda et al., "Estimating global time in distributed
+// systems", ICDCS 1987). The estimate is the middle of the remaining interval, the uncertainty half its
+// width. The truth is inside, however asymmetric the path; symmetric delays bring it near the middle.
 
 #include <array>
 #include <cstddef>
@@ -22,20 +21,20 @@ class ClockEstimate {
     static constexpr double max_drift = 1e-3;  // s/s: two quartzes, each slewed by NTP with at most 500 ppm
     static constexpr double wander = 2e-6;     // s/s by which the drift itself may differ within the window
 
-    /// One exchange, ns: sent by us at t0, there at t1, answered at t2 (remote clock), here at t3. One that
-    /// cannot be (t3 < t0, t2 < t1, t3 not after the last one's) is ignored: false.
+    /// One exchange, ns: sent here at t0, received there at t1, answered at t2 (remote clock), received here
+    /// at t3. An impossible exchange (t3 < t0, t2 < t1, t3 not after the last one's) is ignored: false.
     bool add(std::int64_t t0, std::int64_t t1, std::int64_t t2, std::int64_t t3) noexcept;
 
     bool known() const noexcept { return count_ > 0; }
     /// remote clock - local clock, ns, at local time `now`; 0 while unknown.
     std::int64_t offset_at(std::int64_t now) const noexcept;
-    /// ns: |offset_at(now) - truth| is at most this. Grows while no exchange comes in.
+    /// ns: |offset_at(now) - truth| is at most this. It grows while no exchange arrives.
     std::int64_t uncertainty(std::int64_t now) const noexcept;
     /// s/s: how much faster the remote clock runs.
     double drift() const noexcept;
     /// s/s: |drift() - truth at the newest exchange| is at most this; max_drift while unknown.
     double drift_uncertainty() const noexcept;
-    /// ns, without the remote's own time: the shortest in the window. 0 while unknown.
+    /// ns, without the remote's processing time: the shortest in the window. 0 while unknown.
     std::int64_t round_trip() const noexcept;
     /// A clock was set, or the remote is another host.
     void forget() noexcept { count_ = 0; }
@@ -52,7 +51,7 @@ class ClockEstimate {
 
     std::array<Exchange, window> exchanges_{};
     std::size_t first_ = 0, count_ = 0;
-    // What the exchanges leave, at the newest t3.
+    // The remaining interval at the newest t3.
     double low_ = 0, high_ = 0;                // ns, relative to the newest `below`
     double least_drift_ = 0, most_drift_ = 0;  // s/s
 };

@@ -21,20 +21,18 @@ namespace {
 
 constexpr const char* description =
     "Lets applications on other hosts use a servo of this host, as knurl://HOST:PORT. It is an ordinary\n"
-    "client of the servo. Without keys it listens for this host alone; with keys (made by `keygen`) all\n"
+    "client of the servo. Without keys it serves only this host; with keys (made by `keygen`) all\ntraffic "
     "is encrypted, and a key's role says what its owner may do.";
 std::string bounds() {
     return detail::format(
-        "Bounds: {} sessions, {} claims and observers each; {} at a time that have not said who they are "
-        "({} of one host), {:g} s each;\n"
-        "a session of which nothing is heard for {:g} s ends; {:g} s more than a local application before it "
-        "counts "
-        "as silent.",
+        "Bounds: {} sessions, {} claims and observers each; {} callers at a time before identification ({} "
+        "of one host), {:g} s each;\na session without a sign of life for {:g} s ends; its application "
+        "counts as silent {:g} s later than a local one.",
         max_sessions, max_streams, Relay::most_pending, Relay::most_pending_of_host, Relay::greeting_seconds,
         static_cast<double>(dead_after_ns) * 1e-9, delay_allowance);
 }
 
-/// Signals come through a descriptor.
+/// Signals arrive through a descriptor.
 shm::UniqueFd take_signals() {
     sigset_t set;
     ::sigemptyset(&set);
@@ -46,8 +44,8 @@ shm::UniqueFd take_signals() {
     return fd;
 }
 
-/// All peers wait for one thread, which must not wait for every program of this host: where we may, it runs
-/// before them, and still after all that is real time.
+/// All peers wait for one thread, so it should not wait for every program of this host. With the right to do
+/// so it gets a higher priority than these, but a lower one than any real-time thread.
 void go_before_others() {
     constexpr int nice = -11;
     ::setpriority(PRIO_PROCESS, 0, nice);
@@ -61,7 +59,7 @@ void raise_descriptor_limit() {
     ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/// What there is to say of the servo at the start: nothing, if it is there.
+/// A remark about the servo at the start; empty if it runs.
 std::string about(const std::string& servo) {
     try {
         detail::connect_local(servo, "knurl-bridge", servo_answer_time);
@@ -92,7 +90,7 @@ int serve(const std::string& servo, const std::string& listen, const std::string
         relay.run(signals.get());
         signalfd_siginfo what{};
         if (::read(signals.get(), &what, sizeof what) != sizeof what || what.ssi_signo != SIGHUP) return 0;
-        if (keys_file.empty()) return 0;  // nothing to read again: its terminal was closed
+        if (keys_file.empty()) return 0;  // its terminal was closed: there is no file to read again
         try {
             relay.admit(read_keys(keys_file));
             std::printf("knurl-bridge: %s: read again\n", keys_file.c_str());
@@ -127,9 +125,9 @@ int bridge_main(int argc, char** argv) {
     app.servo(servo, "The servo's name").shows_default();
     app.option("--listen", listen, "HOST:PORT, for TCP and UDP; any but this host's own needs --keys")
         .shows_default();
-    app.option("--keys", keys, "File of those who may come in (mode 0600); read again on SIGHUP");
+    app.option("--keys", keys, "File with the keys that may connect (mode 0600); read again on SIGHUP");
     commandline::Command& keygen = app.verb("keygen", "Adds a key to a file");
-    keygen.option("--keys", file, "The file; made if there is none").shows_default();
+    keygen.option("--keys", file, "The file; created if it is missing").shows_default();
     keygen.option("--name", name, "Whose key it is").required();
     keygen.option("--role", role, "observe (reports), render (joins a device that is on), control (all)")
         .shows_default();

@@ -24,13 +24,14 @@ namespace {
 constexpr std::int64_t flush_tick_ns = 10'000'000;
 constexpr std::int64_t quick_ping_ns = 10'000'000, ping_ns = 100'000'000;
 constexpr std::int64_t quick_for_ns = 200'000'000;
-// Between two long ones (path_mtu.hpp).
+// Interval of long pings (path_mtu.hpp).
 constexpr std::int64_t probe_ns = 500'000'000;
 constexpr std::string_view no_sense =
-    "it says what no knurl-bridge of this version does; build the application and the bridge from the same "
+    "its messages are not those of a knurl-bridge of this version; build the application and the bridge from "
+    "the same "
     "version";
 
-/// What no claim could be computed with.
+/// Refuses values with which no claim could compute.
 bool sane(const protocol::Claimed& terms) noexcept {
     const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
     const protocol::Frame& frame = terms.frame;
@@ -83,7 +84,7 @@ void Connection::run() noexcept {
                              .revents = 0},
                             {.fd = clock_socket_.get(), .events = POLLIN, .revents = 0}};
         const std::int64_t left = std::max<std::int64_t>(0, due - detail::monotonic_ns());
-        // A connection that has ended is always readable: only the end of this thread is waited for.
+        // An ended connection is always readable: then only the end of this thread is awaited.
         ::poll(sources, dead ? 1 : 3, dead ? -1 : static_cast<int>((left + 999'999) / 1'000'000));
         if (sources[0].revents != 0) return;
         const Lock held = lock();
@@ -95,7 +96,7 @@ void Connection::run() noexcept {
             next_tick = now + flush_tick_ns;
             tick(now);
         }
-        // A batch that is sent while this thread sleeps is due after the tick that ends its sleep.
+        // A batch sent while this thread sleeps is due after the tick that ends the sleep.
         static_assert(flush_tick_ns <= resend_ns);
         due = next_tick;
         for (const auto& stream : streams_)
@@ -106,7 +107,7 @@ void Connection::run() noexcept {
 void Connection::tick(std::int64_t now) noexcept {
     for (const auto& stream : streams_)
         if (stream) stream->tick(now);
-    assets_.go_on();  // where there was no room for the next piece
+    assets_.go_on();  // pieces for which there was no room before
     if (now >= next_ping_ns_) {
         ping(now);
         if (now >= next_probe_ns_) {
@@ -114,7 +115,7 @@ void Connection::tick(std::int64_t now) noexcept {
             if (now - started_ns_ >= quick_for_ns) next_probe_ns_ = now + probe_ns;
         }
     }
-    // Whoever stood still himself has heard nothing meanwhile.
+    // If this process was stopped, it has heard nothing meanwhile.
     if (now - last_tick_ns_ > dead_after_ns / 2) heard_ns_ = now;
     last_tick_ns_ = now;
     if (now - heard_ns_ > dead_after_ns)
@@ -167,7 +168,7 @@ void Connection::take_frame(const Frame& frame) noexcept {
         case FrameType::refused: {
             Refused refused;
             if (!take(payload, refused)) return die(no_sense);
-            // It is not an answer, but a farewell.
+            // Not an answer, but the bridge's reason for closing.
             if (!asked_ || answer_) return die(text_of(refused.text));
             answer_ = Answer{.attached = {}, .refused = refused};
             answered_.notify_all();
@@ -192,7 +193,7 @@ void Connection::take_frame(const Frame& frame) noexcept {
     }
 }
 
-/// The watcher of hang_up() sees it, and whoever waits for something of the bridge.
+/// Wakes the watcher of hang_up() and all who wait for the bridge.
 void Connection::die(std::string_view why) noexcept {
     if (dead_) return;
     dead_ = true;
@@ -209,7 +210,7 @@ std::string Connection::why_it_ended() {
     return last_words();
 }
 
-/// Whoever asks may be here before our own thread has read them.
+/// The caller may be here before this connection's thread has read them.
 std::string Connection::last_words() {
     if (!dead_) serve_frames();
     if (why_[0] != '\0') return detail::format("bridge {}: {}", bridge_.text, protocol::printable(why_));
@@ -236,7 +237,7 @@ Connection::Joined Connection::attach(std::uint32_t device, const protocol::Clai
     asked_ = false;
     if (!answer_) {
         const bool gone = dead_;
-        die();  // a late answer must never be taken for the next request's
+        die();  // a late answer must never count as the next request's
         throw Error(gone ? Error::Kind::disconnected : Error::Kind::no_servo,
                     gone ? last_words()
                          : detail::format("bridge {} does not answer (waited {} ms)", bridge_.text,
@@ -259,7 +260,7 @@ Connection::Joined Connection::attach(std::uint32_t device, const protocol::Clai
         throw;
     }
     streams_[attached.stream - 1] = stream;
-    stream->tick(detail::monotonic_ns());  // says hello: reports come from here on
+    stream->tick(detail::monotonic_ns());  // says hello: reports arrive from now on
     return {.stream = std::move(stream), .terms = attached.terms};
 }
 
@@ -272,7 +273,7 @@ void Connection::release(std::uint32_t id) noexcept {
     assets_.give_up(id);
 }
 
-/// A claim that cannot be given back ends with the connection.
+/// A claim that cannot be released ends with the connection.
 void Connection::give_back(std::uint32_t id) noexcept {
     const Nothing nothing;
     const std::span<const std::byte> part = bytes_of(nothing);
@@ -320,7 +321,7 @@ bool Connection::send(FrameType type, std::uint32_t stream,
 bool Connection::post(int socket, std::span<std::byte> room, std::size_t bytes) noexcept {
     const std::size_t length = outgoing_.close(room, bytes);
     if (length == 0) return false;
-    // Lost here or lost on the way is the same, but for one thing.
+    // A datagram lost here counts as lost on the way, unless it is too long.
     if (::send(socket, room.data(), length, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || errno != EMSGSIZE)
         return true;
     mtu_.refused();

@@ -1,8 +1,8 @@
 #pragma once
 // The application's end of one connection to a bridge: the TCP frames, a UDP socket for the clock, the
-// streams, and a thread. The application's own threads do what they wait for themselves (stream.hpp); this
-// thread does what must happen without them: answers of the bridge, sending again, the clock, reading what
-// nobody reads, seeing the death of the other end.
+// streams, and a thread. The application's own threads do the work for which they wait (stream.hpp). The
+// connection's thread does the rest: the bridge's answers, repeated sending, the clock, reading what nobody
+// reads, and detecting the death of the other end.
 
 #include <array>
 #include <condition_variable>
@@ -34,47 +34,47 @@ class Connection : public std::enable_shared_from_this<Connection> {
   public:
     using Lock = std::unique_lock<std::mutex>;
 
-    /// Connects, greets, and sees that datagrams come through. Throws Error.
+    /// Connects, greets, and checks that datagrams get through. Throws Error.
     Connection(const Endpoint& bridge, const RemoteOptions& options);
     ~Connection();
     Connection(const Connection&) = delete;
     Connection& operator=(const Connection&) = delete;
 
     void start();  // the thread
-    void stop();   // and ends it
+    void stop();   // ends the thread
 
     const std::vector<DeviceDescription>& devices() const { return devices_; }
     pid_t servo_pid() const { return servo_pid_; }
     int hang_up() const { return frames_.fd(); }
-    /// Of one that has: one line. What the bridge had to say about it, else what was seen of it from here.
+    /// Of an ended connection: one line. The bridge's own reason, else the local observation.
     std::string why_it_ended();
 
     struct Joined {
         std::shared_ptr<Stream> stream;
         protocol::Claimed terms;
     };
-    /// Throws Error. The stream is known here until release().
+    /// Throws Error. The stream stays registered here until release().
     Joined attach(std::uint32_t device, const protocol::ClaimRequest& request);
     void release(std::uint32_t stream) noexcept;
 
-    // Assets of a stream's claim. Throw Error.
+    // The assets of a stream's claim. These throw Error.
     using Parcel = AssetSender::Parcel;
     std::shared_ptr<Parcel> offer_asset(std::uint32_t stream, std::uint32_t number,
                                         const shm::UniqueFd& source, std::uint64_t bytes);
-    std::optional<protocol::AssetReady> asset_answer(Parcel& parcel);  // none: not yet
+    std::optional<protocol::AssetReady> asset_answer(Parcel& parcel);  // none: no answer yet
     void forget_asset(std::uint32_t stream, std::uint32_t number);
     void withdraw_asset(const Parcel& parcel) noexcept;
 
-    // By the streams. One lock for everything here and in them; nobody sleeps under it.
+    // For the streams. One lock guards everything here and in them; no thread sleeps while it holds the lock.
     Lock lock() const { return Lock(mutex_); }
     // With the lock held:
     bool dead() const noexcept { return dead_; }
     bool send(FrameType type, std::uint32_t stream,
               std::span<const std::span<const std::byte>> parts) noexcept;
-    /// `room` holds a header (kind, stream, piece) and a body of together `bytes`. False: the path is too
+    /// `room` holds a header (kind, stream, piece) and a body, `bytes` together. False: the path is too
     /// narrow.
     bool post(int socket, std::span<std::byte> room, std::size_t bytes) noexcept;
-    /// Opens what came in; it counts as a word from the other end.
+    /// Opens an incoming datagram, which is also a sign of life of the other end.
     IncomingDatagrams::Opened open(std::span<std::byte> datagram) noexcept;
     std::size_t overhead() const noexcept { return outgoing_.overhead(); }
     const PathMtu& mtu() const noexcept { return mtu_; }
@@ -89,7 +89,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
         std::optional<Refused> refused;
     };
 
-    // connection_greeting.cpp, before there is a thread.
+    // connection_greeting.cpp, before the thread exists.
     void connect(shm::Deadline deadline);
     void greet(const std::string& name, shm::Deadline deadline);
     void welcome(std::span<const std::byte> payload);
@@ -106,7 +106,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     void serve_frames() noexcept;
     void take_frame(const Frame& frame) noexcept;
     void serve_clock() noexcept;
-    /// `length` of the whole datagram at least: filled up with zeros.
+    /// `length`: the least length of the whole datagram, padded with zeros.
     void ping(std::int64_t now, std::size_t length = 0) noexcept;
     void die(std::string_view why = {}) noexcept;
     std::string last_words();
@@ -127,10 +127,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
     IncomingDatagrams incoming_;
     ReceiveBatch receive_batch_;
     std::array<CounterWindow, max_streams + 1>
-        windows_{};  // per stream, for all that use its number one after another
+        windows_{};  // per stream, shared by all later users of its number
     ClockEstimate clock_;
     PathMtu mtu_;
-    LongestLately longest_;  // of what has come from there
+    LongestLately longest_;  // of the datagrams from there
     std::int64_t started_ns_ = 0, next_ping_ns_ = 0, next_probe_ns_ = 0, heard_ns_ = 0, last_tick_ns_ = 0;
 
     std::vector<DeviceDescription> devices_;
@@ -141,7 +141,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     std::optional<Answer> answer_;
     bool asked_ = false;  // attach() waits for an answer
     bool dead_ = false;
-    char why_[sizeof(Refused::text)] = {};  // the bridge's or our own words; empty: frames_ knows
+    char why_[sizeof(Refused::text)] = {};  // the reason, from the bridge or from here; empty: frames_ has it
 };
 
 }  // namespace knurl::bridge

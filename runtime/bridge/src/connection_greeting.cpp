@@ -1,4 +1,4 @@
-// How a connection begins: TCP, TLS, who is who, and whether datagrams come through.
+// How a connection begins: TCP, TLS, identities, and the check that datagrams get through.
 
 #include <algorithm>
 #include <cerrno>
@@ -26,7 +26,7 @@ constexpr std::size_t udp_bytes = 8, ip4_bytes = 20, ip6_bytes = 40;  // of the 
 
 shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
     shm::UniqueFd fd(::socket(bridge.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-    // What goes wrong now shows again when the connection is asked how it is.
+    // An error now appears again when the connection's state is read.
     if (fd && ::connect(fd.get(), bridge.get(), bridge.length) != 0 && errno != EINPROGRESS &&
         errno != ECONNREFUSED)
         throw Error(Error::Kind::no_servo,
@@ -38,7 +38,7 @@ shm::UniqueFd begin_to_connect(const Endpoint& bridge) {
     return fd;
 }
 
-/// As a servo's own rows are: who computes with them need not ask.
+/// As guaranteed by a servo's own rows, so that later computations need no check.
 bool sane(const DeviceRow& row) {
     return row.rate > 0 && std::isfinite(row.rate) && to_eigen(row.workspace_centre).allFinite() &&
            std::isfinite(row.workspace_radius) && row.workspace_radius >= 0 && row.peak_force >= 0 &&
@@ -102,14 +102,15 @@ void Connection::nonsense() const {
 
 Error Connection::refusal(const Refused& refused) const {
     const auto most = static_cast<std::uint32_t>(Error::Kind::exhausted);
-    return {static_cast<Error::Kind>(std::min(refused.kind, most)),
-            refused.text[0] != '\0'
-                ? protocol::printable(refused.text)
-                : detail::format("bridge {} refuses, and does not say why; see what it prints", bridge_.text),
-            static_cast<pid_t>(refused.holder_pid)};
+    return {
+        static_cast<Error::Kind>(std::min(refused.kind, most)),
+        refused.text[0] != '\0'
+            ? protocol::printable(refused.text)
+            : detail::format("bridge {} refuses the connection without a reason; see its log", bridge_.text),
+        static_cast<pid_t>(refused.holder_pid)};
 }
 
-/// Something comes, or what waits can go out.
+/// Waits until data arrives, or waiting data can be sent.
 void Connection::await_socket(shm::Deadline deadline) {
     pollfd socket{.fd = frames_.fd(),
                   .events = static_cast<short>(POLLIN | (frames_.wants_write() ? POLLOUT : 0)),
@@ -181,7 +182,7 @@ void Connection::try_datagrams(shm::Deadline deadline) {
         const std::int64_t now = detail::monotonic_ns();
         if (now >= next) {
             ping(now);
-            // before the one that is waited for: where it comes through, it is here first
+            // sent before the awaited one: if it gets through, it arrives first
             ping(now, datagram_bytes);
             ping(now, least_datagram_bytes);
             next = now + patience_ms * 1'000'000;
@@ -190,7 +191,7 @@ void Connection::try_datagrams(shm::Deadline deadline) {
         ::poll(&socket, 1, patience_ms);
         serve_clock();
     }
-    next_ping_ns_ = 0;  // the first one says what came
+    next_ping_ns_ = 0;  // the first one reports what has arrived
 }
 
 void Connection::no_datagrams() const {

@@ -1,7 +1,7 @@
 #pragma once
-// Which numbers of a sequence were there already. A network may double and reorder datagrams, and an attacker
-// may replay them: each counter is accepted once, and never when it is `width` behind the newest (the window
-// of RFC 4303, 3.4.3).
+// Which numbers of a sequence have arrived. A network may duplicate and reorder datagrams, and an attacker
+// may replay them. So each counter is accepted once, and none that is `width` or more behind the newest (the
+// window of RFC 4303, 3.4.3).
 
 #include <array>
 #include <cstdint>
@@ -18,10 +18,10 @@ class CounterWindow {
         if (counter == 0 || newest_ - counter >= width) return Seen::too_old;
         return (word(counter) & bit(counter)) != 0 ? Seen::already : Seen::never;
     }
-    /// Only when it is known to be the peer's, and was never seen.
+    /// Only for a counter that is known to be the peer's and was never seen.
     void accept(std::uint64_t counter) noexcept {
         if (counter > newest_) {
-            // What comes into the window takes the places of what falls out of it.
+            // New counters take the places of those that leave the window.
             if (counter - newest_ > width) newest_ = counter - width;
             while (newest_ < counter) {
                 ++newest_;

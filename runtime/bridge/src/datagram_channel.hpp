@@ -1,6 +1,6 @@
 #pragma once
-// Datagrams out and in: numbered and sealed, or checked and opened. Without a key (loopback) they are
-// numbered only.
+// Outgoing datagrams are numbered and sealed, incoming ones checked and opened. Without a key (loopback) they
+// are only numbered.
 
 #include <optional>
 #include <span>
@@ -22,8 +22,8 @@ class OutgoingDatagrams {
 
     std::size_t overhead() const noexcept { return sizeof(DatagramHeader) + (sealer_ ? tag_bytes : 0); }
 
-    /// `room` holds `bytes` of header and body, the header's session and counter still open. The length to
-    /// send; 0: no room for the tag.
+    /// `room` holds `bytes` of header and body; session and counter of the header are filled in here. Returns
+    /// the length to send; 0: no room for the tag.
     std::size_t close(std::span<std::byte> room, std::size_t bytes) noexcept {
         DatagramHeader header;
         std::memcpy(&header, room.data(), sizeof header);
@@ -55,8 +55,8 @@ class IncomingDatagrams {
         if (key != nullptr) opener_.emplace(*key);
     }
 
-    /// Nothing of it is believed while the verdict is foreign; what came before, or may have, is the peer's,
-    /// and good for counting only. `windows`: one per stream, 0 included.
+    /// A foreign datagram must not be used. A duplicate, or a possible one, is the peer's, but serves only
+    /// for counting. `windows`: one per stream, 0 included.
     Opened open(std::span<std::byte> datagram, std::span<CounterWindow> windows) noexcept {
         Opened opened;
         const std::size_t tag = opener_ ? tag_bytes : 0;

@@ -4,7 +4,7 @@
 
 namespace knurl::bridge {
 
-/// A non-blocking UDP socket whose datagrams no router cuts in pieces. Empty: errno says why not.
+/// A non-blocking UDP socket whose datagrams routers do not fragment. Empty: see errno.
 shm::UniqueFd make_datagram_socket(int family);
 
 }  // namespace knurl::bridge

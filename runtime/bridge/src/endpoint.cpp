@@ -85,7 +85,7 @@ std::vector<Endpoint> resolve_all(const std::string& host_and_port) {
     for (const addrinfo* each = found; each != nullptr && all.size() < most_addresses; each = each->ai_next) {
         Endpoint endpoint{.length = each->ai_addrlen, .text = host_and_port};
         std::memcpy(&endpoint.address, each->ai_addr, each->ai_addrlen);
-        // Where ::1 and 127.0.0.1 have the same name in /etc/hosts, the library names the second twice.
+        // If ::1 and 127.0.0.1 have the same name in /etc/hosts, the library returns the second one twice.
         const bool known = std::any_of(all.begin(), all.end(), [&](const Endpoint& other) {
             return same_host(other.address, endpoint.address);
         });

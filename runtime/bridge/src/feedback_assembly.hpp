@@ -1,7 +1,7 @@
 #pragma once
-// Feedback out of its datagrams. What acknowledges batches counts as soon as it comes; what is felt counts
-// when all of one cycle is here, and never goes back. And what it says of batches is shown only when the
-// answers to the commands before them have come by the other way, as they have on one box.
+// Assembles feedback from its datagrams. The acknowledgement of batches counts on arrival. The entries count
+// when all of one cycle have arrived, and never go back to an older cycle. The acknowledgement is shown only
+// after the answers to earlier commands have arrived by TCP, as on one host.
 
 #include <algorithm>
 #include <vector>
@@ -15,18 +15,18 @@ class FeedbackAssembly {
     explicit FeedbackAssembly(std::uint32_t representations)
         : coming_(representations), whole_(representations) {}
 
-    /// `answers`: to commands, that were sent before it.
+    /// `answers`: number of answers to commands that were sent before it.
     void header(const protocol::FeedbackHeader& header, std::uint64_t answers) noexcept {
         if (header.cycle < newest_.header.cycle) return;
         newest_ = {.header = header, .answers = answers};
-        // One waits for its answers while newer ones come: else a steady stream of commands would never show
-        // any.
+        // One header waits for its answers while newer ones arrive. Else a steady stream of commands would
+        // never show any.
         if (!waits_) waiting_ = newest_;
         waits_ = true;
         if (header.entries == 0) finish(header.cycle, 0);
     }
 
-    /// `bytes` are `entries` FeedbackEntry, the first of them number `first`, of `cycle`.
+    /// `bytes`: `entries` FeedbackEntry structs from index `first` on, of `cycle`.
     void piece(const DatagramHeader& header, const ReportPiece& piece,
                std::span<const std::byte> bytes) noexcept {
         if (piece.feedback_cycle <= whole_cycle_ || piece.feedback_cycle < coming_cycle_) return;
@@ -61,7 +61,7 @@ class FeedbackAssembly {
 
     std::uint64_t newest_cycle() const noexcept { return newest_.header.cycle; }
 
-    /// `answers` have come. True: there is something new since the last call.
+    /// `answers`: number that has arrived. True: something is new since the last call.
     bool take(std::uint64_t answers, protocol::FeedbackHeader& header,
               std::vector<protocol::FeedbackEntry>& entries) {
         if (waits_ && newest_.answers <= answers) waiting_ = newest_;
@@ -74,7 +74,7 @@ class FeedbackAssembly {
         if (!changed_) return false;
         changed_ = false;
         header = shown_;
-        header.cycle = whole_cycle_;  // what is felt is of this one
+        header.cycle = whole_cycle_;  // the cycle of the entries
         header.entries = whole_size_;
         entries.assign(whole_.begin(), whole_.begin() + whole_size_);
         return true;

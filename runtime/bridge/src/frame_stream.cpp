@@ -20,15 +20,15 @@ using Io = TlsSession::Io;
 namespace {
 
 constexpr std::size_t header_bytes = sizeof(FrameHeader);
-constexpr std::size_t record_start = 3;        // bytes by which a TLS record is known
-constexpr std::size_t read_ahead = 16 * 1024;  // a TLS record's worth of the frames that follow
+constexpr std::size_t record_start = 3;        // bytes that identify a TLS record
+constexpr std::size_t read_ahead = 16 * 1024;  // room for a TLS record of following frames
 
 }  // namespace
 
 FrameStream::FrameStream(shm::UniqueFd fd, bool server, std::shared_ptr<const TlsContext> tls)
     : FrameStream(std::move(fd), server, std::move(tls), Limits{}) {}
 
-// The buffers' pages become memory when they are first written: a peer that sends little costs little.
+// The pages of the buffers take memory when first written, so a peer that sends little costs little.
 FrameStream::FrameStream(shm::UniqueFd fd, bool server, std::shared_ptr<const TlsContext> tls, Limits limits)
     : fd_(std::move(fd)),
       server_(server),
@@ -41,7 +41,8 @@ FrameStream::FrameStream(shm::UniqueFd fd, bool server, std::shared_ptr<const Tl
       out_capacity_(std::max(limits.outgoing, header_bytes + limits.payload)) {
     const int flags = ::fcntl(fd_.get(), F_GETFL);
     ::fcntl(fd_.get(), F_SETFL, flags | O_NONBLOCK);
-    // A frame is sent when it is whole; waiting for more would only delay it. (No harm on a Unix socket.)
+    // A frame is sent when it is complete, so delaying it for more data gains nothing. (Harmless on a Unix
+    // socket.)
     const int on = 1;
     ::setsockopt(fd_.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     if (tls) tls_.emplace(std::move(tls), fd_.get());
@@ -63,7 +64,7 @@ void FrameStream::connect_and_handshake() noexcept {
         int error = 0;
         socklen_t bytes = sizeof error;
         ::getsockopt(fd_.get(), SOL_SOCKET, SO_ERROR, &error, &bytes);
-        // On Linux a failed connect is told once by SO_ERROR; the hang-up stays.
+        // Linux reports a failed connect once by SO_ERROR; the hang-up stays.
         if (error != 0 || (socket.revents & POLLERR) != 0) {
             error_ = error != 0 ? error : ECONNREFUSED;
             return end(End::unreachable, "cannot connect: ");
@@ -99,7 +100,7 @@ TlsSession::Moved FrameStream::write(std::span<const std::byte> from) noexcept {
     return {.io = Io::failed};
 }
 
-/// Bounded by the buffer: whoever sends faster than we take waits in its own socket.
+/// Bounded by the buffer: what a faster sender sends waits in its own socket.
 void FrameStream::read_some(From from) noexcept {
     if (in_begin_ == in_end_) in_begin_ = in_end_ = 0;
     if (in_begin_ > 0 && in_capacity_ - in_end_ < read_ahead) {
@@ -126,7 +127,7 @@ void FrameStream::write_some() noexcept {
         const auto [io, bytes] = write({out_.get() + out_begin_, out_end_ - out_begin_});
         if (io == Io::again) return;
         if (io != Io::done) {
-            // What the peer said before it left (why it refuses us, say) may still be there to be read.
+            // The peer's last words (e.g. why it refuses) may still be readable.
             const int error = error_;
             read_some(From::socket);
             if (state_ == State::closed) return;
@@ -184,7 +185,7 @@ const Frame* FrameStream::take() noexcept {
     if (first_frame_ && !tls_ && there >= record_start && begins_as_tls()) {
         in_begin_ = in_end_ = 0;
         if (server_) {
-            // Words that are no TLS tell the peer's why it is alone.
+            // Plain bytes show the peer's TLS that this end has no keys.
             constexpr std::string_view plain = "no keys here";
             [[maybe_unused]] const ssize_t sent =
                 ::send(fd_.get(), plain.data(), plain.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -198,7 +199,7 @@ const Frame* FrameStream::take() noexcept {
     FrameHeader header;
     std::memcpy(&header, in_.get() + in_begin_, header_bytes);
     if (header.bytes == 0 || header.bytes > max_payload_) {
-        // Nothing of what follows can be told apart any more.
+        // The rest cannot be parsed any more.
         in_begin_ = in_end_ = 0;
         end(!server_ && first_frame_ ? End::foreign : End::broken,
             header.bytes == 0 ? "a frame of length zero came"
@@ -214,8 +215,8 @@ const Frame* FrameStream::take() noexcept {
     return &frame_;
 }
 
-/// A TLS record: handshake (22) or alert (21), then the version 3.1 or 3.3. As the length of a frame that is
-/// above 64 KiB, which no greeting is.
+/// A TLS record: handshake (22) or alert (21), then version 3.1 or 3.3. Read as the length of a frame that is
+/// above 64 KiB, more than any greeting.
 bool FrameStream::begins_as_tls() const noexcept {
     const auto at = [&](std::size_t i) { return std::to_integer<int>(in_[in_begin_ + i]); };
     return (at(0) == 21 || at(0) == 22) && at(1) == 3 && (at(2) == 1 || at(2) == 3);

@@ -26,7 +26,7 @@ constexpr std::size_t max_file_bytes = max_keys * 160;
 }
 
 bool good_name(std::string_view name) noexcept {
-    // Not the locale's idea of a letter: a name is compared byte by byte on two hosts.
+    // Independent of the locale: two hosts compare a name byte by byte.
     const auto allowed = [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
                c == '_' || c == '-';
@@ -114,7 +114,7 @@ std::string read_all(const std::filesystem::path& file, int fd) {
     return text;
 }
 
-/// The file that is open is judged, not the name: it cannot be exchanged in between.
+/// Checks the open file, not its name, which might name another file by then.
 void require_private(const std::filesystem::path& file, int fd) {
     struct stat status {};
     if (::fstat(fd, &status) != 0) refuse(file, "cannot be read: " + system_text(errno));
@@ -146,7 +146,7 @@ const Key* find_key(std::span<const Key> keys, std::string_view name) noexcept {
 Key make_key(std::string name, Role role) {
     if (!good_name(name)) throw std::runtime_error("bad name '" + name + "' for a key; " + name_rule());
     Key key{.name = std::move(name), .role = role};
-    // Never less than asked for up to 256 bytes, and not before the pool is ready (getrandom(2)).
+    // getrandom(2): up to 256 bytes are never cut short, and it waits until the pool is ready.
     if (::getrandom(key.secret.data(), key.secret.size(), 0) != static_cast<ssize_t>(key.secret.size()))
         throw std::runtime_error("the system gives no random numbers: " + system_text(errno));
     return key;

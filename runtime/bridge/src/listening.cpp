@@ -26,14 +26,14 @@ namespace {
     throw std::runtime_error(detail::format("{}: {}{}", what, std::strerror(errno), remedy));
 }
 
-/// Nothing: the port that was free for callers is another program's for datagrams.
+/// Nothing: the port is free for TCP, but another program has it for UDP.
 std::optional<Listening> listen_once(const Endpoint& endpoint, const std::string& what) {
     Listening result{
         .callers = shm::UniqueFd(::socket(endpoint.family(), SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
         .datagrams = make_datagram_socket(endpoint.family())};
     const int on = 1;
     ::setsockopt(result.callers.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    // Each datagram says which of this host's addresses it came to (peer_address.hpp).
+    // Each datagram carries the local address to which it was sent (peer_address.hpp).
     if (endpoint.family() == AF_INET)
         ::setsockopt(result.datagrams.get(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
     else
@@ -42,7 +42,7 @@ std::optional<Listening> listen_once(const Endpoint& endpoint, const std::string
     if (!result.callers || ::bind(result.callers.get(), at.get(), at.length) != 0 ||
         ::listen(result.callers.get(), SOMAXCONN) != 0)
         cannot(what);
-    at.length = sizeof at.address;  // port 0: now it is known, and the same for datagrams
+    at.length = sizeof at.address;  // after port 0 the port is known here; datagrams use the same
     ::getsockname(result.callers.get(), at.get(), &at.length);
     if (!result.datagrams || ::bind(result.datagrams.get(), at.get(), at.length) != 0) {
         if (errno == EADDRINUSE) return {};
@@ -60,8 +60,8 @@ Listening listen_at(const Endpoint& endpoint, bool keys) {
             "own (127.0.0.1, [::1]) "
             "needs keys: `knurl-bridge keygen --name NAME --role control`, then --keys FILE",
             what));
-    // The kernel chooses a port that is free for TCP. On a host with many sockets it may be taken for UDP, and
-    // the next choice is another one.
+    // The kernel chooses a port that is free for TCP. On a host with many sockets it may be taken for UDP, so
+    // further ports are tried.
     const int choices = endpoint.port() == 0 ? 100 : 1;
     for (int choice = 0; choice < choices; ++choice)
         if (auto result = listen_once(endpoint, what)) return std::move(*result);

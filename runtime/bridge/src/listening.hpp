@@ -1,5 +1,5 @@
 #pragma once
-// The bridge's two sockets, for callers and for datagrams, at one address and port.
+// The bridge's two sockets, for TCP and for UDP, at one address and port.
 
 #include <span>
 #include <string>
@@ -14,8 +14,8 @@ struct Listening {
     std::string at{};  // "127.0.0.1:4096"
 };
 
-/// At the first of these that can be had; without `keys` that is one of this host's own. Port 0: whichever is
-/// free. Throws std::runtime_error, one line.
+/// Listens at the first endpoint that is available; without `keys` only at loopback addresses. Port 0: any
+/// free port. Throws std::runtime_error, one line.
 Listening listen_at(std::span<const Endpoint> endpoints, bool keys);
 
 }  // namespace knurl::bridge

@@ -58,7 +58,7 @@ void Log::refused(const sockaddr_storage& host, const std::string& who, const st
                  unsaid > 0 ? detail::format(" ({} times more since that was last said)", unsaid) : ""),
              refusals_, now_ns))
         return;
-    if (known == refused_.end()) left_out_ += place.unsaid;  // nobody will ask for it any more
+    if (known == refused_.end()) left_out_ += place.unsaid;  // no later line would report it
     place = {.host = host, .why = why, .said_ns = now_ns, .unsaid = 0};
 }
 

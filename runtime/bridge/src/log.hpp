@@ -1,6 +1,6 @@
 #pragma once
-// What the bridge says while it runs. An application that is not let in asks again every 20 ms, and a scan
-// comes from everywhere: neither may fill the disk, nor hide who is in.
+// The bridge's log. A refused application tries again every 20 ms, and a scan comes from many hosts. Neither
+// may fill the disk, nor hide who is connected.
 
 #include <array>
 #include <cstdint>
@@ -14,20 +14,20 @@ namespace knurl::bridge {
 
 class Log {
   public:
-    static constexpr int lines_per_second = 20;  // of those who come and go, and again of the others
+    static constexpr int lines_per_second = 20;  // for connections and disconnections, and again for refusals
     static constexpr std::int64_t repeat_ns = 60'000'000'000;
     static constexpr std::size_t most_refusals = 64;  // remembered
 
-    /// `write` takes one line, and never waits; false: it was not written.
+    /// `write` takes one line and never waits; false: it was not written.
     explicit Log(std::function<bool(const std::string&)> write) : write_(std::move(write)) {}
 
-    /// Who is in, who is out, and the servo.
+    /// Connections, disconnections, and the servo.
     void event(const std::string& line, std::int64_t now_ns);
-    /// Somebody is not let in. The same of the same host is said once in `repeat_ns`, with how often it was
-    /// so meanwhile; that is said too as soon as there is anything else to say of that host.
+    /// Somebody is refused. The same refusal of the same host is logged once per `repeat_ns`, with its number
+    /// since. The number is logged earlier when another line about that host is written.
     void refused(const sockaddr_storage& host, const std::string& who, const std::string& why,
                  std::int64_t now_ns);
-    /// Somebody of that host is let in.
+    /// Somebody of that host is admitted.
     void admitted(const sockaddr_storage& host, const std::string& line, std::int64_t now_ns);
 
   private:
@@ -43,7 +43,7 @@ class Log {
     };
 
     bool say(const std::string& line, Allowance& allowance, std::int64_t now_ns);
-    /// What was not said yet of that host, but for `except`.
+    /// Logs the pending numbers of that host, except those of `except`.
     void catch_up(const sockaddr_storage& host, const RefusedHost* except, std::int64_t now_ns);
 
     std::function<bool(const std::string&)> write_;

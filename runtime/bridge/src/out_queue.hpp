@@ -1,5 +1,5 @@
 #pragma once
-// Datagrams to many peers in few system calls.
+// Sends datagrams to many peers with few system calls.
 
 #include <array>
 #include <cerrno>
@@ -21,13 +21,13 @@ class OutQueue {
     OutQueue(const OutQueue&) = delete;
     OutQueue& operator=(const OutQueue&) = delete;
 
-    /// A buffer to write the next one into.
+    /// A buffer for the next datagram.
     std::span<std::byte> room() noexcept {
         if (size_ == most) flush();
         return buffers_[size_];
     }
-    /// It is `bytes` long now. `mtu` hears of it if the path to that peer carries less; it must live until
-    /// flush(). None: that much was tried, and not counted on.
+    /// Queues it with `bytes`. `mtu` learns if the path to that peer carries less; it must live until
+    /// flush(). Null: the length was only a probe.
     void put(std::size_t bytes, const PeerAddress& to, PathMtu* mtu) noexcept {
         pieces_[size_] = {.iov_base = buffers_[size_].data(), .iov_len = bytes};
         messages_[size_].msg_hdr = {};
@@ -37,7 +37,7 @@ class OutQueue {
         mtus_[size_++] = mtu;
     }
 
-    /// What the kernel does not take is lost, as on any network.
+    /// What the kernel does not accept is lost, as on any network.
     void flush() noexcept {
         for (std::size_t done = 0; done < size_;) {
             const int sent = ::sendmmsg(socket_, messages_.data() + done, static_cast<unsigned>(size_ - done),
@@ -47,7 +47,7 @@ class OutQueue {
                 continue;
             }
             if (errno == EMSGSIZE && mtus_[done] != nullptr) mtus_[done]->refused();
-            ++done;  // one peer's trouble is not the next one's
+            ++done;  // an error of one peer must not affect the next one
         }
         size_ = 0;
     }

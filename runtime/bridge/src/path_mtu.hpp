@@ -1,8 +1,8 @@
 #pragma once
-// How long datagrams to the other end may be. The path may carry less that way than the other, and drop what
-// is longer without a word (a link whose ends differ, a router whose errors are filtered); TCP gets through
-// there, and so do short datagrams. So a length is used only while the other end says that one of it came
-// through lately: long pings go on for as long as the connection lives, since a path can become narrower.
+// How long datagrams to the other end may be. A path may carry less in one direction and drop longer
+// datagrams silently (a link with unequal ends, a router whose errors are filtered). TCP and short datagrams
+// get through there. So a length is used only while the other end confirms a recent datagram of that length.
+// Long pings continue for the life of the connection, since a path can become narrower.
 
 #include <algorithm>
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace knurl::bridge {
 
-/// What has come through to us lately: in the last two to four seconds, in which one of the long pings comes
-/// through on a bad network too.
+/// The longest recent datagram that has arrived here: of the last two to four seconds. In that time a long
+/// ping gets through even on a bad network.
 class LongestLately {
   public:
     void came(std::size_t bytes, std::int64_t now_ns) noexcept {
@@ -42,13 +42,13 @@ class LongestLately {
 class PathMtu {
   public:
     std::size_t bytes() const noexcept { return bytes_; }
-    /// The other end's word for the longest of ours that has come through lately.
+    /// The other end reports the longest recent datagram from here.
     void came_through(std::uint64_t longest) noexcept {
         const bool wide = longest >= datagram_bytes;
         if (!wide) refused_ = false;
         bytes_ = wide && !refused_ ? datagram_bytes : least_datagram_bytes;
     }
-    /// The kernel has refused one for its length: what came through before says nothing any more.
+    /// The kernel has refused a datagram for its length, so earlier confirmations no longer count.
     void refused() noexcept {
         bytes_ = least_datagram_bytes;
         refused_ = true;

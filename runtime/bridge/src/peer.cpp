@@ -12,7 +12,7 @@ namespace knurl::bridge {
 
 namespace {
 
-constexpr std::size_t waiting_bytes = 256 * 1024;  // for a peer that reads slowly
+constexpr std::size_t waiting_bytes = 256 * 1024;  // buffered for a peer that reads slowly
 
 DeviceRow row_of(const DeviceDescription& device) {
     DeviceRow row;
@@ -31,8 +31,8 @@ DeviceRow row_of(const DeviceDescription& device) {
     return row;
 }
 
-/// As the servo's clients see it, which is name_bytes long at most: whoever asks who holds the device must
-/// learn where that is, so that it is the name which is cut.
+/// The name that the servo's clients see, at most name_bytes long. Whoever asks for the holder of a device
+/// must learn its host, so a long key name is cut, not the address.
 std::string name_at(std::string_view name, const sockaddr_storage& from) {
     const std::string at = detail::format("@{}", numeric(from));
     const std::size_t room = protocol::name_bytes - 1 - at.size();
@@ -91,8 +91,10 @@ bool Peer::take_frame(const Frame& frame, PeerContext& context) {
         return type == FrameType::hello ? greet(frame.payload, context) : fail("it did not say hello first");
     if (type == FrameType::attach) return attach(frame.payload, context);
     PeerStream* stream = stream_of(frame.stream);
-    if (type == FrameType::asset_piece) return assets_.piece(frame.payload, why_);  // each is answered
-    // Of one that was released meanwhile, or that never was: nobody is harmed by leaving it alone.
+    if (type == FrameType::asset_piece)
+        return assets_.piece(frame.payload, why_);  // each piece is
+                                                    // acknowledged
+    // The stream was released meanwhile, or never existed: ignoring the frame is harmless.
     if (stream == nullptr) return true;
     const char* why = "";
     switch (type) {
@@ -110,7 +112,7 @@ bool Peer::take_frame(const Frame& frame, PeerContext& context) {
         case FrameType::asset_forget:
             return assets_.forget(frame.stream, frame.payload, why_);
         default:
-            return fail(detail::format("a frame of type {}, which none of ours has", frame.type));
+            return fail(detail::format("a frame of the unknown type {}", frame.type));
     }
 }
 
@@ -137,7 +139,9 @@ bool Peer::greet(std::span<const std::byte> payload, PeerContext& context) {
     name_ = name_at(protocol::printable(hello.client), from_);
     if (!context.keys.empty()) {
         const Key* key = find_key(context.keys, frames_.peer_identity());
-        if (key == nullptr) return fail("its key is not in the file");  // TLS has let nobody else in
+        if (key == nullptr)
+            return fail("its key is not in the file");  // cannot happen: TLS has admitted
+                                                        // only known keys
         key_ = *key;
         name_ = name_at(key->name, from_);
     }
@@ -188,8 +192,7 @@ std::optional<std::string> Peer::forbidden(const protocol::ClaimRequest& request
 bool Peer::attach(std::span<const std::byte> payload, PeerContext& context) {
     Attach message;
     if (!take(payload, message)) return fail("an attach that is none");
-    // The next number, not the lowest: what is late on its way to a stream that has ended finds no other one
-    // there.
+    // The next number, not the lowest: late datagrams to an ended stream must not reach a new one.
     auto free = streams_.end();
     for (std::size_t i = 0; i < streams_.size() && free == streams_.end(); ++i) {
         const auto candidate =
@@ -215,7 +218,7 @@ bool Peer::attach(std::span<const std::byte> payload, PeerContext& context) {
         asked_servo_ = true;
         detail::Attachment attachment = link_->attach(message.request.device, message.request);
         const Attached attached{.terms = attachment.terms, .device = attachment.device_index, .stream = id};
-        next_stream_ = id;  // the place after this one
+        next_stream_ = id;  // continue after this one
         *free = std::make_unique<PeerStream>(id, std::move(attachment), message.report_rate);
         context.notifier.join(attached.device);
         if (const Report* last = context.notifier.last(attached.device)) (*free)->note(*last);
@@ -229,7 +232,7 @@ bool Peer::attach(std::span<const std::byte> payload, PeerContext& context) {
 void Peer::release(std::uint32_t id, PeerContext& context) noexcept {
     PeerStream* stream = stream_of(id);
     if (stream == nullptr) return;
-    context.out.flush();  // what waits there points into it
+    context.out.flush();  // queued datagrams point into the stream
     context.notifier.leave(stream->device());
     assets_.drop(id);
     link_->release(stream->attachment());
@@ -289,8 +292,8 @@ void Peer::datagram(std::span<std::byte> datagram, const PeerAddress& from, std:
                             .received_ns = now,
                             .sent_ns = detail::monotonic_ns(),
                             .longest = longest_.bytes(now)};
-        // As long as what it answers, so that a path which is too narrow is found both ways, and nobody is
-        // made to send more than he gets. What was in the buffer before is another peer's.
+        // As long as the ping, so that a narrow path is found in both directions, and no answer is longer
+        // than its request. The buffer may hold another peer's bytes, so the padding is cleared.
         const std::size_t least = write(room, header, pong);
         const std::size_t bytes =
             std::clamp(sizeof header + opened.body.size(), least, room.size() - tag_bytes);

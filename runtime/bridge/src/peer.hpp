@@ -1,5 +1,5 @@
 #pragma once
-// One session at the servo's end: its connection, its role, its local client, its streams.
+// One session at the servo's end: its connection, role, local client and streams.
 
 #include <array>
 #include <memory>
@@ -15,13 +15,13 @@
 
 namespace knurl::bridge {
 
-/// What a peer needs of the program that it is a part of.
+/// The parts of the program that a peer uses.
 struct PeerContext {
     const std::string& servo;
-    std::span<const Key> keys;  // none: whoever comes may do all
+    std::span<const Key> keys;  // none: every caller has all rights
     ReportNotifier& notifier;
     OutQueue& out;
-    std::size_t sessions = 0;  // open now
+    std::size_t sessions = 0;  // open at present
 };
 
 class Peer {
@@ -41,17 +41,18 @@ class Peer {
     const sockaddr_storage& from() const noexcept { return from_; }
     const std::string& name() const noexcept { return name_; }  // name@host:port
     Role role() const noexcept { return key_ ? key_->role : Role::control; }
-    /// Or came in without one, where none was asked for. Whoever has not said who it is does not.
+    /// Also true if it came without a key where none was required. False while the peer has not said who it
+    /// is.
     bool holds_one_of(std::span<const Key> keys) const noexcept;
     bool admitted() const noexcept { return key_.has_value(); }
     std::int64_t heard_ns() const noexcept { return heard_ns_; }
     void heard(std::int64_t now) noexcept { heard_ns_ = now; }
 
-    // Each false: it is to be closed, for why().
-    /// Its connection has something, or room. As far as the first frame for which the servo has to be asked:
-    /// the others wait for no second one of the same peer.
+    // Each of these returns false if the peer must be closed, for why(). Called when its connection has data
+    // or room. Stops after the first frame that needs the servo: other peers must not wait for two such
+    // frames of one peer.
     bool serve(PeerContext& context, std::int64_t now);
-    /// Frames may be left for the next round.
+    /// Frames are left for the next round.
     bool unfinished() const noexcept { return unfinished_; }
     bool serve_assets() { return assets_.answers(why_); }
     bool cycle(std::uint32_t device, const Report& report, std::uint64_t unseen, std::int64_t now,
@@ -60,9 +61,9 @@ class Peer {
                   PeerContext& context) noexcept;
 
     const std::string& why() const noexcept { return why_; }
-    /// What was sent in its name and dropped, for the log; empty: nothing.
+    /// For the log: datagrams in its name that were dropped; empty: none.
     std::string dropped() const;
-    /// Says why, if the peer can understand it, and closes.
+    /// Sends the reason, if the peer can understand it, and closes.
     void close(PeerContext& context, Error::Kind kind, const std::string& text) noexcept;
     void say_gone(const std::string& text) noexcept;
 

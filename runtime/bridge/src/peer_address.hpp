@@ -1,8 +1,7 @@
 #pragma once
-// Who sent a datagram, and at which of this host's own addresses it came in. A bridge that listens at all of
-// them (0.0.0.0, [::]) has one socket, and left to itself the kernel answers from whichever address the route
-// back suggests; but the other end's socket is connected to the one that it asked, and takes nothing from
-// another.
+// The sender of a datagram, and the local address at which it arrived. A bridge that listens at all addresses
+// (0.0.0.0, [::]) has one socket. The kernel would answer from the address that the route back suggests. But
+// the other end's socket is connected to the address that it called, and accepts nothing from another.
 
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +12,7 @@
 
 namespace knurl::bridge {
 
-/// Room for what the kernel says about one datagram besides its bytes, or is told.
+/// Room for the control messages of one datagram, in either direction.
 struct alignas(cmsghdr) PacketInfo {
     static constexpr std::size_t room = CMSG_SPACE(sizeof(in6_pktinfo));
     static_assert(room >= CMSG_SPACE(sizeof(in_pktinfo)));
@@ -22,11 +21,11 @@ struct alignas(cmsghdr) PacketInfo {
 
 struct PeerAddress {
     sockaddr_storage address{};
-    socklen_t length = 0;        // 0: nobody
-    int own_family = AF_UNSPEC;  // AF_UNSPEC: the kernel chooses what an answer comes from
-    in6_addr own{};              // in its first four bytes where that is AF_INET
+    socklen_t length = 0;        // 0: no address
+    int own_family = AF_UNSPEC;  // AF_UNSPEC: the kernel chooses the address of an answer
+    in6_addr own{};              // for AF_INET, in its first four bytes
 
-    /// What a received datagram's control messages say.
+    /// Reads the control messages of a received datagram.
     void came_in_at(const msghdr& message) noexcept {
         own_family = AF_UNSPEC;
         for (const cmsghdr* each = CMSG_FIRSTHDR(&message); each != nullptr;
@@ -45,7 +44,8 @@ struct PeerAddress {
         }
     }
 
-    /// Makes `message` go there, from the address that was asked. `name` and `info` live as long as it.
+    /// Addresses `message` to this peer, from the local address that it called. `name` and `info` must live
+    /// as long as it.
     void address_to(msghdr& message, sockaddr_storage& name, PacketInfo& info) const noexcept {
         name = address;
         message.msg_name = &name;

@@ -11,12 +11,13 @@ namespace knurl::bridge {
 
 namespace {
 
-constexpr std::int64_t feedback_interval_ns = 20'000'000;  // of feedback that is too large for datagrams
-constexpr std::size_t feedback_backlog = 64 * 1024;        // bytes on their way already: none then
+constexpr std::int64_t feedback_interval_ns = 20'000'000;  // for feedback that is too large for datagrams
+constexpr std::size_t feedback_backlog = 64 * 1024;        // with more bytes than this already waiting, none
+                                                           // is sent
 constexpr std::size_t entry_bytes = sizeof(protocol::FeedbackEntry);
 
-/// Whole messages, and the last of them ends its group. The servo counts cells as we do here, so that what is
-/// marked here is what it reads there.
+/// Only whole messages, of which the last ends its group. The servo counts cells in the same way, so that a
+/// flag set here is one that it reads there.
 bool well_formed(std::span<const std::byte> cells) noexcept {
     bool more = true;
     while (!cells.empty()) {
@@ -32,7 +33,7 @@ bool well_formed(std::span<const std::byte> cells) noexcept {
     return !more;
 }
 
-/// The servo decides, with the device's state of that cycle.
+/// Marks the commands as restricted; the servo decides, by the device's state in that cycle.
 void restrict(std::span<std::byte> cells) noexcept {
     for (std::size_t at = 0; at < cells.size();) {
         std::uint32_t count = 0, bits = 0;
@@ -65,7 +66,7 @@ bool PeerStream::commands(std::span<const std::byte> cells, Role role, const cha
     if (!attachment_.channel) return false;
     why = "commands that are not whole groups of messages";
     if (cells.size() % shm::cell_bytes != 0 || !well_formed(cells)) return false;
-    // Its end keeps within the ring until it has the answers, so that this is nobody of ours.
+    // A correct peer stays within the ring until it has the answers.
     why = "more commands than it has room for";
     if (cells.size() > scratch_.capacity() || waiting_.size() + cells.size() > waiting_.capacity())
         return false;
@@ -74,12 +75,12 @@ bool PeerStream::commands(std::span<const std::byte> cells, Role role, const cha
     if (push_waiting() && attachment_.channel->push(
                               scratch_.data(), static_cast<std::uint32_t>(scratch_.size() / shm::cell_bytes)))
         return true;
-    // The servo answers before it frees the cells: a quick peer's next commands may be here in between.
+    // The servo answers before it frees the cells, so a fast peer's next commands may arrive in between.
     waiting_.insert(waiting_.end(), scratch_.begin(), scratch_.end());
     return true;
 }
 
-/// Group by group, as they came. True: none is left.
+/// Pushes waiting groups in their order. True: none is left.
 bool PeerStream::push_waiting() noexcept {
     std::size_t done = 0;
     while (done < waiting_.size()) {
@@ -120,8 +121,8 @@ void PeerStream::batch_piece(const DatagramHeader& header, std::span<const std::
     if (!whole.empty()) publish(whole);
 }
 
-/// What is in it the servo checks. Only what does not fit the ring, or is not what its datagrams said, ends
-/// here.
+/// The servo checks the content. Only a batch that does not fit the ring, or differs from what its datagrams
+/// announced, stops here.
 void PeerStream::publish(std::span<const std::byte> whole) noexcept {
     protocol::BatchHeader header;
     if (whole.size() < sizeof header) return;
@@ -140,7 +141,7 @@ bool PeerStream::cycle(const Report& report, std::uint64_t unseen, std::int64_t 
     bool acknowledges = false;
     if (attachment_.channel) {
         if (!waiting_.empty()) push_waiting();
-        // In this order: the answers to all that this feedback knows of go before it.
+        // In this order: the answers that this feedback acknowledges are sent before it.
         attachment_.channel->feedback(feedback_, entries_);
         if (!answer(way, why)) return false;
         acknowledges = feedback_.batch != told_batch_ || feedback_.refused_batch != told_refused_;
@@ -156,7 +157,7 @@ bool PeerStream::cycle(const Report& report, std::uint64_t unseen, std::int64_t 
     if (is_due) {
         send(&report, way);
     } else if (acknowledges) {
-        send(nullptr, way);  // whoever reads seldom still learns at once what has taken effect
+        send(nullptr, way);  // a slow reader also learns at once what has taken effect
     }
     return true;
 }
@@ -170,13 +171,13 @@ void PeerStream::repeat(const Way& way) noexcept {
     if (number_ > 0) send(&newest_, way);
 }
 
-/// How many reports were due up to this one, which takes the last of their numbers: one, and what the bridge
-/// itself missed, so that it is counted at the other end. 0: this one is not due.
+/// How many reports were due up to this one, which gets the last of their numbers: itself, plus those that
+/// the bridge missed, so that the other end counts them as lost. 0: this report is not due.
 std::uint64_t PeerStream::due(const Report& report, std::uint64_t unseen) noexcept {
     if (period_ns_ == 0) return 1 + unseen;
     if (report.deadline_ns < due_ns_) return 0;
     const auto passed = static_cast<std::uint64_t>((report.deadline_ns - due_ns_) / period_ns_);
-    // Kept to the grid, so that a rate which does not divide the servo's is right in the mean.
+    // Follows the grid, so that a rate that does not divide the servo's is right on average.
     due_ns_ = (report.deadline_ns - due_ns_ > period_ns_ ? report.deadline_ns : due_ns_) + period_ns_;
     return 1 + std::min(passed, unseen);
 }
@@ -195,7 +196,7 @@ bool PeerStream::answer(const Way& way, const char*& why) noexcept {
     return true;
 }
 
-/// Datagrams that all of it takes; more than max_pieces: it goes by TCP.
+/// Number of datagrams for all of it; above max_pieces it goes by TCP.
 std::size_t PeerStream::pieces(const Way& way, bool report) const noexcept {
     const std::size_t room = way.mtu.bytes() - way.outgoing.overhead() - sizeof(ReportPiece);
     const std::size_t first = room - (report ? sizeof(Report) : 0) - sizeof(protocol::FeedbackHeader);
@@ -205,7 +206,7 @@ std::size_t PeerStream::pieces(const Way& way, bool report) const noexcept {
 }
 
 void PeerStream::send(const Report* report, const Way& way) noexcept {
-    // What is sent may end in finding the path narrower: one length for all pieces.
+    // Sending may show that the path is narrower: all pieces use one length.
     const std::size_t overhead = way.outgoing.overhead(), limit = way.mtu.bytes();
     const bool claim = attachment_.channel != nullptr;
     std::size_t count = claim && !entries_.empty() ? pieces(way, report != nullptr) : 1;
@@ -247,7 +248,7 @@ void PeerStream::send(const Report* report, const Way& way) noexcept {
     }
 }
 
-/// Feedback that is too large for datagrams, now and then. False: no room.
+/// Sends feedback that is too large for datagrams, at intervals. False: no room.
 bool PeerStream::send_feedback(std::int64_t now, const Way& way) noexcept {
     if (entries_.empty() || feedback_.cycle == feedback_sent_ ||
         now - feedback_sent_ns_ < feedback_interval_ns || pieces(way, true) <= max_pieces ||

@@ -42,7 +42,7 @@ void PendingBatch::take_entry(const protocol::EntryHeader& header, const std::by
     if (header.id.slot >= slots_.size()) return;
     PendingSlot& slot = slots_[header.id.slot];
     if (!slot.pending) pending_.push_back(header.id.slot);
-    // A geometry that comes alone is written over parameters that are still on their way, which stay whole.
+    // New geometry alone is written over the pending parameters, which stay complete.
     const std::uint32_t on_their_way = slot.pending && slot.header.id == header.id ? slot.header.bytes : 0;
     slot.pending = true;
     slot.header = header;
@@ -65,8 +65,8 @@ void PendingBatch::write_message(protocol::BatchHeader header) noexcept {
         bytes += size;
         ++header.entries;
     };
-    // The newest commit fits for sure. What an unconfirmed removal has left behind may not, when its place is
-    // taken already, and then nobody misses it.
+    // The newest commit always fits. Parameters of an unconfirmed removal may not fit once their place is
+    // taken, and then they are not needed.
     for (const bool newest : {true, false})
         for (const std::uint32_t index : pending_)
             if ((slots_[index].sequence == newest_) == newest) add(slots_[index]);

@@ -1,8 +1,8 @@
 #pragma once
-// The application's end of the data channel: what was committed and is not known to have reached the servo.
-// Per slot the newest parameters are pending until the servo has acknowledged the batch that brought them, or
-// a later one; what is sent is always all that is pending, under the newest sequence. So whichever datagram
-// comes through, it makes up for all that were lost before it.
+// The application's end of the data channel: commits that may not have reached the servo. For each slot the
+// newest parameters are pending until the servo has acknowledged their batch or a later one. Each message
+// contains all that is pending, under the newest sequence. So any datagram that arrives makes up for all that
+// were lost before it.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,24 +18,23 @@ class PendingBatch {
   public:
     explicit PendingBatch(const protocol::ClaimCapacity& capacity);
 
-    /// A commit: `entries` is header.bytes long, and at most the claim's batch_bytes. Writes message() anew.
+    /// Adds a commit: `entries` is header.bytes long, at most the claim's batch_bytes. Rewrites message().
     void merge(const protocol::BatchHeader& header, std::span<const std::byte> entries) noexcept;
     /// The servo has taken (or refused) everything up to that batch.
     void acknowledged(std::uint64_t sequence) noexcept;
-    /// The servo has confirmed a removal: what is pending for it is for nobody.
+    /// The servo has confirmed a removal, so its pending parameters are dropped.
     void removed(RepresentationId id) noexcept;
 
     bool unacknowledged() const noexcept { return newest_ > acknowledged_; }
     std::uint64_t sequence() const noexcept { return newest_; }
     std::size_t entries() const noexcept { return pending_.size(); }
-    /// BatchHeader and all pending entries, as of the newest commit: the same bytes each time it is sent
-    /// again.
+    /// BatchHeader and all pending entries, as of the newest commit. Each repetition sends the same bytes.
     std::span<const std::byte> message() const noexcept { return {message_.data(), message_size_}; }
 
   private:
     struct PendingSlot {
         protocol::EntryHeader header;
-        std::uint64_t sequence = 0;  // of the batch that brought this
+        std::uint64_t sequence = 0;  // of the batch with these parameters
         bool pending = false;
         std::byte params[protocol::max_parameter_bytes];
     };

@@ -1,5 +1,5 @@
 #pragma once
-// As many datagrams as one system call gives.
+// Receives as many datagrams as one system call returns.
 
 #include <array>
 #include <cstddef>
@@ -14,7 +14,8 @@ namespace knurl::bridge {
 class ReceiveBatch {
   public:
     static constexpr std::size_t most = 32;
-    static constexpr std::size_t bytes = 2048;  // of one: larger ones are nobody's of ours, and are cut off
+    static constexpr std::size_t bytes = 2048;  // of one datagram; a larger one is not the protocol's and is
+                                                // truncated
 
     ReceiveBatch() noexcept {
         for (std::size_t i = 0; i < most; ++i) {
@@ -29,7 +30,7 @@ class ReceiveBatch {
     ReceiveBatch(const ReceiveBatch&) = delete;
     ReceiveBatch& operator=(const ReceiveBatch&) = delete;
 
-    /// Those that are there, never waiting. How many.
+    /// Receives the datagrams that have arrived, without waiting. Returns how many.
     std::size_t receive(int socket) noexcept {
         for (auto& message : messages_) {
             message.msg_hdr.msg_namelen = sizeof(sockaddr_storage);

@@ -20,7 +20,7 @@ namespace knurl::bridge {
 
 namespace {
 
-// What epoll hands back: what it is, which one, and the place's use at that time.
+// The values that epoll returns: the source, its index, and the place's use counter at that time.
 enum class Source : std::uint64_t {
     listener,
     signals,
@@ -37,19 +37,19 @@ constexpr std::uint64_t source(Source what, std::size_t which = 0, std::uint32_t
 }
 
 constexpr std::int64_t tick_ns = 100'000'000;
-constexpr std::int64_t accept_pause_ns = 100'000'000;  // when the process is out of descriptors
-constexpr int most_bags = 8;      // of datagrams in one round; the others wait for their turn
-constexpr int most_reports = 64;  // of one device in one round
-constexpr int most_calls = 64;    // in one round, most of them to be sent away at once,
-constexpr int most_accepts = 8;   // or to be heard, which takes longer
-// peers in one round that go on asking the servo, which takes as long
+constexpr std::int64_t accept_pause_ns = 100'000'000;  // after the process has run out of descriptors
+constexpr int most_bags = 8;      // of datagrams per round; the rest wait for the next round
+constexpr int most_reports = 64;  // of one device per round
+constexpr int most_calls = 64;    // per round; most of them are refused at once
+constexpr int most_accepts = 8;   // callers heard per round, which takes longer
+// peers per round with further requests to the servo, which take as long
 constexpr std::size_t most_unfinished = 4;
-// Whoever leaves may have a few on their way still; more of no session are said, once a minute.
+// A departed peer may have a few datagrams under way. More datagrams of no session are logged, once a minute.
 constexpr std::uint64_t few_strays = 64;
 constexpr std::int64_t strays_said_every_ns = 60'000'000'000;
 constexpr std::int64_t give_way_ns = 500'000'000;
 
-/// Never waits for whoever should read it.
+/// Never waits for the reader.
 bool write_line(const std::string& line) {
     pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
     if (::poll(&out, 1, 0) <= 0) return false;
@@ -103,7 +103,7 @@ void Relay::watch_listener(bool wanted) {
     accepting_ = wanted;
 }
 
-/// Whoever comes is taken out of the kernel's queue at once, so that nobody stands in it before the others.
+/// Callers are taken out of the kernel's queue at once, so that none blocks the others there.
 void Relay::accept_all(std::int64_t now) {
     for (int calls = 0, accepts = 0; calls < most_calls && accepts < most_accepts; ++calls) {
         sockaddr_storage from{};
@@ -120,7 +120,7 @@ void Relay::accept_all(std::int64_t now) {
             continue;
         }
         if (!make_room(from, now)) {
-            log_.refused(from, numeric(from), "too many callers that have not said who they are", now);
+            log_.refused(from, numeric(from), "too many callers that are not identified yet", now);
             continue;
         }
         const auto free =
@@ -132,12 +132,13 @@ void Relay::accept_all(std::int64_t now) {
         ++free->use;
         free->watches_hang_up = free->watches_writing = free->watches_assets = false;
         watch(free->peer->fd(), EPOLLIN, source(Source::peer, place, free->use), EPOLL_CTL_ADD);
-        serve_peer(place, now);  // most have spoken already, and need no place among those who have not
+        serve_peer(place, now);  // most have sent something already, and need no place among the waiting ones
     }
 }
 
-/// For one more caller. The host with the most callers gives up its oldest: to another host at once, to its
-/// own only after a while, or a crowd of good ones would put each other out for ever.
+/// Makes room for one more caller. The host with the most callers gives up its oldest: at once for another
+/// host, for its own callers only after a while. Else a crowd of legitimate callers would evict each other
+/// for ever.
 bool Relay::make_room(const sockaddr_storage& from, std::int64_t now) {
     const std::size_t own = pending_of(from);
     if (own < most_pending_of_host && pending() < most_pending) return true;
@@ -146,7 +147,7 @@ bool Relay::make_room(const sockaddr_storage& from, std::int64_t now) {
         const Peer* const peer = places_[i].peer.get();
         if (peer == nullptr || peer->greeted()) continue;
         const std::size_t theirs = pending_of(peer->from());
-        // Of a host that has all it may it is its own oldest.
+        // A host at its limit gives up its own oldest caller.
         if (own >= most_pending_of_host ? !same_host(peer->from(), from) : theirs < most) continue;
         if (oldest == places || theirs > most || peer->heard_ns() < places_[oldest].peer->heard_ns())
             oldest = i;
@@ -154,7 +155,7 @@ bool Relay::make_room(const sockaddr_storage& from, std::int64_t now) {
     }
     if (oldest == places) return false;
     if (most <= own + 1 && now - places_[oldest].peer->heard_ns() < give_way_ns) return false;
-    end(oldest, "it did not say who it is, and somebody else waits", now);
+    end(oldest, "it did not identify itself, and another caller waits", now);
     return true;
 }
 
@@ -177,7 +178,7 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
             }));
         good = peer.serve(context_, now);
         why = peer.why();
-    } catch (const std::exception& error) {  // memory ran out, say: theirs alone
+    } catch (const std::exception& error) {  // e.g. out of memory: only this peer ends
         why = error.what();
     }
     if (!knew && peer.greeted())
@@ -195,7 +196,7 @@ bool Relay::anyone_unfinished() const {
                        [](const Place& place) { return place.peer && place.peer->unfinished(); });
 }
 
-/// By turns.
+/// Peers take turns.
 void Relay::serve_unfinished(std::int64_t now) {
     const std::size_t first = next_unfinished_;
     for (std::size_t i = 0, served = 0; i < places && served < most_unfinished; ++i) {
@@ -236,7 +237,7 @@ void Relay::follow(std::size_t index) {
     }
 }
 
-/// `told`: the peer is as well.
+/// `told`: the peer gets the reason, too.
 void Relay::end(std::size_t index, const std::string& why, std::int64_t now, bool told, Error::Kind kind) {
     const Peer& peer = *places_[index].peer;
     if (peer.greeted()) {
@@ -250,7 +251,7 @@ void Relay::end(std::size_t index, const std::string& why, std::int64_t now, boo
 void Relay::close(std::size_t index, Error::Kind kind, const std::string& text) {
     Place& place = places_[index];
     place.peer->close(context_, kind, text);
-    place.peer.reset();  // its descriptors leave the epoll set as they are closed
+    place.peer.reset();  // closing removes its descriptors from the epoll set
     ++place.use;
 }
 
@@ -262,7 +263,7 @@ void Relay::admit(std::vector<Key> keys) {
     const std::int64_t now = detail::monotonic_ns();
     for (std::size_t i = 0; i < places; ++i) {
         if (!places_[i].peer || places_[i].peer->holds_one_of(options_.keys)) continue;
-        // Whoever is still at the door came by a key of before, which one is not known yet: let it knock
+        // A caller in the handshake may have used an old key, and which one is not known yet: it must call
         // again.
         const bool knew = places_[i].peer->admitted();
         const std::string why = knew ? "its key is not in the file any more" : "the keys were read again";
@@ -275,7 +276,7 @@ void Relay::admit(std::vector<Key> keys) {
 void Relay::follow_servo() {
     watch(notifier_.hang_up(), EPOLLRDHUP, source(Source::servo), EPOLL_CTL_ADD);
     for (std::size_t i = 0; i < notifier_.devices(); ++i)
-        // By its edge: one that was raised when the last stream had just gone is lowered by nobody.
+        // Edge-triggered: when the last stream has just ended, nobody lowers the event.
         watch(notifier_.event(i), std::uint32_t{EPOLLIN} | EPOLLET, source(Source::device, i), EPOLL_CTL_ADD);
     watching_servo_ = true;
 }
@@ -301,7 +302,7 @@ void Relay::serve_device(std::size_t device, std::int64_t now) {
             Peer* const peer = places_[place].peer.get();
             if (peer == nullptr || !peer->greeted()) continue;
             if (peer->cycle(static_cast<std::uint32_t>(device), report, unseen, now, context_)) {
-                follow(place);  // what did not go out at once
+                follow(place);  // watch for what could not be sent at once
                 continue;
             }
             end(place, peer->why(), now);
@@ -335,7 +336,7 @@ void Relay::take_datagrams(std::int64_t now) {
 }
 
 void Relay::tick(std::int64_t now) {
-    // Whoever stood still himself has heard nothing meanwhile.
+    // If this process was stopped, it has heard nothing meanwhile.
     const bool stood_still = last_tick_ns_ != 0 && now - last_tick_ns_ > dead_after_ns / 2;
     last_tick_ns_ = now;
     if (strays_ > few_strays && now >= say_strays_after_ns_) {
@@ -356,7 +357,7 @@ void Relay::tick(std::int64_t now) {
         const std::string why =
             peer->greeted()
                 ? detail::format("nothing was heard of it for {} s", dead_after_ns / 1'000'000'000)
-                : detail::format("it did not say who it is within {:g} s", greeting_seconds);
+                : detail::format("it did not identify itself within {:g} s", greeting_seconds);
         end(i, why, now);
     }
 }
@@ -389,7 +390,7 @@ void Relay::run(int signals) {
             const bool there = which < places && places_[which].peer && places_[which].use == use;
             switch (what) {
                 case Source::signals:
-                    told = true;  // after the others: a device's edge comes once
+                    told = true;  // after the others, since a device's edge comes once
                     break;
                 case Source::listener:
                     accept_all(now);
@@ -405,7 +406,8 @@ void Relay::run(int signals) {
                     break;
                 case Source::peers_servo:
                     if (!there) break;
-                    // When it dies its sockets close one after the other: which of the two it is shows later.
+                    // When the servo dies its sockets close one after the other, so which of the two cases it
+                    // is shows later.
                     places_[which].peer->say_gone(
                         detail::format("servo '{}' has gone, or has closed this connection; start it again",
                                        options_.servo));
@@ -415,7 +417,7 @@ void Relay::run(int signals) {
                     if (there) serve_assets(which, now);
                     break;
                 case Source::peer:
-                    // Once in a round; what is left is still there in the next one.
+                    // Once per round; the rest is still there in the next round.
                     if (there && places_[which].round != round_ && !places_[which].peer->unfinished())
                         serve_peer(which, now);
                     break;

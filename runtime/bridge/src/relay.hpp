@@ -1,7 +1,7 @@
 #pragma once
 // The program's loop: one thread, one epoll set. Peers come by TCP, datagrams by one UDP socket, reports by
-// one event per device; whatever comes, it is served to its end and never waited for. (A servo that does not
-// answer an attach is waited for: half a second.)
+// one event per device. Each source is served until it is empty, and none is waited for. (Exception: an
+// attach waits for the servo's answer, for up to half a second.)
 
 #include <array>
 #include <memory>
@@ -20,17 +20,17 @@ namespace knurl::bridge {
 
 struct RelayOptions {
     std::string servo = "default";
-    std::vector<Endpoint> listen{};  // one, or all addresses of a name: the first that there is room at
+    std::vector<Endpoint> listen{};  // one, or all addresses of a name: the first available one is used
     std::vector<Key> keys{};         // none: loopback only
 };
 
 class Relay {
   public:
-    static constexpr std::size_t most_pending = 16;  // that have not said who they are
+    static constexpr std::size_t most_pending = 16;  // callers before they are identified
     static constexpr std::size_t most_pending_of_host = 8;
-    static constexpr double greeting_seconds = 2;  // for that, TLS included
+    static constexpr double greeting_seconds = 2;  // the time for identification, TLS included
     static constexpr std::size_t places = max_sessions + most_pending;
-    static_assert(places <= 256);  // a session's number ends with its place
+    static_assert(places <= 256);  // the place is the last byte of a session's number
 
     /// Listens. Throws std::runtime_error, one line.
     explicit Relay(RelayOptions options);
@@ -39,17 +39,17 @@ class Relay {
     Relay& operator=(const Relay&) = delete;
 
     const std::string& listening_at() const { return listening_.at; }
-    /// Until `signals` (a signalfd) is readable. May be called again.
+    /// Runs until `signals` (a signalfd) is readable. May be called again.
     void run(int signals);
-    /// Between two run(): whose keys are these may come in from now on; whose key is not among them, or is
-    /// another by now, is sent away. Not without keys at the beginning, and never none.
+    /// Between two calls of run(): from now on these keys are valid. A peer whose key is missing or has
+    /// changed is disconnected. Needs keys from the beginning, and at least one.
     void admit(std::vector<Key> keys);
 
   private:
     struct Place {
         std::unique_ptr<Peer> peer;
-        std::uint32_t use = 0;    // events of an earlier peer find nobody
-        std::uint64_t round = 0;  // in which it had its turn
+        std::uint32_t use = 0;    // so that events of an earlier peer are ignored
+        std::uint64_t round = 0;  // its last round
         bool watches_hang_up = false;
         bool watches_writing = false;
         bool watches_assets = false;
@@ -64,7 +64,7 @@ class Relay {
     bool anyone_unfinished() const;
     void serve_assets(std::size_t place, std::int64_t now);
     void serve_device(std::size_t device, std::int64_t now);
-    void follow(std::size_t place);  // what it wants to be woken for
+    void follow(std::size_t place);  // updates the events that wake it
     void follow_servo();
     void servo_gone();
     void end(std::size_t place, const std::string& why, std::int64_t now, bool told = true,
@@ -92,7 +92,7 @@ class Relay {
     std::uint64_t round_ = 0;
     std::size_t next_unfinished_ = 0;  // place
     std::int64_t last_tick_ns_ = 0, accept_after_ns_ = 0;
-    std::uint64_t strays_ = 0;  // datagrams of no session, not said yet
+    std::uint64_t strays_ = 0;  // datagrams of no session, not logged yet
     std::int64_t say_strays_after_ns_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The seam's three classes over a Connection and its streams.
+// The three classes of the link interface, over a Connection and its streams.
 
 #include <algorithm>
 #include <optional>
@@ -151,7 +151,7 @@ std::unique_ptr<detail::Link> connect_remote(std::span<const Endpoint> bridge, c
             return std::make_unique<RemoteLink>(each, options);
         } catch (const Error& error) {
             if (bridge.size() == 1 || error.kind == Error::Kind::permission) throw;
-            // As long as there may be a bridge at one of them soon, it is worth while to ask again.
+            // Trying again is worthwhile while a bridge may appear at one of these addresses.
             const bool passes =
                 error.kind == Error::Kind::no_servo || error.kind == Error::Kind::disconnected;
             if (!kind || passes) kind = error.kind;

@@ -17,7 +17,7 @@ bool ReportNotifier::open() {
 
 void ReportNotifier::join(std::size_t device) noexcept {
     if (device >= devices_.size() || devices_[device].streams++ > 0) return;
-    // Those of the time when nobody listened are nobody's.
+    // Reports from the time without a stream belong to nobody.
     if (Report report; devices_[device].attachment.reports->latest(report)) {
         devices_[device].last = report;
         devices_[device].any = true;

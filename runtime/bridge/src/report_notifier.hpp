@@ -1,6 +1,6 @@
 #pragma once
-// The bridge's own observer of each device: the one that the servo wakes, whatever the number of peers. Only
-// while somebody's stream is open is it woken at all.
+// The bridge's own observer of each device. The servo wakes only this one, whatever the number of peers, and
+// only while a stream is open.
 
 #include <cstdint>
 #include <memory>
@@ -11,13 +11,14 @@
 
 namespace knurl::bridge {
 
-inline constexpr std::chrono::milliseconds servo_answer_time{500};  // all peers wait meanwhile
+inline constexpr std::chrono::milliseconds servo_answer_time{500};  // all peers wait during this time
 
 class ReportNotifier {
   public:
     explicit ReportNotifier(std::string servo) : servo_(std::move(servo)) {}
 
-    /// Attaches to the servo, if it is not. True: it is new, its descriptors are to be watched. Throws Error.
+    /// Attaches to the servo, if not attached. True: it has just attached, so its descriptors must be
+    /// watched. Throws Error.
     bool open();
     void close() noexcept { devices_.clear(), link_.reset(); }
     bool is_open() const noexcept { return link_ != nullptr; }
@@ -26,13 +27,13 @@ class ReportNotifier {
     std::size_t devices() const noexcept { return devices_.size(); }
     int event(std::size_t device) const noexcept { return devices_[device].attachment.reports->event(); }
 
-    /// One more stream, or one less, wants this device's reports.
+    /// One more stream, or one less, needs this device's reports.
     void join(std::size_t device) noexcept;
     void leave(std::size_t device) noexcept;
-    /// The next report in order. `unseen`: those before it that were overwritten before they could be read.
+    /// The next report in order. `unseen`: number of earlier reports that were overwritten unread.
     bool next(std::size_t device, Report& report, std::uint64_t& unseen) noexcept;
     void rearm(std::size_t device) noexcept;
-    /// What next() gave last, or the newest when the first stream came: those that follow begin behind it.
+    /// The last report from next(), or the newest one when the first stream came; later reports follow it.
     /// Null: none yet.
     const Report* last(std::size_t device) const noexcept;
 

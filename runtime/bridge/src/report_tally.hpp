@@ -1,6 +1,6 @@
 #pragma once
-// What became of a stream's reports, by their numbers (1, 2, ... as they were sent). The first that comes is
-// where it begins. Exact as far back as the window goes: what comes even later stays among the lost.
+// The fate of a stream's reports, by their numbers (1, 2, ... in order of sending). Counting begins with the
+// first report that arrives. Exact within the window: a report that arrives even later stays counted as lost.
 
 #include <cstdint>
 
@@ -10,15 +10,15 @@ namespace knurl::bridge {
 
 class ReportTally {
   public:
-    /// In a datagram that had not come before. True: it is the newest, and the others have been waited for in
-    /// vain until now. The same number may come in two datagrams (the newest, sent again to one that had
-    /// none).
+    /// For a datagram seen for the first time. True: it is the newest, and the missing ones before it count
+    /// as lost so far. One number may come in two datagrams (the newest report is sent again to a peer
+    /// without any).
     bool take(std::uint64_t number) noexcept {
         const std::uint64_t newest = seen_.newest();
         if (number <= newest) {
             if (seen_.look(number) != CounterWindow::Seen::never) return false;
             seen_.accept(number);
-            if (number > first_) ++late_;  // what went before the first was not missed
+            if (number > first_) ++late_;  // reports before the first were not missed
             return false;
         }
         if (newest == 0)
@@ -28,7 +28,7 @@ class ReportTally {
         seen_.accept(number);
         return true;
     }
-    /// In a datagram so old that nobody knows whether it had come before.
+    /// For a datagram so old that it may be a duplicate.
     void take_old(std::uint64_t number) noexcept {
         if (seen_.look(number) == CounterWindow::Seen::already)
             ++copies_;
@@ -37,8 +37,8 @@ class ReportTally {
     }
 
     std::uint64_t newest() const noexcept { return seen_.newest(); }
-    std::uint64_t gaps() const noexcept { return gaps_; }  // passed over by those that were the newest
-    std::uint64_t late() const noexcept { return late_; }  // of those
+    std::uint64_t gaps() const noexcept { return gaps_; }  // numbers skipped by newer ones
+    std::uint64_t late() const noexcept { return late_; }  // of those, arrived later
     std::uint64_t lost() const noexcept { return gaps_ - late_; }
     std::uint64_t copies() const noexcept { return copies_; }  // seen by take_old()
 

@@ -3,8 +3,8 @@
 #include <nettle/chacha-poly1305.h>
 #include <nettle/memops.h>
 
-// Nettle's functions, not OpenSSL's EVP, which seals TLS's records: for a datagram once a millisecond, by a
-// thread that slept meanwhile, what counts is how much code and how many tables have left the caches.
+// Uses Nettle, not OpenSSL's EVP, which seals TLS records. A datagram is sealed once a millisecond by a
+// thread that has slept meanwhile. So the cost is how much code and how many tables have left the caches.
 
 namespace knurl::bridge {
 
@@ -16,15 +16,15 @@ std::uint8_t* bytes_of(std::byte* p) noexcept {
     return reinterpret_cast<std::uint8_t*>(p);
 }
 
-/// The key is set once; a message sets its nonce only.
+/// The key is set once; each message sets only its nonce.
 chacha_poly1305_ctx make_cipher(const std::array<std::byte, key_bytes>& key) noexcept {
     chacha_poly1305_ctx cipher;
     chacha_poly1305_set_key(&cipher, reinterpret_cast<const std::uint8_t*>(key.data()));
     return cipher;
 }
 
-/// Nonce, then the associated data. RFC 8439, 2.8: 96 bits; ours are 32 zeros and the counter, which a key
-/// sees once.
+/// Sets the nonce, then the associated data. RFC 8439, 2.8: 96 bits, here 32 zeros and the counter, which is
+/// used once per key.
 void begin(chacha_poly1305_ctx& cipher, std::uint64_t counter, std::byte* header,
            std::size_t bytes) noexcept {
     std::array<std::uint8_t, CHACHA_POLY1305_NONCE_SIZE> nonce{};

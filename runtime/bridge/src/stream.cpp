@@ -25,10 +25,10 @@ namespace {
 using std::chrono::nanoseconds;
 
 constexpr std::align_val_t ring_alignment{shm::line_bytes};
-constexpr std::int64_t hello_interval_ns = 50'000'000;  // until the first report has come
-// so that whatever lies between does not forget the way
+constexpr std::int64_t hello_interval_ns = 50'000'000;  // until the first report has arrived
+// keeps the path open in firewalls and routers
 constexpr std::int64_t remind_interval_ns = 1'000'000'000;
-constexpr int most_rounds = 16;  // of one drain: 512 datagrams
+constexpr int most_rounds = 16;  // in one drain: 512 datagrams
 
 std::byte* new_ring(std::size_t slot_bytes) {
     const std::size_t bytes = shm::broadcast_bytes(protocol::report_slots, slot_bytes);
@@ -110,8 +110,8 @@ void Stream::wait(nanoseconds timeout, bool for_any) noexcept {
     std::uint64_t seen = 0;
     for (bool first = true;; first = false) {
         {
-            // The event is lowered before the datagrams are looked for: what the other thread drains after
-            // that raises it again, what it has drained before is in the ring.
+            // The event is lowered before the search for datagrams. A datagram that the other thread drains
+            // later raises it again; one that it has drained before is in the ring.
             const auto lock = connection_->lock();
             keep_event(false);
             if (first) seen = arrivals_;
@@ -219,7 +219,7 @@ Network Stream::network() noexcept {
 
 bool Stream::push(const void* commands, std::uint32_t cells) noexcept {
     const auto lock = connection_->lock();
-    // Lost on its way, like what was sent just before: whoever waits for the answer learns why there is none.
+    // It counts as lost on the way. A caller that waits for the answer learns the reason.
     if (connection_->dead()) return true;
     if (!unanswered_.fits(cells)) return false;
     const std::span part(static_cast<const std::byte*>(commands), std::size_t{cells} * shm::cell_bytes);
@@ -243,7 +243,7 @@ bool Stream::publish(protocol::BatchHeader header, std::span<const std::byte> en
     header.commit_ns += connection_->clock().offset_at(now);
     batch_.merge(header, entries);
     send_batch(now);
-    return true;  // what is not taken yet is kept here, and sent again with the next
+    return true;  // unacknowledged parameters are kept here and sent again with the next batch
 }
 
 bool Stream::feedback(protocol::FeedbackHeader& header, std::vector<protocol::FeedbackEntry>& entries) {
@@ -286,7 +286,7 @@ bool Stream::send_pieces(std::span<const std::byte> message) noexcept {
         const std::size_t head = write(room, header, piece);
         std::memcpy(room.data() + head, part.data(), part.size());
         if (connection_->post(socket_.get(), room, head + part.size())) continue;
-        return false;  // the path carries less by now: it goes by TCP, and the next ones in smaller pieces
+        return false;  // the path has become narrower: this one goes by TCP, the next ones in smaller pieces
     }
     return true;
 }
@@ -305,7 +305,7 @@ void Stream::tick(std::int64_t now) noexcept {
         next_hello_ns_ = now + (tally_.newest() == 0 ? hello_interval_ns : remind_interval_ns);
     }
     if (batch_.unacknowledged() && batch_by_tcp_ && !batch_sent_)
-        send_batch(now);  // it waited for room; once sent it arrives
+        send_batch(now);  // it was waiting for room; once sent by TCP it arrives
 }
 
 std::int64_t Stream::resend(std::int64_t now) noexcept {
@@ -320,7 +320,7 @@ std::int64_t Stream::resend(std::int64_t now) noexcept {
 void Stream::take_replies(std::span<const std::byte> bytes) noexcept {
     protocol::Reply reply;
     while (take(bytes, reply)) unanswered_.answered(reply);
-    // Whoever waits for it may have had the report of that cycle before, and would wait for the next one.
+    // A caller that waits for it may have the report of that cycle already, and would wait for the next one.
     ++arrivals_;
     if (asking_ > 0) wake();
 }

@@ -1,7 +1,7 @@
 #pragma once
-// One claim or observer of a connection: its own UDP socket, so that waiting for its reports wakes for
-// nothing else; the reports in a ring like the servo's own; the two channels. Used under the connection's
-// lock, which every call takes itself unless it says otherwise.
+// One claim or observer of a connection: its own UDP socket, so that only its reports wake a thread that
+// waits for them; the reports in a ring like the servo's; the two channels. Used under the connection's lock,
+// which every call takes itself unless stated otherwise.
 //
 //   application's thread: wait -> poll(socket, event) -> drain: datagrams -> ring -> next()
 //   connection's thread:  every 10 ms: drain; if something came: event
@@ -49,24 +49,24 @@ class Stream {
     bool publish(protocol::BatchHeader header, std::span<const std::byte> entries) noexcept;
     bool feedback(protocol::FeedbackHeader& header, std::vector<protocol::FeedbackEntry>& entries);
 
-    // By the connection's thread, with the lock held.
+    // For the connection's thread, with the lock held.
     void tick(std::int64_t now) noexcept;
-    /// What was not acknowledged for `resend_ns` goes out once more. When that will be due next.
+    /// Sends again what was not acknowledged for `resend_ns`. Returns when the next repetition is due.
     std::int64_t resend(std::int64_t now) noexcept;
     void take_replies(std::span<const std::byte> bytes) noexcept;
     void take_feedback(std::span<const std::byte> bytes) noexcept;
-    /// The other end has gone: whoever waits is woken.
+    /// The other end is gone: wakes all that wait.
     void wake() noexcept;
 
   private:
-    /// What the ring holds: how many were never sent to it, up to this one.
+    /// A report in the ring, with the number of missing reports up to it.
     struct StoredReport {
         Report report;
         std::uint64_t gap = 0;
     };
     static_assert(sizeof(StoredReport) % 8 == 0);
 
-    // All of these with the lock held.
+    // All of these need the lock. True: something has arrived.
     bool drain() noexcept;  // true: something came
     void take_datagram(std::span<std::byte> datagram) noexcept;
     void take_report(std::uint64_t number, const Report& report) noexcept;
@@ -80,9 +80,9 @@ class Stream {
     const std::shared_ptr<Connection> connection_;
     const std::uint32_t id_;
     shm::UniqueFd socket_, event_, loop_;  // loop_: an epoll over the other two
-    bool polled_ = false;                  // by somebody's event loop
+    bool polled_ = false;                  // by an event loop
     bool raised_ = false;                  // event_
-    std::uint32_t asking_ = 0;             // threads that sleep until anything comes
+    std::uint32_t asking_ = 0;             // threads that sleep until anything arrives
 
     struct Free {
         void operator()(std::byte* memory) const noexcept;
@@ -92,7 +92,7 @@ class Stream {
     shm::BroadcastReader reader_;
     std::uint64_t arrivals_ = 0;  // reports, feedback, answers
     ReportTally tally_;
-    std::uint64_t gap_read_ = 0;                 // tally_.gaps() up to what was read
+    std::uint64_t gap_read_ = 0;                 // tally_.gaps() up to the last report that was read
     std::uint64_t duplicated_ = 0, resent_ = 0;  // datagrams, batches
     std::int64_t next_hello_ns_ = 0;
 

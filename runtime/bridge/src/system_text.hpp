@@ -5,7 +5,7 @@
 
 namespace knurl::bridge {
 
-/// What the system says of an errno.
+/// The system's text for an errno.
 inline std::string system_text(int error) {
     return std::generic_category().message(error);
 }

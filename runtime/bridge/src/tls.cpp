@@ -28,7 +28,7 @@ const unsigned char* bytes_of(const std::byte* p) noexcept {
     return reinterpret_cast<const unsigned char*>(p);
 }
 
-/// An external PSK is handed to OpenSSL as a session that might have been. Null: no memory.
+/// OpenSSL takes an external PSK as a session to be resumed. Null: out of memory.
 SSL_SESSION* session_of(SSL* ssl, const std::array<std::byte, key_bytes>& secret) noexcept {
     constexpr unsigned char chacha20_poly1305_sha256[] = {0x13, 0x03};
     std::unique_ptr<SSL_SESSION, Free> session(SSL_SESSION_new());
@@ -41,7 +41,7 @@ SSL_SESSION* session_of(SSL* ssl, const std::array<std::byte, key_bytes>& secret
     return session.release();
 }
 
-/// A name from the other side, fit for a log line.
+/// A name from the other side, made safe for a log line.
 std::string in_quotes(std::string_view name) {
     return "'" + words::printable(name, max_key_name) + "'";
 }
@@ -52,15 +52,15 @@ struct TlsContext::Impl {
     std::unique_ptr<SSL_CTX, Free> ctx;
     bool server = false;
     std::vector<Key> keys;  // a client has one
-    Key decoy;              // server: what an unknown name is checked against
+    Key decoy;              // server: the key for unknown names
 };
 
 struct TlsSession::Impl {
     std::shared_ptr<const TlsContext> context;
     std::unique_ptr<SSL, Free> ssl;
     SocketBio socket;
-    std::string identity;  // that the client named
-    bool known = false;    // server: the keys hold it
+    std::string identity;  // from the client
+    bool known = false;    // server: a key has this name
     bool done = false;
     bool wants_write = false;
     std::string reason;
@@ -89,7 +89,7 @@ int TlsSession::Impl::use_key(SSL* ssl, const EVP_MD* md, const unsigned char** 
     return *session != nullptr;
 }
 
-/// An unknown name is checked against a secret that nobody has, and fails as a wrong secret does: a stranger
+/// An unknown name is checked against a secret that nobody has, so it fails like a wrong secret. A stranger
 /// does not learn which names exist.
 int TlsSession::Impl::find_key_of(SSL* ssl, const unsigned char* name, std::size_t bytes,
                                   SSL_SESSION** session) noexcept {
@@ -128,7 +128,7 @@ std::unique_ptr<SSL_CTX, Free> make_context(const SSL_METHOD* method) {
 std::shared_ptr<const TlsContext> TlsContext::client(Key key) {
     auto impl = std::make_unique<Impl>();
     impl->ctx = make_context(TLS_client_method());
-    // Nobody's certificate is trusted: an end that does not hold the key cannot show one instead.
+    // No certificate is trusted, so an end without the key cannot use one instead.
     SSL_CTX_set_verify(impl->ctx.get(), SSL_VERIFY_PEER, nullptr);
     SSL_CTX_set_psk_use_session_callback(impl->ctx.get(), TlsSession::Impl::use_key);
     impl->keys.push_back(std::move(key));
@@ -233,13 +233,14 @@ TlsSession::Io TlsSession::handshake() noexcept {
     ERR_clear_error();
     const Io io = impl_->judge(SSL_do_handshake(impl_->ssl.get()));
     if (io == Io::failed && impl_->server() && impl_->socket.spoke && !impl_->socket.began_as_tls()) {
-        // OpenSSL says nothing to who does not speak TLS; one alert tells a plain client why it is alone.
+        // OpenSSL sends nothing to a peer that does not speak TLS. One alert tells a plain client why it is
+        // refused.
         constexpr unsigned char handshake_failure[] = {21, 3, 3, 0, 2, 2, 40};
         [[maybe_unused]] const ssize_t sent = ::send(impl_->socket.fd, handshake_failure,
                                                      sizeof handshake_failure, MSG_NOSIGNAL | MSG_DONTWAIT);
     }
     if (io != Io::done) return io;
-    // Without this an end that ignored our key and convinced OpenSSL otherwise would pass.
+    // Without this check, an end that got OpenSSL to accept it without the key would pass.
     if (SSL_session_reused(impl_->ssl.get()) != 1) {
         impl_->explain(0);
         return Io::failed;

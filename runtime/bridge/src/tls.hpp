@@ -1,7 +1,7 @@
 #pragma once
 // TLS 1.3 with an external pre-shared key (RFC 8446, 4.2.11) and a Diffie-Hellman exchange (psk_dhe_ke), by
-// OpenSSL: no certificates, no other version, no tickets, no early data. Over non-blocking sockets that
-// somebody else polls.
+// OpenSSL: no certificates, no other version, no tickets, no early data. The sockets are non-blocking, and
+// the owner polls them.
 
 #include <array>
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace knurl::bridge {
 
-/// What all connections of one end share. Must outlive its sessions; may be used by several threads.
+/// Shared by all connections of one end. Must outlive its sessions; several threads may use it.
 class TlsContext {
   public:
     static std::shared_ptr<const TlsContext> client(Key key);
@@ -42,8 +42,8 @@ class TlsSession {
   public:
     enum class Io : std::uint8_t {
         done,    // `bytes` were moved (reading: 1 or more)
-        again,   // the socket has nothing, or no room
-        closed,  // the peer said that nothing more comes
+        again,   // the socket has no data, or no room
+        closed,  // the peer has sent all it will send
         failed,  // reason()
     };
     struct Moved {
@@ -59,7 +59,7 @@ class TlsSession {
     Io handshake() noexcept;  // done: both ends have shown that they hold the key
     Moved read(std::span<std::byte> into) noexcept;
     Moved write(std::span<const std::byte> from) noexcept;
-    void close() noexcept;  // says so to the peer, does not wait
+    void close() noexcept;  // tells the peer, and does not wait
 
     bool wants_write() const noexcept;     // the last call could not write
     std::size_t pending() const noexcept;  // bytes that read() has without the socket
@@ -69,7 +69,7 @@ class TlsSession {
     bool export_keys(std::string_view label, DirectionKeys& out) const noexcept;
     /// One line: what went wrong and what to do.
     const std::string& reason() const noexcept;
-    /// It went wrong because of who has which key: trying again changes nothing.
+    /// It failed because the keys do not match: trying again changes nothing.
     bool about_keys() const noexcept;
 
   private:

@@ -49,12 +49,12 @@ int read_bytes(BIO* bio, char* into, int bytes) noexcept {
 }
 
 long control(BIO* bio, int command, long, void*) noexcept {
-    if (command == BIO_CTRL_FLUSH) return 1;  // nothing is held back
+    if (command == BIO_CTRL_FLUSH) return 1;  // nothing is buffered
     if (command == BIO_CTRL_EOF) return socket_of(bio).ended ? 1 : 0;
     return 0;
 }
 
-/// Made once, for the process's life.
+/// Created once, and kept for the process's life.
 const BIO_METHOD* method() {
     static const BIO_METHOD* const made = [] {
         BIO_METHOD* m = BIO_meth_new(BIO_get_new_index() | BIO_TYPE_SOURCE_SINK, "knurl socket");

@@ -1,6 +1,6 @@
 #pragma once
-// A socket for OpenSSL. Its own socket BIO writes with write(2), which ends the whole application by SIGPIPE
-// when the peer has gone; a library must not.
+// A socket for OpenSSL. Its own socket BIO writes with write(2), which kills the application by SIGPIPE when
+// the peer has gone. A library must not do that.
 
 #include <openssl/bio.h>
 
@@ -8,9 +8,9 @@ namespace knurl::bridge {
 
 struct SocketBio {
     int fd = -1;
-    int error = 0;       // of the last call that failed for good
-    bool ended = false;  // the peer sent its end of file
-    bool spoke = false;  // a byte has come
+    int error = 0;       // of the last call that failed permanently
+    bool ended = false;  // the peer has sent end of file
+    bool spoke = false;  // a byte has arrived
     unsigned char first = 0;
 
     /// A TLS connection begins with a record of a handshake (22) or an alert (21).

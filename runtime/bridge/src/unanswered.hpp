@@ -1,7 +1,7 @@
 #pragma once
-// Commands on their way and their answers: what keeps a claim within the command ring that it has at the
-// servo. A command takes its cells until the application has read its answer, so that the ring at the other
-// end always has room for what comes, and no queue here can grow.
+// Commands under way and their answers. Keeps a claim within its command ring at the servo. A command
+// occupies its cells until the application has read its answer. So the ring at the other end always has room
+// for what arrives, and no queue here can grow.
 
 #include <cstdint>
 #include <cstring>
@@ -15,13 +15,13 @@ namespace knurl::bridge {
 
 class Unanswered {
   public:
-    /// `cells`: of the command ring; 0: no claim.
+    /// `cells`: size of the command ring; 0: no claim.
     explicit Unanswered(std::uint32_t cells) : cells_(cells), sent_(cells), replies_(cells) {}
 
     std::uint32_t capacity() const noexcept { return cells_; }
     bool fits(std::uint32_t cells) const noexcept { return cells <= cells_ - used_; }
 
-    /// A group that was sent: whole messages, which fit.
+    /// A group was sent: whole messages, which fit.
     void sent(const void* commands, std::uint32_t cells) noexcept {
         const auto* at = static_cast<const std::byte*>(commands);
         const auto* const end = at + std::size_t{cells} * shm::cell_bytes;
@@ -40,23 +40,23 @@ class Unanswered {
         }
     }
 
-    /// An answer came. One that nobody asked for is dropped.
+    /// An answer has arrived. One without a request is dropped.
     void answered(const protocol::Reply& reply) noexcept {
         if (replies_end_ - replies_begin_ >= sent_end_ - sent_begin_) return;
         replies_[replies_end_++ % cells_] = reply;
     }
-    std::uint64_t answers() const noexcept { return replies_end_; }  // that have come
+    std::uint64_t answers() const noexcept { return replies_end_; }  // number that has arrived
 
     struct Answer {
         protocol::Reply reply;
         bool removed = false;  // the servo has removed `id`
         RepresentationId id;
     };
-    /// The next one for the application. False: none.
+    /// The next answer for the application. False: none.
     bool next(Answer& answer) noexcept {
         if (replies_begin_ == replies_end_) return false;
         answer.reply = replies_[replies_begin_++ % cells_];
-        // One that no answer came to was malformed, and so were all after it: the servo takes no more.
+        // A command without an answer was malformed, and so were all after it: the servo takes no more.
         while (sent_begin_ != sent_end_ && sent_[sent_begin_ % cells_].number <= answer.reply.command) {
             const Sent& command = sent_[sent_begin_++ % cells_];
             used_ -= command.cells;

@@ -1,7 +1,7 @@
 #pragma once
-// What the two ends of the bridge say to each other, little-endian. Frames go over TCP (frame_stream.hpp), in
-// order and for sure; datagrams over UDP, whichever come. What they carry are the servo's own structs, so
-// that both ends must be built alike: the hash in Hello says so.
+// The protocol between the two ends of the bridge, little-endian. Frames go over TCP (frame_stream.hpp),
+// reliably and in order; datagrams go over UDP and may be lost. They carry the servo's own structs, so both
+// ends must be built alike: the hash in Hello checks that.
 //
 //   remote                              relay
 //   hello                    ->
@@ -45,18 +45,20 @@ inline constexpr const char* exporter_label = "EXPORTER-knurl-bridge-datagrams";
 inline constexpr std::size_t max_sessions = protocol::max_clients;
 // claims and observers of one connection
 inline constexpr std::uint32_t max_streams = protocol::max_claims_of_connection;
-// at most; how many a path carries shows (path_mtu.hpp)
+// at most; the path's own limit is measured (path_mtu.hpp)
 inline constexpr std::size_t datagram_bytes = 1200;
-// a report and feedback; IPv6 carries 1280 everywhere
+// enough for a report and feedback; every IPv6 path carries 1280
 inline constexpr std::size_t least_datagram_bytes = 760;
 inline constexpr std::size_t max_pieces = 4;           // of a batch or feedback in datagrams; more go by TCP
-inline constexpr std::int64_t resend_ns = 10'000'000;  // what was not acknowledged is sent again
-inline constexpr std::int64_t dead_after_ns = 2'000'000'000;  // without a word from the other end
-inline constexpr double delay_allowance = 0.2;                // s, that a bridge asks for its peers' commits
-inline constexpr std::size_t max_frame_bytes = 640 * 1024;    // above the largest group of commands, or batch
-inline constexpr std::size_t max_greeting_bytes = 1024;       // before the peer has said who it is
-inline constexpr std::size_t asset_piece_bytes = 8192;        // of an asset at a time: 6.6 ms at 10 Mbit/s
-inline constexpr std::size_t max_assets_on_their_way = 4;     // of one connection, until they are answered
+inline constexpr std::int64_t resend_ns = 10'000'000;  // unacknowledged batches are sent again
+inline constexpr std::int64_t dead_after_ns = 2'000'000'000;  // without a sign of life of the other end
+inline constexpr double delay_allowance = 0.2;                // s, the allowance that a bridge requests for
+                                                              // the delay of its peers' commits
+inline constexpr std::size_t max_frame_bytes = 640 * 1024;    // larger than the largest group of commands, or
+                                                              // batch
+inline constexpr std::size_t max_greeting_bytes = 1024;       // before the peer is identified
+inline constexpr std::size_t asset_piece_bytes = 8192;        // of an asset per frame: 6.6 ms at 10 Mbit/s
+inline constexpr std::size_t max_assets_on_their_way = 4;     // unanswered assets of one connection
 
 // ------------------------------------------------------------------------------------------------ frames
 
@@ -70,14 +72,14 @@ enum class FrameType : std::uint16_t {
     commands,  // a whole group, in 64-byte cells
     replies,   // protocol::Reply, one or more
     batch,     // BatchHeader + entries: too large for datagrams
-    feedback,  // FeedbackHeader + entries: the same
-    gone,      // text: the servo has, and so will the connection
-    // Assets (protocol/asset.hpp). An offer's pieces follow it without waiting for an answer.
+    feedback,  // FeedbackHeader + entries: likewise
+    gone,      // text: the servo is gone, and the connection ends
+    // Assets (protocol/asset.hpp). The pieces follow their offer without waiting for an answer.
     asset_offer,
     asset_piece,   // AssetPiece, then up to asset_piece_bytes
     asset_cancel,  // AssetTicket
     asset_forget,
-    asset_taken,  // AssetTicket: one for each piece, in their order, whatever has become of the asset
+    asset_taken,  // AssetTicket: one for each piece, in order, whatever happens to the asset
     asset_ready,
     asset_refused,
 };
@@ -92,7 +94,7 @@ struct Hello {
 
 struct Welcome {
     std::uint64_t session = 0;
-    std::uint32_t devices = 0;  // as many DeviceRow follow
+    std::uint32_t devices = 0;  // so many DeviceRow follow
     std::uint32_t servo_pid = 0;
 };
 
@@ -133,14 +135,14 @@ struct Nothing {
 };
 
 struct AssetOffer {
-    std::uint64_t ticket = 0;  // of the connection's offers: each above the one before
+    std::uint64_t ticket = 0;  // of the connection's offers, increasing
     std::uint64_t bytes = 0;   // of the source
     std::uint32_t number = 0;
     std::uint32_t reserved = 0;
 };
 struct AssetPiece {
     std::uint64_t ticket = 0;
-    std::uint64_t offset = 0;  // where the last one ended
+    std::uint64_t offset = 0;  // the end of the previous piece
 };
 struct AssetTicket {
     std::uint64_t ticket = 0;
@@ -161,14 +163,14 @@ struct AssetRefused {
 // --------------------------------------------------------------------------------------------- datagrams
 
 enum class DatagramKind : std::uint8_t {
-    hello = 1,  // HelloBody: answers go where this came from
-    ping,       // PingBody, stream 0; some with zeros behind it, to see what the path carries
-    pong,       // PongBody, stream 0; as long as what it answers
+    hello = 1,  // answers go to the sender's address
+    ping,       // PingBody, stream 0; some are padded with zeros, to measure the path
+    pong,       // PongBody, stream 0; as long as its ping
     batch,      // BatchPiece, then a piece of BatchHeader + entries
-    report,     // ReportPiece, then what its flags say
+    report,     // ReportPiece, then the parts that its flags name
 };
 
-/// In front of each; readable by anyone, changed by nobody who has no key.
+/// Before each datagram; anybody can read it, but only an end with the key can change it.
 struct DatagramHeader {
     std::uint64_t session = 0;
     std::uint64_t counter = 0;  // of this direction: 1, 2, ...
@@ -179,17 +181,17 @@ struct DatagramHeader {
 };
 
 struct HelloBody {
-    std::uint64_t received = 0;  // reports so far: 0 asks for the newest one
+    std::uint64_t received = 0;  // reports so far; 0 requests the newest one
 };
 struct PingBody {
-    std::int64_t sent_ns = 0;   // the asker's clock
-    std::uint64_t longest = 0;  // bytes, of the datagrams that have come through to the asker lately
+    std::int64_t sent_ns = 0;   // the sender's clock
+    std::uint64_t longest = 0;  // bytes, of the longest datagram that has reached the sender lately
 };
 struct PongBody {
     std::int64_t ping_sent_ns = 0;
-    std::int64_t received_ns = 0;  // the answerer's clock
+    std::int64_t received_ns = 0;  // the answering end's clock
     std::int64_t sent_ns = 0;
-    std::uint64_t longest = 0;  // as in PingBody, to the answerer
+    std::uint64_t longest = 0;  // as in PingBody, for the answering end
 };
 
 struct BatchPiece {
@@ -200,14 +202,14 @@ struct BatchPiece {
 struct ReportPiece {
     std::uint64_t number = 0;  // of the stream's reports: 1, 2, ...
     std::uint64_t feedback_cycle = 0;
-    std::uint64_t answers = 0;  // to commands, that went by TCP before this
+    std::uint64_t answers = 0;  // number of answers to commands sent by TCP before this
     std::uint32_t flags = 0;
     std::uint32_t first_entry = 0, entries = 0;  // FeedbackEntry at the end of this datagram
     std::uint32_t reserved = 0;
 };
 namespace piece_flags {
-inline constexpr std::uint32_t report = 1u << 0;    // a Report comes first,
-inline constexpr std::uint32_t feedback = 1u << 1;  // then a FeedbackHeader,
+inline constexpr std::uint32_t report = 1u << 0;    // a Report comes first
+inline constexpr std::uint32_t feedback = 1u << 1;  // then a FeedbackHeader
 inline constexpr std::uint32_t entries = 1u << 2;   // then this piece of its entries
 }  // namespace piece_flags
 
@@ -216,7 +218,7 @@ static_assert(sizeof(Refused) == 520 && sizeof(Attached) == sizeof(protocol::Cla
 static_assert(sizeof(AssetOffer) == 24 && sizeof(AssetPiece) == 16 && sizeof(AssetForget) == 8);
 static_assert(sizeof(DatagramHeader) == 24 && sizeof(BatchPiece) == 16 && sizeof(ReportPiece) == 40);
 
-/// Of everything that travels, the servo's structs included.
+/// Over all structs that are sent, the servo's included.
 inline std::uint64_t wire_hash() noexcept {
     std::uint64_t hash = protocol::wire_hash();
     for (const std::uint64_t size :
@@ -237,7 +239,7 @@ std::span<const std::byte> bytes_of(const T& value) noexcept {
     return std::as_bytes(std::span(&value, 1));
 }
 
-/// The struct at the front of `from`, which moves on behind it. False: too short.
+/// The struct at the front of `from`, which then begins behind it. False: too short.
 template <class T>
 bool take(std::span<const std::byte>& from, T& value) noexcept {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -247,7 +249,7 @@ bool take(std::span<const std::byte>& from, T& value) noexcept {
     return true;
 }
 
-/// One after another into `room`, which holds them. How many bytes that were.
+/// Copies all parts in sequence into `room`, which must hold them. Returns the number of bytes.
 template <class... T>
 std::size_t write(std::span<std::byte> room, const T&... values) noexcept {
     static_assert((std::is_trivially_copyable_v<T> && ...));

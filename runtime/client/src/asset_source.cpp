@@ -19,7 +19,7 @@ namespace {
     throw Error(Error::Kind::bad_parameters, "send: " + text);
 }
 
-/// Memory of so many bytes, as `fill` leaves it.
+/// Memory of so many bytes, written by `fill`.
 AssetMemory sealed(std::uint64_t bytes, const std::function<void(std::byte*)>& fill) {
     try {
         shm::Segment memory = shm::Segment::create("knurl-source", bytes);
@@ -31,7 +31,7 @@ AssetMemory sealed(std::uint64_t bytes, const std::function<void(std::byte*)>& f
 }
 
 bool is_height(double z) {
-    return std::abs(z) < 1e7;  // m; the builder refuses others, and says which
+    return std::abs(z) < 1e7;  // m; the builder refuses larger values and names them
 }
 
 double middle_of(std::span<const double> heights) {

@@ -7,14 +7,14 @@
 
 namespace knurl::detail {
 
-/// A shape as the broker takes it: a sealed memfd. Kept by the claim, for a servo that has restarted.
+/// A shape in the form that the broker takes: a sealed memfd. The claim keeps it for a restarted servo.
 struct AssetMemory {
     shm::UniqueFd memory;
     std::uint64_t bytes = 0;
 };
 
-/// Throws Error: counts and options that no builder would take. What else is wrong with the shape the builder
-/// says.
+/// Throws Error for counts and options that no builder accepts. The builder reports all other faults of the
+/// shape.
 AssetMemory source_of(const Triangles& mesh, const SendOptions& options);
 AssetMemory source_of(const Heights& field);
 

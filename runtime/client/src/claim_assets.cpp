@@ -1,4 +1,4 @@
-// What a claim has sent: kept as it was sent, for a servo that has restarted.
+// The assets that a claim has sent, kept in the form in which they were sent, for a restarted servo.
 
 #include <cstring>
 
@@ -16,7 +16,7 @@ namespace knurl::detail {
 
 namespace {
 
-/// After a restart: to build it, and to carry it over a network of 10 Mbit/s.
+/// After a restart: the time to build the asset, and to carry it over a network of 10 Mbit/s.
 std::chrono::nanoseconds rebuild_time(std::uint64_t bytes) {
     return std::chrono::seconds(60) + std::chrono::microseconds(bytes);
 }
@@ -84,14 +84,14 @@ void ClaimState::require_asset(std::uint32_t number) const {
                                number));
 }
 
-/// A shape is made of what was sent before.
+/// A shape must refer to an asset that was sent before.
 void ClaimState::require_asset(Kind kind, const void* params) const {
     if (kind != kind_of<Shape>) return;
     const std::uint32_t number = asset_of({static_cast<const std::byte*>(params), sizeof(Shape)});
     if (number != 0) require_asset(number);
 }
 
-/// Without the lock: over a network it may take minutes, in which the application is to be answered.
+/// Without the lock: over a network it may take minutes, during which the application's calls must work.
 void ClaimState::bring(Attachment& attachment) {
     constexpr std::chrono::milliseconds look_every{50};
     struct Kept {
@@ -121,7 +121,7 @@ void ClaimState::bring(Attachment& attachment) {
     for (const Kept& kept : all) brought_.push_back(kept.number);
 }
 
-/// What the application has forgotten while it was brought.
+/// Forgets what the application has forgotten during the transfer.
 void ClaimState::leave_behind(Attachment& attachment) {
     for (const std::uint32_t number : brought_)
         if (!assets_.contains(number)) attachment.assets->forget(number);

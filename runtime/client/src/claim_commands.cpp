@@ -22,7 +22,7 @@ using protocol::CommandType;
 constexpr std::chrono::milliseconds longest_answer{1000};  // the servo answers in its next cycle
 constexpr std::chrono::milliseconds replay_time{400};      // for all of a claim's representations
 
-/// Nothing is wrong with this command, but with another of its group.
+/// The fault lies in another command of the group.
 bool for_its_group(const protocol::Reply& reply) {
     return static_cast<Verdict::Code>(reply.code) == Verdict::Code::refused &&
            reply.reason == static_cast<std::uint32_t>(protocol::RefusalReason::group_refused);
@@ -81,7 +81,7 @@ void ClaimState::remove(RepresentationId id) {
     std::vector<Command> commands;
     for (const RepresentationId one : leaving) {
         const Entry* found = table_.find(one);
-        if (found == nullptr) continue;  // a side that a group took back
+        if (found == nullptr) continue;  // a group has taken back this side
         commands.push_back({.type = CommandType::remove,
                             .id = one,
                             .kind = found->kind,
@@ -149,7 +149,7 @@ void ClaimState::issue(std::span<const Command> commands) {
             drain_replies(*open);
             push(commands, *open);
         } else {
-            // Kept for the servo's return; but nobody can be armed then.
+            // Commands are kept until the servo returns, except arming, which cannot wait.
             for (const Command& command : commands)
                 if (is_asked(command.type)) throw_disconnected();
         }
@@ -157,7 +157,8 @@ void ClaimState::issue(std::span<const Command> commands) {
         for (const Command& command : commands) take_back(command);
         throw;
     }
-    // A group may be refused for another of its commands: until its answer, what it removes is only leaving.
+    // A group may be refused for one of its other commands. So until its answer, a removed representation is
+    // only marked as leaving.
     const bool may_be_refused = channel() != nullptr && commands.size() > 1;
     for (const Command& command : commands) apply(command, may_be_refused);
 }
@@ -181,7 +182,7 @@ void ClaimState::push(std::span<const Command> commands, ClaimChannel& channel) 
             std::memcpy(message.data() + start + sizeof header, command.body.data(), command.body.size());
     }
     const std::size_t cells = message.size() / shm::cell_bytes;
-    // The servo answers a group at once, so it has to have room for all the answers.
+    // The servo answers a group at once, so there must be room for all its answers.
     if (cells > channel.command_cells() || commands.size() > protocol::reply_cells)
         throw Error(
             Error::Kind::channel_full,
@@ -245,7 +246,8 @@ void ClaimState::take_back(const Command& command) {
 }
 
 void ClaimState::take_back(std::size_t from) {
-    // Backwards: what was added and removed in the same group is added again before it is forgotten.
+    // In reverse order, so that a representation that was added and removed in one group is restored before
+    // it is forgotten.
     while (group_.size() > from) {
         take_back(group_.back());
         group_.pop_back();
@@ -264,7 +266,7 @@ void ClaimState::wait_for_answer(std::uint64_t number, CommandType type, Lock& l
             answers_.erase(found);
             settle(lock, waited);
             if (static_cast<Verdict::Code>(reply.code) == Verdict::Code::ok) return;
-            // The member of the group that was at fault says more than "the group was refused".
+            // The answer to the faulty member says more than "the group was refused".
             if (for_its_group(reply) && !deferred_.empty())
                 throw Error(Error::Kind::refused, std::exchange(deferred_, {}));
             throw Error(Error::Kind::refused, refused_command(reply, about(type, 0)));
@@ -299,7 +301,7 @@ void ClaimState::answered(const protocol::Reply& reply) {
     const bool accepted = static_cast<Verdict::Code>(reply.code) == Verdict::Code::ok;
     if (command.type == CommandType::add) {
         if (!accepted)
-            table_.remove(command.id);  // the servo has no such thing: the handle is stale
+            table_.remove(command.id);  // the servo does not have it: the handle is stale
         else if (Entry* added = table_.find_any(command.id))
             added->applied_stiffness = reply.applied_stiffness;
     }
@@ -313,7 +315,7 @@ void ClaimState::answered(const protocol::Reply& reply) {
         answers_[command.number] = reply;
         return;
     }
-    // The member of the group that was at fault has an answer of its own.
+    // The faulty member of the group has its own answer.
     if (!accepted && !for_its_group(reply))
         deferred_ = refused_command(reply, about(command.type, command.kind));
 }

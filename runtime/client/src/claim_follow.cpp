@@ -1,4 +1,4 @@
-// follow(): the pure function of predict.hpp between the claim's reports and its pending changes.
+// follow(): applies the pure function of predict.hpp to the claim's reports and pending changes.
 
 #include <algorithm>
 #include <cstring>
@@ -14,8 +14,7 @@ namespace knurl::detail {
 
 namespace {
 
-/// Where nobody is. Not removed, so that a corner that comes and goes takes effect with the batch that the
-/// rest of it comes with.
+/// A place that no hand reaches. It is not removed: so a corner that comes and goes changes within one batch.
 template <class R>
 R parked(R params, double far) {
     const double length = to_eigen(params.normal).norm();
@@ -48,10 +47,10 @@ Followed ClaimState::follow_with(RepresentationId id, const SurfaceModel& model)
     R params;
     std::memcpy(&params, entry(id).params.data(), sizeof params);
     FollowMemory memory = entry(id).followed;
-    // The newest, though the application may have read an older one before a long computation.
+    // The newest report, even if the application read an older one before a long computation.
     const std::optional<Report> report = peek(lock);
     if (!report) return {};
-    // It may commit more often than it follows: how long this update will live is what counts.
+    // The application may commit more often than it follows. The life of this update is what counts.
     Entry& followed = entry(id);
     const std::int64_t now = monotonic_ns();
     if (followed.last_follow_ns != 0)
@@ -64,7 +63,7 @@ Followed ClaimState::follow_with(RepresentationId id, const SurfaceModel& model)
                             .rim = rim_of(params),
                             .metre = limits_.metre,
                             .newton = limits_.newton};
-    lock.unlock();  // the model is the application's: it may call us
+    lock.unlock();  // the model belongs to the application and may call the library
     const Followed result = follow_surface(model,
                                            {.time = static_cast<double>(report->read_ns) * 1e-9,
                                             .position = report->position,
@@ -85,7 +84,7 @@ void ClaimState::send_faces(RepresentationId id, R params, const Faces& faces) {
         place(params, face);
         validate(kind_of<R>, &params, sizeof params);
     }
-    // A side that is new comes in with the batch, like the others.
+    // A new side comes with the batch, like the others.
     std::vector<RepresentationId>& others = entry(id).sides;
     for (std::size_t i = 0; i + 1 < faces.count; ++i) {
         if (i < others.size() && table_.find(others[i]) != nullptr) continue;
@@ -108,7 +107,7 @@ void ClaimState::send_faces(RepresentationId id, R params, const Faces& faces) {
 template <class R>
 void ClaimState::park(RepresentationId side) {
     const Entry* found = table_.find(side);
-    if (found == nullptr) return;  // a group took it back
+    if (found == nullptr) return;  // a group has taken it back
     R params;
     std::memcpy(&params, found->params.data(), sizeof params);
     params = parked(params, far());

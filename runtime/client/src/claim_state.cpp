@@ -73,8 +73,7 @@ std::uint64_t ClaimState::commit() {
         return sequence_;
     }
     refresh();
-    // An empty commit was computed from nothing: its age would say that the application is quicker than it
-    // is.
+    // An empty commit was computed from no report. Its age would make the application look faster than it is.
     if (!table_.changed())
         basis_cycle_ = 0;
     else if (basis_cycle_ == 0 && last_)

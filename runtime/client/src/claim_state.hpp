@@ -1,6 +1,5 @@
 #pragma once
-// One claim: its commands, its pending changes, what the servo answers, and what to tell a servo that has
-// restarted.
+// One claim: its commands, its pending changes, the servo's answers, and what a restarted servo must be told.
 
 #include <deque>
 #include <functional>
@@ -33,11 +32,11 @@ class ClaimState final : public Reader {
     Followed follow(RepresentationId id, Kind kind, const SurfaceModel& model);
     void place_probe(std::uint32_t probe, const ProbePlacement& placement);
     void together(const std::function<void()>& changes);
-    /// arm, disarm, reset_fault: sends it and waits for the answer.
+    /// arm, disarm, reset_fault: sends the command and waits for the answer.
     void ask(protocol::CommandType type);
 
     std::pair<std::uint32_t, std::unique_ptr<AssetTransfer>> begin_sending(AssetMemory source);
-    /// It is there, or never will be. False: it was, in a servo that has gone.
+    /// The transfer has ended: the asset is there, or never will be. False: the servo that had it is gone.
     bool sent(std::uint32_t number, bool there) noexcept;
     void forget(std::uint32_t number);
 
@@ -50,7 +49,7 @@ class ClaimState final : public Reader {
     Vec3 predicted_position();
 
   private:
-    /// A command that was not sent, hence not numbered yet: a restart of the servo starts the numbers again.
+    /// A command that was not sent and has no number yet: a restart of the servo restarts the numbers.
     struct Command {
         protocol::CommandType type{};
         RepresentationId id{};          // of add, remove
@@ -68,7 +67,7 @@ class ClaimState final : public Reader {
     struct KeptAsset {
         AssetMemory source;
         bool there = false;
-        std::uint64_t sent_to = 0;  // which of the servos that this claim has had
+        std::uint64_t sent_to = 0;  // index of the servo among those that this claim has had
     };
 
     void bring(Attachment& attachment) override;
@@ -77,7 +76,7 @@ class ClaimState final : public Reader {
     void on_detach() override;
     void on_read() override;
 
-    // All of these with `mutex_` held.
+    // All of these need `mutex_`.
     Entry& entry(RepresentationId id);  // throws Error::stale_handle
     RepresentationId add_now(Kind kind, const void* params, std::size_t bytes, const AddOptions& options);
     static std::uint32_t asset_of(std::span<const std::byte> params);
@@ -85,19 +84,20 @@ class ClaimState final : public Reader {
     void require_asset(Kind kind, const void* params) const;
     ClaimChannel* channel() { return attachment_ ? attachment_->channel.get() : nullptr; }
     static Command add_command(RepresentationId id, const Entry& entry, std::span<const std::byte> params);
-    void issue(Command command);  // alone, or into the open group; taken back if it throws
+    void issue(Command command);  // sent alone, or put into the open group; undone if it throws
     void issue(std::span<const Command> commands);
     void push(std::span<const Command> commands, ClaimChannel& channel);  // all or none
     void push_patiently(const Command& command, Attachment& attachment);
-    void apply(const Command& command, bool may_be_refused);  // it is on its way: the claim's own books
-    void take_back(std::size_t from);                         // the open group's commands from that one on
+    void apply(const Command& command, bool may_be_refused);  // it was sent: updates the claim's tables
+    void take_back(std::size_t from);                         // undoes the open group's commands from that
+                                                              // one on
     void take_back(const Command& command);
     void wait_for_answer(std::uint64_t number, protocol::CommandType type, Lock& lock);
     void drain_replies(ClaimChannel& channel);
     void answered(const protocol::Reply& reply);
     void take_feedback(ClaimChannel& channel);
     void refresh();
-    void look_for_force(std::int64_t now);  // whether it could follow
+    void look_for_force(std::int64_t now);  // checks whether a force could follow
     std::string about(protocol::CommandType type, Kind kind) const;
     const protocol::FeedbackEntry* feedback_entry(RepresentationId id) const;
     void note_basis(std::uint64_t cycle);
@@ -107,7 +107,7 @@ class ClaimState final : public Reader {
     void send_faces(RepresentationId id, R params, const Faces& faces);
     template <class R>
     void park(RepresentationId side);
-    void park_sides(RepresentationId id, std::uint32_t first);  // of a corner, from that one on
+    void park_sides(RepresentationId id, std::uint32_t first);  // of a corner, starting at that one
     double far() const;                                         // m, out of the hand's reach
     Lateness lateness() const;
     std::chrono::nanoseconds interval() const;
@@ -115,16 +115,16 @@ class ClaimState final : public Reader {
     Table table_;
     std::map<std::uint32_t, ProbePlacement> probes_;
     std::map<std::uint32_t, KeptAsset> assets_;  // by number
-    std::vector<std::uint32_t> brought_;         // to a servo that is back
+    std::vector<std::uint32_t> brought_;         // to a restarted servo
     Limits limits_;
 
-    int depth_ = 0;  // of together()
+    int depth_ = 0;  // nesting of together()
     std::vector<Command> group_;
 
-    // Of the present channel.
+    // For the present channel.
     std::uint64_t issued_ = 0;                          // commands, numbered from 1
-    std::deque<Outstanding> outstanding_;               // not answered yet; answers come in order
-    std::map<std::uint64_t, protocol::Reply> answers_;  // of those that somebody waits for
+    std::deque<Outstanding> outstanding_;               // unanswered ones; answers come in order
+    std::map<std::uint64_t, protocol::Reply> answers_;  // for commands on which a call waits
     std::uint64_t first_of_channel_ = 0;                // sequence before its first batch
     std::uint64_t measured_batch_ = 0;
     protocol::FeedbackHeader feedback_;
@@ -132,18 +132,18 @@ class ClaimState final : public Reader {
     std::vector<std::uint32_t> feedback_at_;  // slot -> index + 1 in feedback_entries_
 
     std::uint64_t sequence_ = 0;        // of batches
-    std::uint64_t taken_ = 0;           // batches that are known to have been taken, in all
+    std::uint64_t taken_ = 0;           // batches known to be taken, in total
     std::uint64_t refused_before_ = 0;  // by earlier servos
     std::uint64_t basis_cycle_ = 0;     // of the report that the oldest uncommitted change came from
     std::int64_t last_commit_ns_ = 0;
     Recent intervals_, ages_;  // s
     std::uint64_t undersampled_ = 0;
-    std::string deferred_;  // a refusal that nobody waited for
+    std::string deferred_;  // a refusal for which no call waited
 
-    bool arm_asked_ = false;  // of the present servo
-    bool is_back_ = false;    // it is not the first
+    bool arm_asked_ = false;  // for the present servo
+    bool is_back_ = false;    // the servo has restarted
     Lasting unarmed_, silent_;
-    std::int64_t looked_ns_ = 0;  // for that
+    std::int64_t looked_ns_ = 0;  // time of the last look_for_force
 };
 
 }  // namespace knurl::detail

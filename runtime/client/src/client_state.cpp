@@ -30,18 +30,18 @@ using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds answer_time{2000};  // the broker, or the bridge, is given this long
 constexpr milliseconds first_try{10};      // between attempts to reach a servo that starts
-constexpr milliseconds last_try{160};      // between attempts at a full house, which cost it work, in the end
-constexpr milliseconds short_retry{20};    // right after a hang-up: back within 500 ms means this
+constexpr milliseconds last_try{160};      // between attempts at a full servo, since each costs it work
+constexpr milliseconds short_retry{20};    // right after a hang-up, so that the client is back within 500 ms
 constexpr milliseconds long_retry{250};
 constexpr milliseconds retry_shortly_for{30'000};
 
-/// It starts, or it is full, and whoever leaves makes room.
+/// The servo is starting, or it is full and another client may leave.
 bool may_pass(const Error& error) {
     return error.kind == Error::Kind::no_servo || error.kind == Error::Kind::disconnected ||
            error.kind == Error::Kind::refused;
 }
 
-/// Which servos there are instead of one that is not there.
+/// Names the running servos if the requested one does not run.
 std::string instead_of(const std::string& servo, const Error& error) {
     if (error.kind != Error::Kind::no_servo || protocol::running_servos().empty()) return {};
     return "; " + protocol::instead_of_servo(protocol::servo_address(servo).name);
@@ -182,7 +182,7 @@ bool ClientState::sleep_on(int descriptor, milliseconds timeout) {
 
 void ClientState::watch() {
     constexpr milliseconds forever{-1};
-    // link_ is replaced by this thread alone, so that it may be looked at here without the lock.
+    // Only this thread replaces link_, so it may read it here without the lock.
     while (sleep_on(link_->hang_up(), forever)) {
         lose_link();
         if (!options_.reattach) return;
@@ -209,14 +209,14 @@ void ClientState::lose_link() {
     const Lock lock(mutex_);
     link_.reset();
     hopeless_ = false;
-    note_loss(why);  // before anybody can find himself without a servo
+    note_loss(why);  // before any caller can find the servo gone
     for (Reader* reader : readers_) {
         reader->detach();
         if (!options_.reattach) reader->give_up(why + " (then connect again)");
     }
 }
 
-/// With the lock held: what every call that needs the servo says until it is back.
+/// With the lock held: the message of every call that needs the servo until it is back.
 void ClientState::note_loss(const std::string& why) {
     lost_ = why;
     for (Reader* reader : readers_) reader->note_loss(why);
@@ -225,13 +225,13 @@ void ClientState::note_loss(const std::string& why) {
 void ClientState::reattach() {
     std::unique_ptr<Link> fresh;
     try {
-        // Without the lock: it may take seconds to learn that nobody answers.
+        // Without the lock: it may take seconds until nobody has answered.
         if (!link_) fresh = open_link();
     } catch (const Error& error) {
         const Lock lock(mutex_);
-        // Somebody has to do something there first; knocking fast would fill the other side's log.
+        // A person must act there first; fast attempts would fill the other side's log.
         hopeless_ = error.kind == Error::Kind::permission || error.kind == Error::Kind::incompatible;
-        // That nobody listens there says less than why it went away.
+        // "Nobody listens" says less than the reason of the loss.
         if (hopeless_) note_loss(error.what());
         return;
     } catch (const std::exception&) {
@@ -244,7 +244,7 @@ void ClientState::reattach() {
         try {
             attach_one(*reader);
         } catch (const Error& error) {
-            // Somebody else was faster to claim, or the device is not there: the next round tries again.
+            // Another client was faster to claim, or the device is missing: the next round tries again.
             reader->note_loss(error.what());
             if (error.kind != Error::Kind::disconnected) continue;
             link_.reset();

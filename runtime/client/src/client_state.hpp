@@ -1,6 +1,6 @@
 #pragma once
-// One connection: the handshake, the list of those who read or claim through it, and a watcher: a thread that
-// sleeps until the servo hangs up, then attaches everyone again as soon as it is back.
+// One connection: the handshake, the list of its readers and claims, and a watcher. The watcher is a thread
+// that sleeps until the servo hangs up, and attaches all of them again when the servo is back.
 
 #include <condition_variable>
 #include <memory>
@@ -31,12 +31,12 @@ class ClientState {
     std::vector<DeviceDescription> devices();
     pid_t servo_pid();
     bool connected();
-    /// "": the only one. Throws Error::no_such_device with the names that there are.
+    /// "": the only device. Throws Error::no_such_device with the names of all devices.
     std::string resolve(const std::string& device);
 
-    /// Attaches a reader and keeps it attached from then on. Throws Error.
+    /// Attaches a reader and keeps it attached. Throws Error.
     void join(Reader& reader);
-    /// On return the watcher does not know it any more.
+    /// On return the watcher no longer knows it.
     void leave(Reader& reader);
 
     void close();                    // ends the watcher
@@ -56,7 +56,7 @@ class ClientState {
     [[noreturn]] void throw_disconnected() const;
 
     const std::uint64_t made_in_ = fork_generation();
-    const std::vector<bridge::Endpoint> bridge_;  // its addresses; none: on this box
+    const std::vector<bridge::Endpoint> bridge_;  // its addresses; none: a local servo
     const std::string servo_;                     // its name; through a bridge: host and port
     const ConnectOptions options_;
     const bool hints_;
@@ -67,8 +67,8 @@ class ClientState {
     std::mutex mutex_;
     std::unique_ptr<Link> link_;  // null: detached
     std::vector<Reader*> readers_;
-    std::string lost_;       // why it went away last, or why it does not come back
-    bool hopeless_ = false;  // the watcher's: knocking will not help until somebody there does something
+    std::string lost_;       // why it was lost last, or why it does not come back
+    bool hopeless_ = false;  // for the watcher: attempts are useless until a person acts there
 };
 
 }  // namespace knurl::detail

@@ -12,14 +12,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Lengths are the hand's, in metres of the device.
-constexpr double off = 0.1e-3;          // m, in front of them: on a face itself a model may be of two minds
-constexpr double same_place = 0.25e-3;  // m, a foot from where it should be
+// Lengths are at the hand, in metres of the device.
+constexpr double off = 0.1e-3;          // m, in front of the faces: on a face itself a model may be ambiguous
+constexpr double same_place = 0.25e-3;  // m, of a foot from its expected place
 constexpr double same_way = 0.985;      // cosine, 10 degrees
-constexpr double folded = 0.94;         // cosine, 20 degrees: less is a smooth surface's own turning
-constexpr double opposed = -0.94;       // two walls that face each other meet nowhere
+constexpr double folded = 0.94;         // cosine, 20 degrees: a smaller turn is that of a smooth surface
+constexpr double opposed = -0.94;       // two walls that face each other do not meet
 constexpr double farthest = 3 * max_look_ahead;  // m, from the hand to the corner
-constexpr int rounds = 5;  // one for each face that is found, one to confirm them, one for curved ones
+constexpr int rounds = 5;  // one for each face found, one to confirm them, one for curved ones
 
 using Set = std::vector<Face>;
 
@@ -32,14 +32,14 @@ bool may_meet(const Face& a, const Face& b) {
     return cosine < folded && cosine > opposed;
 }
 
-/// b's foot lies in front of a, and a's in front of b.
+/// b's foot is in front of a, and a's foot in front of b.
 bool facing(const Face& a, const Face& b) {
     const Vector3d way = b.foot() - a.foot();
     return a.normal().dot(way) > 0 && b.normal().dot(way) < 0;
 }
 
-/// N N^T of the normals; none if they lie so nearly in a plane or a line that they meet nowhere in
-/// particular.
+/// N N^T of the normals; none if they are so close to a plane or a line that their meeting point is
+/// undefined.
 std::optional<Eigen::LDLT<Eigen::MatrixXd>> independent(const Set& faces) {
     Eigen::MatrixX3d normals(faces.size(), 3);
     for (std::size_t i = 0; i < faces.size(); ++i)
@@ -63,7 +63,7 @@ std::optional<Vector3d> meeting_point(const Set& faces, const Vector3d& p, doubl
     return way.norm() < metre * farthest ? std::optional<Vector3d>(p + way) : std::nullopt;
 }
 
-/// Along `face`, away from all others.
+/// Along `face`, away from all other faces.
 Vector3d away(const Face& face, const Set& faces) {
     Vector3d sum = Vector3d::Zero();
     for (const Face& other : faces) sum += other.normal();
@@ -76,8 +76,8 @@ void add_if_independent(Set& faces, const Face& face) {
     if (!independent(faces)) faces.pop_back();
 }
 
-/// The corner's faces as the model has them beside it, more than were given if it has a third; none if there
-/// is no such corner.
+/// The corner's faces as the model has them beside it: more than given if there is a third; none if there is
+/// no such corner.
 std::optional<Set> confirmed(Set faces, const Vector3d& p, Questions& questions) {
     const double metre = questions.metre();
     for (int round = 0; round < rounds; ++round) {
@@ -94,15 +94,15 @@ std::optional<Set> confirmed(Set faces, const Vector3d& p, Questions& questions)
             in_place = in_place && (answer.foot() - at).norm() < metre * same_place;
         }
         if (doubtful.empty() && in_place) {
-            // All of them became one: the surface turns from one to the other, and is smooth.
+            // All became one face: the surface turns from one to the other, so it is smooth.
             if (found.size() < 2) return std::nullopt;
             for (std::size_t i = 0; i < found.size(); ++i)
                 for (std::size_t j = 0; j < i; ++j)
                     if (!may_meet(found[i], found[j]) || !facing(found[i], found[j])) return std::nullopt;
             return found;
         }
-        // A face whose place lies behind another one was not asked for yet. But an answer at the very edge
-        // may have a normal between those of the two faces, and is none of its own.
+        // A face whose test point lies behind another face was not tested yet. But an answer exactly at the
+        // edge may have a normal between those of two faces, and is no face.
         for (const Face& face : doubtful) add_if_independent(found, face);
         if (found.size() < 2 || (!doubtful.empty() && !news)) return std::nullopt;
         faces = std::move(found);
@@ -110,8 +110,8 @@ std::optional<Set> confirmed(Set faces, const Vector3d& p, Questions& questions)
     return std::nullopt;
 }
 
-/// What was asked for on the hand's way is that face of the corner, its foot in front of all the others:
-/// there it is nearer to the hand than beside the corner.
+/// The answer on the hand's way is that face of the corner, and its foot is in front of all others: it is
+/// nearer to the hand there than beside the corner.
 bool clear_of(const Face& face, const Set& corner, double metre) {
     return has(corner, face) && std::all_of(corner.begin(), corner.end(), [&](const Face& other) {
                return same(other, face) ||
@@ -119,7 +119,7 @@ bool clear_of(const Face& face, const Set& corner, double metre) {
            });
 }
 
-/// The model and this face agree about a hand at `landing`, as far as the others have not pushed it out.
+/// The model and this face agree about a hand at `landing`, unless the other faces have pushed it out.
 bool harmless(const Face& face, const Set& corner, Vector3d landing, double tolerance, Questions& questions) {
     for (const Face& other : corner)
         if (!same(other, face))

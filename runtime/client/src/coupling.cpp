@@ -12,15 +12,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double forget = 0.97;       // of what was learnt of the body, in a frame
-constexpr double thrifty = 0.8;       // share of the hand's force that the body gets of an empty reserve
-constexpr double a_jump = 8;          // times the body's usual stray
-constexpr double least_jump = 0.01;   // m of the hand
-constexpr double short_way = 1e-4;    // m of the hand, that nobody misses
-constexpr double usual_force = 0.5;   // N of the hand, until it is known
-constexpr double all_gone = 0.02;     // N of the hand that are still felt of a spring that has faded
-constexpr std::uint64_t learnt = 10;  // frames after which the usual is known
-constexpr double fade_in = 0.05;      // s in which a spring that takes hold becomes stiff
+constexpr double forget = 0.97;       // share of the learnt values that is kept per frame
+constexpr double thrifty = 0.8;       // share of the hand's force that the body gets when the reserve is
+                                      // empty
+constexpr double a_jump = 8;          // multiple of the body's usual deviation
+constexpr double least_jump = 0.01;   // m at the hand
+constexpr double short_way = 1e-4;    // m at the hand, imperceptible
+constexpr double usual_force = 0.5;   // N at the hand, until it is measured
+constexpr double all_gone = 0.02;     // N at the hand: a faded spring with less force counts as gone
+constexpr std::uint64_t learnt = 10;  // frames until the usual values are known
+constexpr double fade_in = 0.05;      // s in which a new spring becomes stiff
 
 Vector3d at_most(const Vector3d& v, double length) {
     const double n = v.norm();
@@ -70,7 +71,7 @@ Vec3 Coupling::to_simulation(const Vec3& hand) const {
 void Coupling::hold(const Vec3& body, const Vec3& hand) {
     hand_origin_ = to_eigen(hand);
     body_origin_ = to_eigen(body);
-    // Pessimistic until it is known: a frame's force takes the body all the way.
+    // Pessimistic until it is measured: a frame's force moves the body the whole way.
     force_square_ = std::pow(options_.newton * usual_force, 2);
     force_way_ = force_square_ / options_.stiffness;
     compliance_ = 1 / options_.stiffness;
@@ -79,27 +80,28 @@ void Coupling::hold(const Vec3& body, const Vec3& hand) {
     superseded_ = 0;
     hand_ = hand_origin_;
     frames_.begin();
-    // What still fades of the hold before would be gone at once, which is a step: it is waited for.
+    // A new hold would cut off the force of the old one that still fades, which is a step. So it waits.
     if ((state_ == State::idle || state_ == State::stopped) && still_fades())
         state_ = State::stopped;
     else
         begin();
 }
 
-/// As sent, and as felt: a stiffness that is sent anew in each cycle is cross-faded again and again.
+/// Checks the stiffness as sent and the force as rendered: a stiffness that is sent anew in each cycle is
+/// cross-faded again and again.
 bool Coupling::still_fades() const {
     return fading_ > 0 || force_.norm() > options_.newton * all_gone;
 }
 
-/// A spring that nobody feels goes with the hand. Else it would become stiff with its end still on the way
-/// from where the last hold left it: the servo moves the end and fades the stiffness in the same time.
+/// A spring without force follows the hand. Else it would become stiff with its end still on the way from the
+/// last hold, since the servo moves the end and fades the stiffness in the same time.
 void Coupling::park() {
     end_ = to_plain(hand_);
     moved_from_ = hand_;
     move_time_ = 0;
 }
 
-/// From here on, with nothing in the spring. Its end is in the servo where it was sent last.
+/// Starts here, with no energy in the spring. In the servo, its end is at the place sent last.
 void Coupling::begin() {
     account_.lost = account_.hand - account_.body;
     account_.spring = 0;
@@ -122,7 +124,7 @@ void Coupling::let_go(double now) {
 
 void Coupling::fade_from(double now) {
     faded_from_ = now;
-    account_.lost = account_.hand - account_.body;  // what is in the spring goes with it
+    account_.lost = account_.hand - account_.body;  // the energy in the spring is lost with it
     account_.spring = 0;
     for (Vector3d& force : sent_) force.setZero();
 }
@@ -139,7 +141,7 @@ void Coupling::feel(const Report& report, const std::optional<HandFeedback>& fee
     const Vector3d force = feedback->share * to_eigen(feedback->force);
     if (feedback->share * feedback->stiffness > 0) stiffness_ = feedback->share * feedback->stiffness;
     if (felt_) {
-        // The trapezium is exact for a spring: hand and end together change its energy by just this.
+        // The trapezium is exact for a spring: hand and end together change its energy by this amount.
         const double work = -0.5 * (force + force_).dot(here - hand_);
         account_.put_in(work);
     }
@@ -158,7 +160,7 @@ void Coupling::measure_compliance(const Vector3d& force, const Vector3d& way) {
     stray_ = stray_ > 0 ? std::sqrt(forget * stray_ * stray_ + (1 - forget) * stray) : std::sqrt(stray);
 }
 
-/// The work of what acted on the way there. Nothing: it is not held (any more).
+/// Books the work of the force that acted on the way there. Nothing: the body is not held (any more).
 std::optional<Vector3d> Coupling::moved_to(const Vec3& body) {
     const Vector3d place = to_eigen(to_hand(body));
     if (!place.allFinite())
@@ -182,7 +184,7 @@ std::optional<Vector3d> Coupling::moved_to(const Vec3& body) {
         }
     }
     body_ = place;
-    // From here on that acts which was sent next.
+    // From here on the next force that was sent acts.
     for (std::size_t i = 0; i < static_cast<std::size_t>(options_.frames_late); ++i) sent_[i] = sent_[i + 1];
     return place;
 }
@@ -203,7 +205,7 @@ Vec3 Coupling::frame(const Vec3& body, double now) {
     return to_plain(answer(*place) / options_.scale.force);
 }
 
-/// No farther from the hand than the account pays for.
+/// Moves the end no farther from the hand than the account covers.
 void Coupling::move_end(const Vector3d& body, double now) {
     const double left = std::max(0.0, account_.hand - account_.body - account_.lost);
     Vector3d stretch = body - hand_;
@@ -213,7 +215,7 @@ void Coupling::move_end(const Vector3d& body, double now) {
         stretch = at_most(stretch, reach);
     }
     const Vector3d end = hand_ + stretch;
-    // Where it is now: as the force says, and, of a device that gives no more force, as it was sent.
+    // The present place: from the force and, where the device is saturated, from the value sent.
     if (begins_) begun_at_ = moved_at_ = now;
     begins_ = false;
     const double share = move_time_ > 0 ? std::min(1.0, (now - moved_at_) / move_time_) : 1;
@@ -226,8 +228,9 @@ void Coupling::move_end(const Vector3d& body, double now) {
                            begun_at_ + fade_in - now});
 }
 
-/// The body will have moved by what it was sent already when this one begins to act, and while it acts it
-/// moves on: as in the implicit rule for a spring and a damper, the force is the one that is right half-way.
+/// By the time this force acts, the body will have moved by the earlier ones, and it moves further while the
+/// force acts. As in the implicit rule for spring and damper, the force is computed for the middle of its
+/// time.
 Vector3d Coupling::answer(const Vector3d& body) {
     const auto late = static_cast<std::size_t>(options_.frames_late);
     Vector3d there = body;
@@ -240,7 +243,8 @@ Vector3d Coupling::answer(const Vector3d& body) {
     if (options_.keep_account) stretch = at_most(stretch, std::sqrt(2 * std::max(0.0, left) / stiffness_));
     double share = 1;
     if (options_.keep_account) {
-        // A little less than the hand feels while the reserve is low: what is kept back fills it.
+        // The body gets slightly less than the hand's force while the reserve is low; the difference fills
+        // it.
         const double kept = left - stiffness_ * stretch.squaredNorm() / 2;
         share = thrifty + (1 - thrifty) * std::clamp(kept / options_.reserve, 0.0, 1.0);
     }

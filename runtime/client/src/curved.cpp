@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double edge = 0.3;      // rad between two normals
-constexpr double shortest = 0.2;  // of a step, that the foot has moved along with the question
+constexpr double shortest = 0.2;  // share of a step by which the foot must move with the query
 
 }  // namespace
 
@@ -22,8 +22,9 @@ SurfaceModel curved(SurfaceModel model, double step) {
         SurfacePoint point = model(near);
         const Vector3d foot = to_eigen(point.foot), normal = to_eigen(point.normal).normalized();
         const Vector3d a = normal.unitOrthogonal(), b = normal.cross(a);
-        // How the normal turns along the surface: dn = -S ds, S symmetric, its eigenvalues the principal
-        // curvatures (do Carmo, Differential Geometry of Curves and Surfaces, 3-2; here hollow is positive).
+        // The change of the normal along the surface: dn = -S ds, S symmetric, its eigenvalues the principal
+        // curvatures (do Carmo, Differential Geometry of Curves and Surfaces, 3-2; here a hollow is
+        // positive).
         Matrix2d turning;
         for (int i = 0; i < 2; ++i) {
             const Vector3d along = i == 0 ? a : b;

@@ -14,9 +14,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double shortest_chord =
-    1e-4;                              // m of the hand, between feet, to tell a curvature from their normals
-constexpr double shortest_turn = 0.1;  // rad, between normals that are not the same face's
+constexpr double shortest_chord = 1e-4;  // m at the hand, the least distance of feet to get a curvature from
+                                         // their normals
+constexpr double shortest_turn = 0.1;    // rad, between normals that belong to different faces
 
 Cap cap_at(const SurfacePoint& point, double rim) {
     Cap cap{.rim = rim};
@@ -79,7 +79,7 @@ double sharpest(const std::vector<Face>& answers, const std::vector<Face>& sent,
         result = std::max(result, sharper_of(answer.point()));
         if (sent.size() > 1 && is_sent(answers.front()) && is_sent(answer)) continue;
         const double chord = (answer.foot() - answers.front().foot()).norm();
-        // The other side of something thin is no bend of this one.
+        // The other side of a thin part is no curvature of this face.
         if (chord > metre * shortest_chord && answer.normal().dot(answers.front().normal()) >= 0)
             result = std::max(result, (answer.normal() - answers.front().normal()).norm() / chord);
     }

@@ -1,5 +1,5 @@
 #pragma once
-// One answer of a model as the servo would feel it.
+// One answer of a model, as the servo would render it.
 
 #include <vector>
 
@@ -9,13 +9,13 @@ namespace knurl::detail {
 
 class Face {
   public:
-    /// With a rim of 0 the tangent plane. The point is a legal one, its normal of any length.
+    /// A rim of 0 gives the tangent plane. The point must be valid; its normal may have any length.
     Face(const SurfacePoint& point, double rim);
 
     const SurfacePoint& point() const { return point_; }  // unit normal
     Eigen::Vector3d foot() const { return to_eigen(cap_.foot); }
     Eigen::Vector3d normal() const { return to_eigen(cap_.normal); }
-    /// m, signed: as the servo's own function has it.
+    /// m, signed: as the servo's own function computes it.
     double height(const Eigen::Vector3d& at) const;
 
   private:
@@ -23,16 +23,16 @@ class Face {
     Cap cap_;
 };
 
-/// A model asked point by point.
+/// Queries a model point by point and keeps its answers.
 class Questions {
   public:
-    /// A metre of the device is `metre` in the model's world.
+    /// `metre`: a metre of the device in the model's world.
     Questions(const SurfaceModel& model, double rim, double metre = 1)
         : model_(model), rim_(rim), metre_(metre) {}
 
-    /// Throws knurl::Error if the model answers with what is no face.
+    /// Throws knurl::Error if the model's answer is not a valid face.
     Face ask(const Eigen::Vector3d& point);
-    /// The same, of a place where the hand is and will not be: not among the answers.
+    /// The same at a place where the hand is but will not be; not kept among the answers.
     Face ask_aside(const Eigen::Vector3d& point);
 
     const std::vector<Face>& answers() const { return answers_; }
@@ -46,8 +46,8 @@ class Questions {
     std::vector<Face> answers_;
 };
 
-/// 1/m: the largest curvature that a model told, or that its normals tell by turning from the first answer
-/// to another; but not on the way from one of the faces that are sent to another of them.
+/// 1/m: the largest curvature that the model states, or that the turn of the normals between answers shows.
+/// Turns from one of the sent faces to another do not count.
 double sharpest(const std::vector<Face>& answers, const std::vector<Face>& sent, double metre);
 
 }  // namespace knurl::detail

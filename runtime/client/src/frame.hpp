@@ -1,8 +1,8 @@
 #pragma once
 // World = scale (device - device_centre) + world_centre; device force = force_scale x world force.
-// Orientation is the same in both, so lengths scale and angles do not; torques follow from power: f.v is
-// scale / force_scale times smaller in the world than in the device frame by lengths and forces, and the same
-// must hold for torque x angular velocity.
+// Orientation is the same in both, so lengths scale and angles do not. Torques follow from power: f.v is
+// smaller in the world than in the device frame by scale / force_scale, and the same must hold for torque x
+// angular velocity.
 
 #include <knurl/protocol/attach.hpp>
 #include <knurl/protocol/report.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-// What a program learns that uses the library in a way that nobody wants: once each, in one line.
+// Hints to a program that uses the library in an unintended way: one line each, once.
 
 #include <cstdint>
 #include <cstdio>
@@ -18,10 +18,10 @@ inline void hint(const std::string& device, const std::string& what) {
     std::fprintf(stderr, "knurl: device '%s': %s (KNURL_HINTS=0: not told)\n", device.c_str(), what.c_str());
 }
 
-/// Something that is so for a while: by the servo's clock, ns.
+/// A condition that must last for a while; servo time, ns.
 class Lasting {
   public:
-    /// True: it has been so for `limit`, and this was not said before.
+    /// True: the condition has lasted for `limit`, and this was not reported before.
     bool now(bool is_so, std::int64_t time, std::int64_t limit) noexcept {
         if (!is_so) since_ = 0;
         if (!is_so || said_) return false;

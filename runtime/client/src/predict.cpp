@@ -15,28 +15,28 @@ namespace {
 using detail::Face;
 using Eigen::Vector3d;
 
-// All lengths and forces are the hand's, in metres and newtons of the device.
+// All lengths and forces are at the hand, in metres and newtons of the device.
 constexpr double largest_tolerance = 0.5e-3;  // m
-constexpr double force_tolerance = 1.0;       // N: the kick that a wrong face may add
-constexpr double forgetting = 0.8;            // per update: about the last five count
-constexpr double sharp_turn = 0.8;  // rad: where the surface turns by more on the way it is no smooth one
-constexpr double shortest_fit = 0.1e-3;  // m: within it there is nothing to fit
-constexpr double longest_memory = 1.0;   // s: what is older says nothing about the next movement
+constexpr double force_tolerance = 1.0;       // N: the largest error of force by a wrong face
+constexpr double forgetting = 0.8;            // per update: about the last five updates count
+constexpr double sharp_turn = 0.8;            // rad: a surface that turns by more on the way is not smooth
+constexpr double shortest_fit = 0.1e-3;       // m: on a shorter way there is nothing to fit
+constexpr double longest_memory = 1.0;        // s: older movements say nothing about the next one
 
-/// t*, shortened so that the hand does not get further than max_look_ahead.
+/// t*, shortened so that the hand gets no farther than max_look_ahead.
 double look_ahead_time(const Vector3d& velocity, const Lateness& lateness, double metre) {
     const double time = lateness.latency + lateness.interval / 2;
     const double speed = velocity.norm(), most = metre * max_look_ahead;
     return speed * time > most ? most / speed : time;
 }
 
-/// A cap of a model that does not know how its surface curves is a plane.
+/// A cap of a model that does not state its curvature is a plane.
 bool is_plane(const Follower& follower, const Face& face) {
     return follower.rim == 0 || (face.point().curvature == 0 && face.point().curvature2 == 0);
 }
 
-/// The plane that is nearest, in the mean square, to the surface all along a way: the tangent plane at its
-/// middle, moved and tilted by what the surface does at its ends. Exact where that is a cubic.
+/// The plane nearest to the surface along the way, in the mean square: the tangent plane at the middle, moved
+/// and tilted by the surface at the ends. Exact where the surface is a cubic.
 Face fitted(const Face& middle, const Face& before, const Face& after, double metre) {
     const Vector3d n = middle.normal(), way = after.foot() - before.foot(), along = way - way.dot(n) * n;
     const double length = along.norm();
@@ -50,12 +50,13 @@ Face fitted(const Face& middle, const Face& before, const Face& after, double me
     return Face(plane, 0);
 }
 
-/// Looking to opposite sides; at a right angle they do not.
+/// Facing opposite sides; a right angle does not count.
 bool opposed(const Face& a, const Face& b) {
     return a.normal().dot(b.normal()) < -1e-9;
 }
 
-/// Each face where the one like it was last time: so what is sent for it changes no more than it must.
+/// Puts each face at the index of the similar face of the last update, so that the sent values change as
+/// little as possible.
 void keep_order(std::vector<Face>& faces, const std::vector<Face>& last) {
     std::size_t at = 0;
     for (const Face& before : last) {
@@ -65,8 +66,8 @@ void keep_order(std::vector<Face>& faces, const std::vector<Face>& last) {
     }
 }
 
-/// The way v t without its part through the surface: from outside down to it, from inside up to it, no
-/// further.
+/// The way v t without its part through the surface: from outside down to the surface, from inside up to it,
+/// not further.
 Vector3d restrained(const Vector3d& way, const Face& at_hand, double height) {
     const double normal_part = way.dot(at_hand.normal());
     const double allowed =
@@ -82,7 +83,7 @@ Vec3 look_ahead(const Vec3& position, const Vec3& velocity, const Lateness& late
 }
 
 void Trust::observe(double time, const Vec3& position, const Vec3& velocity, double horizon) noexcept {
-    // Of the remembered moments the one whose distance in time is nearest to the horizon.
+    // The remembered moment whose distance in time is nearest to the horizon.
     const std::size_t known = std::min<std::size_t>(count_, samples_.size());
     const Sample* past = nullptr;
     for (std::size_t i = 0; i < known; ++i) {
@@ -122,9 +123,9 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     std::vector<Face> last;
     for (const SurfacePoint& face : memory.sent.all()) last.emplace_back(face, follower.rim);
 
-    // A hand inside, nearest to a face that looks the other way than the one it came in by, has passed the
-    // middle of something thin. Nearest points forget where it came from; the last face does not, so the
-    // model is asked there.
+    // A hand inside whose nearest face looks the other way than the face of entry has passed the middle of a
+    // thin part. Nearest points do not know the face of entry, but the last face does, so the model is
+    // queried there.
     Face here = questions.ask(p);
     for (const Face& face : last) {
         if (here.height(p) >= 0 || !opposed(here, face) || detail::is_corner(face, here, p, questions))
@@ -135,7 +136,7 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
         break;
     }
     const double height = here.height(p);
-    // Along the surface: what a contact stops says nothing about where a hand wants to go.
+    // Along the surface: a velocity that a contact stops does not show where the hand will go.
     const Vector3d along = v - v.dot(here.normal()) * here.normal();
     memory.trust.observe(hand.time, hand.position, to_plain(along), lateness.latency + lateness.interval / 2);
     result.trust = memory.trust.factor();
@@ -148,11 +149,11 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     const double landing_time = std::min(result.trust * lateness.latency, time);
     const Vector3d landing = p + v * landing_time;
     std::vector<Face> faces{here};
-    double depth = 0;  // m, not above 0: of the landing under the model itself
+    double depth = 0;  // m, at most 0: the depth of the landing in the model itself
     if (time > 0 && !v.isZero()) {
         const Face there = questions.ask(landing);
         const double landing_height = there.height(landing);
-        // Past the middle of something thin the model is no measure; the face on this side is.
+        // Beyond the middle of a thin part the model is no reference; the face on this side is.
         const bool other_face = landing_height < 0 && opposed(there, here);
         depth = std::min(other_face ? here.height(landing) : landing_height, 0.0);
         for (const double share : std::array{1.0, 0.5, 0.25}) {
@@ -162,8 +163,8 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
             result.look_ahead = share;
             break;
         }
-        // A wall that the hand comes to before the next update is felt is looked for above the floor that it
-        // presses on.
+        // A wall that the hand reaches before the next update acts is sought above the floor on which the
+        // hand presses.
         const Vector3d end = p + v * (2 * time - landing_time);
         questions.ask(end +
                       std::max(0.0, follower.metre * detail::beside - here.height(end)) * here.normal());
@@ -173,7 +174,7 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     detail::add_corner(faces, candidates, landing, tolerance, questions);
 
     if (faces.size() == 1 && result.look_ahead > 0 && is_plane(follower, faces[0])) {
-        // As long as it is felt: until the next one has faded in.
+        // The update acts until the next one has faded in.
         const double middle = result.look_ahead * time;
         const double felt =
             result.look_ahead * result.trust * (lateness.interval + automatic_fade(lateness.interval));

@@ -23,7 +23,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
 
-// When next_report() falls behind for good.
+// The limits of a next_report() that permanently falls behind.
 constexpr std::uint64_t behind_from = 16;                                    // unread reports
 constexpr std::int64_t behind_by = 250'000'000, behind_for = 1'000'000'000;  // ns
 
@@ -97,7 +97,7 @@ std::optional<HandFrame> Reader::newest(nanoseconds timeout) {
     Lock lock = enter();
     std::optional<Report> report = await(lock, timeout);
     if (!report) return std::nullopt;
-    // One by one, since a press between two calls may have been several. No more than there are now: a fast
+    // One by one, since a press between two calls may be several. At most the present number, so that a fast
     // servo does not keep a slow machine here.
     for (std::uint64_t left = attachment_->reports->unread(); left > 0; --left) {
         Report next;
@@ -123,7 +123,7 @@ std::optional<Report> Reader::await(Lock& lock, nanoseconds timeout) {
                                      : changed_.wait_until(lock, deadline, attached);
             if (!changed) return std::nullopt;
             lock.unlock();
-            lock = enter();  // throws if this is the end
+            lock = enter();  // throws if the servo is gone for good
             continue;
         }
         Report report;
@@ -135,7 +135,7 @@ std::optional<Report> Reader::await(Lock& lock, nanoseconds timeout) {
             since_.add(report);
             return report;
         }
-        const std::shared_ptr<ReportSource> source = attachment_->reports;  // stays mapped while we sleep
+        const std::shared_ptr<ReportSource> source = attachment_->reports;  // stays mapped during the sleep
         lock.unlock();
         source->wait(std::min(left, longest_sleep));
         waited = true;
@@ -148,7 +148,7 @@ void Reader::look_behind(const Report& read) {
     Report newest;
     const std::int64_t behind =
         unread > behind_from && attachment_->reports->newest(newest) ? newest.read_ns - read.read_ns : 0;
-    // What was held up once and reads on catches up sooner.
+    // A reader that was delayed once and continues to read catches up sooner.
     if (!behind_.now(behind > behind_by, monotonic_ns(), behind_for)) return;
     hint(device_, detail::format("next_report() gave a report that is {:.2f} s older than the newest, and {} "
                                  "are unread: it gives every report in order, and is called less often than "
@@ -164,7 +164,7 @@ std::optional<Report> Reader::peek(const Lock&) const {
 }
 
 void Reader::settle(const Lock&, bool waited) {
-    // Unread reports and no wait: the event that announced them is still there.
+    // Unread reports without a wait: the event that announced them is still raised.
     if (loop_ && attachment_ && (waited || !attachment_->reports->fresh())) attachment_->reports->rearm();
 }
 

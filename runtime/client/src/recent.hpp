@@ -6,7 +6,7 @@
 
 namespace knurl::detail {
 
-/// The median of the last seven: one late wake-up says nothing about how late an application is.
+/// The median of the last seven values: one late wake-up says nothing about the usual lateness.
 class Recent {
   public:
     void add(double value) noexcept { values_[count_++ % values_.size()] = value; }
@@ -14,7 +14,8 @@ class Recent {
     double median() const noexcept {
         const std::size_t known = std::min(count_, values_.size());
         for (std::size_t i = 0; i < known; ++i) {
-            std::size_t before = 0;  // how many come before it in order; of equal ones the earlier first
+            std::size_t before = 0;  // number of values before it in order; of equal values the earlier comes
+                                     // first
             for (std::size_t j = 0; j < known; ++j)
                 before += values_[j] < values_[i] || (values_[j] == values_[i] && j < i) ? 1 : 0;
             if (before == known / 2) return values_[i];

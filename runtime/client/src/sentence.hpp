@@ -1,5 +1,5 @@
 #pragma once
-// The servo answers with numbers; here they become one line: what, where, what to do.
+// Turns the servo's numeric answers into one line: what, where, what to do.
 
 #include <string>
 
@@ -7,10 +7,10 @@
 
 namespace knurl::detail {
 
-/// Of a command that was refused: "arm of device 'right': in fault (speed); call reset_fault() ..."
+/// For a refused command: "arm of device 'right': in fault (speed); call reset_fault() ..."
 std::string refused_command(const protocol::Reply& reply, const std::string& what);
 
-/// Of a batch that was refused, from the feedback.
+/// For a refused batch, from the feedback.
 std::string refused_batch(const protocol::FeedbackHeader& header);
 
 /// "slew, speed": the names of a fault mask's bits.

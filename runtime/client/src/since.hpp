@@ -1,6 +1,6 @@
 #pragma once
-// What happened between two calls of Observer::newest(), from the reports that were read meanwhile, whichever
-// call read them, and from the counts in them where some were not.
+// What happened between two calls of Observer::newest(): from the reports read in between, by any call, and
+// from their counters where reports were missed.
 
 #include <cstdint>
 
@@ -10,13 +10,13 @@ namespace knurl::detail {
 
 class Since {
   public:
-    /// In order.
+    /// Call in order of the reports.
     void add(const Report& report) noexcept {
         if (known_) {
             const std::uint32_t turned = presses_ ^ report.presses;
             const std::uint32_t down = turned | (~buttons_ & report.buttons);
             pressed_ |= down;
-            // A button that went down has come up as well if it was down before, if it is up again, and if it
+            // A button that went down has also come up if it was down before, if it is up again, or if it
             // went down twice.
             released_ |= (buttons_ & ~report.buttons) | (down & (buttons_ | ~report.buttons | ~turned));
             touches_ += report.touches - begun_;  // modulo 2^32
@@ -28,7 +28,8 @@ class Since {
         begun_ = report.touches;
     }
 
-    /// Since the call before; the next one begins here. `frame`: the report that was added last.
+    /// Everything since the previous call; the next interval begins here. `frame`: from the report that was
+    /// added last.
     void tell(HandFrame& frame) noexcept {
         frame.pressed = pressed_;
         frame.released = released_;
@@ -41,7 +42,7 @@ class Since {
     }
 
   private:
-    bool known_ = false;  // there is a report to compare the next one with
+    bool known_ = false;  // there is a report with which to compare the next one
     std::uint32_t buttons_ = 0, presses_ = 0, begun_ = 0;
     std::uint32_t pressed_ = 0, released_ = 0, touches_ = 0;
     bool touched_ = false;

@@ -33,7 +33,7 @@ RepresentationId Table::add(Kind kind, std::span<const std::byte> params, const 
                         "{}: the claim holds {} representations, all that it asked for; remove one, or claim "
                         "with ClaimOptions::representations up to {}",
                         kinds()[kind].name, entries_.size(), protocol::max_representations));
-    // So that a batch that changes everything at once always fits.
+    // So that a batch that changes everything always fits.
     const std::size_t share = batch_share(params.size());
     if (bytes_ + share > capacity_.batch_bytes)
         throw Error(
@@ -146,7 +146,7 @@ void Table::commit_changes() {
     }
 }
 
-// What the batches before have held.
+// The previous batches were taken.
 void Table::landed() {
     for (const std::uint32_t slot : pending_)
         entries_[slot].in_flight = entries_[slot].material_in_flight = false;

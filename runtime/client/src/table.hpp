@@ -1,15 +1,15 @@
 #pragma once
 // What a claim has added, and which of its parameters the servo may not have yet: the client's side of the
-// coalescing triple buffer. Per representation the newest parameters are pending until a batch that held them
-// is known to have been taken; a batch holds all that is pending, so whichever one the servo takes is a
-// superset of all that it did not take before.
+// coalescing triple buffer. For each representation the newest parameters are pending until a batch with them
+// is known to be taken. A batch contains all that is pending. So any batch that the servo takes contains all
+// skipped ones.
 //
 //   set:        changed
-//   published:  the one before was taken?  yes: pending is what this batch changed
-//                                          no: that, and all of before
+//   published:  was the previous one taken?  yes: pending is what this batch changed
+//                                            no: also all that was pending before
 //
-// A slot that is removed is pending no more; entries in flight for it carry an old generation, which the
-// servo counts and ignores. No lock of its own.
+// A removed slot is no longer pending; entries under way for it carry an old generation, which the servo
+// counts and ignores. Has no lock of its own.
 
 #include <cstddef>
 #include <cstdint>
@@ -28,23 +28,24 @@ struct Entry {
     std::uint32_t generation = 0;  // of the latest user of this slot; handles begin at 1
     Kind kind = 0;
     bool live = false;
-    bool leaving = false;    // removed in a group that was not sent yet: find() does not see it
-    bool issued = false;     // its `add` was sent: an entry of an open group is not
+    bool leaving = false;    // removed in a group that was not sent yet: find() skips it
+    bool issued = false;     // its `add` was sent; false in an open group
     bool changed = false;    // since the last batch
-    bool in_flight = false;  // in a batch that is not known to have been taken
-    // The same of what lies behind the geometry. With neither, the servo has it, and the geometry is sent alone.
+    bool in_flight = false;  // in a batch that may not have been taken
+    // The same for the parameters behind the geometry. If neither is set, the servo has them, and the
+    // geometry is sent alone.
     bool material_changed = false;
     bool material_in_flight = false;
     std::uint64_t version = 0;
-    std::uint64_t order = 0;        // of addition: replayed in this order
-    double applied_stiffness = -1;  // N/m, from the servo's answer; below 0: not answered
+    std::uint64_t order = 0;        // of addition; a replay uses this order
+    double applied_stiffness = -1;  // N/m, from the servo's answer; below 0: unanswered
     AddOptions options{};
     std::vector<std::byte> params{};     // newest
-    std::vector<std::byte> committed{};  // as of the last batch: what a new servo gets
+    std::vector<std::byte> committed{};  // as of the last batch; a new servo gets these
     FollowMemory followed{};
     Recent follow_intervals{};  // s, between calls of follow
     std::int64_t last_follow_ns = 0;
-    std::vector<RepresentationId> sides{};  // of a concave corner, that follow added
+    std::vector<RepresentationId> sides{};  // of a concave corner, added by follow
     std::uint32_t sides_used = 0;           // the others are parked
 };
 
@@ -58,13 +59,13 @@ class Table {
     void remove(RepresentationId id);
     /// Null: removed, or never this claim's.
     Entry* find(RepresentationId id);
-    Entry* find_any(RepresentationId id);  // also one that is leaving
-    /// Inside a group: gone for the application, here until the group is sent.
+    Entry* find_any(RepresentationId id);  // includes one that is leaving
+    /// Inside a group: the application no longer sees it, but it stays until the group is sent.
     void set_leaving(RepresentationId id, bool leaving) { entries_[id.slot].leaving = leaving; }
     void set(RepresentationId id, std::span<const std::byte> params);
 
     std::vector<RepresentationId> live() const;
-    /// Live entries whose `add` was sent, in the order in which they were added.
+    /// Live entries whose `add` was sent, in order of addition.
     std::vector<RepresentationId> issued() const;
     bool any_issued() const;
     RepresentationId id_of(std::uint32_t slot) const {
@@ -75,13 +76,13 @@ class Table {
     std::span<const std::byte> batch();
     bool changed() const;  // anything since the last batch
     std::uint32_t batch_entries() const { return static_cast<std::uint32_t>(pending_.size()); }
-    /// batch() has been published; the one before it was taken, or not.
+    /// batch() was published. `previous_taken`: was the one before it taken?
     void published(bool previous_taken);
-    /// As published(), to nobody: there is no servo; a new one gets everything by replay.
+    /// Like published(), but without a servo: a new one gets everything by replay.
     void committed_for_replay();
-    /// A batch was refused, so what it held beside geometries is sent again with the next change.
+    /// A batch was refused: all of it, except geometries, is sent again with the next change.
     void refused();
-    /// A new servo knows what was committed, and nothing is in flight.
+    /// A new servo has what was committed, and nothing is under way.
     void restarted();
 
   private:

@@ -1,6 +1,6 @@
 #pragma once
-// The library checks before it sends or merges, with the same function as the servo: a bad change throws at
-// the call and spoils nothing. Each throws Error::bad_parameters with field, value and range.
+// Checks before sending or merging, with the servo's own function: a bad change throws at the call and
+// changes nothing. Each throws Error::bad_parameters with field, value and range.
 
 #include <cstddef>
 #include <cstdint>

@@ -22,7 +22,7 @@ struct IsInteger : std::is_integral<T> {};
 template <class T>
 struct IsInteger<std::optional<T>> : std::is_integral<T> {};
 
-/// Ranges let it through.
+/// CLI11's range checks accept text that is no number.
 std::string require_number(const std::string& text) {
     double value = 0;
     const bool none = CLI::detail::lexical_cast(text, value) && std::isnan(value);
@@ -173,14 +173,14 @@ bool Option::given() const {
 }
 
 struct Command::Impl {
-    std::unique_ptr<CLI::App> own;  // of the program; its verbs live in it
+    std::unique_ptr<CLI::App> own;  // of the program; its verbs are stored in it
     CLI::App* app = nullptr;
     bool requires_verb = false;
     std::list<Option> options;
     std::list<std::unique_ptr<Command>> verbs;
     std::function<int()> work;
 
-    /// The verb of a verb that was chosen, or this one.
+    /// The innermost chosen verb, or this command.
     const Impl& chosen() const {
         for (const auto& verb : verbs)
             if (verb->impl_->app->parsed()) return verb->impl_->chosen();
@@ -194,7 +194,7 @@ struct Command::Impl {
     }
     std::string see_help() const { return "; see " + path() + " --help"; }
 
-    /// A word where a verb belongs that is none.
+    /// Refuses a word in the place of a verb that is no verb.
     void require_verbs(int argc, const char* const* argv, int at = 1) const {
         if (verbs.empty() || (at < argc && argv[at][0] == '-')) return;
         if (at >= argc) {
@@ -211,14 +211,14 @@ struct Command::Impl {
         throw UsageError(std::string("there is no verb '") + argv[at] + "'" + words::meant(argv[at], names) +
                          see_help());
     }
-    /// An option and its former name.
+    /// Refuses an option together with its former name.
     void require_once() const {
         for (const Option& option : options)
             if (option.given_twice())
-                throw UsageError("one thing is said twice: " + option.name() +
+                throw UsageError("an option is given twice: " + option.name() +
                                  " is given under both its names" + see_help());
     }
-    /// A slip in an option's name is what is wrong, whatever else is missing because of it.
+    /// A misspelt option is reported first, whatever else is missing because of it.
     std::string unknown_option() const {
         for (const std::string& word : app->remaining()) {
             if (word.size() < 2 || word[0] != '-' || word == "--") continue;

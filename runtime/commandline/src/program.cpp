@@ -14,10 +14,10 @@ namespace knurl::commandline {
 namespace {
 
 std::string output_text(int reason) {
-    if (reason == EBADF) return "standard output is closed: what there was to say is lost";
+    if (reason == EBADF) return "standard output is closed: the output is lost";
     return std::string("standard output cannot be written") +
            (reason > 0 ? std::string(": ") + std::strerror(reason) : std::string()) +
-           "; what there was to say is lost, in part or whole";
+           "; the output is lost, in part or whole";
 }
 
 int complain(const std::string& who, std::string text, int code) {
@@ -28,7 +28,7 @@ int complain(const std::string& who, std::string text, int code) {
     return code;
 }
 
-/// What a failed write of standard output threw, which says only "cannot write to file".
+/// An exception of a failed write to standard output, which says only "cannot write to file".
 bool of_output(const std::exception& error) {
     return std::ferror(stdout) != 0 && (dynamic_cast<const std::system_error*>(&error) != nullptr ||
                                         dynamic_cast<const OutputError*>(&error) != nullptr);

@@ -16,8 +16,8 @@ namespace {
 
 bool broken_pipe_kills = true;  // the parent did not ignore SIGPIPE
 
-/// Takes anything, whether or not it can be written: fmt and iostreams throw where a write fails, and no work must
-/// be lost because nobody can be told of it.
+/// Accepts everything, even if it cannot be written: fmt and iostreams throw when a write fails, and a
+/// program must not lose its work for that.
 ssize_t say(void*, const char* text, std::size_t size) {
     for (std::size_t at = 0; at < size;) {
         const ssize_t n = ::write(STDERR_FILENO, text + at, size - at);
@@ -33,8 +33,8 @@ ssize_t say(void*, const char* text, std::size_t size) {
 void secure_streams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (::fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
-        // All below are open, so this is the number that it gets. What is printed on a closed output must fail as it
-        // would have.
+        // All lower descriptors are open, so this one gets the number. A write to a closed stream must fail
+        // as before.
         [[maybe_unused]] const int opened =
             ::open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
     }

@@ -1,16 +1,17 @@
 #pragma once
-// The three standard streams of a program, whatever they are: see guarded() in program.hpp.
+// Makes the three standard streams safe, in whatever state they are: see guarded() in program.hpp.
 
 namespace knurl::commandline {
 
-/// Before anything opens a file.
+/// Call before any file is opened.
 void secure_streams();
 
-/// An errno, if what was printed could not be written; 0: all of it was. `no_reason`: nobody knows any more.
+/// The errno of output that could not be written; 0: all was written. `no_reason`: the error is no longer
+/// known.
 int output_problem();
 inline constexpr int no_reason = -1;
 
-/// Does not return if the parent wants this program to die of SIGPIPE.
+/// Does not return if the parent lets SIGPIPE end this program.
 void die_of_broken_pipe();
 
 }  // namespace knurl::commandline

@@ -9,11 +9,11 @@ namespace knurl {
 
 struct Json::Parts {
     std::string text;
-    std::vector<std::string> keys;  // of an object, as many as values
+    std::vector<std::string> keys;  // of an object: as many as values
     std::vector<Json> values;
 };
 
-/// The way from nlohmann's value and to it.
+/// Conversion from and to nlohmann's value.
 struct JsonText {
     using Theirs = nlohmann::ordered_json;
 
@@ -70,7 +70,8 @@ struct JsonText {
         }
         Theirs made = Theirs::object();
         auto& members = made.get_ref<Theirs::object_t&>();
-        for (const auto& [key, member] : value.items())  // not by their operator: it compares with every key
+        for (const auto& [key, member] : value.items())  // not by their operator, which compares with every
+                                                         // key
             members.Container::emplace_back(key, to(member));
         return made;
     }
@@ -227,7 +228,7 @@ std::partial_ordering operator<=>(const Json& a, const Json& b) {
     if (!a.is_number() || !b.is_number()) return std::partial_ordering::unordered;
     if (!a.is_number_integer() || !b.is_number_integer()) return a.as_real() <=> b.as_real();
     if (a.kind_ == b.kind_ && a.is_number_unsigned()) return a.number_.natural <=> b.number_.natural;
-    // A natural number above all integers is as_integer()'s negative.
+    // A natural number above all integers appears negative in as_integer().
     const auto above = [](const Json& n) { return n.is_number_unsigned() && n.as_integer() < 0; };
     if (above(a) || above(b)) return above(a) <=> above(b);
     return a.as_integer() <=> b.as_integer();

@@ -17,7 +17,7 @@ namespace knurl::detail {
 
 namespace {
 
-/// The socket exists and is not ours to open: whose is it, and what to do.
+/// The socket exists but this process may not open it: whose it is, and what to do.
 std::optional<std::string> forbidden(const std::string& path) {
     if (::access(path.c_str(), R_OK | W_OK) == 0 || errno != EACCES) return std::nullopt;
     struct stat status {};
@@ -43,7 +43,7 @@ shm::UniqueFd connected(const std::string& servo) {
     try {
         socket = shm::connect_to(path);
     } catch (const shm::SystemError& error) {
-        // Whatever a servo that starts would not mend is said as it is, and at once.
+        // An error that a starting servo would not cure is reported at once.
         if (error.error != ENOENT && error.error != ECONNREFUSED)
             throw Error(Error::Kind::exhausted, error.what());
         throw Error(Error::Kind::no_servo,
@@ -66,7 +66,7 @@ std::pair<protocol::Welcome, std::vector<shm::UniqueFd>> Conversation::greet(con
     protocol::Hello hello;
     hello.layout = protocol::wire_hash();
     protocol::put_text(hello.client, client_name);
-    // A servo that has no place says so before it is greeted, and hangs up: its answer counts, not our send.
+    // A full servo answers before the greeting and hangs up: its answer counts, not the failed send.
     shm::send_message(socket_, std::as_bytes(std::span(&hello, 1)));
     auto answer = receive<protocol::Welcome>(protocol::MessageType::welcome, Error::Kind::incompatible);
     if (answer.first.devices > protocol::max_devices || answer.second.size() != answer.first.devices)
@@ -81,7 +81,7 @@ void Conversation::wait() {
         answers = ::poll(&ready, 1, static_cast<int>(answer_time_.count()));
     } while (answers < 0 && errno == EINTR);
     if (answers <= 0) {
-        // A late answer must never be taken for the next request's: this connection is over.
+        // A late answer must never count as the next request's, so this connection ends.
         ::shutdown(socket_.get(), SHUT_RDWR);
         throw Error(
             Error::Kind::no_servo,

@@ -1,5 +1,5 @@
 #pragma once
-// One connection to the servo's Unix socket, and what is said over it: a request, its answer.
+// One connection to the servo's Unix socket: requests and their answers.
 
 #include <array>
 #include <chrono>
@@ -26,21 +26,21 @@ class Conversation {
     const std::string& servo() const noexcept { return servo_; }
     std::chrono::milliseconds answer_time() const noexcept { return answer_time_; }
 
-    /// A report segment for each device comes with it. Throws Error.
+    /// Returns a report segment for each device. Throws Error.
     std::pair<protocol::Welcome, std::vector<shm::UniqueFd>> greet(const std::string& client_name);
 
     template <class Message>
     void send(const Message& message, std::span<const int> fds = {}) {
         if (!shm::send_message(socket_, std::as_bytes(std::span(&message, 1)), fds)) gone();
     }
-    /// Waits as long as an answer may take; throws Error, of kind `refusal` where that is what was answered.
+    /// Waits at most the answer time; throws Error, of kind `refusal` if the servo refused.
     template <class Message>
     std::pair<Message, std::vector<shm::UniqueFd>> receive(protocol::MessageType expected,
                                                            Error::Kind refusal) {
         wait();
         return take<Message>(expected, refusal);
     }
-    /// Of what is there already.
+    /// Takes an answer that has already arrived.
     template <class Message>
     std::pair<Message, std::vector<shm::UniqueFd>> take(protocol::MessageType expected, Error::Kind refusal) {
         alignas(8) std::array<std::byte, 4096> buffer{};

@@ -14,7 +14,7 @@ namespace knurl::detail {
 
 namespace {
 
-// Relaxed: changed only in a child that has one thread yet; nothing is ordered by it.
+// Relaxed: only a child that still has one thread changes it, and it orders nothing.
 std::atomic<std::uint64_t> generation{0};
 
 struct Registry {
@@ -31,7 +31,7 @@ void in_parent() {
     registry().mutex.unlock();
 }
 
-// Async-signal-safe calls alone: the parent may have had other threads, in the middle of anything.
+// Only async-signal-safe calls: the parent's other threads may have been in any state.
 void in_child() {
     const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
     for (const int fd : registry().sockets) {

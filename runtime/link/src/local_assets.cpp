@@ -1,4 +1,4 @@
-// Assets over a connection of their own (protocol/asset.hpp).
+// Assets use a connection of their own (protocol/asset.hpp).
 
 #include <array>
 
@@ -19,9 +19,9 @@ class LocalTransfer final : public AssetTransfer {
   public:
     LocalTransfer(std::unique_ptr<Conversation> with, const protocol::AssetForget& undo)
         : with_(std::move(with)), undo_(undo) {}
-    /// Calls it off, unless it is answered. The servo may just be saying that it is ready: so it hears, on
-    /// the same connection, that it is to forget it, and then that nobody listens. What has come is read,
-    /// since a close with something unread would drop what was said.
+    /// Cancels the transfer, unless it is answered. The servo may be answering "ready" at this moment. So it
+    /// is told on the same connection to forget the asset, and then the connection closes. Arrived messages
+    /// are read first, since closing with unread data would discard what was sent.
     ~LocalTransfer() override {
         if (answered_ || fork_generation() != made_in_) return;
         try {
@@ -30,7 +30,7 @@ class LocalTransfer final : public AssetTransfer {
             std::array<std::byte, 4096> unread;
             while (::recv(with_->socket(), unread.data(), unread.size(), MSG_DONTWAIT) > 0) {
             }
-        } catch (const std::exception&) {  // it has gone first
+        } catch (const std::exception&) {  // the servo has closed it first
         }
     }
     int event() const override { return with_->socket(); }
@@ -98,7 +98,7 @@ class LocalAssets final : public AssetDoor {
     std::string servo_, client_;
     std::uint32_t device_;
     std::uint64_t key_;
-    std::chrono::milliseconds answer_time_;  // until the broker says who it is
+    std::chrono::milliseconds answer_time_;  // for the broker's greeting
 };
 
 }  // namespace

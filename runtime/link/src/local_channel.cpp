@@ -28,13 +28,13 @@ class LocalReports final : public ReportSource {
     bool next(Report& out) noexcept override {
         const std::uint64_t missed_before = reader_.missed();
         const bool got = reader_.next(&out);
-        if (reader_.missed() != missed_before)  // for the table of clients, which orders nothing
+        if (reader_.missed() != missed_before)  // for the table of clients; orders nothing
             shm::HardwareMemory::store(flag_->missed, reader_.missed(), std::memory_order::relaxed);
         return got;
     }
     bool latest(Report& out) noexcept override { return reader_.latest(&out); }
     bool newest(Report& out) const noexcept override {
-        // The newest slot is overwritten 4095 reports later: one retry is one too many already.
+        // The newest slot is overwritten only 4095 reports later, so one retry is more than enough.
         for (int attempt = 0; attempt < 2; ++attempt) {
             const std::uint64_t end = reader_.published();
             if (end > 0 && reader_.at(end - 1, &out)) return true;

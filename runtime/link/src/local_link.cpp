@@ -50,7 +50,7 @@ class LocalLink final : public Link {
         with_.send(request);
         auto [claimed, fds] = with_.receive<protocol::Claimed>(MessageType::claimed, Error::Kind::refused);
         if (fds.size() != 2) with_.nonsense();
-        // The layout is computed from what was granted, the size of the memory is checked against it.
+        // The layout follows from what was granted; the size of the memory is checked against it.
         auto segment = std::make_shared<shm::Segment>(open(
             fds[0].get(), protocol::claim_layout(claimed.capacity).total, shm::Segment::Access::read_write));
         Attachment result{.terms = claimed,
@@ -76,7 +76,7 @@ class LocalLink final : public Link {
             message.device = attachment.device_index;
             with_.send(message);
         } catch (const std::exception&) {
-            // The servo has gone, and the claim with it.
+            // The servo is gone, and the claim with it.
         }
     }
 

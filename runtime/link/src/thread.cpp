@@ -29,7 +29,7 @@ pthread_t start_thread(const char* name, void (*body)(void*), void* argument) {
     pthread_attr_t attributes;
     ::pthread_attr_init(&attributes);
     ::pthread_attr_setstacksize(&attributes, stack_bytes);
-    // A thread inherits the mask: so it never had a moment in which a signal could find it.
+    // A thread inherits the mask, so no signal can ever reach it.
     sigset_t all, before;
     ::sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -40,7 +40,7 @@ pthread_t start_thread(const char* name, void (*body)(void*), void* argument) {
     if (error != 0)
         throw Error(Error::Kind::refused,
                     detail::format("no thread \"{}\"; see the limit of processes (ulimit -u)", name));
-    given.release();  // the thread has it
+    given.release();  // the thread owns it
     ::pthread_setname_np(thread, name);
     return thread;
 }

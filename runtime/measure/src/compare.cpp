@@ -12,7 +12,8 @@ namespace knurl::measure {
 
 namespace {
 
-/// Blocks for drawing from, fast: buckets are numbered, and a drawing's counts are added up in one array.
+/// Blocks for fast resampling: buckets are numbered, and the counts of a sample of blocks are added up in one
+/// array.
 class Drawable {
   public:
     explicit Drawable(const std::vector<Histogram>& blocks) {
@@ -51,7 +52,7 @@ class Drawable {
     std::vector<std::uint64_t> sums_;
 };
 
-/// A run's percentile, in the logarithm: as a multiple of the reference where it has one.
+/// A run's percentile as a logarithm: as a multiple of the reference if there is one.
 class Level {
   public:
     explicit Level(const Measured& run)
@@ -61,7 +62,7 @@ class Level {
                                      std::size_t least = least_above) {
         const auto value = blocks_.percentile(drawn, q, least);
         const auto beside = alone_ ? std::optional<double>(1) : reference_.percentile(drawn, 0.5, least);
-        // Less than a bucket is none.
+        // The histogram counts smaller values as 0, which have no logarithm.
         constexpr double nothing = 0x1p-11;
         if (!value || !beside) return std::nullopt;
         return std::log(std::max(*value, nothing) / std::max(*beside, nothing));
@@ -87,12 +88,12 @@ double student(double confidence, double freedom) {
     return boost::math::quantile(boost::math::students_t(freedom), 1 - (1 - confidence) / 2);
 }
 
-/// Of one run alone: its level, and the two variances of it.
+/// For one run: its level, and that level's two variances.
 struct Scatter {
     double level = 0, blocks = 0, stretches = 0;
 };
 
-/// Of a variance between that many things.
+/// Half width of an interval from a variance between so many items.
 double reach_of(double variance, double things, double confidence) {
     const double deviations = student(confidence, things - 1);
     return deviations * deviations * variance;
@@ -104,7 +105,7 @@ std::optional<Scatter> scatter(const Measured& run, double q, const Bootstrap& h
     const auto of_one = [&](std::span<const std::size_t> a, std::span<const std::size_t>) {
         return level(a, q);
     };
-    // At one Student's t of 1 the interval's half is the standard deviation.
+    // With Student's t = 1 half the interval is the standard deviation.
     const double n = static_cast<double>(run.blocks.size());
     const auto interval = bootstrap(run.blocks.size(), least_blocks, of_one, how);
     const auto whole = level(numbers(run.blocks.size()), q);
@@ -176,7 +177,7 @@ std::optional<Interval> bootstrap(std::size_t blocks_a, std::size_t blocks_b, co
     }
     const double n = how.resamples, mean = sum / n;
     const auto blocks = static_cast<double>(std::min(blocks_a, blocks_b));
-    // Drawing from n blocks scatters by sqrt((n - 1) / n) too little.
+    // Resampling n blocks underestimates the scatter by sqrt((n - 1) / n).
     const double spread = std::sqrt(std::max(0.0, squares / n - mean * mean) * blocks / (blocks - 1));
     const double reach = student(how.confidence, blocks - 1) * spread;
     return Interval{.low = *middle - reach, .high = *middle + reach};
@@ -226,7 +227,7 @@ Comparison compare_apart(const Measured& before, const Measured& now, double q, 
     const auto blocks = static_cast<double>(std::min(before.blocks.size(), now.blocks.size()));
     double squares = 0;
     for (const Scatter& run : {*was, *is})
-        // Few stretches, and neighbours are alike: no more degrees of freedom than one run's.
+        // There are few stretches, and neighbours are alike: no more degrees of freedom than one run has.
         squares += reach_of(run.blocks, blocks, how.confidence) +
                    reach_of(std::max({0.0, drift_of(run), machine.drift}), stretches, how.confidence);
     const double middle = is->level - was->level, reach = std::sqrt(squares);

@@ -64,7 +64,7 @@ std::optional<double> Histogram::percentile(double q) const {
             continue;
         }
         if (lower == 0) return std::clamp(0.0, min_, max_);
-        // The samples of a bucket lie evenly in it, for all that is known.
+        // Assumes that a bucket's samples are evenly distributed.
         const double share = (static_cast<double>(rank - below) - 0.5) / static_cast<double>(count);
         return std::clamp(lower + share * (upper_edge(lower) - lower), min_, max_);
     }

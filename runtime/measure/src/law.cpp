@@ -12,7 +12,7 @@ namespace knurl::measure {
 
 namespace {
 
-/// What of a time may be due to where code and data happen to lie: smaller residuals prefer no law.
+/// Share of a time that may depend on the placement of code and data: smaller residuals favour no law.
 constexpr double placement = 0.01;
 constexpr double least_exponent = 0.05, most_exponent = 3;
 
@@ -71,7 +71,7 @@ Candidate best_power(std::span<const double> n, std::span<const double> y, bool 
     const auto at = [&](double logarithm) {
         return with_shape(Growth::power, std::exp(logarithm), n, y, falling);
     };
-    // Coarsely first: there may be more than one valley.
+    // Coarsely first, since there may be more than one minimum.
     constexpr int steps = 40;
     const double low = std::log(least_exponent), width = (std::log(most_exponent) - low) / steps;
     int best = 0;
@@ -97,7 +97,7 @@ double bic(const Candidate& candidate, int parameters, std::size_t points) {
 
 struct Choice {
     Law growing, constant;
-    bool grows = false;  // the growing law has the lesser BIC, and rises
+    bool grows = false;  // the growing law rises and has the smaller BIC
     double rise = 0, exponent = 0;
     const Law& law() const { return grows ? growing : constant; }
 };
@@ -121,7 +121,7 @@ Choice choose(std::span<const double> n, std::span<const double> y) {
     choice.growing = best.law;
     choice.constant = constant.law;
     choice.exponent = power.law.exponent;
-    // A time that falls has a rise too.
+    // A falling time also has a rise.
     choice.rise = best.law.factor > 0 ? rise_of(best.law, n)
                                       : rise_of(with_shape(Growth::logarithmic, 0, n, y, true).law, n);
     choice.grows = choice.rise > material && least < bic(constant, 1, n.size());
@@ -186,7 +186,7 @@ Fitted fit(std::span<const Point> points, const Bootstrap& how) {
     fitted.rise = chosen.rise;
     fitted.exponent = chosen.exponent;
 
-    // `bootstrap` takes one figure at a time, and draws alike for each.
+    // `bootstrap` takes one figure at a time, with the same resampling for each.
     const auto interval = [&](auto figure) {
         return bootstrap(
             blocks, blocks,

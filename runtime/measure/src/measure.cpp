@@ -46,7 +46,7 @@ std::string load() {
 std::string idle() {
     const std::string driver = first_line("/sys/devices/system/cpu/cpuidle/current_driver");
     std::string text = driver.empty() ? "unknown" : driver;
-    // Reading asks for nothing: the value is what all holders together want.
+    // Reading makes no request: the value is the minimum over all holders.
     const int fd = ::open("/dev/cpu_dma_latency", O_RDONLY | O_CLOEXEC);
     std::int32_t microseconds = 0;
     if (fd >= 0 && ::read(fd, &microseconds, sizeof microseconds) == sizeof microseconds)
@@ -77,7 +77,7 @@ std::string date() {
     return text;
 }
 
-/// Nearest rank: the smallest sample that at least the fraction q of all do not exceed.
+/// Nearest rank: the smallest sample that at least the fraction q of all samples does not exceed.
 std::optional<double> percentile(const std::vector<double>& sorted, double q) {
     const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size())));
     if (rank == 0 || sorted.size() - rank < least_above) return std::nullopt;
@@ -95,7 +95,7 @@ knurl::Json to_json(const Histogram& histogram) {
     return buckets;
 }
 
-/// A line in a text that is indented else: `all` has the string `token` where `value` belongs.
+/// Puts one line into an otherwise indented text: `all` has the string `token` in the place of `value`.
 void put_line(std::string& all, const std::string& token, const knurl::Json& value) {
     const std::string quoted = "\"" + token + "\"";
     all.replace(all.find(quoted), quoted.size(), value.dump());

@@ -22,7 +22,7 @@ void write_to(const std::string& name, const std::string& text, const std::strin
     throw std::runtime_error(path + ": cannot be written: " + why);
 }
 
-/// Where a file is written before it is renamed; a pipe or a device is written to itself.
+/// The path at which a file is written before it is renamed; a pipe or a device is written directly.
 std::string beside(const std::string& path) {
     std::error_code ignored;
     const auto there = std::filesystem::status(path, ignored).type();

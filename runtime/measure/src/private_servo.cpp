@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 std::string servo_program() {
     const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
-    // Installed, the two lie side by side; in a build tree each has a folder.
+    // When installed the two are in one folder; in a build tree each has its own.
     const fs::path beside = here.parent_path(), above = beside.parent_path();
     for (const fs::path& candidate :
          {here / "knurld", beside / "knurld" / "knurld", above / "knurld" / "knurld"}) {
@@ -46,7 +46,7 @@ PrivateServo::PrivateServo(const std::vector<std::string>& arguments)
     ::setenv("KNURL_RUNTIME_DIR", directory_.c_str(), 1);
     ::setenv("KNURL_STATE_DIR", directory_.c_str(), 1);
 
-    // All that allocates comes before the fork.
+    // All allocations precede the fork.
     std::vector<std::string> words{servo_program(), "--name", "private"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
@@ -60,7 +60,8 @@ PrivateServo::PrivateServo(const std::vector<std::string>& arguments)
     if (pid_ == 0) {
         ::prctl(PR_SET_PDEATHSIG, SIGTERM);
         if (::getppid() != parent) ::_exit(1);
-        ::setpgid(0, 0);  // Ctrl-C is for who measures: it ends the servo when it is done
+        ::setpgid(0, 0);  // Ctrl-C must reach only the measuring program, which ends the servo when it is
+                          // done
         const int file = ::open(log.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0600);
         ::dup2(file, 1);
         ::dup2(file, 2);
@@ -73,7 +74,7 @@ PrivateServo::PrivateServo(const std::vector<std::string>& arguments)
 PrivateServo::~PrivateServo() {
     if (pid_ > 0) {
         ::kill(pid_, SIGTERM);
-        constexpr int patience_ms = 5000;  // it ramps its device down first
+        constexpr int patience_ms = 5000;  // it ramps down its device first
         int waited_ms = 0;
         while (::waitpid(pid_, nullptr, WNOHANG) == 0 && waited_ms < patience_ms) {
             ::usleep(10'000);

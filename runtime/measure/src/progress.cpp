@@ -29,7 +29,7 @@ void Progress::show(const std::string& text) {
     const auto now = std::chrono::steady_clock::now();
     if (!terminal_ || now < next_) return;
     next_ = now + pace;
-    // Cut: a line that wraps cannot be written over.
+    // Cut off, since a wrapped line cannot be overwritten.
     const std::string line = (who_ + ": " + text).substr(0, columns());
     const std::size_t rest = shown_ > line.size() ? shown_ - line.size() : 0;
     std::fprintf(stderr, "\r%s%*s", line.c_str(), static_cast<int>(rest), "");

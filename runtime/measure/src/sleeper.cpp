@@ -36,7 +36,7 @@ void sleep_until(Nanoseconds t) noexcept {
 bool settle_on(unsigned cpu, int priority) {
     const bool bound = pin_this_thread(cpu);
     if (priority > 0) return run_real_time(priority) && bound;
-    const sched_param ordinary{};  // a new thread has its maker's policy
+    const sched_param ordinary{};  // a new thread inherits its maker's policy
     return ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &ordinary) == 0 && bound;
 }
 
@@ -51,7 +51,7 @@ Beginnings bare_loop(const BareLoop& loop) {
         const auto next = [&](Nanoseconds deadline, Nanoseconds late) {
             return deadline + loop.period * (std::max<Nanoseconds>(0, late) / loop.period + 1);
         };
-        // That a thread takes its time to start is no lateness of the loop's.
+        // The start of a thread takes time, which is no lateness of the loop.
         const Nanoseconds started = now_ns();
         Nanoseconds deadline = started < loop.first ? loop.first : next(loop.first, started - loop.first);
         while (deadline < end && (loop.stop == nullptr || !*loop.stop)) {
@@ -68,9 +68,9 @@ Beginnings bare_loop(const BareLoop& loop) {
 Nanoseconds stood_still(std::vector<Gap> gaps, Nanoseconds window) {
     std::ranges::sort(gaps, {}, &Gap::begin);
     Nanoseconds worst = 0;
-    // The worst window begins where a standstill does: moved on, it gains no more than it leaves behind.
+    // The worst window begins where a standstill begins: moving it further gains no more than it loses.
     for (auto first = gaps.begin(); first != gaps.end(); ++first) {
-        Nanoseconds still = 0, counted = 0;  // the sum, and up to where: from the window's begin
+        Nanoseconds still = 0, counted = 0;  // the sum, and its end: from the window's beginning
         for (auto gap = first; gap != gaps.end() && gap->begin - first->begin < window; ++gap) {
             const Nanoseconds end = std::min(gap->end - first->begin, window);
             still += std::max<Nanoseconds>(0, end - std::max(gap->begin - first->begin, counted));

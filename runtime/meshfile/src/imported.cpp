@@ -1,5 +1,5 @@
-// What else Assimp reads. A damaged file can keep it busy for ever, take all memory or crash it: so it reads
-// in a process of its own, which sends back what it found.
+// The other formats, read by Assimp. A damaged file can make it run for ever, take all memory or crash. So it
+// reads in a separate process, which sends back the result.
 
 #include <cerrno>
 #include <chrono>
@@ -34,7 +34,7 @@ constexpr bool checked_memory =
     false;
 #endif
 
-/// Every mesh of the scene, wherever it stands in it.
+/// Adds every mesh of the scene, at any level.
 void add(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above, Soup& soup) {
     const aiMatrix4x4 here = above * node.mTransformation;
     for (unsigned m = 0; m < node.mNumMeshes; ++m) {
@@ -68,7 +68,7 @@ Soup imported(const std::string& path, const ReadLimits& limits) {
     Soup soup;
     soup.path = path;
     Assimp::Importer importer;
-    // Nothing is joined, split or smoothed here: the servo's builder does what is needed, and says so.
+    // Nothing is joined, split or smoothed here: the servo's builder does what is needed and reports it.
     const aiScene* scene = importer.ReadFile(path, 0);
     if (scene == nullptr || scene->mRootNode == nullptr) {
         std::string why = importer.GetErrorString();
@@ -89,7 +89,7 @@ Soup imported(const std::string& path, const ReadLimits& limits) {
     return soup;
 }
 
-// What goes through the pipe: a '+' and the soup, or a '-' and why there is none.
+// The content of the pipe: '+' and the soup, or '-' and the reason.
 
 template <class T>
 void put(std::string& out, const std::vector<T>& items) {
@@ -102,7 +102,7 @@ void put(std::string& out, const std::string& text) {
     put(out, std::vector<char>(text.begin(), text.end()));
 }
 
-/// Takes off what put() wrote; false: it is not all there.
+/// Reads what put() wrote; false: it is incomplete.
 template <class T>
 bool take(std::string_view& in, std::vector<T>& items) {
     std::uint64_t n = 0;
@@ -174,7 +174,7 @@ bool taken(std::string_view in, Soup& soup) {
     _exit(0);
 }
 
-/// Faces that the importer drops without a word: as many as the head of an OFF counts are there.
+/// Detects faces that the importer drops silently: an OFF file's head gives their number.
 void check_count(const Soup& soup) {
     std::ifstream in(soup.path);
     std::string line;
@@ -192,7 +192,7 @@ void check_count(const Soup& soup) {
     }
 }
 
-/// Assimp's places are of single precision: far from the origin that is coarse.
+/// Assimp's coordinates have single precision, which is coarse far from the origin.
 void note_rounding(Soup& soup) {
     knurl::Point3 low{}, high{};
     double farthest = 0, size = 0;
@@ -212,7 +212,7 @@ void note_rounding(Soup& soup) {
                         farthest, rounding));
 }
 
-/// All that comes through the pipe until its end; false: the time is over.
+/// Reads the pipe to its end; false: timeout.
 bool read_all(int in, int seconds, std::string& answer) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + std::chrono::seconds(seconds);

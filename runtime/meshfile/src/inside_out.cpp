@@ -1,4 +1,4 @@
-// Which closed parts are wound inside out, and what lies in which.
+// Finds closed parts that are wound inside out, and which part lies in which.
 
 #include <algorithm>
 #include <cmath>
@@ -19,13 +19,12 @@ class Nest {
   public:
     Nest(const MeshFile& file, const knurl::MeshParts& found) : file_(file), found_(found) {}
 
-    /// Does `inner` lie in the closed `outer`? One corner of it says so: parts that cross each other lie in
-    /// none.
+    /// Does `inner` lie in the closed `outer`? Tests one corner: parts that cross each other lie in none.
     bool lies_in(const MeshPart& inner, const MeshPart& outer) {
         if (!outer.closed || &inner == &outer) return false;
         if ((inner.low.array() < outer.low.array()).any() || (inner.high.array() > outer.high.array()).any())
             return false;
-        // The solid angle under which the outer one is seen.
+        // The solid angle of the outer part, seen from that corner.
         const Vector3d from = corner(found_.triangles[inner.first], 0);
         double angle = 0;
         for (std::uint32_t i = 0; i < outer.faces; ++i) {

@@ -49,7 +49,7 @@ std::string bytes_of(const std::string& path) {
 Soup soup_of(std::string_view bytes, const std::string& path) {
     const std::string extension = std::filesystem::path(path).extension().string();
     const auto is = [&](const char* lower_case) { return same_word(extension, lower_case); };
-    // By what is inside, then by what the name says.
+    // By content first, then by the name.
     if (is_ply(bytes)) return read_ply(bytes, path);
     if (is(".ply")) bad(path, "is no PLY: its first line is not \"ply\"; write or fetch it again");
     if (is(".obj")) return read_obj(bytes, path);
@@ -90,7 +90,7 @@ MeshFile read_mesh(std::string_view bytes, const std::string& path) {
     if (soup.polygons.empty())
         bad(path, soup.points_and_lines > 0 || !soup.vertices.empty()
                       ? "holds points or lines but no triangle; give a surface"
-                      : "holds nothing; give a file with triangles");
+                      : "is without content; give a file with triangles");
     MeshFile file;
     file.path = path;
     file.format = std::move(soup.format);
@@ -113,8 +113,8 @@ MeshFile read_mesh(std::string_view bytes, const std::string& path) {
                 break;
             case Cutter::Shape::crossed:
                 bad_at(soup, polygon.place,
-                       fmt::format("the outline of a polygon of {} corners crosses itself, so nobody knows "
-                                   "its inside; let the program that made it write triangles",
+                       fmt::format("the outline of a polygon of {} corners crosses itself, so its inside is "
+                                   "not defined; let the program that made it write triangles",
                                    polygon.corners));
             case Cutter::Shape::too_large:
                 bad_at(soup, polygon.place,

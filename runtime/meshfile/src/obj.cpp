@@ -1,4 +1,4 @@
-// Wavefront OBJ: its polygons. Normals and texture places are not needed, whether they are there or not.
+// Wavefront OBJ: its polygons. Normals and texture coordinates are ignored.
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@ namespace knurl::meshfile {
 
 namespace {
 
-/// What says nothing of the polygons.
+/// Statements without effect on the polygons.
 constexpr std::array ignored = {
     "vt",     "vn",    "vp",       "g",          "o",         "s",      "mg",    "mtllib",
     "lod",    "bevel", "c_interp", "d_interp",   "maplib",    "usemap", "ctech", "stech",
@@ -47,7 +47,8 @@ class ObjReader {
   private:
     [[noreturn]] void fail(const std::string& text) { bad_at(soup_, first_, text); }
 
-    /// A line that ends with a backslash goes on in the next; a comment does not (it may name a folder).
+    /// A line that ends with a backslash continues in the next one; a comment does not (it may name a
+    /// folder).
     std::string_view joined(std::string_view line) {
         if (!goes_on(line) || line.find('#') != line.npos) return line;
         whole_.clear();
@@ -128,7 +129,7 @@ class ObjReader {
                                   .material = material()});
     }
 
-    /// v, v/vt, v//vn or v/vt/vn, from 1; below 0 they count back from the newest.
+    /// v, v/vt, v//vn or v/vt/vn, from 1; negative indices count back from the newest.
     std::uint32_t corner(std::string_view word) {
         const std::string_view first = word.substr(0, word.find('/'));
         const auto index = integer_of(first);

@@ -1,4 +1,4 @@
-// PLY: text, little and big endian; faces and triangle strips. What else it holds is stepped over.
+// PLY: text, little and big endian; faces and triangle strips. Other elements are skipped.
 
 #include <algorithm>
 #include <bit>
@@ -17,7 +17,7 @@ namespace knurl::meshfile {
 
 namespace {
 
-/// One value after the other, of a text or of bytes.
+/// Reads value after value, from text or bytes.
 class Body {
   public:
     Body(std::string_view bytes, const PlyHeader& head, const Soup& soup)
@@ -39,7 +39,7 @@ class Body {
     }
     void item(std::uint64_t number) { number_ = number; }
 
-    /// Line of a text, else number of the item.
+    /// The line in a text, else the number of the item.
     std::uint64_t place() const {
         return form_ == PlyHeader::Form::text ? line_ + lines_.number() : number_ + 1;
     }
@@ -121,7 +121,7 @@ class Body {
     Lines lines_;
     PlyHeader::Form form_;
     const Soup& soup_;
-    std::size_t line_;  // that the head ends with
+    std::size_t line_;  // the last line of the head
     std::string_view rest_, words_;
     const PlyElement* element_ = nullptr;
     std::uint64_t number_ = 0;
@@ -200,7 +200,7 @@ class PlyReader {
         }
     }
 
-    /// -1; or what becomes of it in a strip of a type without signs, unless there is such a vertex.
+    /// -1, or its value in an unsigned type, unless there is such a vertex.
     bool begins_anew(double entry, PlyType type) const {
         if (entry < 0) return true;
         const bool is_unsigned = type == PlyType::u8 || type == PlyType::u16 || type == PlyType::u32;
@@ -226,8 +226,8 @@ class PlyReader {
         add(list_.size());
     }
 
-    /// Each three in a row are a triangle, every second one wound the other way; a negative entry begins
-    /// anew.
+    /// Each three in a row are a triangle, every second one with the opposite winding; a negative entry
+    /// begins a new strip.
     void strip() {
         std::size_t begin = 0;
         for (std::size_t i = 0; i < list_.size(); ++i) {
@@ -264,9 +264,9 @@ class PlyReader {
     Soup& soup_;
     static constexpr std::uint32_t new_strip = 0xffffffff;
     double vertices_ = 0;              // that the head counts
-    bool strips_ = false;              // is what is read
-    std::vector<double> values_;       // of the item
-    std::vector<std::uint32_t> list_;  //   and of its list of vertices
+    bool strips_ = false;              // the element has strips
+    std::vector<double> values_;       // of the present item
+    std::vector<std::uint32_t> list_;  // its list of vertices
     std::uint64_t place_ = 0;          // where it began
 };
 

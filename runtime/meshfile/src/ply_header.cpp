@@ -14,7 +14,7 @@ namespace knurl::meshfile {
 
 namespace {
 
-constexpr std::size_t most_of_a_name = 100;  // bytes; messages show them all
+constexpr std::size_t most_of_a_name = 100;  // bytes; messages show the whole name
 
 struct TypeName {
     std::string_view name;
@@ -29,8 +29,8 @@ constexpr std::array type_names = {
     TypeName{"float64", PlyType::f64},
 };
 
-/// The head's lines, by the end that its first line has: what follows the last one is data, and may begin
-/// with what would be a line's end.
+/// The head's lines, with the line end of the first line: the following data may begin with bytes that look
+/// like a line end.
 class HeadLines {
   public:
     explicit HeadLines(std::string_view bytes) : bytes_(bytes) {

@@ -23,9 +23,9 @@ struct PlyElement {
     std::uint64_t count = 0;
     std::vector<PlyProperty> properties;
 
-    /// Bytes of one in a binary file at the least: of a list, its count.
+    /// The least size of one in a binary file: for a list, its count.
     std::size_t least_bytes() const;
-    /// Its number; `absent`: there is none of that name.
+    /// Its index; `absent`: no property has that name.
     std::size_t property(std::string_view wanted) const;
     static constexpr std::size_t absent = std::string_view::npos;
 };

@@ -11,7 +11,7 @@ namespace {
 using knurl::Point3;
 
 constexpr double flat = 1e-12;       // of the extent's square: no area
-constexpr double thin_share = 1e-7;  // of the extent's square: nothing to feel
+constexpr double thin_share = 1e-7;  // of the extent's square: thinner ones have no effect
 
 Point3 minus(const Point3& a, const Point3& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -26,15 +26,15 @@ double length(const Point3& a) {
     return std::sqrt(dot(a, a));
 }
 
-/// Twice the area of a triangle; above 0 if it goes around to the left. In long double, so that three corners
-/// on a line are: products of differences of decimal places are nearly exact in it.
+/// Twice the area of a triangle; positive if it goes around to the left. In long double, so that three
+/// corners on a line give 0: products of differences of decimal coordinates are nearly exact in it.
 template <class C>
 double turn(const C& a, const C& b, const C& c) {
     using Real = long double;
     return static_cast<double>((Real{b.x} - a.x) * (Real{c.y} - a.y) - (Real{b.y} - a.y) * (Real{c.x} - a.x));
 }
 
-/// Without corners at the place of the one before, and without there and back again.
+/// Removes repeated corners, and paths that go forth and back.
 void simplify(std::span<const Point3> vertices, std::vector<std::uint32_t>& ring) {
     const auto same = [&](std::uint32_t a, std::uint32_t b) { return a == b || vertices[a] == vertices[b]; };
     std::vector<std::uint32_t> kept;
@@ -50,7 +50,7 @@ void simplify(std::span<const Point3> vertices, std::vector<std::uint32_t>& ring
             }
         }
     }
-    std::size_t first = 0, last = kept.size();  // over the end
+    std::size_t first = 0, last = kept.size();  // across the end of the list
     while (last - first > 2) {
         if (same(kept[last - 1], kept[first])) {
             --last;
@@ -76,7 +76,7 @@ Cutter::Shape Cutter::cut(std::span<const Point3> vertices, std::span<const std:
         return Shape::convex;
     };
     ring_.assign(polygon.begin(), polygon.end());
-    // What is no number the builder leaves out, and counts.
+    // The builder leaves out and counts corners that are not finite.
     for (const std::uint32_t v : ring_)
         for (const double x : vertices[v])
             if (!std::isfinite(x)) return fan();
@@ -106,7 +106,7 @@ Cutter::Shape Cutter::cut(std::span<const Point3> vertices, std::span<const std:
     }
     for (const Point3& p : at_) bent_ = std::max(bent_, std::abs(dot(p, normal_)) / area / extent_);
 
-    // Seen along an axis places stay exactly what they are; a bent one may cross itself there.
+    // Seen along an axis the coordinates stay exact, but a bent polygon may cross itself in that view.
     const std::size_t before = out.size();
     for (int way = 0; way < 2; ++way) {
         project(at_, way);
@@ -148,8 +148,8 @@ void Cutter::project(std::span<const Point3> at, int way) {
                             .gone = false});
 }
 
-/// Turns left at every corner, and goes around once. With a corner on an edge it is none: a fan might have a
-/// triangle without an area there, and the neighbour's edge no partner.
+/// Does it turn left at every corner, and go around once? A corner on an edge makes it not convex: a fan
+/// might have a triangle without an area there, and the neighbour's edge no partner.
 bool Cutter::is_convex() const {
     int changes = 0;
     bool right = false, known = false;
@@ -164,7 +164,7 @@ bool Cutter::is_convex() const {
     return changes <= 2;
 }
 
-/// Two edges pass through each other.
+/// Do two edges pass through each other?
 bool Cutter::crosses_itself() {
     const double nothing = 1e-10 * extent_ * extent_;
     const auto low = [&](std::uint32_t i) { return std::min(corners_[i].x, corners_[corners_[i].after].x); };
@@ -186,8 +186,8 @@ bool Cutter::crosses_itself() {
     return false;
 }
 
-/// Does a reflex corner lie in the triangle or on its edge? One at a corner's place does if its edges lead
-/// into the triangle.
+/// Is a reflex corner in the triangle or on its edge? A corner at the place of one of its corners counts if
+/// its edges lead into the triangle.
 bool Cutter::blocks(std::uint32_t point, const Corner& a, const Corner& b, const Corner& c) const {
     const Corner& p = corners_[point];
     if (turn(a, b, p) < 0 || turn(b, c, p) < 0 || turn(c, a, p) < 0) return false;
@@ -249,7 +249,7 @@ bool Cutter::clip(std::vector<knurl::Triangle>& out) {
     };
     while (left > 3) {
         const Corner& b = corners_[at];
-        // An ear; and, where none is left, a sliver that rounding has bent the wrong way.
+        // Cuts an ear or, if none is left, a sliver that rounding has bent the wrong way.
         const bool sliver = tried >= left;
         const double area = turn(corners_[b.before], b, corners_[b.after]);
         if (sliver ? std::abs(area) <= nothing : is_ear(at)) {
@@ -258,7 +258,7 @@ bool Cutter::clip(std::vector<knurl::Triangle>& out) {
             take_out(at);
             --left;
             tried = 0;
-            at = next;  // not the same corner again: slimmer and slimmer triangles
+            at = next;  // not the same corner again, which would give ever slimmer triangles
             continue;
         }
         at = b.after;

@@ -32,7 +32,7 @@ bool fits_its_count(std::string_view bytes) {
     return bytes.size() >= head && bytes.size() == head + record * std::size_t{count_of(bytes)};
 }
 
-/// Without what some programs fill the last block of a text with: zeros, or the end of a file in CP/M.
+/// Without the padding that some programs put after a text: zeros, or CP/M's end-of-file.
 std::string_view unfilled(std::string_view bytes) {
     const auto last = bytes.find_last_not_of(std::string_view("\0\x1a", 2));
     return bytes.substr(0, last == bytes.npos ? 0 : last + 1);
@@ -43,7 +43,7 @@ bool is_printable(std::string_view bytes) {
                        [](char c) { return c >= ' ' || (c >= '\t' && c <= '\r'); });
 }
 
-/// "solid", and behind its line a word of the format. Binary files may begin with "solid", too.
+/// "solid", and after its line a word of the format. Binary files may also begin with "solid".
 bool is_text(std::string_view bytes) {
     if (bytes.substr(0, 2000).find('\0') != bytes.npos) return false;
     Lines lines(bytes);
@@ -65,7 +65,7 @@ class TextReader {
     void read() {
         while (advance()) {
             if (!take("solid")) fail("solid");
-            // Its name goes on to the end of the line.
+            // Its name extends to the end of the line.
             line_ = {};
             bool ended = false;
             while (!ended && more()) {
@@ -80,7 +80,7 @@ class TextReader {
     }
 
   private:
-    /// To the next line that is not blank.
+    /// To the next non-empty line.
     bool advance() {
         while (lines_.next(line_)) {
             std::string_view look = line_;
@@ -94,7 +94,7 @@ class TextReader {
         line_ = look;
         return true;
     }
-    /// To the next word, on this line or one of the next.
+    /// To the next word, on this line or a later one.
     bool more() {
         std::string_view look = line_;
         return !next_word(look).empty() || advance();
@@ -120,7 +120,7 @@ class TextReader {
     void facet() {
         if (!take("facet")) fail("facet");
         const auto place = static_cast<std::uint32_t>(lines_.number());
-        // The normal, if it is there: the corners' order says it.
+        // The normal is optional: the order of the corners gives it.
         if (take("normal"))
             for (int k = 0; k < 3; ++k) {
                 std::string_view look = line_;
@@ -150,12 +150,12 @@ class TextReader {
     Soup& soup_;
 };
 
-/// How many triangles a binary file has; throws if that cannot be told.
+/// The number of triangles of a binary file; throws if it cannot be determined.
 std::size_t triangles_of(std::string_view bytes, Soup& soup) {
     const std::size_t counted = count_of(bytes), body = bytes.size() - head, there = body / record;
     const bool whole = body % record == 0;
     if (counted == there && whole) return there;
-    // Programs that do not know the number when they begin leave 0 or -1.
+    // Programs that do not know the number at the start leave 0 or -1.
     if ((counted == 0 || counted == 0xffffffff) && whole && there > 0) {
         soup.notes.push_back(fmt::format("its header counts {} triangles; all {} of the file are read",
                                          counted == 0 ? "0" : "-1", there));
@@ -186,7 +186,7 @@ bool is_stl(std::string_view bytes) {
 Soup read_stl(std::string_view bytes, const std::string& path) {
     Soup soup;
     soup.path = path;
-    // What is no text of the format, but a text, is told its first wrong line.
+    // If it is a text, but not of the format, the error names its first wrong line.
     const std::string_view text = unfilled(bytes);
     if (!fits_its_count(bytes) &&
         (is_text(text) || (text.size() > head && is_printable(text.substr(0, 2000))))) {

@@ -34,7 +34,7 @@ std::optional<double> number_of(std::string_view word) {
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (end != word.data() + word.size() || word.empty()) return std::nullopt;
     if (error == std::errc{}) return value;
-    // Out of range: so small that it is nothing, or so large that it is no length.
+    // Out of range: so small that it is 0, or so large that it is no length.
     const bool tiny = word.find("e-") != word.npos || word.find("E-") != word.npos;
     return error == std::errc::result_out_of_range && tiny ? std::optional(0.0) : std::nullopt;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Lines, words and numbers of a text, whatever the locale is and whichever line ends it has.
+// Lines, words and numbers of a text, independent of locale and line ends.
 
 #include <optional>
 #include <string>
@@ -23,12 +23,12 @@ class Lines {
     std::size_t number_ = 0;
 };
 
-/// Takes the next word off a line; empty: there is none.
+/// Takes the next word from a line; empty: there is none.
 std::string_view next_word(std::string_view& line);
-/// None: it is not one, or not as a double.
+/// None: no number, or out of double's range.
 std::optional<double> number_of(std::string_view word);
 std::optional<long long> integer_of(std::string_view word);
-/// `word` in quotes, cut and without what a terminal would not show.
+/// `word` in quotes, shortened and without unprintable characters.
 std::string in_quotes(std::string_view word);
 /// Why a word is no number, and what to do: `"1,5" is not a number; write ...`.
 std::string no_number(std::string_view word);

@@ -3,7 +3,7 @@
 namespace knurl::protocol {
 
 namespace {
-constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of anything: no product overflows
+constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of any count: no product overflows
 }
 
 std::optional<AssetSourceLayout> layout_of(const AssetSource& source) noexcept {

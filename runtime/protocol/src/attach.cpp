@@ -43,7 +43,7 @@ std::uint64_t wire_hash() noexcept {
           std::uint64_t{sizeof(Report)}, std::uint64_t{sizeof(DeviceInfo)}, std::uint64_t{sizeof(ClientRow)},
           std::uint64_t{offsetof(ClientRow, present)}, std::uint64_t{sizeof(shm::WaiterFlag)},
           std::uint64_t{offsetof(shm::WaiterFlag, sent)},
-          // Rounding may hide in `total` that something has moved.
+          // `total` alone may hide a move behind padding, so offsets count too.
           static_cast<std::uint64_t>(Count::size_), std::uint64_t{device_layout().clients},
           std::uint64_t{device_layout().reports}, std::uint64_t{device_layout().total},
           std::uint64_t{claim_layout({}).total}, layout_hash()}) {
@@ -87,7 +87,7 @@ std::string servo_socket(const std::string& servo_name) {
     const std::vector<std::string> directories = servo_directories();
     for (const std::string& directory : directories) {
         const std::string path = directory + "/" + servo_name + ".sock";
-        // What may not be looked into is a reason to tell, no reason to look elsewhere.
+        // A path without permission must be reported, not skipped.
         if (access(path.c_str(), F_OK) == 0 || errno == EACCES) return path;
     }
     return directories.front() + "/" + servo_name + ".sock";

@@ -51,7 +51,7 @@ std::vector<std::string> running_servos() {
             try {
                 shm::connect_to(file.path().string());
                 names.push_back(file.path().stem().string());
-            } catch (const std::exception&) {  // a dead one's, or another's
+            } catch (const std::exception&) {  // a dead servo's, or another program's
             }
         }
     }

@@ -1,5 +1,5 @@
 #pragma once
-// What writer and reader of MCAP agree on.
+// Shared by writer and reader of MCAP.
 
 #include <cstddef>
 #include <cstdint>
@@ -36,7 +36,7 @@ inline std::string_view text_of(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Little-endian, as this machine has it.
+/// Little-endian, as on this machine.
 template <class T>
 void put(std::string& to, T value) {
     char bytes[sizeof value];

@@ -16,12 +16,12 @@ using namespace mcap;
 
 namespace {
 
-constexpr std::uint64_t largest_record = 64u << 20;       // bytes; ours are of one or two MiB,
-constexpr std::uint64_t largest_attachment = 512u << 20;  // but for what is attached
+constexpr std::uint64_t largest_record = 64u << 20;       // bytes; Knurl's have one or two MiB,
+constexpr std::uint64_t largest_attachment = 512u << 20;  // except attachments
 
 struct TooShort {};
 
-/// Takes one thing after the other from the front.
+/// Takes values from the front, one after the other.
 class Parts {
   public:
     explicit Parts(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -112,7 +112,7 @@ bool McapReader::next(Message& out) {
     }
 }
 
-/// The next one of the file. False: it ends here.
+/// Reads the next record. False: end of the file.
 bool McapReader::read_record() {
     std::byte head[record_head];
     const auto cut = [&] {
@@ -174,7 +174,7 @@ bool McapReader::read_record() {
     return true;
 }
 
-/// Where it lies; it is read again when it is needed.
+/// Its position; it is read again when needed.
 void McapReader::note_attachment(std::span<const std::byte> content, std::uint64_t at) {
     if (content.size() < sizeof(std::uint32_t)) throw TooShort();
     const auto checked = content.first(content.size() - sizeof(std::uint32_t));

@@ -70,7 +70,7 @@ McapWriter::McapWriter(const std::string& path, const std::string& library, Exis
 
 McapWriter::~McapWriter() = default;
 
-/// All of it or nothing.
+/// Writes all of it or nothing.
 bool McapWriter::write(std::string_view bytes) {
     const std::uint64_t at = at_;
     const std::uint32_t crc = crc_;
@@ -203,7 +203,7 @@ void McapWriter::message(std::uint16_t channel, std::int64_t time_ns, std::span<
 
 bool McapWriter::flush() {
     if (pending_ == 0) return true;
-    constexpr int level = 1;  // fast: a recorder must keep up, and higher ones gain a few percent
+    constexpr int level = 1;  // fast, since a recorder must keep up; higher levels gain a few percent
     std::string compressed(ZSTD_compressBound(chunk_.size()), '\0');
     compressed.resize(
         ZSTD_compress(compressed.data(), compressed.size(), chunk_.data(), chunk_.size(), level));

@@ -25,8 +25,8 @@ std::string asset_name(const protocol::AssetDigest& digest) {
     return fmt::format("asset-{:02x}", fmt::join(digest, ""));
 }
 
-// CDR puts these fields one behind the other, each on a multiple of its size, as the compiler does: a
-// report's bytes are its encoding, behind four bytes that say so.
+// CDR aligns each field to its size and packs them in order, as the compiler does. So a report's bytes are
+// its encoding, after a header of four bytes.
 constexpr std::array cdr_little_endian{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
 static_assert(sizeof(Report) == 47 * 8 && offsetof(Report, joints) == 4 * 8 &&
               offsetof(Report, position) == 12 * 8 && offsetof(Report, velocity) == 19 * 8 &&
@@ -74,7 +74,7 @@ float64 z
     return schema;
 }
 
-/// All of them: what is left out here would be left out of a replay.
+/// All options: one that is missing here would be missing in a replay.
 template <class Visit>
 void each_option(servo::ServoOptions& options, Visit visit) {
     static_assert(sizeof(servo::ServoOptions) == 192, "a new option belongs here");
@@ -122,7 +122,7 @@ McapMetadata metadata_of(RecordingInfo info) {
         all["cause"] = info.cause;
         all["assets"] = "of a flight record: reports alone, shapes that were felt are not in it";
     }
-    // 17 digits: every double comes back to the bit.
+    // 17 digits reproduce every double exactly.
     each_option(info.options, [&](const char* name, auto& value) {
         if constexpr (std::is_same_v<decltype(value), bool&>)
             all[name] = value ? "true" : "false";
@@ -165,7 +165,7 @@ RecordingInfo info_of(const McapMetadata& all, const std::string& path) {
         else
             number(name, value);
     });
-    // Every time of a replay is counted by it.
+    // All times of a replay are counted by it.
     if (const auto& rate = servo::ranges::rate;
         !(info.options.rate >= rate.low && info.options.rate <= rate.high))
         throw std::runtime_error(
@@ -175,7 +175,7 @@ RecordingInfo info_of(const McapMetadata& all, const std::string& path) {
     return info;
 }
 
-/// How a message of inputs begins.
+/// The header of a message of inputs.
 struct InputHead {
     std::uint16_t type = 0;  // servo::InputType; 0: a gap
     std::uint16_t reserved[3] = {};
@@ -252,8 +252,7 @@ RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(p
     info_ = info_of(*metadata, path);
     reports_ = file_.channel(report_topic);
     inputs_ = file_.channel(inputs_topic);
-    // Reports are read by whoever has the same report; what they say of the servo's insides is for replay
-    // alone.
+    // Any build with the same report reads the reports; the servo's internal state is only for replay.
     if (file_.library() != "Knurl " + info_.version)
         throw std::runtime_error(path +
                                  ": its header and its metadata name two versions: the file was changed");

@@ -34,7 +34,7 @@ std::string newest_in(const std::string& directory) {
     return newest;
 }
 
-/// The columns in their order are a report's members in theirs: see servo::report_columns.
+/// The columns are a report's members in the same order: see servo::report_columns.
 bool parse_row(std::string_view row, Report& report) {
     auto* to = reinterpret_cast<std::byte*>(&report);
     const auto take = [&](auto value) {
@@ -54,7 +54,7 @@ bool parse_row(std::string_view row, Report& report) {
            report.state <= DeviceState::fault;
 }
 
-/// "# build: 0.1.0 layout 0123": the words behind the colon.
+/// "# build: 0.1.0 layout 0123": the words after the colon.
 std::istringstream words_of(const std::string& line) {
     return std::istringstream(line.substr(line.find(':') + 1));
 }

@@ -1,4 +1,4 @@
-// [[asset]]: a surface that shapes are made of. Read here, built by whoever plays the scene.
+// [[asset]]: a surface of which shapes are made. Parsed here; the player of the scene builds it.
 
 #include <cmath>
 #include <limits>
@@ -95,10 +95,10 @@ AssetEntry read_asset(const std::string& path, std::size_t number, const toml::t
     AssetEntry asset;
     asset.line = table.source().begin.line;
     bool spaced = false;
-    const Value* of_mesh = nullptr;     // the last key that only a mesh has,
-    const Value* of_file = nullptr;     // only one from a file,
-    const Value* of_heights = nullptr;  // only a height field
-    const Value* exact = nullptr;       // of both meshes
+    const Value* of_mesh = nullptr;     // the last key that only a mesh has
+    const Value* of_file = nullptr;     // ... only an asset from a file
+    const Value* of_heights = nullptr;  // ... only a height field
+    const Value* exact = nullptr;       // the key `exact`, of both kinds of mesh
     const auto values = values_of(table);
     for (const Value& value : values) {
         const std::string what = fmt::format("{} of {}", value.key, called);

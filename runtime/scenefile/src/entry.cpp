@@ -70,7 +70,7 @@ Setting read_setting(const std::string& path, const Value& value, std::uint32_t 
                 break;
             }
             const double number = real(path, value, what, field.unit);
-            // Written as a number, the code for "automatic" is only a negative one.
+            // Given as a number, the code for "automatic" is just a negative value.
             if (field.automatic_allowed && number == automatic) {
                 const std::string unit = field.unit == "1" ? std::string() : fmt::format(" {}", field.unit);
                 fail(path, value.at,
@@ -123,7 +123,7 @@ void make_of(const Material& material, Kind kind, std::vector<std::byte>& params
 
 void fail_unknown_key(const std::string& path, const Value& value, const std::string& called,
                       const std::vector<std::string_view>& known) {
-    std::vector<std::string_view> inside;  // "friction" alone: a table, not a value
+    std::vector<std::string_view> inside;  // the word is a table ("friction"), not a value
     for (const auto word : known) {
         if (word.starts_with(fmt::format("{}.", value.key))) inside.push_back(word);
     }
@@ -133,7 +133,7 @@ void fail_unknown_key(const std::string& path, const Value& value, const std::st
                          joined(inside)));
     }
     auto meant = words::nearest(value.key, known);
-    for (const auto word : known) {  // the last part alone, of a name with dots
+    for (const auto word : known) {  // compares the last part of a dotted name
         if (meant.empty() && word.ends_with(fmt::format(".{}", value.key))) meant = word;
     }
     fail(path, value.key_at,
@@ -167,7 +167,7 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
         if (info.surface || key.name != "material") known.push_back(key.name);
 
     const auto values = values_of(table);
-    for (const Value& value : values) {  // first, so that every other error can name it
+    for (const Value& value : values) {  // first, so that every other error can contain the name
         if (value.key == "id") {
             entry.id = identity(path, value, "id of " + entry.called);
             entry.called = fmt::format("{} '{}'", info.name, entry.id);
@@ -198,14 +198,14 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
             entry.settings.push_back(read_setting(path, value, index, info.fields[index], what));
         }
         if (const Verdict verdict = check_options(options_of(entry));
-            !verdict)  // of what was read before it is legal
+            !verdict)  // the values read before this one were legal
             fail(path, value.at, describe(verdict, kind, entry.called));
     }
     return entry;
 }
 
 void doubt_units(const std::string& path, const Entry& entry, std::vector<std::string>& remarks) {
-    constexpr double reach = 2, farthest = 1e3;  // m: of a hand; a world that has its own origin is beyond
+    constexpr double reach = 2, farthest = 1e3;  // m: of a hand; a world with its own origin lies beyond
     for (const Setting& setting : entry.settings) {
         const Field& field = kinds()[entry.kind].fields[setting.field];
         if (field.unit != "m") continue;

@@ -31,7 +31,7 @@ std::vector<std::byte> default_params(Kind kind, TypeList<R...>) {
     return makers[kind]();
 }
 
-/// What describes a change, not the thing, an update does not inherit: it is what it is by default.
+/// An update does not inherit fields that describe a change rather than the thing; they get their defaults.
 void reset_what_describes_a_change(Kind kind, std::vector<std::byte>& params) {
     const auto defaults = default_params(kind, Representations{});
     for (const Field& field : kinds()[kind].fields) {
@@ -52,7 +52,7 @@ void reset_what_describes_a_change(Kind kind, std::vector<std::byte>& params) {
                      meant.empty() ? "a scene has " + all : fmt::format("did you mean [[{}]]?", meant)));
 }
 
-/// The tables of a [[name]]; fails if it is written otherwise.
+/// The tables of a [[name]]; fails if it has another form.
 std::vector<const toml::table*> tables_of(const std::string& path, const toml::key& name,
                                           const toml::node& node) {
     std::vector<const toml::table*> tables;
@@ -76,7 +76,7 @@ bool changes_options(const Entry& entry, const AddOptions& options) {
            entry.silence_time.value_or(options.silence_time) != options.silence_time;
 }
 
-/// Turns entries in order of time into adds, updates and removals of what is there.
+/// Turns entries, sorted by time, into adds, updates and removals.
 class Resolver {
   public:
     explicit Resolver(SceneFile& scene) : scene_(scene) {}
@@ -155,7 +155,7 @@ class Resolver {
                          kinds()[newest.change.kind].name, newest.change.line));
     }
 
-    /// A shape is made of what the scene has.
+    /// A shape must refer to an asset of the scene.
     void check_asset(const Entry& entry, const Change& change) const {
         if (change.kind != kind_of<Shape>) return;
         Shape shape;
@@ -189,7 +189,7 @@ SceneFile parse_scene(std::string_view text, const std::string& path) {
         root = toml::parse(text, path);
     } catch (const toml::parse_error& error) {
         std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');  // it quotes the file, line ends too
+        std::replace(what.begin(), what.end(), '\n', ' ');  // the message quotes the file, with line ends
         fail(path, error.source().begin, what);
     }
 
@@ -239,7 +239,7 @@ SceneFile read_scene(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     std::stringstream text;
     if (!file || !(text << file.rdbuf())) {
-        // An empty file sets the failbit as well, and is a scene without anything in it.
+        // An empty file also sets the failbit, and is a scene without content.
         if (!file.is_open() || file.bad() || file.peek() != std::ifstream::traits_type::eof()) {
             throw SceneError(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
         }

@@ -34,13 +34,13 @@ bool number_of(const toml::node& node, double& out) {
     return true;
 }
 
-/// As words, so that a sentence reads well.
+/// As a word, so that the sentence reads well.
 std::string in_words(std::size_t count) {
     constexpr std::string_view words[] = {"no", "one", "two", "three", "four", "five", "six"};
     return count < std::size(words) ? std::string(words[count]) : std::to_string(count);
 }
 
-/// Appends the numbers of an array of that many; else says what it found instead.
+/// Appends the numbers of an array with `count` elements; else returns what it found instead.
 std::string append_numbers(const toml::node& node, std::size_t count, std::vector<double>& out) {
     const auto* array = node.as_array();
     if (array == nullptr) return std::string(type_name(node));

@@ -1,5 +1,5 @@
 #pragma once
-// What the builder's process says at its end, with the memory of what it has built.
+// The last message of the builder's process, sent with the memory that it has built.
 
 #include <array>
 #include <cstdint>

@@ -32,7 +32,7 @@ void AssetService::offer(std::uint64_t connection, const protocol::AssetOffer& o
                             .source = std::move(source),
                             .bytes = offer.bytes,
                             .budget = budget});
-    } catch (...) {  // no memory for it, at the worst: the number must not be "being built" for ever
+    } catch (...) {  // at worst out of memory: else the number would count as "being built" for ever
         if (expecting != nullptr) expecting->expect_no_asset(offer.key, offer.number);
         waiting_.erase(place);
         throw;

@@ -1,5 +1,6 @@
 #pragma once
-// The broker's part in assets: who may offer what, who waits for an answer, what the build queue has done.
+// The broker's part in assets: who may offer which asset, who waits for an answer, and the results of the
+// build queue.
 
 #include <cstdint>
 #include <functional>
@@ -21,7 +22,7 @@ struct AssetReply {
     std::uint64_t connection = 0;
     std::string refusal;  // empty: ready
     protocol::AssetReady ready;
-    protocol::AssetForget undo;  // should nobody hear of it
+    protocol::AssetForget undo;  // for the case that the answer reaches nobody
 };
 
 class AssetService {
@@ -29,10 +30,10 @@ class AssetService {
     using Tables = std::span<const std::unique_ptr<ClaimTable>>;
     explicit AssetService(std::string builder) : build_queue_(std::move(builder)) {}
 
-    /// Throws RequestRefused; then nothing has begun. One offer a connection.
+    /// Throws RequestRefused; then nothing has begun. One offer per connection at a time.
     void offer(std::uint64_t connection, const protocol::AssetOffer& offer, shm::UniqueFd source,
                Tables tables);
-    /// That connection has gone: what it waits for is not built. False: nothing.
+    /// The connection has closed: its asset is not built. False: it waited for none.
     bool cancel(std::uint64_t connection, Tables tables) noexcept;
     /// Throws RequestRefused.
     void forget(const protocol::AssetForget& message, Tables tables);
@@ -40,8 +41,8 @@ class AssetService {
     int event() const noexcept { return build_queue_.event(); }
     std::uint64_t builds() const noexcept {
         return build_queue_.builds();
-    }  // begun so far: each has its own event
-    /// `recorded`: what a device's claim gets, before it does.
+    }  // begun so far; each has its own event
+    /// `recorded`: receives what a device's claim gets, before the claim gets it.
     using Recorded =
         std::function<void(std::uint32_t device, const protocol::RecordedAsset& message, int source)>;
     std::vector<AssetReply> answers(Tables tables, const Recorded& recorded);
@@ -49,9 +50,9 @@ class AssetService {
   private:
     struct Waiting {
         std::uint32_t device = 0, number = 0;
-        std::uint64_t key = 0;  // of the claim: it may be gone when the asset is done
+        std::uint64_t key = 0;  // of the claim, which may be gone when the asset is ready
         std::uint64_t bytes = 0;
-        shm::UniqueFd source;  // for whoever records
+        shm::UniqueFd source;  // for recorders
     };
     BuildQueue build_queue_;
     std::unordered_map<std::uint64_t, Waiting> waiting_;  // by connection

@@ -1,5 +1,6 @@
 #pragma once
-// What callers say to the broker, byte for byte: nothing of it is believed before its length and magic are.
+// The messages of callers to the broker, as bytes. Nothing in them is used before length and magic are
+// checked.
 
 #include <algorithm>
 #include <array>
@@ -17,7 +18,7 @@
 
 namespace knurl::servo {
 
-/// Large enough for every message that a client may send, and one byte more: a longer one shows.
+/// Large enough for every message of a client, plus one byte that shows a longer message.
 using Buffer = std::array<std::byte, std::max({sizeof(protocol::Hello), sizeof(protocol::ClaimRequest),
                                                sizeof(protocol::Release), sizeof(protocol::RecordRequest),
                                                sizeof(protocol::AssetOffer), sizeof(protocol::AssetForget)}) +
@@ -34,7 +35,7 @@ Message read_message(const Buffer& buffer, std::size_t bytes, const char* what) 
     return message;
 }
 
-/// The type as an integer: loading an enum that has no such value would be undefined.
+/// The type as an integer: loading an enum with an invalid value would be undefined behaviour.
 inline std::optional<std::uint32_t> type_of(const Buffer& buffer, std::size_t bytes) {
     std::array<std::uint32_t, 2> header{};
     static_assert(sizeof header == sizeof(protocol::MessageHeader));

@@ -31,13 +31,13 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 using protocol::MessageType;
 
-// What epoll hands back. Connections count on from first_connection, never twice the same number, so that an
-// event for one that was closed in the same round finds nobody.
+// The values that epoll returns. Connections are numbered from first_connection and no number is used twice.
+// So an event for a connection that was closed in the same round finds none.
 enum Source : std::uint64_t { listening, signalled, guardian_gone, built, first_connection };
 
 constexpr auto collect_interval = std::chrono::milliseconds(10);
 constexpr auto ramp_interval = std::chrono::milliseconds(2);
-constexpr auto accept_pause = std::chrono::milliseconds(100);  // when the process is out of descriptors
+constexpr auto accept_pause = std::chrono::milliseconds(100);  // after the process has run out of descriptors
 
 struct Connection {
     struct Holding {
@@ -71,7 +71,7 @@ struct Broker::Impl {
     SteadyClock::time_point pause_until{};
     std::optional<End> ending;
     SteadyClock::time_point ending_since{};
-    std::vector<bool> asked_to_end;  // per device: drop_all went through
+    std::vector<bool> asked_to_end;  // per device: drop_all was delivered
 
     void watch(int fd, std::uint64_t source) {
         epoll_event event{.events = EPOLLIN, .data = {.u64 = source}};
@@ -80,7 +80,7 @@ struct Broker::Impl {
         }
     }
 
-    /// With all half-open places taken the next callers wait in the listening queue: nobody is turned away.
+    /// While all half-open places are taken, further callers wait in the listening queue: none is refused.
     void update_listening() {
         const bool wanted = half_open < broker_bounds::half_open && SteadyClock::now() >= pause_until;
         if (wanted == listening_now) return;
@@ -97,7 +97,8 @@ struct Broker::Impl {
         try {
             socket = shm::accept_from(options.listener);
         } catch (const std::runtime_error&) {
-            pause_until = SteadyClock::now() + accept_pause;  // out of descriptors: some client will leave
+            pause_until = SteadyClock::now() + accept_pause;  // out of descriptors: wait until a client
+                                                              // leaves
             tell_one_why();
             return;
         }
@@ -123,15 +124,14 @@ struct Broker::Impl {
             connection.peer.uid = credentials.uid;
             watch(connection.socket.get(), id);
         } catch (const std::runtime_error&) {
-            pause_until = SteadyClock::now() + accept_pause;  // the kernel has no room for one more
+            pause_until = SteadyClock::now() + accept_pause;  // the kernel has no room for another connection
             return;
         }
         connections.emplace(id, std::move(connection));
         ++half_open;
     }
 
-    /// Without a descriptor left: who waits for an answer gets one all the same, with the one that is kept for
-    /// that.
+    /// When descriptors run out, one reserved descriptor serves to refuse a waiting caller with a reason.
     void tell_one_why() {
         spare.reset();
         try {
@@ -144,7 +144,7 @@ struct Broker::Impl {
                                                options.servo_name));
                 shm::send_message(socket, bytes_of(no_descriptor));
             }
-        } catch (const std::runtime_error&) {  // the machine has none: they wait
+        } catch (const std::runtime_error&) {  // the system is out of descriptors: the callers wait
         }
         spare = spare_descriptor();
     }
@@ -153,7 +153,7 @@ struct Broker::Impl {
         return shm::UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC));
     }
 
-    /// False: the peer does not read.
+    /// False: the peer does not read its replies.
     static bool refuse(const Connection& to, const RequestRefused& why) {
         protocol::Refused message;
         message.holder_pid = static_cast<std::uint32_t>(why.holder_pid);
@@ -170,10 +170,10 @@ struct Broker::Impl {
         if (const auto device = found->second.recording) recordings[*device].end(tables[*device]->device());
         if (!found->second.greeted) --half_open;
         connections.erase(found);        // closing the socket takes it out of the epoll set
-        if (built_for) tell_builders();  // the next one's builder could not be started, say
+        if (built_for) tell_builders();  // e.g. the builder of the next asset could not be started
     }
 
-    /// Takes what one connection has sent. Anything that is not a message of ours ends it.
+    /// Handles what one connection has sent. Bytes that are not a valid message end it.
     void serve(std::uint64_t id) {
         for (int i = 0; i < broker_bounds::messages_at_once; ++i) {
             const auto found = connections.find(id);
@@ -189,7 +189,7 @@ struct Broker::Impl {
                     type_of(buffer, received.bytes) == static_cast<std::uint32_t>(MessageType::asset_offer);
                 if (received.truncated || (!received.fds.empty() && !with_asset)) {
                     throw RequestRefused(
-                        "attach: a message longer than any of ours, or with descriptors; not a Knurl "
+                        "attach: a message that is too long, or carries descriptors; is this a Knurl "
                         "client?");
                 }
                 if (with_asset) {
@@ -201,13 +201,14 @@ struct Broker::Impl {
             } catch (const RequestRefused& refusal) {
                 refuse(connection, refusal);
                 return close(id);
-            } catch (const std::exception&) {  // the socket broke, or memory ran out: theirs alone
+            } catch (const std::exception&) {  // the socket broke, or memory ran out: only this connection
+                                               // ends
                 return close(id);
             }
         }
     }
 
-    /// False: the peer does not read. Throws RequestRefused: it ends.
+    /// False: the peer does not read its replies. Throws RequestRefused: the connection ends.
     bool handle(Connection& connection, const Buffer& buffer, std::size_t bytes) {
         const std::optional<std::uint32_t> type = type_of(buffer, bytes);
         if (!type) throw RequestRefused("attach: not a message of Knurl's (magic); is this a Knurl client?");
@@ -234,7 +235,7 @@ struct Broker::Impl {
     }
 
     bool greet(Connection& connection, const Buffer& buffer, std::size_t bytes) {
-        // The version comes before the size: an older client's Hello may have another one.
+        // The version is checked before the size: an older client's Hello may have another size.
         std::uint32_t version = 0;
         if (bytes >= offsetof(protocol::Hello, version) + sizeof version) {
             std::memcpy(&version, buffer.data() + offsetof(protocol::Hello, version), sizeof version);
@@ -313,7 +314,7 @@ struct Broker::Impl {
         }
     }
 
-    /// The build queue has another process, or none.
+    /// The build queue runs another process, or none.
     void watch_build() {
         if (assets.builds() == watched_build) return;
         watched_build = assets.builds();
@@ -323,13 +324,13 @@ struct Broker::Impl {
     void forget_quietly(const protocol::AssetForget& message) {
         try {
             assets.forget(message, tables);
-        } catch (const RequestRefused&) {  // the claim has gone too, and its assets with it
+        } catch (const RequestRefused&) {  // the claim is gone, and its assets too
         }
     }
 
     void tell_builders() {
-        // A recorder that does not read loses its connection: the claim does not wait, and what was sent to
-        // it would keep every source that ever came.
+        // A recorder that does not read loses its connection. Else the claim would have to wait, and every
+        // unsent source would pile up in memory.
         std::vector<std::uint64_t> lost;
         const auto record = [&](std::uint32_t device, const protocol::RecordedAsset& message, int source) {
             for (const auto& [id, connection] : connections) {
@@ -337,7 +338,7 @@ struct Broker::Impl {
                 bool sent = false;
                 try {
                     sent = shm::send_message(connection.socket, bytes_of(message), {&source, 1});
-                } catch (const std::runtime_error&) {  // too many descriptors are on their way
+                } catch (const std::runtime_error&) {  // too many descriptors are in flight
                 }
                 if (!sent) lost.push_back(id);
             }
@@ -382,7 +383,7 @@ struct Broker::Impl {
         asked_to_end.assign(tables.size(), false);
     }
 
-    /// Every device is at rest, or has had its time.
+    /// Is every device at rest, or has its time run out?
     bool at_rest() {
         if (SteadyClock::now() - ending_since >
             std::chrono::duration<double>(broker_bounds::ramp_down_seconds)) {

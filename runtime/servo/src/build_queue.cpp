@@ -74,7 +74,7 @@ void BuildQueue::next() {
         SpawnSettings with;
         posix_spawn_file_actions_adddup2(&with.actions, job.source.get(), 0);
         posix_spawn_file_actions_adddup2(&with.actions, theirs.get(), 1);
-        // The broker is real-time: its children are not.
+        // The broker runs in real time; its children must not.
         const sched_param none{};
         posix_spawnattr_setschedparam(&with.attributes, &none);
         posix_spawnattr_setschedpolicy(&with.attributes, SCHED_IDLE);
@@ -127,7 +127,7 @@ std::optional<BuildQueue::Result> BuildQueue::collect() {
     if (received.nothing) return std::nullopt;
     Result result{.ticket = running_->ticket, .asset = {}, .ready = {}, .digest = {}, .refusal = {}};
     const std::uint32_t number = running_->number;
-    end_process();  // it has said all that it had to say
+    end_process();  // its answer is complete
     next();
     if (received.closed || received.bytes != sizeof answer) {
         result.refusal =

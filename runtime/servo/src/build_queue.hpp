@@ -1,10 +1,9 @@
 #pragma once
-// Builds what clients offer, in processes of their own, one at a time: what is in a client's bytes can crash,
-// stall or bloat no more than that process. It runs at idle priority, its allocations lock nothing of the
-// servo's, and a client that has gone takes it along. What comes back is memory that its own process has
-// written and sealed.
+// Builds what clients offer, in separate processes, one at a time. A client's bytes can crash, stall or bloat
+// only that process. It runs at idle priority, its allocations lock none of the servo's memory, and it ends
+// when its client leaves. The result is memory that its own process has written and sealed.
 //
-//   start ──> fair queue ──> spawn(program --build-asset) ══ socket ══> collect: the asset, or why not
+//   start ──> fair queue ──> spawn(program --build-asset) ══ socket ══> collect: the asset, or the refusal
 //                             └── cancel: killed
 
 #include <cstdint>
@@ -30,7 +29,7 @@ class BuildQueue {
         std::uint32_t number = 0;
         shm::UniqueFd source;
         std::uint64_t bytes = 0;   // of the source
-        std::uint64_t budget = 0;  // bytes, of the result and of building it
+        std::uint64_t budget = 0;  // bytes, of the result and of its build
     };
     struct Result {
         std::uint64_t ticket = 0;
@@ -46,7 +45,7 @@ class BuildQueue {
 
     void start(Job job);
     void cancel(std::uint64_t ticket) noexcept;
-    /// Readable when collect() has something; of the process at hand. -1: none runs.
+    /// Readable when collect() has a result; belongs to the running process. -1: none runs.
     int event() const noexcept { return running_ ? running_->socket.get() : -1; }
     std::optional<Result> collect();
     std::uint64_t builds() const noexcept { return builds_; }  // processes begun so far
@@ -66,11 +65,12 @@ class BuildQueue {
     FairQueue<Job> queue_;
     std::optional<Running> running_;
     std::uint64_t builds_ = 0;
-    std::deque<Result> failed_;  // that could not even be started
+    std::deque<Result> failed_;  // jobs whose process could not be started
     std::vector<pid_t> ending_;  // killed: the kernel frees their memory, which takes a while
 };
 
-/// The builder's process: the source is descriptor 0, the answer goes out through 1. Returns its exit code.
+/// The main function of the builder's process: reads the source from descriptor 0 and answers through
+/// descriptor 1. Returns its exit code.
 int build_asset_main(int argc, const char* const* argv);
 inline constexpr const char* build_asset_option = "--build-asset";
 

@@ -1,4 +1,4 @@
-// knurld --check-config: what a servo would run.
+// knurld --check-config: prints what a servo would run.
 
 #include <algorithm>
 #include <memory>
@@ -12,7 +12,7 @@ namespace knurl::servo {
 
 namespace {
 
-/// A line; `stated` gets the name that it would have, where that is known.
+/// One device's line; `stated` gets the device's own name, where it is known.
 std::string line_of(DeviceConfig& stated, const DaemonConfig& config) {
     std::unique_ptr<drivers::Device> device;
     try {
@@ -43,7 +43,7 @@ std::string plan_of(const DaemonConfig& stated) {
                     config.cpu == -1 ? "the last CPU allowed" : fmt::format("CPU {}", config.cpu),
                     config.idle == Idle::poll ? "idle CPUs poll" : "idle CPUs sleep");
     for (DeviceConfig& device : config.devices) text += line_of(device, stated);
-    check(config);  // two may have the same name now
+    check(config);  // with these names, two devices may have the same name
     return text;
 }
 

@@ -75,14 +75,14 @@ void Claim::Impl::evaluate(const Probe& device_hand, double dt) noexcept {
 
 bool Claim::Impl::nothing_to_do() const noexcept {
     if (dropping || forgotten != 0) return false;
-    if (!channels) return true;  // an observer has nothing but its row in the table
+    if (!channels) return true;  // an observer has only its row in the table
     const bool gain_rests = wants_force() ? gain >= 1 && announced : !(gain > 0);
     if (!gain_rests || touching || batch_is_new || commands_left) return false;
     return scene_sleeps || (quiet() && feedback.size() == 0 && scene.evaluated() == 0);
 }
 
 void Claim::Impl::advance_gain(double step) noexcept {
-    constexpr double rounding = 1e-9;  // n steps are n steps
+    constexpr double rounding = 1e-9;  // so that n steps take n cycles
     const double before = gain;
     if (wants_force()) {
         gain = gain + step > 1 - rounding ? 1 : gain + step;
@@ -93,7 +93,7 @@ void Claim::Impl::advance_gain(double step) noexcept {
 }
 
 Wrench Claim::Impl::device_wrench() const noexcept {
-    // World and device positions differ by `scale`, so a lever arm does too, and with it the torque.
+    // World and device lengths differ by `scale`, so lever arms and torques do, too.
     const double share = gain * terms.frame.force_scale;
     return {share * wrench.force, share / terms.frame.scale * wrench.torque};
 }
@@ -105,7 +105,7 @@ Eigen::Vector3d Claim::Impl::device_contact_point() const noexcept {
 
 namespace {
 
-// What the scene fills in is what the application gets, byte by byte: a thousand of them are copied once.
+// The scene's feedback is the application's, byte for byte: a thousand entries are copied once.
 static_assert(sizeof(Feedback) == sizeof(protocol::FeedbackEntry));
 static_assert(offsetof(Feedback, id) == offsetof(protocol::FeedbackEntry, id));
 static_assert(offsetof(Feedback, wrench) + offsetof(Wrench, force) ==
@@ -118,7 +118,7 @@ static_assert(offsetof(Feedback, tangential_stiffness) ==
               offsetof(protocol::FeedbackEntry, tangential_stiffness));
 static_assert(offsetof(Feedback, flags) == offsetof(protocol::FeedbackEntry, flags));
 
-/// With the number of each bit that is set.
+/// Calls visit with the number of each set bit.
 template <class Visit>
 void each_bit(std::span<const std::uint64_t> words, Visit visit) noexcept {
     for (std::size_t w = 0; w < words.size(); ++w)
@@ -128,12 +128,12 @@ void each_bit(std::span<const std::uint64_t> words, Visit visit) noexcept {
 
 template <class T>
 void put(std::atomic<T>& word, T value) noexcept {
-    word.store(value, std::memory_order_relaxed);  // read by anyone, orders nothing
+    word.store(value, std::memory_order_relaxed);  // readable by anyone, orders nothing
 }
 
 }  // namespace
 
-// Nothing has been written to any slot: all of it is stale.
+// No slot of the channel has been written, so all entries are stale.
 FeedbackEntries::FeedbackEntries(std::size_t most) : entries_(most) {
     const std::vector<std::uint64_t> none((most + 63) / 64), all(none.size(), ~std::uint64_t{0});
     written_ = {.wholly = none, .flags = none};
@@ -152,12 +152,13 @@ bool FeedbackEntries::take(Scene& scene) noexcept {
     }
     for (std::size_t w = 0; w < written_.wholly.size(); ++w)
         news_ = news_ || (written_.wholly[w] | written_.flags[w]) != 0;
-    std::uint32_t flags = 0;  // what is touched is among those that were written
+    std::uint32_t flags = 0;  // the written entries contain all touched ones
     each_bit(written_.wholly, [&](std::size_t i) { flags |= entries_[i].flags; });
     return (flags & Feedback::touching) != 0;
 }
 
-/// Behind the header. What is stale beyond the last entry stays so: it is not read, but may be again.
+/// Writes behind the header. Stale entries beyond the last one stay stale: nobody reads them now, but may
+/// later.
 void FeedbackEntries::write(shm::TripleWriter& to) noexcept {
     constexpr std::size_t tail = offsetof(Feedback, flags) / 8 * 8;
     Marks& stale = stale_[to.back()];
@@ -228,12 +229,12 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
     header.scales = protocol::packed(scales);
     header.entries = static_cast<std::uint32_t>(feedback.size());
 
-    // Nothing felt and nothing new: an idle claim costs no publishing (a hundred of them would), nor does one
-    // whose scene is out of reach. That it is silent still is nothing new.
+    // Without force and news, publishing is skipped: a hundred idle claims would cost too much. The same
+    // holds for a scene out of reach. A continuing silence is not news.
     published.cycle = cycle;
     if (published.silence > 0 && header.silence > 0) published.silence = header.silence;
     const bool no_feedback = feedback.size() == 0 || (scene_sleeps && !feedback.news());
-    if (no_feedback) header.scales = published.scales;  // of what is not felt nothing is scaled
+    if (no_feedback) header.scales = published.scales;  // without feedback, nothing is scaled
     if (no_feedback && std::memcmp(&published, &header, sizeof header) == 0) return;
     published = header;
 

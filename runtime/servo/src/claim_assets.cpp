@@ -1,5 +1,4 @@
-// What claims hold besides their memory: assets, by number, from the offer to the day that the servo gives
-// them back.
+// The assets of claims, by number, from the offer until the servo returns them.
 
 #include <algorithm>
 
@@ -58,7 +57,7 @@ void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique
     Row* row = row_of_key(key);
     if (row == nullptr) throw RequestRefused("asset: its claim has gone");
     RowAsset& place = row->assets[number - 1];
-    // Several that were on their way at once had each been promised all that was free.
+    // Several assets that were under way at once may each have been promised the same free memory.
     const std::uint64_t held = asset_bytes(*row);
     if (held + asset->bytes() > protocol::max_asset_bytes)
         throw RequestRefused(

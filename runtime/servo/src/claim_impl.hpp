@@ -1,6 +1,6 @@
 #pragma once
-// The servo's side of one claim. One thread at a time: the broker's until it is adopted and after it was
-// released, the servo's between.
+// The servo's side of one claim. One thread owns it at a time: the servo's from adoption to release, else the
+// broker's.
 
 #include <array>
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace knurl::servo {
 
-/// What the servo knows of a slot of the claim's scene: enough to check a group of commands before any is
-/// done.
+/// What the servo knows of a slot of the claim's scene. It is enough to check a whole group of commands
+/// before the first is executed.
 struct ClaimSlot {
     std::uint32_t generation = 0;
     Kind kind = 0;
     bool present = false;
     std::uint64_t version = 0;           // of the parameters in force
-    const std::byte* checked = nullptr;  // in the batch at hand: its last parameters for this slot
+    const std::byte* checked = nullptr;  // the last parameters of this slot in the present batch
 };
 
 /// The newest batch in force, for feedback.
@@ -37,7 +37,7 @@ struct RefusedBatch {
     std::uint32_t kind = 0, slot = 0;
 };
 
-/// The rings, if it is no observer.
+/// The rings; an observer has none.
 struct Channels {
     Channels(std::byte* memory, const protocol::ClaimLayout& layout);
 
@@ -47,17 +47,17 @@ struct Channels {
     shm::TripleWriter feedback;
 };
 
-/// What the application learns of its representations, kept up to date: of a thousand that do not change
-/// nothing is written in a cycle, neither here nor in the three slots of the channel. Of each slot it is
-/// remembered which entries have changed since it was written; the others stand in it as they stand here.
+/// The feedback of a claim's representations. For a thousand unchanged ones a cycle writes nothing, neither
+/// here nor in the three slots of the channel. For each slot of the channel, bits name the entries that have
+/// changed since it was written. All its other entries are equal to those here.
 class FeedbackEntries {
   public:
     explicit FeedbackEntries(std::size_t most);
-    /// True: something is touched.
+    /// True: a surface is touched.
     bool take(Scene& scene) noexcept;
-    /// In place of take(): it would find what it found before.
+    /// Replaces take() when it would find the same as before.
     void keep() noexcept { news_ = false; }
-    /// The last take() found something that is written.
+    /// The last take() has found an entry to write.
     bool news() const noexcept { return news_; }
     void write(shm::TripleWriter& to) noexcept;
     std::size_t size() const noexcept { return size_; }
@@ -66,12 +66,12 @@ class FeedbackEntries {
     std::vector<Feedback> entries_;
     std::size_t size_ = 0;
     bool news_ = false;
-    /// An entry a bit: all of it, or its flags alone.
+    /// One bit per entry: the whole entry, or only its flags.
     struct Marks {
         std::vector<std::uint64_t> wholly, flags;
     };
     Marks written_;               // in this cycle
-    std::array<Marks, 3> stale_;  // by slot
+    std::array<Marks, 3> stale_;  // by slot of the channel
 };
 
 struct Claim::Impl {
@@ -79,51 +79,51 @@ struct Claim::Impl {
 
     // claim.cpp
     void watch_silence(Nanoseconds now) noexcept;
-    /// Nothing is there, and what was there has faded: it costs nothing.
+    /// The claim is empty and its last force has faded: it costs nothing.
     bool quiet() const noexcept { return empty_for > 0.25; }
     /// World wrench of this cycle, before gain and sharing.
     void evaluate(const Probe& device_hand, double dt) noexcept;
     Probe in_world(const Probe& device_hand) const noexcept;
     void advance_gain(double step) noexcept;
-    /// The wrench as the device feels it: frame, gain and sharing applied.
+    /// The wrench at the device, with frame, gain and sharing applied.
     Wrench device_wrench() const noexcept;
     /// m, of probe 0.
     Eigen::Vector3d device_contact_point() const noexcept;
     /// N/m, device frame, weighted by the gain.
     bool wants_force() const noexcept { return armed && !faulted && !dropping; }
-    /// After publish(): the next cycle would change nothing of it, unless its application has sent something.
+    /// After publish(): the next cycle would change nothing in it, unless its application has sent something.
     bool nothing_to_do() const noexcept;
     void publish(std::uint64_t cycle) noexcept;  // feedback and the row in the device's table
-    void publish_missed() noexcept;              // what its application says that it missed
+    void publish_missed() noexcept;              // counts what its application says that it missed
     void fault() noexcept { faulted = true; }
 
     ClaimTerms terms;
     protocol::ClaimLayout layout;
-    std::optional<Channels> channels;  // none: an observer
+    std::optional<Channels> channels;  // none: the claim is an observer
     shm::WakeTarget wake_target;
-    protocol::ClientRow* row;  // may be null: nobody looks
+    protocol::ClientRow* row;  // null: not shown in a table
     Scene scene;
 
-    std::uint64_t number = 0;  // in the order of adoption: its name in an input log
+    std::uint64_t number = 0;  // in order of adoption; names the claim in an input log
     bool armed = false;
-    bool joined = false;          // armed by leave of whoever has the device on: does not keep it on
-    bool dropping = false;        // fades, then goes back to the broker
-    bool faulted = false;         // its bytes made no sense: ignored from then on, fades
-    bool announced = false;       // the device knows that it is active
-    bool from_the_start = false;  // offline: what the first cycle finds is in full force at once
+    bool joined = false;          // armed while another claim keeps the device on; does not keep it on itself
+    bool dropping = false;        // fades out, then goes back to the broker
+    bool faulted = false;         // it sent malformed bytes: it fades out and is ignored from now on
+    bool announced = false;       // the device counts it as active
+    bool from_the_start = false;  // offline: changes before the first cycle act in full at once
     double gain = 0;
-    double gain_lost = 0;       // in this cycle
+    double gain_lost = 0;       // loss of gain in this cycle
     double empty_for = 0;       // s, without a representation or a force
     HandScales scales;          // of the hand's budget
     Wrench wrench;              // world, of this cycle
-    bool touching = false;      // of this cycle, as far as feedback is asked for
+    bool touching = false;      // in this cycle, as far as feedback is requested
     bool scene_sleeps = false;  // its scene is out of the hand's reach: see SleepingScene
     SilenceWatch silence;
     double silent_for = 0;  // s
 
     // What CommandProcessor (command_processor.cpp) keeps of this claim.
     std::uint64_t commands_done = 0;
-    bool commands_left = false;  // in the ring, for the next cycle
+    bool commands_left = false;  // commands wait in the ring for the next cycle
     std::vector<ClaimSlot> slots;
     BatchInForce in_force;
     bool batch_is_new = false;  // taken in this cycle
@@ -131,15 +131,15 @@ struct Claim::Impl {
     std::uint64_t batches_taken = 0, batches_merged = 0;
     std::uint64_t last_sequence = 0;
 
-    std::array<const Asset*, max_assets> assets = {};  // by number less one
-    std::uint64_t forgotten = 0;                       // bits: of these, on their way back
+    std::array<const Asset*, max_assets> assets = {};  // by asset number minus one
+    std::uint64_t forgotten = 0;                       // bits: assets on their way back
     static_assert(max_assets <= 64);
 
     // Feedback's memory.
     FeedbackEntries feedback;
-    protocol::FeedbackHeader published;  // as of the last one
+    protocol::FeedbackHeader published;  // the header as last published
 
-    bool counts_changed = true;  // representations came or went
+    bool counts_changed = true;  // representations were added or removed
 };
 
 }  // namespace knurl::servo

@@ -6,7 +6,7 @@ namespace knurl::servo {
 
 namespace {
 
-/// m: so much nearer than this to `from` is within the ball, whatever rounding does.
+/// m: a point closer to `from` than this is inside the ball, whatever rounding does.
 double room_in(const SleepingScene& scene, const Eigen::Vector3d& from) noexcept {
     return (scene.within - (from - scene.at).norm()) * (1 - 1e-9) - 1e-9;
 }
@@ -41,8 +41,8 @@ std::size_t ClaimSet::find(const Claim* claim) const noexcept {
 
 void ClaimSet::look(const Eigen::Vector3d* hand, Nanoseconds now) noexcept {
     if (hand == nullptr || !((*hand - sleep_center_).norm() < sleep_radius_)) wake_near(hand);
-    // Two passes: the words of many applications arrive together. Those of claims that are awake are read at
-    // the end of the cycle (shm::who_waits).
+    // Two passes, so that the cache misses of many applications' words overlap. The words of claims that are
+    // awake are read at the end of the cycle (shm::who_waits).
     for (std::size_t i = 0; i < size_; ++i) __builtin_prefetch(marks_[i].flag);
     awake_size_ = 0;
     sleeping_ = {};
@@ -65,7 +65,7 @@ void ClaimSet::look(const Eigen::Vector3d* hand, Nanoseconds now) noexcept {
 }
 
 void ClaimSet::wake_near(const Eigen::Vector3d* hand) noexcept {
-    // Where the hand is not known, the next look looks at each.
+    // If the hand is unknown, the next look tests each scene.
     sleep_radius_ = hand != nullptr ? std::numeric_limits<double>::infinity() : 0;
     if (hand != nullptr) sleep_center_ = *hand;
     for (std::size_t i = 0; i < size_; ++i) {

@@ -19,7 +19,7 @@ constexpr std::uint32_t smallest_batch = 64;  // bytes: one small entry
 constexpr double longest_interval = 3600;     // s between commits
 
 shm::WaiterFlag* flag_in(shm::Segment& claim_segment) {
-    // the flag lies there for any capacity
+    // the flag has the same place for any capacity
     constexpr protocol::ClaimLayout layout = protocol::claim_layout({});
     return reinterpret_cast<shm::WaiterFlag*>(claim_segment.data() + layout.waiter);
 }
@@ -112,14 +112,14 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     terms.observer = observer;
     terms.shared = request.shared != 0;
 
-    Row fresh;  // into the table only when all of it exists
+    Row fresh;  // enters the table only when it is complete
     try {
         fresh.segment = shm::Segment::create("knurl-claim", protocol::claim_layout(terms.capacity).total);
         fresh.event = shm::make_event();
         fresh.observer = observer;
         fresh.shared = terms.shared;
         fresh.peer = peer;
-        // The servo writes to it only where the client could stop it anyway.
+        // The servo writes to the event only where the client could stop the servo anyway.
         if (peer.uid == 0 || peer.uid == ::geteuid()) terms.event_fd = fresh.event.get();
         if (getrandom(&fresh.key, sizeof fresh.key, 0) != sizeof fresh.key)
             throw std::runtime_error("no random numbers");
@@ -166,7 +166,7 @@ bool ClaimTable::collect() noexcept {
         if (row.stage == Stage::dropping && device_.servo.drop(row.claim.get())) row.stage = Stage::leaving;
     }
     while (const Claim* back = device_.servo.released()) {
-        take_back_assets();  // those that came before it: its address may be another claim's soon
+        take_back_assets();  // assets that came before the claim: its address may soon be another claim's
         const auto found = std::find_if(rows_.begin(), rows_.end(),
                                         [back](const Row& row) { return row.claim.get() == back; });
         if (found == rows_.end()) continue;
@@ -187,7 +187,7 @@ protocol::ClientRow& ClaimTable::shared_row(std::uint32_t row) const {
 
 void ClaimTable::identify(std::uint32_t index, const Peer& peer, std::uint64_t role, bool shared) noexcept {
     // Seqlock with one writer. Release on every word, as in the report ring: a reader that sees a new word
-    // (acquire) also sees the odd sequence before it, and its second look at the sequence rejects.
+    // (acquire) also sees the odd sequence before it, so its second read of the sequence rejects the row.
     //   writer: sequence odd ─sb─> word (rel) ─sb─> sequence even (rel)
     //   reader: sequence (acq) ─sb─> words (acq) ─sb─> sequence again: the same and even?
     protocol::ClientRow& row = shared_row(index);
@@ -208,8 +208,8 @@ void ClaimTable::identify(std::uint32_t index, const Peer& peer, std::uint64_t r
 
 void ClaimTable::clear(std::uint32_t index) noexcept {
     Row& row = rows_[index];
-    waker_.remove(flag_in(row.segment));              // before it is unmapped
-    protocol::ClientRow& shared = shared_row(index);  // the servo's half too: it has let go of the row
+    waker_.remove(flag_in(row.segment));              // before the segment is unmapped
+    protocol::ClientRow& shared = shared_row(index);  // also the servo's half: the servo has released the row
     for (auto* word : {&shared.commits, &shared.refused, &shared.merged, &shared.age_ns, &shared.interval_ns,
                        &shared.gain_ppm, &shared.silent, &shared.armed, &shared.missed,
                        &shared.contacts_cut_ppm, &shared.effects_cut_ppm, &shared.damping_cut_ppm}) {

@@ -71,10 +71,9 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
                "motion of the simulated hands, CSV t,x,y,z[,qw,qx,qy,qz]; begins with each claim");
     app.option("--config", config_file, "TOML file; the command line wins over it");
     const auto& check_config =
-        app.option(
-               "--check-config", checked_file,
-               "reads the configuration (FILE, or that of --config and the other options) and the arm and "
-               "motion files that it names, says what would run, and ends: 0 it can, 2 it cannot")
+        app.option("--check-config", checked_file,
+                   "checks the configuration (FILE, or that of --config and the other options) and the arm "
+                   "and motion files that it names, prints what would run, and exits: 0 valid, 2 not")
             .value_may_be_missing()
             .type_name("[FILE]");
     app.footer([] { return drivers_help() + "\n" + examples + "\n" + config_help() + "\n" + bounds_help(); });

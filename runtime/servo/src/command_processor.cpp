@@ -1,4 +1,4 @@
-// Commands: copied once, checked as a group, then done whole or not at all.
+// Commands: copied once, checked as a group, then executed or refused as a whole.
 
 #include "command_processor.hpp"
 
@@ -45,7 +45,7 @@ double stiffness_of(const void* params, const Limits& limits) noexcept {
     return 0;
 }
 
-/// N/m that the servo applies for these (valid) parameters; 0 for kinds that have none.
+/// N/m that the servo applies for these (valid) parameters; 0 for kinds without stiffness.
 template <class... R>
 double applied_stiffness(TypeList<R...>, Kind kind, const void* params, const Limits& limits) noexcept {
     double stiffness = 0;
@@ -82,7 +82,8 @@ void CommandProcessor::take_commands(Claim::Impl& claim, const Authority& author
     std::uint32_t done = 0;
     bool nonsense = false;
     while (done < available_ && done < budget) {
-        // Full means that the application does not read its replies: its commands wait, nothing is dropped.
+        // A full ring means that the application does not read its replies. Its commands wait, and none is
+        // dropped.
         const std::uint32_t room = claim.channels->replies.free_cells();
         if (room == 0) break;
         const Parsed group = parse_group(claim, done);
@@ -101,7 +102,7 @@ void CommandProcessor::take_commands(Claim::Impl& claim, const Authority& author
         claim.channels->replies.try_push(replies_.data(), group.commands);
         done += group.cells;
     }
-    // Into the input log goes what this cycle took; of nonsense all that was looked at.
+    // The input log gets what this cycle has taken; of malformed commands, all that was read.
     if (const std::uint32_t cells = nonsense ? copied_ : done; input_log != nullptr && cells > 0)
         input_log->put(InputType::commands, {as_bytes(claim.number),
                                              std::span(cells_).first(std::size_t{cells} * shm::cell_bytes)});
@@ -111,8 +112,8 @@ void CommandProcessor::take_commands(Claim::Impl& claim, const Authority& author
     claim.commands_left = done < available_;
 }
 
-/// The first `cells` cells of the ring are in private memory. Each is copied once: its owner may write at any
-/// time.
+/// Copies the first `cells` cells of the ring into private memory. Each cell is copied once, since its owner
+/// may write at any time.
 bool CommandProcessor::copied_to(Claim::Impl& claim, std::size_t cells) noexcept {
     if (cells <= copied_) return true;
     if (cells > available_) return false;
@@ -128,8 +129,8 @@ bool CommandProcessor::copied_to(Claim::Impl& claim, std::size_t cells) noexcept
 CommandProcessor::Parsed CommandProcessor::parse_group(Claim::Impl& claim, std::uint32_t from) noexcept {
     Parsed parsed;
     parsed.malformed = true;
-    // A group was pushed at once, so all of it is here: one that goes on past the end is no group of ours.
-    // Nor is one with more commands than there can be replies.
+    // A group is pushed at once, so all of it is here. A group that continues past the end is malformed, and
+    // so is one with more commands than replies can answer.
     for (std::uint32_t at = from;
          parsed.commands < protocol::reply_cells && copied_to(claim, at + std::size_t{1});) {
         const std::byte* message = cells_.data() + std::size_t{at} * shm::cell_bytes;
@@ -164,8 +165,8 @@ void CommandProcessor::malformed(Claim::Impl& claim, std::uint64_t number) noexc
     claim.fault();
 }
 
-/// Checks the commands one after the other, each as if those before it had been done: the claim's slots are
-/// changed on trial. If one is refused they are put back, and none is done.
+/// Checks the commands in order, each as if those before it were executed: on a trial copy of the claim's
+/// slots. If one is refused the slots are restored, and none is executed.
 bool CommandProcessor::check_group(Claim::Impl& claim, std::size_t commands,
                                    const Authority& authority) noexcept {
     undo_.clear();
@@ -196,7 +197,7 @@ bool CommandProcessor::check_group(Claim::Impl& claim, std::size_t commands,
 }
 
 void CommandProcessor::remember(Claim::Impl& claim, std::uint32_t slot) noexcept {
-    undo_.emplace_back(slot, claim.slots[slot]);  // at most one per command: within what was reserved
+    undo_.emplace_back(slot, claim.slots[slot]);  // at most one per command, so the reserved memory suffices
 }
 
 CommandProcessor::Answer CommandProcessor::check(Claim::Impl& claim, const Command& command,
@@ -243,7 +244,8 @@ CommandProcessor::Answer CommandProcessor::check(Claim::Impl& claim, const Comma
 CommandProcessor::Answer CommandProcessor::check_add(Claim::Impl& claim, const Command& command) noexcept {
     const auto body = read_as<protocol::AddBody>(command.body);
     const std::uint32_t slot = body.id.slot;
-    // By what this group leaves of the slots: the scene still has what an earlier command of it removes.
+    // Checks against the slots as this group leaves them: the scene still has what an earlier command
+    // removes.
     Verdict verdict = check_vacant(body.id, claim.slots);
     if (verdict) verdict = check_added(body.kind, command.params, command.header.bytes, body.options);
     if (!verdict) return {verdict};
@@ -294,7 +296,7 @@ void CommandProcessor::do_command(Claim::Impl& claim, const Command& command, co
             answer.reason = authority.supervisor.reset_fault(authority.speed, authority.trouble);
             break;
     }
-    // All was checked before: these are ok, unless the scene knows better, and then its owner is told.
+    // All commands were checked, so they succeed. If the scene refuses one nevertheless, its owner learns it.
     if (answer.reason != protocol::RefusalReason::none) answer.verdict.code = Code::refused;
     reply.code = static_cast<std::uint32_t>(answer.verdict.code);
     reply.reason = static_cast<std::uint32_t>(answer.reason);

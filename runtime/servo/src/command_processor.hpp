@@ -1,7 +1,6 @@
 #pragma once
-// What a claim's application sends, and how much of it is believed: bytes are copied once into private
-// memory, checked there, and only then acted upon. Nothing in them can crash or stall the servo, or touch
-// another claim.
+// Reads what a claim's application sends. Bytes are copied once into private memory and checked there before
+// they have any effect. So they cannot crash or stall the servo, or affect another claim.
 
 #include <cstdint>
 #include <cstring>
@@ -15,7 +14,7 @@
 
 namespace knurl::servo {
 
-/// A struct out of bytes that lie anywhere.
+/// A struct from bytes at any alignment.
 template <class T>
 T read_as(const std::byte* from) noexcept {
     T value;
@@ -28,12 +27,12 @@ std::span<const std::byte> as_bytes(const T& value) noexcept {
     return std::as_bytes(std::span(&value, 1));
 }
 
-/// What a command about the device's state is answered from.
+/// The device's state, by which commands are answered.
 struct Authority {
     Supervisor& supervisor;
     bool calibrated = false;
     double speed = 0;           // m/s, of the hand
-    bool ending = false;        // the servo is about to leave: nothing is armed any more
+    bool ending = false;        // the servo is about to end: arming is refused
     std::uint32_t trouble = 0;  // faults that this cycle's sample would raise
 };
 
@@ -42,15 +41,16 @@ struct CommandCounts {
     std::uint64_t batches_taken = 0, batches_refused = 0, batches_merged = 0;
 };
 
-/// Scratch memory for one claim at a time; everything that lasts is in the claim.
+/// Scratch memory for one claim at a time; all lasting state is in the claim.
 class CommandProcessor {
   public:
     CommandProcessor();
 
-    /// The groups of commands that are there and whose replies fit, until command_cells_per_cycle cells are
-    /// done (offline, what is there from the start: all). A group is done in this cycle or refused, whole.
+    /// Executes the waiting groups of commands whose replies fit, up to command_cells_per_cycle cells.
+    /// (Offline: all groups that were there before the first cycle.) A group is executed or refused as a
+    /// whole, in one cycle.
     void take_commands(Claim::Impl& claim, const Authority& authority, Nanoseconds now) noexcept;
-    /// The newest batch, unless it was committed after commands that are not done yet.
+    /// Takes the newest batch, unless it was committed after commands that still wait.
     void take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept;
 
     const CommandCounts& counts() const noexcept { return counts_; }
@@ -58,7 +58,7 @@ class CommandProcessor {
     InputLog* input_log = nullptr;  // null: nobody records
 
   private:
-    /// A command of the group at hand; pointers into the private copy.
+    /// A command of the present group; it points into the private copy.
     struct Command {
         protocol::CommandHeader header;
         const std::byte* body = nullptr;
@@ -69,7 +69,7 @@ class CommandProcessor {
         protocol::RefusalReason reason = protocol::RefusalReason::none;
         explicit operator bool() const noexcept { return static_cast<bool>(verdict); }
     };
-    /// How a group came out of parsing: `cells` of them, or malformed at command `at`.
+    /// The result of parsing a group: `cells` of them, or malformed at command `at`.
     struct Parsed {
         std::uint32_t cells = 0;
         std::size_t commands = 0;
@@ -92,12 +92,12 @@ class CommandProcessor {
     void apply_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept;
 
     std::vector<std::byte> cells_;
-    std::uint32_t available_ = 0, copied_ = 0;  // cells of the ring at hand; those of them in cells_
+    std::uint32_t available_ = 0, copied_ = 0;  // cells in the present ring; those of them that are in cells_
     std::vector<Command> group_;
     std::vector<protocol::Reply> replies_;
     std::vector<std::pair<std::uint32_t, ClaimSlot>> undo_;  // slots as they were before the group
     std::vector<std::byte> entries_;
-    std::uint32_t bad_kind_ = 0, bad_slot_ = 0;  // of the entry that spoiled a batch
+    std::uint32_t bad_kind_ = 0, bad_slot_ = 0;  // of the entry for which a batch was refused
     CommandCounts counts_;
 };
 

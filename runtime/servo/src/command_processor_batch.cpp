@@ -1,4 +1,4 @@
-// Batches of parameters: copied once, checked, then applied whole or not at all.
+// Batches of parameters: copied once, checked, then applied or refused as a whole.
 
 #include <knurl/reps/check.hpp>
 
@@ -30,7 +30,7 @@ void CommandProcessor::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanos
     ++counts_.batches_taken;
     ++claim.batches_taken;
     claim.silence.renew(now);
-    // Sequences count commits; those that were never seen alone were merged into this one.
+    // Sequences count commits. A skipped sequence was merged into this batch.
     if (header.sequence > claim.last_sequence + 1 && claim.last_sequence != 0) {
         const std::uint64_t merged = header.sequence - claim.last_sequence - 1;
         claim.batches_merged += merged;
@@ -61,8 +61,8 @@ void CommandProcessor::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanos
 
 namespace {
 
-/// Walks the entries of a batch. Their headers were checked by the first walk, which stops at the first that
-/// does not fit; `visit` returns false to stop.
+/// Visits the entries of a batch. A first walk has checked their headers and stops at the first entry that
+/// does not fit. `visit` returns false to stop.
 template <class Visit>
 bool each_entry(const std::byte* at, const protocol::BatchHeader& header, Visit visit) noexcept {
     const std::byte* const end = at + header.bytes;
@@ -79,8 +79,8 @@ bool each_entry(const std::byte* at, const protocol::BatchHeader& header, Visit 
     return at == end;
 }
 
-/// Parameters that are older than those in force, or of a representation that is gone: an entry may arrive
-/// twice, or cross its own removal.
+/// Parameters older than those in force, or of a removed representation: an entry may arrive twice, or arrive
+/// after its removal was sent.
 bool no_op(const Claim::Impl& claim, const protocol::EntryHeader& entry) noexcept {
     return !names_one(entry.id, claim.slots) || entry.version <= claim.slots[entry.id.slot].version;
 }
@@ -111,7 +111,7 @@ Verdict CommandProcessor::check_entries(Claim::Impl& claim, const protocol::Batc
 
 void CommandProcessor::apply_entries(Claim::Impl& claim, const protocol::BatchHeader& header) noexcept {
     each_entry(entries_.data(), header, [&](const protocol::EntryHeader& entry, const std::byte* params) {
-        // The scene knows of the last check alone what it found: of two entries for one slot the last counts.
+        // The scene keeps only the result of the last check. Of two entries for one slot the last counts.
         if (no_op(claim, entry) || claim.slots[entry.id.slot].checked != params) return true;
         claim.slots[entry.id.slot].version = entry.version;
         claim.scene.update_checked(entry.id, params, entry.bytes);

@@ -15,8 +15,8 @@ namespace knurl::servo {
 
 namespace {
 
-// Limits may only be tightened: one end of each range is the default. The three that default to the device's
-// own figures are compared with those in check_limits, once the device is open.
+// Limits may only be tightened: one end of each range is the default. Three limits default to the device's
+// own figures. check_limits compares these once the device is open.
 struct LimitKey {
     Range range;
     double SupervisorLimits::*member;
@@ -27,7 +27,8 @@ constexpr std::array limit_keys{
     LimitKey{{"continuous_force", 1e-3, 1000, "N"}, &SupervisorLimits::continuous_force},
     LimitKey{{"peak_torque", 1e-6, 100, "N m"}, &SupervisorLimits::peak_torque},
     LimitKey{{"thermal_time", 0.1, widest.thermal_time, "s"}, &SupervisorLimits::thermal_time},
-    LimitKey{{"slew", 2000, 100'000, "N/s"}, &SupervisorLimits::slew},  // lower feeds energy into the hand
+    LimitKey{{"slew", 2000, 100'000, "N/s"}, &SupervisorLimits::slew},  // a lower limit feeds energy into the
+                                                                        // hand
     LimitKey{{"slew_fault_time", 1e-3, widest.slew_fault_time, "s"}, &SupervisorLimits::slew_fault_time},
     LimitKey{{"speed_damping_from", 0.01, widest.speed_damping_from, "m/s"},
              &SupervisorLimits::speed_damping_from},
@@ -44,7 +45,7 @@ std::string allowed(const Range& range) {
     return fmt::format("{:g} to {:g}{}{}", range.low, range.high, range.unit.empty() ? "" : " ", range.unit);
 }
 
-/// Walks one table and says where in the file it is.
+/// Reads one table and names the place in the file in its errors.
 class Reader {
   public:
     Reader(const std::string& path, std::string prefix) : path_(path), prefix_(std::move(prefix)) {}
@@ -121,7 +122,7 @@ SupervisorLimits read_limits(const toml::table& table, const std::string& path) 
     const Reader read(path, "device.limits.");
     SupervisorLimits limits;
     for (auto&& [key, node] : table) {
-        const std::string_view name = key.str();  // clang 14 captures no structured binding
+        const std::string_view name = key.str();  // clang 14 cannot capture structured bindings
         const auto found = std::find_if(limit_keys.begin(), limit_keys.end(),
                                         [name](const LimitKey& k) { return k.range.key == name; });
         if (found == limit_keys.end()) {
@@ -204,7 +205,7 @@ DaemonConfig read_daemon(const toml::table& table, const std::string& path) {
 }  // namespace
 
 void require_within(const Range& range, double value, std::string_view where) {
-    // Written so that a NaN fails too.
+    // Written so that NaN fails, too.
     if (!(value >= range.low && value <= range.high)) {
         throw ConfigError(fmt::format("{}{} = {:g}{}{}; allowed: {}", where, range.key, value,
                                       range.unit.empty() ? "" : " ", range.unit, allowed(range)));
@@ -230,7 +231,7 @@ std::string servo_name(std::string_view said, std::string_view where) {
 DeviceConfig parse_device_argument(std::string_view argument) {
     DeviceConfig device;
     const std::size_t equals = argument.find('=');
-    // Behind the colon "=" is an option's: sim:premium15,grip=0.5.
+    // "=" behind a colon belongs to an option: sim:premium15,grip=0.5.
     if (equals < argument.find(':')) {
         device.name = argument.substr(0, equals);
         require_name(device.name, "--device: name");
@@ -250,7 +251,7 @@ DaemonConfig parse_config(std::string_view text, const std::string& path) {
     } catch (const toml::parse_error& error) {
         const auto& begin = error.source().begin;
         std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');  // it quotes the file, line ends too
+        std::replace(what.begin(), what.end(), '\n', ' ');  // the message quotes the file, with line ends
         throw ConfigError(fmt::format("{}:{}:{}: {}", path, begin.line, begin.column, what));
     }
 }

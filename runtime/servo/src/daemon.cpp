@@ -35,8 +35,8 @@ namespace knurl::servo {
 
 namespace {
 
-constexpr double longest_hold = 50e-3;  // s: what real-time throttling or a host may stop us for
-constexpr double impulse_bound = 0.1;   // N s into the hand meanwhile, without a watchdog of the device's own
+constexpr double longest_hold = 50e-3;  // s: the longest stop by real-time throttling or a host
+constexpr double impulse_bound = 0.1;   // N s into the hand during such a stop, if the device has no watchdog
 constexpr int lateness_samples = 32;
 
 void say(const std::string& line) {
@@ -48,7 +48,7 @@ void complain(const std::string& line) {
     std::fputs(("knurld: " + line + "\n").c_str(), stderr);
 }
 
-/// Signals come through a descriptor, in the broker's thread alone. Before any thread is made.
+/// Signals arrive through a descriptor, in the broker's thread only. Call this before any thread is created.
 shm::UniqueFd take_signals() {
     sigset_t set;
     sigemptyset(&set);
@@ -68,14 +68,14 @@ void raise_descriptor_limit() {
     setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/// The listening socket, and its name in the file system for as long as this lives.
+/// The listening socket and its name in the file system, which lives as long as this object.
 class Door {
   public:
     Door(const std::string& servo_name, const std::string& group) : path_(protocol::socket_path(servo_name)) {
         const std::filesystem::path directory = std::filesystem::path(path_).parent_path();
         std::error_code failed;
         if (std::filesystem::create_directories(directory, failed)) {
-            using std::filesystem::perms;  // the socket's own mode says who may connect
+            using std::filesystem::perms;  // the mode of the socket itself says who may connect
             std::filesystem::permissions(directory,
                                          perms::owner_all | perms::group_read | perms::group_exec |
                                              perms::others_read | perms::others_exec,
@@ -98,8 +98,8 @@ class Door {
             throw ConfigError(fmt::format("socket_group = \"{}\": {}", group, why));
         }
     }
-    // It listens until its name is gone: a successor that came in between would find a live socket, not take
-    // it for a dead one's, and not lose its own to this unlink.
+    // The socket listens until its name is removed. A successor that starts in between finds a live socket.
+    // Else it would take the socket for a dead one, and this unlink would remove the successor's.
     ~Door() { unlink(path_.c_str()); }
     Door(const Door&) = delete;
     Door& operator=(const Door&) = delete;
@@ -112,12 +112,12 @@ class Door {
     shm::UniqueFd socket_;
 };
 
-/// 0: nothing is real time here.
+/// 0: this process runs without real-time priority.
 int raised(int priority, int by) {
     return priority == 0 ? 0 : priority + by;
 }
 
-/// One device and all that runs it.
+/// One device and the threads and objects that run it.
 struct Station {
     DeviceConfig config;
     std::unique_ptr<drivers::Device> device;
@@ -207,7 +207,7 @@ struct Station {
     }
 };
 
-/// Whatever happens, no loop runs when the memory of its claims goes.
+/// Ends the loops on every path before the memory of their claims is freed.
 struct StopLoops {
     std::vector<std::unique_ptr<Station>>& stations;
     ~StopLoops() {
@@ -233,7 +233,7 @@ std::vector<std::unique_ptr<Station>> open_stations(const DaemonConfig& config) 
 
 int servo_cpu(const DaemonConfig& config) {
     const std::vector<int> cpus = allowed_cpus();
-    if (config.cpu < 0) return cpus.back();  // interrupts prefer the first
+    if (config.cpu < 0) return cpus.back();  // interrupts prefer the first CPU
     if (std::find(cpus.begin(), cpus.end(), config.cpu) == cpus.end()) {
         throw ConfigError(
             fmt::format("cpu = {}; this process may use: {}", config.cpu, fmt::join(cpus, ", ")));
@@ -264,7 +264,7 @@ ServoOptions servo_options(const DeviceConfig& device) {
     return options;
 }
 
-/// Of the loops that share a CPU the faster one goes first (rate-monotonic: Liu & Layland 1973).
+/// Among loops that share a CPU, the faster one has priority (rate-monotonic: Liu & Layland 1973).
 int loop_priority(const DaemonConfig& config, const std::vector<std::unique_ptr<Station>>& stations,
                   const Station& station) {
     std::set<double> faster;
@@ -282,7 +282,7 @@ int run_daemon(const DaemonConfig& config) {
     raise_descriptor_limit();
     const int cpu = servo_cpu(config);
 
-    // first: a second servo of this name must not touch the devices
+    // first: a second servo with this name must not touch the devices
     Door door(config.name, config.socket_group);
     std::vector<std::unique_ptr<Station>> stations = open_stations(config);
 
@@ -326,7 +326,7 @@ int run_daemon(const DaemonConfig& config) {
                    .guardian_pidfd = guardian.pidfd()},
                   std::move(hosted), waker);
 
-    // Ends in the reverse order: loops, then the waker, then the claims that both used, then servos and
+    // Destroyed in reverse order: loops, then the waker, then the claims that both used, then servos and
     // devices.
     struct WakerThread {
         shm::Waker& waker;

@@ -1,6 +1,6 @@
 #pragma once
-// Who is next, of several that may each ask for many: in turns, so that nobody waits for all that another has
-// asked for. An owner that comes, or was served and has more, goes to the end of the line:
+// A queue with several owners, which take turns: nobody waits for all jobs of another. A new owner, or one
+// that was served and has more jobs, goes to the end of the line:
 //
 //   asked: A1 A2 A3 B1 C1 B2      served: A1 B1 C1 A2 B2 A3
 

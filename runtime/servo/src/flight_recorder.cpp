@@ -34,7 +34,8 @@ std::string utc_now() {
     gmtime_r(&now.tv_sec, &utc);
     char text[32];
     std::strftime(text, sizeof text, "%Y%m%dT%H%M%S", &utc);
-    return fmt::format("{}.{:03}Z", text, now.tv_nsec / 1'000'000);  // two deaths in one second are two files
+    return fmt::format("{}.{:03}Z", text, now.tv_nsec / 1'000'000);  // milliseconds keep two deaths in one
+                                                                     // second apart
 }
 
 struct Close {
@@ -71,7 +72,7 @@ std::string report_row(const Report& r) {
 std::string write_flight_record(const std::string& directory, const std::byte* device_segment,
                                 const std::string& cause) {
     constexpr protocol::DeviceLayout layout = protocol::device_layout();
-    protocol::DeviceInfo info;  // written once, before anybody else had the memory
+    protocol::DeviceInfo info;  // written once, before any other process had the memory
     std::memcpy(&info, device_segment + layout.info, sizeof info);
     const shm::BroadcastReader reports(device_segment + layout.reports, protocol::report_slots,
                                        sizeof(Report), 0);
@@ -86,7 +87,7 @@ std::string write_flight_record(const std::string& directory, const std::byte* d
             what, std::strerror(errno)));
     };
 
-    std::error_code ignored;  // the open below says it better
+    std::error_code ignored;  // an error shows in the open below
     std::filesystem::create_directories(directory, ignored);
     std::unique_ptr<std::FILE, Close> file(std::fopen(unfinished.c_str(), "we"));
     if (!file) throw failed(unfinished);

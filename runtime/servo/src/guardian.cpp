@@ -28,13 +28,13 @@ namespace knurl::servo {
 
 namespace {
 
-/// In memory shared by servo and guardian. Written by the guardian alone.
+/// Memory shared by servo and guardian, written only by the guardian.
 struct Board {
     std::array<std::atomic<std::uint64_t>, protocol::max_devices> acts;
 };
 
 constexpr char goodbye_byte = 'G';
-constexpr int idle_tick_ms = 20;  // no device enabled: force takes far longer than this to ramp up
+constexpr int idle_tick_ms = 20;  // no device is enabled: a force takes far longer than this to ramp up
 
 shm::UniqueFd open_pidfd(pid_t pid) {
     return shm::UniqueFd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
@@ -52,8 +52,8 @@ struct Watched {
     StallWatch stall;
 
     bool enabled() const noexcept {
-        // The newest report's own number is one behind the count; the servo may publish in between, so try
-        // again.
+        // The newest report's number is one less than the count. The servo may publish between the two reads,
+        // so try again.
         for (int attempt = 0; attempt < 4; ++attempt) {
             const std::uint64_t end = reports.published();
             Report report;
@@ -62,18 +62,19 @@ struct Watched {
             return report.state == DeviceState::ramp_up || report.state == DeviceState::active ||
                    report.state == DeviceState::ramp_down;
         }
-        return true;  // it is publishing as fast as we read: certainly alive, and the watch sees the beat
+        return true;  // it publishes as fast as this reads: it is certainly alive, and the watch sees the
+                      // beat
     }
 };
 
-/// Whether the process that made this is stopped, by a signal or by a debugger: proc(5), "stat". Where there
-/// is no /proc it is never known to be, and is waited for like one that is late. 4 us.
+/// Is the process that created this stopped, by a signal or a debugger: proc(5), "stat". Without /proc the
+/// answer is never yes, and a stopped process counts as late. 4 us.
 class StopWatch {
   public:
     bool stopped() const noexcept {
         std::array<char, 64> text;
         const ssize_t n = pread(stat_.get(), text.data(), text.size(), 0);
-        // Behind the name, which is in parentheses and may hold some.
+        // Skips the name, which is in parentheses and may contain some.
         const std::string_view begin(text.data(), n > 0 ? static_cast<std::size_t>(n) : 0);
         const std::size_t name_end = begin.rfind(')');
         if (name_end == begin.npos || name_end + 2 >= begin.size()) return false;
@@ -81,10 +82,10 @@ class StopWatch {
     }
 
   private:
-    shm::UniqueFd stat_{open("/proc/self/stat", O_RDONLY | O_CLOEXEC)};  // its own, after a fork, too
+    shm::UniqueFd stat_{open("/proc/self/stat", O_RDONLY | O_CLOEXEC)};  // the creator's, also after a fork
 };
 
-/// The guardian's life. Returns when it has nothing left to guard.
+/// The guardian's main loop. Returns when nothing is left to guard.
 void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo_pidfd,
                 const StopWatch& servo, const std::string& state_directory) {
     MonotonicClock clock;
@@ -97,8 +98,8 @@ void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo
             const bool enabled = watched.enabled();
             any_enabled |= enabled;
             if (watched.stall.tick(clock.now(), watched.reports.published(), enabled, stopped)) {
-                // First the word, then the zero: a servo that comes back in between finds the word, and its
-                // gain is 0 before it writes again. Pairs with the acquire in Loop::run.
+                // The word comes first, then the zero. A servo that continues in between finds the word, and
+                // its gain is 0 before it writes again. Pairs with the acquire in Loop::run.
                 board.acts[i].fetch_add(1, std::memory_order_release);
                 watched.device->make_safe();
             }
@@ -108,7 +109,7 @@ void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo
         const int tick_ms = any_enabled ? static_cast<int>(StallWatch::period / 1'000'000) : idle_tick_ms;
         if (poll(waits.data(), waits.size(), tick_ms) <= 0) continue;
 
-        // A goodbye that lies in the socket counts even if the servo has ended since.
+        // A goodbye in the socket counts even if the servo has ended since.
         char byte = 0;
         const ssize_t n = recv(line, &byte, 1, MSG_DONTWAIT);
         if (n == 1 && byte == goodbye_byte) return;
@@ -116,7 +117,7 @@ void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo
         if (!hung_up && (waits[1].revents & POLLIN) == 0) continue;
 
         for (Watched& watched : devices) watched.device->make_safe();
-        // The devices are safe; a file may take its time, and must not hold up anybody who is real-time.
+        // The devices are safe. Writing a file may take time, and must not delay real-time threads.
         const sched_param ordinary{};
         sched_setscheduler(0, SCHED_OTHER, &ordinary);
         std::string saved, not_saved;
@@ -147,8 +148,7 @@ bool StallWatch::tick(Nanoseconds now, std::uint64_t beat, bool enabled, bool st
         return false;
     }
     still_ += ran;
-    // Two ticks without a beat: a thread may have been in the middle of its cycle when the first of them
-    // was stopped.
+    // Two ticks without a beat are needed: a thread may have been stopped in the middle of its cycle.
     if (acted_ || still_ <= (stopped ? period : stall_)) return false;
     acted_ = true;
     return true;
@@ -163,7 +163,7 @@ Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw system_error("socketpair");
     line_ = shm::UniqueFd(ends[0]);
     shm::UniqueFd guardians_end(ends[1]);
-    // Of ourselves, before the fork: in the child getppid() might already be somebody else.
+    // Of this process, before the fork: in the child getppid() might already name another process.
     const shm::UniqueFd servo_pidfd = open_pidfd(getpid());
     if (!servo_pidfd) throw system_error("pidfd_open");
     const StopWatch servo;
@@ -172,7 +172,8 @@ Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions
     pid_ = fork();
     if (pid_ < 0) throw system_error("cannot fork the guardian");
     if (pid_ == 0) {
-        // Its own group: a ^C on the terminal reaches the servo, which then says goodbye.
+        // A process group of its own, so that ^C on the terminal reaches only the servo, which then says
+        // goodbye.
         setpgid(0, 0);
         for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) std::signal(signal, SIG_IGN);
         prctl(PR_SET_NAME, "knurl-guardian");
@@ -196,7 +197,7 @@ Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions
             std::fprintf(stderr, "knurl-guardian: %s\n", error.what());
             _exit(1);
         }
-        _exit(0);  // no destructors: the devices are the servo's
+        _exit(0);  // no destructors: the devices belong to the servo
     }
     pidfd_ = open_pidfd(pid_);
     if (!pidfd_) throw system_error("pidfd_open of the guardian");
@@ -216,7 +217,7 @@ void Guardian::goodbye() noexcept {
     line_.reset();
     pollfd wait{.fd = pidfd_.get(), .events = POLLIN, .revents = 0};
     constexpr int patience_ms = 1000;
-    // Only a guardian that somebody has stopped takes longer; it ends when it is let go on.
+    // Only a stopped guardian takes longer; it ends when it is continued.
     if (poll(&wait, 1, patience_ms) > 0) waitpid(pid_, nullptr, 0);
     pid_ = -1;
 }

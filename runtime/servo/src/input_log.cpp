@@ -8,7 +8,7 @@ namespace knurl::servo {
 
 namespace {
 
-/// How a slot begins. `index` counts a record's slots from 0.
+/// The header of a slot. `index` counts a record's slots from 0.
 struct SlotHeader {
     std::uint32_t bytes = 0;  // of the whole record
     InputType type{};
@@ -59,7 +59,7 @@ std::uint64_t figures_of(const drivers::Device& device) {
                                           link.peak_torque, link.damping, link.rotational_damping, link.lag,
                                           link.measured_max_stiffness, link.grip_damping,
                                           link.apparent_mass});
-    // The mechanism has no figures to ask for: where it says that the tip is, in a few postures.
+    // A mechanism cannot be compared by parameters, so its tip positions in a few postures are hashed.
     const auto joints =
         static_cast<std::size_t>(std::clamp(device.mechanism().joints(), 0, drivers::max_joints));
     for (int posture = 0; posture < 4; ++posture) {
@@ -137,7 +137,7 @@ InputLogReader::Next InputLogReader::next(InputRecord& out) {
             expected_ = 0;
             return Next::gap;
         }
-        // In the middle of a record whose beginning is gone: on to the next one.
+        // In the middle of a record whose beginning was overwritten: skip to the next record.
         if (header.index != expected_ || header.bytes > max_input_record) continue;
         if (header.index == 0) {
             record_.type = header.type;

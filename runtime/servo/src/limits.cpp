@@ -8,7 +8,7 @@ namespace knurl::servo {
 double max_stiffness(const drivers::LinkConfig& link, double rate) noexcept {
     if (link.measured_max_stiffness > 0) return link.measured_max_stiffness;
     const double damping = link.damping + link.grip_damping;
-    if (!(damping > 0)) return 1000;  // N/m: nothing is known
+    if (!(damping > 0)) return 1000;  // N/m: the default without data
     return damping / (0.5 / rate + link.lag);
 }
 
@@ -28,7 +28,7 @@ Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::
         return limit > 0 ? limit : std::numeric_limits<double>::infinity();
     };
     const double fs = frame.force_scale * frame.scale;
-    // The same bound as for stiffness, about an axis.
+    // The same bound as for stiffness, for rotation.
     const double torsion = link.rotational_damping / (0.5 / rate + link.lag);
     return {.max_stiffness = max_stiffness(link, rate) / fs,
             .max_force = stated(link.peak_force) / frame.force_scale,

@@ -10,7 +10,7 @@ namespace knurl::servo {
 namespace {
 
 void sleep_until(Nanoseconds t) noexcept {
-    // A signal or a stop ends it early or late; the caller looks at the clock anyway.
+    // A signal or a stop may end the wait early or late; the caller checks the clock in any case.
     const timespec until{.tv_sec = t / 1'000'000'000, .tv_nsec = t % 1'000'000'000};
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
 }
@@ -27,13 +27,13 @@ Nanoseconds read_clock(clockid_t clock) noexcept {
     return t.tv_sec * Nanoseconds{1'000'000'000} + t.tv_nsec;
 }
 
-/// While the machine is suspended CLOCK_MONOTONIC stands still and CLOCK_BOOTTIME goes on: no deadline is
-/// missed, and yet the hand has been elsewhere. Costs one reading of a clock a cycle.
+/// While the machine is suspended CLOCK_MONOTONIC stops and CLOCK_BOOTTIME continues. No deadline is missed,
+/// but the hand may have moved. Costs one reading of a clock per cycle.
 class SuspendWatch {
   public:
     bool slept(Nanoseconds monotonic_now) noexcept {
-        // Preempted since monotonic_now was read, this looks like a jump: then once more, in the order in
-        // which a preemption can only hide a jump until the next cycle.
+        // A preemption since monotonic_now was read looks like a jump. So both clocks are read again, in the
+        // order in which a preemption can only hide a jump until the next cycle.
         if (read_clock(CLOCK_BOOTTIME) - monotonic_now - offset_ <= jump) return false;
         const Nanoseconds offset = read_offset();
         if (offset - offset_ <= jump) return false;
@@ -48,7 +48,7 @@ class SuspendWatch {
     }
 
     static constexpr Nanoseconds jump = 10'000'000;
-    // too small would be a jump
+    // too small an offset would look like a jump
     Nanoseconds offset_ = std::max({read_offset(), read_offset(), read_offset()});
 };
 
@@ -62,8 +62,8 @@ void Deadlines::start(Nanoseconds now) noexcept {
 }
 
 Nanoseconds Deadlines::current() const noexcept {
-    // From i each time: rounding a period of 333 333.3 ns to whole ones would drift. A double counts
-    // nanoseconds exactly for 104 days, and to 16 ns for four years.
+    // Computed from i each time: a period of 333 333.3 ns rounded to whole nanoseconds would drift. A double
+    // counts nanoseconds exactly for 104 days, and to 16 ns for four years.
     return t0_ + static_cast<Nanoseconds>(static_cast<double>(i_) * (1e9 / rate_));
 }
 
@@ -99,9 +99,9 @@ void Loop::run() noexcept {
             relax();
             now = clock.now();
         }
-        // guardian: ++acts (rel) ─sb─> zeroes the device        here: acts (acq): more than seen ⇒ gain 0,
-        // ramp up. Pairs with keep_watch's release. Who was stopped between this load and the write still
-        // writes that one force when it goes on; the next cycle finds the word.
+        // guardian: ++acts (rel) ─sb─> zeroes the device. Here: acts (acq), and a new value sets gain 0 and
+        // ramps up. Pairs with keep_watch's release. A servo that was stopped between this load and the write
+        // still writes one force when it continues; the next cycle finds the word.
         const std::uint64_t acts = guardian_acts_.load(std::memory_order_acquire);
         if (acts != acts_seen) {
             acts_seen = acts;

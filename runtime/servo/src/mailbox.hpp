@@ -1,11 +1,10 @@
 #pragma once
-// What the broker's thread and the servo's thread say to each other: claims come and go by pointer,
-// wait-free.
+// Messages between the broker's thread and the servo's thread: claims come and go by pointer, wait-free.
 //
 //   producer: slot t = message ─sb─> tail = t+1 (rel) ══sw══> tail read (acq) ─sb─> reads slot t
 //   consumer: reads slot h     ─sb─> head = h+1 (rel) ══sw══> head read (acq) ─sb─> overwrites slot h
 //
-// The message carries a pointer, so the same release also hands over all that the broker built behind it.
+// The message carries a pointer, so the same release also publishes all that the broker has built behind it.
 
 #include <array>
 #include <atomic>
@@ -44,7 +43,7 @@ class Mailbox {
     alignas(128) std::array<T, Slots> slots_ = {};
 };
 
-/// Every claim of a full device coming and going at once, and then some.
+/// All claims of a full device can come and go at once, with room to spare.
 inline constexpr std::size_t mailbox_slots = 4 * protocol::max_clients;
 
 }  // namespace knurl::servo

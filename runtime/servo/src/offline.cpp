@@ -79,7 +79,7 @@ void OfflineClaim::add(RepresentationId id, Kind kind, const void* params, std::
     const protocol::AddBody body{.id = id, .kind = kind, .reserved = 0, .options = options};
     const std::span given(static_cast<const std::byte*>(params), bytes);
     push(CommandType::add, bytes_of(body), given);
-    if (id.slot >= protocol::max_representations) return;  // refused by the servo
+    if (id.slot >= protocol::max_representations) return;  // the servo refuses it
     if (id.slot >= added_.size()) added_.resize(id.slot + 1);
     added_[id.slot].assign(given.begin(), given.end());
 }
@@ -129,7 +129,8 @@ std::uint64_t OfflineClaim::commit(std::uint64_t report_cycle, std::int64_t comm
                                        .entries = static_cast<std::uint32_t>(pending_.size()),
                                        .bytes = static_cast<std::uint32_t>(entries.size())};
     const std::span<const std::byte> parts[] = {bytes_of(header), entries};
-    // What the last batch held was taken with it; otherwise this one has replaced it and holds it too.
+    // If the last batch was taken, its content was too. Otherwise this batch replaces it and contains its
+    // content.
     if (batches_.publish(issued_, parts))
         std::erase_if(pending_, [](const Pending& p) { return !p.since_last_commit; });
     sent_.add();
@@ -194,7 +195,7 @@ OfflineClaim& Offline::claim(ClaimTerms terms) {
 }
 
 const Report& Offline::step() {
-    // t = i/rate, each rounded by itself: 3000 cycles at 3 kHz are a second.
+    // t = i/rate, each rounded separately: 3000 cycles at 3 kHz are one second.
     clock_.time = extra_ + std::llround(static_cast<double>(steps_++) * 1e9 / options_.rate);
     servo_.step(clock_.time, clock_.time);
     return servo_.last();

@@ -26,7 +26,7 @@ void note_priority(Shortfalls& missing, int priority, const char* who, int error
     missing.highest_priority = std::max(missing.highest_priority, priority);
 }
 
-#if !defined(__has_feature)  // GCC 12 has macros instead
+#if !defined(__has_feature)  // GCC 12 defines macros instead
 #define __has_feature(name) 0
 #endif
 #if defined(__SANITIZE_THREAD__) || __has_feature(thread_sanitizer)
@@ -40,14 +40,14 @@ constexpr bool sanitized = true;
 constexpr bool sanitized = thread_sanitized;
 #endif
 
-// ThreadSanitizer's own locks spin on sched_yield, which under SCHED_FIFO gives way to nobody of lower
-// priority: a servo thread would spin for ever on what a slower one on its CPU holds. So that build runs
-// without priorities.
+// ThreadSanitizer's own locks spin on sched_yield, which under SCHED_FIFO does not yield to lower priorities.
+// A servo thread would spin for ever on a lock held by a slower thread on its CPU. So that build runs without
+// priorities.
 constexpr int allowed_priority(int priority) {
     return thread_sanitized ? 0 : priority;
 }
 
-// Instrumented frames are several times larger.
+// Stack frames with sanitizers are several times larger.
 constexpr std::size_t stack_bytes = sanitized ? 8 * thread_stack_bytes : thread_stack_bytes;
 
 void* run_body(void* body) {
@@ -82,8 +82,9 @@ std::vector<std::string> Shortfalls::report() const {
 }
 
 void tame_malloc() noexcept {
-    // With all memory locked each arena would be resident, and so would what freed claims leave behind: one
-    // arena, large blocks (claims' tables) from mmap so that they go back to the system when a client leaves.
+    // With all memory locked each arena would be resident, and so would memory that freed claims leave
+    // behind. One arena, with large blocks (claims' tables) from mmap, returns memory to the system when a
+    // client leaves.
     mallopt(M_ARENA_MAX, 1);
     mallopt(M_MMAP_THRESHOLD, 64 * 1024);
     mallopt(M_TRIM_THRESHOLD, 64 * 1024);
@@ -91,7 +92,7 @@ void tame_malloc() noexcept {
 }
 
 void lock_memory(Shortfalls& missing) {
-    // With a finite limit MCL_FUTURE makes later allocations fail: then only what is there now is locked.
+    // With a finite limit MCL_FUTURE makes later allocations fail, so only existing memory is locked.
     rlimit limit{};
     getrlimit(RLIMIT_MEMLOCK, &limit);
     const bool unlimited = limit.rlim_cur == RLIM_INFINITY || Rights().capable(Rights::ipc_lock);
@@ -155,7 +156,7 @@ Thread::Thread(const ThreadOptions& options, std::function<void()> body, Shortfa
         CPU_SET(static_cast<std::size_t>(options.cpu), &set);
         pthread_attr_setaffinity_np(&attributes.value, sizeof set, &set);
     }
-    // Explicit in any case: the creating thread may be real-time itself.
+    // Set explicitly, since the creating thread may run in real time itself.
     pthread_attr_setinheritsched(&attributes.value, PTHREAD_EXPLICIT_SCHED);
     const auto create = [&](int policy, int priority) {
         sched_param parameters{};

@@ -1,6 +1,6 @@
 #pragma once
-// Who records a device: the broker's side of its input log. The input log is made for the first recorder and
-// kept for as long as the servo lives, so that the servo's thread never has to be waited for.
+// Who records a device: the broker's side of its input log. The first recorder creates the input log. It
+// stays as long as the servo lives, so nobody has to wait for the servo's thread.
 
 #include <cstdint>
 #include <exception>
@@ -36,7 +36,7 @@ class RecordingService {
         ++recorders_;
         return {.from = from};
     }
-    /// One less. With a full mailbox the servo goes on writing, which harms nobody.
+    /// One recorder less. If the mailbox is full, the servo continues to write, which is harmless.
     void end(const HostedDevice& device) noexcept {
         if (--recorders_ == 0) device.servo.record(nullptr);
     }

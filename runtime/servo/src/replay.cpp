@@ -13,7 +13,7 @@ namespace knurl::servo {
 
 using drivers::JointSample;
 
-/// Gives again what the recorded device and clock gave. The servo's stage clock is off, so a cycle asks for
+/// Plays back what the recorded device and clock returned. The servo's stage clock is off, so a cycle reads
 /// the time twice: after the read and after the write.
 struct Replay::Played final : drivers::Device, Clock {
     explicit Played(const drivers::Device& like) : like_(like) {}
@@ -76,13 +76,13 @@ T part_of(const InputRecord& record, std::size_t at) {
 
 constexpr std::size_t after_number = sizeof(std::uint64_t);
 
-/// What no broker grants is no claim's: its memory is made from these figures.
+/// Refuses figures that no broker would grant, since they size the claim's memory.
 void require_sane(const InputRecord& record, const ClaimTerms& terms) {
     const auto& c = terms.capacity;
     if (record.bytes.size() != after_number + sizeof terms || c.representations < 1 ||
         c.representations > protocol::max_representations || c.batch_bytes < 8 ||
         c.batch_bytes > protocol::max_batch_bytes || c.batch_bytes % 8 != 0)
-        nonsense(record, "adopts what is no claim");
+        nonsense(record, "adopts something that is no claim");
 }
 
 }  // namespace
@@ -101,8 +101,8 @@ void Replay::gap() noexcept {
 void Replay::load(const InputRecord& record) {
     if (record.bytes.size() % 8 != 0 || record.bytes.size() > max_keyframe_words * 8)
         nonsense(record, "is no keyframe");
-    // Nobody held the device: a new servo with that memory is the one that was recorded. A keyframe after
-    // cycles that were replayed has nothing new to say.
+    // Nobody held the device, so a new servo with this state equals the recorded one. A keyframe after
+    // replayed cycles adds nothing.
     if (exact_) return;
     claims_.clear();
     std::memset(segment_.data(), 0, segment_.size());
@@ -132,7 +132,7 @@ const Report* Replay::feed(const InputRecord& record) {
         case InputType::adopt: {
             auto terms = part_of<ClaimTerms>(record, after_number);
             require_sane(record, terms);
-            terms.event_fd = -1;  // of the recorded process
+            terms.event_fd = -1;  // belongs to the recorded process
             auto& place = claims_[part_of<std::uint64_t>(record, 0)];
             if (place) nonsense(record, "adopts a claim twice");
             place = std::make_unique<Held>(terms);
@@ -164,7 +164,7 @@ const Report* Replay::feed(const InputRecord& record) {
             claim.sent.add();
             return nullptr;
         }
-        case InputType::commands_broken:  // as its application broke it: an index that cannot be
+        case InputType::commands_broken:  // as its application did: an invalid index
             shm::HardwareMemory::store(
                 *shm::spsc_places(held(record)->memory.data() + held(record)->layout.commands,
                                   held(record)->layout.command_cells)

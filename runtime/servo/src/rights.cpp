@@ -26,7 +26,7 @@ std::string grant_command() {
     return fmt::format("sudo setcap cap_sys_nice,cap_ipc_lock=ep {}", own_path());
 }
 
-/// What a container's engine is told, since nothing inside of it can give the right.
+/// Options for the container's engine, since nothing inside the container can grant the right.
 constexpr const char* container_limits =
     "podman run --ulimit rtprio=95 --ulimit memlock=-1 ... (or docker run --cap-add SYS_NICE --cap-add "
     "IPC_LOCK ...)";
@@ -41,7 +41,7 @@ bool lists(const std::string& controllers, const std::string& one) {
 }  // namespace
 
 bool Rights::in_user_namespace() const {
-    // The first one maps all numbers to themselves.
+    // The first user namespace maps all numbers to themselves.
     std::ifstream file(root_ / "proc/self/uid_map");
     std::uint64_t inside = 0, outside = 0, count = 0;
     if (!(file >> inside >> outside >> count)) return false;
@@ -84,7 +84,7 @@ Rights::Group Rights::budget_group() const {
                     return {.name = name, .folder = top / below, .top = top, .v1 = true};
         }
         if (!controllers.empty()) continue;
-        // The nearest group for which the controller is on: those below it share its budget.
+        // The nearest group with the controller enabled: groups below it share its budget.
         const fs::path top = root_ / "sys/fs/cgroup";
         fs::path at = below;
         while (!at.empty() && !fs::exists(top / at / "cpu.max")) at = at.parent_path();
@@ -105,7 +105,7 @@ std::string Rights::why_no_priority(int priority) const {
                 container_limits);
         return "they will be late under load; run: " + grant_command();
     }
-    // The right is there: what is left are the budgets of real time.
+    // The right is there; what can still be missing is a real-time budget.
     if (number_in(root_ / "proc/sys/kernel/sched_rt_runtime_us", -1) == 0)
         return "the machine has no time for real-time threads (kernel.sched_rt_runtime_us is 0); run: "
                "sudo sysctl kernel.sched_rt_runtime_us=950000";
@@ -116,7 +116,7 @@ std::string Rights::why_no_priority(int priority) const {
         return "a sandbox refuses it (seccomp of a container, a security module); run: docker run --cap-add "
                "SYS_NICE "
                "--security-opt seccomp=unconfined ...";
-    // Its group is not to be seen from inside, or as the root of all.
+    // Its group is not visible from inside, or it appears as the root.
     if (group.name == "/" || group.name.starts_with("/..") || (group.v1 && !fs::exists(budget)))
         return fmt::format(
             "the {} is a container's, which has no real-time budget; its engine gives one where cgroups are "

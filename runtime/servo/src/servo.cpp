@@ -40,8 +40,8 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     if (cycle.input_log != nullptr) cycle.put_keyframe();  // if one is due
     const double dt = cycle.begin_cycle(deadline, now);    // stalls and jumps of the clock
     cycle.read_device(now);                                // joints -> pose and velocities
-    cycle.take_mail(now);                                  // claims that come and go
-    cycle.find_awake(now, dt);                             // those that have something to do
+    cycle.take_mail(now);                                  // claims that arrive and leave
+    cycle.find_awake(now, dt);                             // claims that have something to do
     cycle.take_changes(now);                               // commands and batches -> scenes
     cycle.stages.end(Stage::take);
     const Wrench sum = cycle.evaluate_claims(now, dt);  // scenes -> wrench, gains, sharing
@@ -56,7 +56,7 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     cycle.let_go();                     // claims whose force has faded
     cycle.publish_counters(now);
     cycle.stages.end(Stage::publish);
-    cycle.publish_parts();  // of this cycle, if it is one in 64
+    cycle.publish_parts();  // in one cycle in 64
 }
 
 double Servo::Impl::begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept {
@@ -74,12 +74,12 @@ double Servo::Impl::begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept 
         supervisor.hold();
     }
     if (guardian) supervisor.hold();
-    // Representations never see a gap.
+    // Representations never get a time gap.
     return std::clamp(seconds, 0.0, std::max(options.max_dt, 1 / options.rate));
 }
 
-/// Seconds. A rate like 3000 Hz has no whole number of nanoseconds: within one of the period it is the
-/// period.
+/// Seconds. A rate like 3000 Hz has no whole number of nanoseconds: a gap within one nanosecond of the period
+/// counts as the period.
 double Servo::Impl::nominal(Nanoseconds gap) const noexcept {
     if (gap >= period - 1 && gap <= period + 1) return 1 / options.rate;
     return static_cast<double>(gap) * 1e-9;
@@ -92,7 +92,7 @@ void Servo::Impl::read_device(Nanoseconds now) noexcept {
     unplugged = found.unplugged;
     trouble = found.faults;
     if (unplugged) {
-        // The fault is reported for one cycle at least, its cause for as long as the device is gone.
+        // The fault is reported for at least one cycle, its cause as long as the device is gone.
         if (supervisor.state() == DeviceState::fault && was_gone)
             supervisor.disconnected();
         else if (supervisor.state() != DeviceState::disconnected)
@@ -103,7 +103,7 @@ void Servo::Impl::read_device(Nanoseconds now) noexcept {
         supervisor.reconnected();
     if (found.ramp_down) {
         supervisor.disarm();
-        disarm_claims();  // whoever arms during the ramp down arms itself alone
+        disarm_claims();  // a claim that arms during the ramp down arms only itself
     }
     if (trouble != 0) supervisor.raise(trouble);
 }
@@ -118,7 +118,7 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
             command_processor.input_log = input_log = message.input_log;
             next_keyframe = 0;
         }
-        // By address: a claim that was let go already may be freed by now.
+        // By address: a claim that was already let go may be freed.
         if (message.what == Message::What::drop)
             if (const std::size_t place = claims.find(message.claim); place < claims.size()) {
                 drop(place);
@@ -140,7 +140,7 @@ void Servo::Impl::drop(std::size_t place) noexcept {
 
 void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
     if (ending || !claims.adopt(*claim)) {
-        outbox.post(claim);  // no room, which the broker should have known
+        outbox.post(claim);  // the broker should have known that it is full
         return;
     }
     Claim::Impl& c = *claim->impl;
@@ -180,7 +180,7 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
                               .ending = ending,
                               .trouble = trouble};
     const auto listening = [](const Claim::Impl& c) { return c.channels && !c.dropping && !c.faulted; };
-    // Two passes: the lines that other cores wrote arrive together instead of one after the other.
+    // Two passes: cache lines that other cores wrote are fetched in parallel, not one after the other.
     for (const std::size_t place : claims.awake())
         if (const Claim::Impl& c = claims[place]; listening(c)) c.channels->batches.prefetch();
     for (const std::size_t place : claims.awake()) {
@@ -191,7 +191,7 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
         command_processor.take_commands(c, authority, now);
         if (!c.faulted) command_processor.take_batch(c, report.cycle, now);
         if (c.batch_is_new) c.scene.set_fade(fade_for(c));
-        // What was there before the first cycle has not just come.
+        // Scenes from before the first cycle start in full force.
         if (c.from_the_start) c.scene.settle();
         settles = settles || c.from_the_start;
         c.from_the_start = false;
@@ -233,7 +233,7 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
     return sum;
 }
 
-// What is out of the hand's reach is not felt: scenes that sleep have no load.
+// A scene out of the hand's reach has no force, so sleeping scenes add no load.
 void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     const auto felt = [](const Claim::Impl& c) {
         return c.channels && (c.gain > 0 || c.gain_lost > 0) && !c.quiet();
@@ -274,14 +274,14 @@ Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
         ++armed;
         kept_on = kept_on || !claim.joined;
     }
-    // When the last one who may switch it on has gone, the device ramps down under those who have joined.
+    // When the last claim that keeps the device on has gone, the device ramps down under those that joined.
     if (!kept_on) armed = 0;
     const Supervised out = tip.has_pose
                                ? supervisor.supervise(sum, tip.pose.position, tip.velocity, tip.jacobian,
                                                       device.mechanism().joints(), armed, dt)
                                : supervisor.cut(armed, dt);
-    // Enabling is never automatic: after a fault, a lost device or a ramp down to the end every claim arms
-    // anew.
+    // Enabling is never automatic: after a fault, a lost device or a complete ramp down every claim must arm
+    // again.
     const DeviceState state = supervisor.state();
     if (state == DeviceState::idle || state == DeviceState::fault || state == DeviceState::disconnected)
         disarm_claims();
@@ -290,7 +290,7 @@ Supervised Servo::Impl::supervise(const Wrench& sum, double dt) noexcept {
 
 void Servo::Impl::disarm_claims() noexcept {
     for (std::size_t place = 0; place < claims.size(); ++place) {
-        if (claims.sleeps_unarmed(place)) continue;  // in every cycle of an idle device
+        if (claims.sleeps_unarmed(place)) continue;  // the usual case on an idle device
         if (std::exchange(claims[place].armed, false)) claims.wake(place);
     }
 }
@@ -325,7 +325,7 @@ void Servo::Impl::let_go() noexcept {
         return;
     claims.let_go([this](Claim& claim) {
         const Claim::Impl& c = *claim.impl;
-        const bool holds = c.channels.has_value();  // once posted it may be freed
+        const bool holds = c.channels.has_value();  // read first: a posted claim may be freed
         if (!c.dropping || c.gain > 0 || !outbox.post(&claim)) return false;
         held -= holds;
         return true;

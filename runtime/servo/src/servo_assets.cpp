@@ -1,4 +1,4 @@
-// Assets that claims get and give back.
+// Assets that claims receive and return.
 
 #include <bit>
 
@@ -6,7 +6,7 @@
 
 namespace knurl::servo {
 
-// By address, as everything in the mail: its claim may be on its way back already, and frees it.
+// By address, as in all messages: the claim may be on its way back already, and then frees the asset.
 void Servo::Impl::take_asset(const Message& message) noexcept {
     const std::size_t place = claims.find(message.claim);
     if (place == claims.size()) return;
@@ -26,7 +26,7 @@ void Servo::Impl::take_asset(const Message& message) noexcept {
                                           as_bytes(message.digest)});
 }
 
-/// Those that nothing is made of any more.
+/// Returns assets that no shape uses any more.
 void Servo::Impl::return_assets(Claim& claim) noexcept {
     Claim::Impl& c = *claim.impl;
     for (std::uint64_t rest = c.forgotten; rest != 0; rest &= rest - 1) {

@@ -27,7 +27,7 @@ struct Message {
     protocol::AssetDigest digest = {};  // of its source
 };
 
-/// The parts of the cycle, in the order in which `step` calls them, and what they remember.
+/// The parts of the cycle, in the order in which `step` calls them, and their state.
 struct Servo::Impl {
     Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segment, const ServoOptions& stated);
 
@@ -45,14 +45,14 @@ struct Servo::Impl {
     void let_go() noexcept;
     void disarm_claims() noexcept;
 
-    /// Who is looked at in this cycle: `claims.awake()`.
+    /// Finds the claims to process in this cycle: `claims.awake()`.
     void find_awake(Nanoseconds now, double dt) noexcept;
-    /// All of them are, from here on.
+    /// Wakes all claims, at once.
     void wake_claims() noexcept;
     void drop(std::size_t place) noexcept;
-    /// One that was looked at in this cycle, if it has nothing to do.
+    /// Puts a claim of this cycle to sleep, if it has nothing to do.
     void put_to_sleep(std::size_t place) noexcept;
-    /// The claim's scene, unless that sleeps.
+    /// Evaluates the claim's scene, unless it sleeps.
     void evaluate_scene(std::size_t place, const Probe& probe, double dt) noexcept;
 
     // servo_input_log.cpp
@@ -85,9 +85,9 @@ struct Servo::Impl {
     shm::Counters counters;
 
     ClaimSet claims;
-    // Of the last cycle whose scenes were evaluated: what a scene that wakes is given.
+    // The hand in the last cycle whose scenes were evaluated; a scene that wakes gets it.
     Probe passed_hand;
-    bool hand_usable = false;               // time passes, and the hand is somewhere
+    bool hand_usable = false;               // time passes, and the hand's position is known
     Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
     Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
     Mailbox<ReturnedAsset, mailbox_slots> asset_outbox;
@@ -96,24 +96,24 @@ struct Servo::Impl {
     bool first = true;
     Nanoseconds last_now = 0, read_ns = 0, write_ns = 0;
     HandBudget budget;          // of all claims together
-    double own_damping = 0;     // N s/m: that by which max_stiffness was found
-    bool settles = false;       // in this cycle: what was there from the start
-    bool enabled = false;       // as the device was last told
-    bool guardian = false;      // it zeroed the device before this cycle
-    bool unplugged = false;     // this cycle's read, or the last write, found no device
+    double own_damping = 0;     // N s/m: the device's damping in the bound max_stiffness
+    bool settles = false;       // in this cycle: changes from before the start act at once
+    bool enabled = false;       // as last sent to the device
+    bool guardian = false;      // the guardian zeroed the device before this cycle
+    bool unplugged = false;     // this cycle's read, or the last write, found the device unplugged
     std::uint32_t trouble = 0;  // faults that this cycle's sample raises
-    bool jumped = false;        // the clock, before this cycle: for the input log
-    bool written = false;       // in this cycle: the device was there to take it
+    bool jumped = false;        // the clock jumped before this cycle: for the input log
+    bool written = false;       // in this cycle: the device took the write
     const Claim::Impl* in_contact = nullptr;
     Report report;
-    // of the last reports, for the age of a batch
+    // of the last reports, to compute the age of a batch
     std::array<Nanoseconds, protocol::report_slots> read_times = {};
     std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, evaluated = 0, present = 0;
 
     InputLog* input_log = nullptr;    // null: nobody records
-    std::uint64_t next_keyframe = 0;  // the cycle from which on there is to be one
-    std::uint64_t claims_seen = 0;    // adopted so far, observers left out
-    std::size_t held = 0;             // of them, those that are still here
+    std::uint64_t next_keyframe = 0;  // the first cycle in which a keyframe is due
+    std::uint64_t claims_seen = 0;    // claims adopted so far, without observers
+    std::size_t held = 0;             // those of them that are still here
 };
 
 }  // namespace knurl::servo

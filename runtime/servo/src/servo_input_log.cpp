@@ -1,12 +1,12 @@
-// What a cycle puts into the input log while somebody records. What claims send is put there by
-// CommandProcessor, as it takes it.
+// The cycle's entries in the input log during a recording. CommandProcessor adds what claims send, when it
+// takes it.
 
 #include "servo_impl.hpp"
 #include "state_words.hpp"
 
 namespace knurl::servo {
 
-/// If one is due and nobody holds the device: a claim's scene is no plain state.
+/// Only if one is due and nobody holds the device: a claim's scene is not plain state.
 void Servo::Impl::put_keyframe() noexcept {
     if (held > 0 || report.cycle < next_keyframe) return;
     next_keyframe = report.cycle + InputLog::keyframe_every;

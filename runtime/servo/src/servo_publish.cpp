@@ -1,4 +1,4 @@
-// What a cycle tells the world: the report, each claim's feedback, the counters.
+// The outputs of a cycle: the report, each claim's feedback, the counters.
 
 #include <algorithm>
 
@@ -50,7 +50,8 @@ void Servo::Impl::publish(Nanoseconds deadline, const Wrench& sum, const Supervi
         c.publish(report.cycle);
         put_to_sleep(place);
     }
-    // By turns: the client's line may have to come from another core, and people can wait for that.
+    // Claims take turns: the client's cache line may have to come from another core, and this counter is not
+    // urgent.
     constexpr std::uint64_t missed_every = 64;  // cycles
     for (std::size_t i = report.cycle % missed_every; i < claims.size(); i += missed_every)
         claims[i].publish_missed();

@@ -1,4 +1,4 @@
-// Which claims a cycle looks at (claim_set.hpp).
+// Which claims a cycle processes (claim_set.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace knurl::servo {
 
 void Servo::Impl::find_awake(Nanoseconds now, double dt) noexcept {
-    constexpr double fastest = 1e3;  // m/s; beyond it, a scene may say that there is no hand
+    constexpr double fastest = 1e3;  // m and m/s; beyond it, a scene may treat the hand as absent
     hand_usable = dt > 0 && tip.pose.position.lpNorm<1>() < fastest && tip.velocity.lpNorm<1>() < fastest &&
                   tip.angular_velocity.allFinite() && tip.pose.orientation.coeffs().allFinite();
     claims.look(hand_usable ? &tip.pose.position : nullptr, now);
@@ -34,9 +34,9 @@ void Servo::Impl::evaluate_scene(std::size_t place, const Probe& probe, double d
         c.scene.pass(owed, claims.time(place), c.in_world(passed_hand));
     c.scene_sleeps = false;
     const SceneTime before = c.scene.time();
-    const bool changed = c.scene.changed();  // and may well be in the next cycle
+    const bool changed = c.scene.changed();  // it may well change again in the next cycle
     c.evaluate(probe, dt);
-    // With some room: a hand that is about to leave the ball need not enter it.
+    // With a margin: a hand that is about to leave the ball should not put the scene to sleep.
     if (changed || !hand_usable || c.touching || c.scene.size() == 0 || c.scene.evaluated() > 0) return;
     constexpr double most = 10, least = 1e-4, ahead = 32;  // m, m, cycles
     const double within = std::min(most, c.scene.sleep_radius() / std::abs(c.terms.frame.scale));

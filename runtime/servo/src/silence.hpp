@@ -1,6 +1,6 @@
 #pragma once
-// When is an application silent? When it has not committed for three of its own intervals, as measured (or as
-// it stated), and never sooner than 250 ms; over a network that much later as its commits may be delayed.
+// An application is silent when it has not committed for three of its own intervals, measured or stated, but
+// at least 250 ms. Over a network the limit grows by the possible delay of a commit.
 
 #include <algorithm>
 #include <cstdint>
@@ -12,13 +12,13 @@ namespace knurl::servo {
 class SilenceWatch {
   public:
     static constexpr double shortest = 0.25;   // s
-    static constexpr double unmeasured = 3.5;  // s: until three intervals were measured
+    static constexpr double unmeasured = 3.5;  // s: the limit until three intervals are measured
     static constexpr double intervals = 3;
     static constexpr std::uint32_t needed = 3;  // measured intervals
-    static constexpr double weight = 0.25;      // of a new interval in the mean
+    static constexpr double weight = 0.25;      // of a new interval in the running mean
 
-    /// `stated`: s, how often the application means to commit; 0: measure it. `delay`: s, by how much a
-    /// commit may be later than the one before it was.
+    /// `stated`: s, how often the application will commit; 0: measure it. `delay`: s, by how much a commit
+    /// may be delayed more than the previous one.
     explicit SilenceWatch(double stated, double delay = 0) noexcept
         : stated_(stated > 0 ? stated : 0), delay_(delay) {}
 
@@ -27,7 +27,7 @@ class SilenceWatch {
     /// A batch was taken.
     void renew(Nanoseconds now) noexcept {
         if (batches_++ > 0) {
-            // A pause counts for at most what an unmeasured application is allowed: one hang does not spoil
+            // A pause counts for at most the limit of an unmeasured application, so one hang does not spoil
             // the mean.
             const double interval =
                 std::min(static_cast<double>(now - last_batch_) * 1e-9, unmeasured / intervals);
@@ -38,18 +38,18 @@ class SilenceWatch {
         last_batch_ = now;
         sign_of_life(now);
     }
-    /// It spoke, though it did not commit.
+    /// The application sent something other than a commit.
     void sign_of_life(Nanoseconds now) noexcept { last_sign_ = now; }
 
     double limit() const noexcept {
         if (stated_ > 0) return delay_ + std::max(shortest, intervals * stated_);
         return delay_ + (measured_ < needed ? unmeasured : std::max(shortest, intervals * mean_));
     }
-    /// s, since it counts as silent; 0: it does not.
+    /// s, since it counts as silent; 0: not silent.
     double silent_for(Nanoseconds now) const noexcept {
         return std::max(0.0, static_cast<double>(now - last_sign_) * 1e-9 - limit());
     }
-    /// Not before this will silent_for() be more than 0, if nothing comes.
+    /// The earliest time at which silent_for() can exceed 0, if nothing arrives.
     Nanoseconds heard_until() const noexcept {
         return last_sign_ + static_cast<Nanoseconds>(limit() * 1e9) - 1;
     }

@@ -1,6 +1,6 @@
 #pragma once
-// Where a cycle's time goes. Each look at the clock costs some 20 ns, so only one cycle in 64 looks: what
-// people want to know is a mean, and 16 samples a second are plenty for that.
+// Measures how a cycle's time divides among its stages. Each reading of the clock costs some 20 ns, so only
+// one cycle in 64 measures. The purpose is a mean, and 16 samples a second are enough for that.
 
 #include <algorithm>
 #include <array>
@@ -18,24 +18,24 @@ class StageClock {
 
     explicit StageClock(Clock& clock) noexcept : clock_(clock) {}
 
-    /// Before all of them; `now`: when the cycle began.
+    /// Before all stages; `now`: when the cycle began.
     void begin(std::uint64_t cycle, Nanoseconds now) noexcept {
         on_ = looks_ && cycle % every == 0;
         if (!on_) return;
         last_ = now;
         ++stamped_;
     }
-    /// What has been done since the last call was this.
+    /// The time since the last call belongs to this stage.
     void end(Stage stage) noexcept {
         if (!on_) return;
         const Nanoseconds now = clock_.now();
-        // A clock that was set back is the supervisor's business.
+        // A clock that was set back is handled by the supervisor.
         sums_[static_cast<std::size_t>(stage)] +=
             static_cast<std::uint64_t>(std::max<Nanoseconds>(0, now - last_));
         last_ = now;
     }
 
-    /// A replay's clock is asked for what matters alone.
+    /// For a replay, whose clock holds only the readings that matter.
     void never() noexcept { looks_ = false; }
 
     bool stamping() const noexcept { return on_; }  // this cycle

@@ -9,7 +9,7 @@ namespace knurl::servo {
 void PowerMeter::add(double work, double dt) noexcept {
     filling_work_ += work;
     filling_time_ += dt;
-    // Half a cycle of grace: twenty steps of 0.1 ms are a part of 2 ms, whatever their sum rounds to.
+    // Half a cycle of tolerance: twenty steps of 0.1 ms fill a part of 2 ms, however their sum is rounded.
     if (filling_time_ + dt / 2 < part_time_) return;
     work_[next_] = filling_work_;
     next_ = (next_ + 1) % parts;
@@ -25,11 +25,11 @@ void PowerMeter::reset() noexcept {
 
 namespace {
 
-/// Moves `last` towards `wanted` by at most `step`; true: it did not get there.
+/// Moves `last` towards `wanted` by at most `step`. True: the limit acted.
 bool approach(Eigen::Vector3d& last, const Eigen::Vector3d& wanted, double step) noexcept {
     const Eigen::Vector3d change = wanted - last;
     const double size = change.norm();
-    if (!(size > step)) {  // also when there is no limit at all
+    if (!(size > step)) {  // also when there is no limit
         last = wanted;
         return false;
     }

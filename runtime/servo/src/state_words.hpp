@@ -1,6 +1,6 @@
 #pragma once
-// What a servo remembers between cycles, as 64-bit words: what an input log's keyframe is made of. Each class
-// lists its members once, in `state`, for both directions.
+// The state that a servo keeps between cycles, as 64-bit words, for an input log's keyframe. Each class lists
+// its members once, in `state`, for both directions.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +20,7 @@ class StateWords {
     void operator()(T&... members) noexcept {
         (one(members), ...);
     }
-    /// Words visited; more than there are: they did not fit.
+    /// Number of words visited; if it exceeds the capacity, they did not fit.
     std::size_t visited() const noexcept { return visited_; }
 
   private:

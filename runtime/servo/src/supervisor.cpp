@@ -13,14 +13,14 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The smaller of what the device and the configuration state; 0 states nothing.
+/// The smaller of the device's and the configuration's value; 0: not stated.
 double tighter(double device, double configured) {
     if (device > 0 && configured > 0) return std::min(device, configured);
     if (device > 0 || configured > 0) return std::max(device, configured);
     return infinity;
 }
 
-/// Half the peak where nobody states it (the usual rating of a desktop device's motors).
+/// Half the peak if neither states a value (the usual rating of a desktop device's motors).
 double continuous(double device, double configured, double peak) {
     const double stated = tighter(device, configured);
     return stated < infinity ? stated : peak / 2;
@@ -31,8 +31,8 @@ double torque_slew(double slew, double peak_torque, double peak_force) {
     return peak_torque < infinity && peak_force < infinity ? slew * peak_torque / peak_force : infinity;
 }
 
-/// Virtual damping that a sampled, filtered loop bears: b <= m/(4 (T + tau + tau_f)) with the filter of 100
-/// Hz (measured; Colgate & Brown 1994 for the form). An unknown mass counts as a light one.
+/// The largest stable virtual damping of a sampled, filtered loop: b <= m/(4 (T + tau + tau_f)) with the 100
+/// Hz filter (measured; Colgate & Brown 1994 for the form). An unknown mass counts as light.
 double largest_damping(const drivers::LinkConfig& link, double rate) {
     const double mass = link.apparent_mass > 0 ? link.apparent_mass : 0.05;  // kg
     const double filter = 1 / (2 * std::numbers::pi * 100);                  // s
@@ -63,7 +63,8 @@ RefusalReason Supervisor::may_arm(bool calibrated, double speed, bool after_rese
     if (state_ == DeviceState::disconnected) return RefusalReason::disconnected;
     if (state_ == DeviceState::fault && !after_reset) return RefusalReason::in_fault;
     if (!calibrated) return RefusalReason::not_calibrated;
-    // A merely quick hand is waited for in `armed`; one above the fault's speed would fault at once.
+    // In `armed` the servo waits for a quick hand to slow down; a hand above the fault's speed would fault at
+    // once.
     return speed < limits_.speed_fault ? RefusalReason::none : RefusalReason::hand_too_fast;
 }
 
@@ -93,7 +94,7 @@ RefusalReason Supervisor::reset_fault(double speed, std::uint32_t trouble) noexc
     if (refusal != RefusalReason::none) return refusal;
     faults_ = 0;
     state_ = DeviceState::idle;
-    power_.reset();  // what led to the fault is not held against what comes after
+    power_.reset();  // power before the fault must not count after it
     return RefusalReason::none;
 }
 
@@ -109,7 +110,7 @@ void Supervisor::hold() noexcept {
     if (!powered()) return;
     state_ = state_ == DeviceState::ramp_down ? state_ : DeviceState::ramp_up;
     gain_ = 0;
-    sent_force_.setZero();  // nobody knows what the hand did meanwhile: no work is booked over the gap
+    sent_force_.setZero();  // the hand's motion in the gap is unknown, so no work is counted over it
     moved_ = false;
     slew_.restart_from_zero();
 }
@@ -121,7 +122,7 @@ void Supervisor::disconnected() noexcept {
 }
 
 void Supervisor::reconnected() noexcept {
-    // Pulling the plug is no way to reset another fault.
+    // Unplugging the device must not reset another fault.
     faults_ &= ~fault::unplugged;
     state_ = faults_ != 0 ? DeviceState::fault : DeviceState::idle;
     gain_ = 0;
@@ -137,7 +138,7 @@ void Supervisor::start_active() noexcept {
 
 void Supervisor::advance_state(double speed, int armed_claims, double dt) noexcept {
     if (powered() && state_ != DeviceState::ramp_down && armed_claims == 0) state_ = DeviceState::ramp_down;
-    // A ramp of n steps ends after n steps, whatever their sum rounds to.
+    // A ramp of n steps ends after n steps, however their sum is rounded.
     constexpr double rounding = 1e-9;
     switch (state_) {
         case DeviceState::armed:
@@ -184,7 +185,7 @@ void Supervisor::keep_inside(Wrench& w, const Eigen::Vector3d& position) const n
     const Eigen::Vector3d from_centre =
         position -
         Eigen::Vector3d(link_.workspace_centre[0], link_.workspace_centre[1], link_.workspace_centre[2]);
-    // What pushes outwards goes to zero over the last 5 % of the radius: a step there would be felt.
+    // The outward force falls to zero over the last 5 % of the radius, since a step there would be felt.
     const double band = 0.05 * link_.workspace_radius;
     const double distance = from_centre.norm();
     if (distance <= edge - band) return;

@@ -22,7 +22,7 @@ TipEstimator::TipEstimator(drivers::Device& device, bool trusting)
     driven_ = link.actuated_joints > 0 ? link.actuated_joints : link.sensed_joints;
     for (std::size_t i = 0; i < drivers::max_joints; ++i) {
         const double least = link.joint_least[i], greatest = link.joint_greatest[i];
-        // Of a range without an end nothing is 1 %.
+        // In an unbounded range the joint is never near a stop.
         const double near = std::isfinite(greatest - least) ? limit_share * (greatest - least) : 0;
         near_least_[i] = least + near;
         near_greatest_[i] = greatest - near;
@@ -41,8 +41,8 @@ Trouble TipEstimator::read(Nanoseconds now, StageClock& stages) noexcept {
 Trouble TipEstimator::believe(ReadStatus got, const JointSample& next, Nanoseconds now) noexcept {
     stale = false;
     has_pose = false;
-    // A device is there once it has said where it is: until its first good sample nothing is known of it, and
-    // what was known before it was unplugged (its homing as well) no longer holds.
+    // A device counts as connected from its first good sample on. Until then its position is unknown, and
+    // what was known before it was unplugged (its homing too) no longer holds.
     if (got == ReadStatus::unplugged || (!connected && got != ReadStatus::ok)) {
         connected = false;
         sample.calibrated = false;
@@ -53,8 +53,8 @@ Trouble TipEstimator::believe(ReadStatus got, const JointSample& next, Nanosecon
     const bool first = !connected;
     connected = true;
     const double gap = first ? 0 : static_cast<double>(now - last_good_) * 1e-9;
-    // How far a hand can have come since the sample before, believed or not: else a jump would become
-    // possible by being rejected for long enough. A repeated sample is none.
+    // How far a hand can have moved since the last sample, accepted or not. Else a jump would become
+    // plausible by being rejected for long enough. A repeated sample does not count.
     const double since_sample = first ? 0 : static_cast<double>(now - last_sample_) * 1e-9;
     if (got != ReadStatus::stale) last_sample_ = now;
 
@@ -69,12 +69,11 @@ Trouble TipEstimator::believe(ReadStatus got, const JointSample& next, Nanosecon
         has_pose = known_;
         return gap > stale_limit ? bad(fault::bad_samples) : Trouble{};
     }
-    // Homing has just found where the encoders count from: what they said before is no place to have come
-    // from.
+    // Homing has just set the encoders' origin, so earlier positions are not comparable.
     if (next.calibrated && !sample.calibrated) restart();
     if (!trusting_ && impossible(next, since_sample)) {
         const Trouble trouble = bad(fault::encoder_jump);
-        // It stays there: from now on that is where the joints are, once the fault has been reset.
+        // The joints stay there: after a reset of the fault this is their position.
         if (trouble.faults != 0) {
             sample = next;
             last_good_ = now;
@@ -106,10 +105,10 @@ bool TipEstimator::impossible(const JointSample& next, double gap) const noexcep
         Eigen::Matrix<double, drivers::max_joints, 1>::Zero();
     for (std::size_t i = 0; i < joints_; ++i) {
         const auto row = static_cast<Eigen::Index>(i);
-        // Two counts of grace: they are no motion.
+        // Two counts of tolerance: they are no motion.
         change[row] = std::max(0.0, std::abs(next.position[i] - sample.position[i]) - 2 * count_[row]);
     }
-    // Per joint, with the last Jacobian: a sum could hide two jumps in each other.
+    // Per joint, with the last Jacobian: in a sum two jumps could cancel.
     for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(joints_); ++i)
         if (change[i] * jacobian.col(i).head<3>().norm() > impossible_speed * gap ||
             change[i] * jacobian.col(i).tail<3>().norm() > impossible_turn * gap)
@@ -149,7 +148,7 @@ bool TipEstimator::place(double gap) noexcept {
 void TipEstimator::look_at_posture() noexcept {
     if (!known_ || ++since_posture_ < posture_every) return;
     since_posture_ = 0;
-    // Fewer joints than directions are no posture: such a device moves along a line or a surface only.
+    // With fewer joints than directions there is no such posture: the device moves along a line or a surface.
     near_singular = driven_ >= 3 && drivers::conditioning(jacobian, driven_) < poor_conditioning;
     at_joint_limit = false;
     for (std::size_t i = 0; i < joints_; ++i)
@@ -165,7 +164,7 @@ void TipEstimator::differentiate(const drivers::TipPose& previous, double gap) n
         velocity = smooth_velocity = raw;
         angular_velocity = jacobian.bottomRows<3>().leftCols(n) * rates.head(n);
     } else {
-        // The band of the adaptive window: one count of every joint, as far as it moves the tip along that
+        // The band of the adaptive window: one count of every joint, as its motion of the tip along this
         // axis.
         const Eigen::Vector3d band =
             jacobian.topRows<3>().cwiseAbs() * count_ + Eigen::Vector3d::Constant(1e-9);

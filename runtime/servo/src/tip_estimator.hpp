@@ -1,6 +1,6 @@
 #pragma once
-// From joint samples to the hand's motion: which samples are believed, where the tip is, how fast it moves.
-// Device frame.
+// From joint samples to the hand's motion, in the device frame: which samples are accepted, where the tip is,
+// how fast it moves.
 
 #include <cstdint>
 
@@ -13,36 +13,36 @@
 
 namespace knurl::servo {
 
-/// What a sample that is not good asks of the supervisor.
+/// What a bad sample requires from the supervisor.
 struct Trouble {
     bool unplugged = false;
     bool ramp_down = false;    // three bad samples in a row
-    std::uint32_t faults = 0;  // ten of them
+    std::uint32_t faults = 0;  // ten bad samples in a row
 };
 
 class TipEstimator {
   public:
     static constexpr std::uint32_t bad_ramp_down = 3;  // in a row
     static constexpr std::uint32_t bad_fault = 10;
-    static constexpr double stale_limit = 20e-3;  // s: a repeated sample that is older counts as bad
-    // No hand moves like this: an encoder that says so has lost counts. 1.5 m/s already is a fault.
+    static constexpr double stale_limit = 20e-3;  // s: a repeated sample older than this counts as bad
+    // No hand moves this fast: the encoder has lost counts. 1.5 m/s already is a fault.
     static constexpr double impossible_speed = 10;  // m/s at the tip
     static constexpr double impossible_turn = 100;  // rad/s
 
     static constexpr double poor_conditioning = 0.05;  // drivers::conditioning: 1 in 20
     static constexpr double limit_share = 0.01;
-    static constexpr std::uint32_t posture_every = 16;  // looks
+    static constexpr std::uint32_t posture_every = 16;  // calls
 
-    /// `trusting`: every finite sample is believed (offline evaluation along a given motion).
+    /// `trusting`: accepts every finite sample (offline evaluation along a given motion).
     TipEstimator(drivers::Device& device, bool trusting);
 
-    /// One reading. Afterwards the members below are the hand as this cycle knows it.
+    /// Processes one reading. Afterwards the members below describe the hand in this cycle.
     Trouble read(Nanoseconds now, StageClock& stages) noexcept;
-    /// After the write: what an application should know about, nothing that the force depends on. Every 16th
-    /// call looks.
+    /// After the write: states of the posture for the application, which do not affect the force. Every 16th
+    /// call computes them.
     void look_at_posture() noexcept;
 
-    drivers::JointSample sample;  // the last good one
+    drivers::JointSample sample;  // the last accepted one
     drivers::TipPose pose;
     drivers::Jacobian jacobian = drivers::Jacobian::Zero();
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, first order 100 Hz: damping
@@ -50,17 +50,17 @@ class TipEstimator {
     Eigen::Vector3d smooth_velocity = Eigen::Vector3d::Zero();
     Eigen::Vector3d slow_velocity = Eigen::Vector3d::Zero();     // m/s, first order 20 Hz: prediction
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
-    // What the device gave in this cycle, believed or not: for an input log.
+    // The device's sample of this cycle, accepted or not: for an input log.
     drivers::JointSample received;
     drivers::ReadStatus status{};
     bool connected = false;
     bool has_pose = false;        // this cycle: the mechanism had a pose for the sample
     bool stale = false;           // this cycle: no new sample
-    bool near_singular = false;   // conditioning below `poor_conditioning`, of three joints or more
-    bool at_joint_limit = false;  // within `limit_share` of its range of a stop, or past it
+    bool near_singular = false;   // conditioning below `poor_conditioning`; needs three joints or more
+    bool at_joint_limit = false;  // within `limit_share` of its range from a stop, or beyond it
     std::uint64_t bad_samples = 0, stale_samples = 0, kinematics_failures = 0;
 
-    /// What is remembered between cycles, but for the counts: for an input log's keyframe (state_words.hpp).
+    /// State kept between cycles, except counters: for an input log's keyframe (state_words.hpp).
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(sample.position, sample.velocity, sample.has_velocity, sample.calibrated, sample.buttons,
@@ -82,11 +82,11 @@ class TipEstimator {
     bool trusting_;
     std::size_t joints_;
     int driven_;
-    drivers::JointArray near_least_, near_greatest_;       // rad: `at_joint_limit` beyond
+    drivers::JointArray near_least_, near_greatest_;       // rad: `at_joint_limit` outside
     Eigen::Matrix<double, drivers::max_joints, 1> count_;  // rad per count of each joint
     std::uint32_t bad_in_row_ = 0, poseless_in_row_ = 0, since_posture_ = posture_every;
     Nanoseconds last_good_ = 0, last_sample_ = 0;
-    bool known_ = false;  // there is a sample and a pose to compare with
+    bool known_ = false;  // a sample and a pose are there for comparison
     FirstOrderVelocity damping_{100}, slow_{20}, turning_{100};
     AdaptiveVelocity smooth_;
 };

@@ -1,5 +1,5 @@
-// Any bytes, cut anywhere, from a simulation: the same frames come out as from the bytes in one piece, or the
-// same complaint. The first byte says how they are cut; the second whether a handshake is put before them.
+// Any bytes, cut anywhere, from a simulation: they give the same frames as the bytes in one piece, or the
+// same error. The first byte chooses the cuts; the second whether a handshake precedes them.
 
 #include <cstdlib>
 #include <string>

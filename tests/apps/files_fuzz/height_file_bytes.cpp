@@ -1,4 +1,4 @@
-// Any bytes as PNG, PGM or ESRI ASCII grid. They are refused in one line, or become heights that are numbers.
+// Any bytes as PNG, PGM or ESRI ASCII grid. They are refused in one line, or become finite heights.
 
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// What a reader answers to a file that it refuses.
+// A reader's message for a file that it refuses.
 
 #include <cstdio>
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace knurl::fuzz {
 
-/// One line that names the file, and nothing in it that a terminal would obey.
+/// One line that names the file, without control characters for a terminal.
 inline void check_refusal(std::string_view text, std::string_view file) {
     if (!text.starts_with(file)) std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
     require(text.starts_with(file), "a refusal names the file");

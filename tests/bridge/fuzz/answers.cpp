@@ -1,8 +1,8 @@
-// Any answers of a bridge to a client: what it says of itself and its devices, to a claim, to commands. The
-// client's own end of a connection, thread and all; the bridge is played, and answers each frame that comes
-// with the next piece of the input, as it is, or (the control byte says which) with what a good one begins
-// with. When there is none left it hangs up. Whatever was said the client ends with a line, soon, and has no
-// more than it asked for. Each piece has a control byte and two of length.
+// Any answers of a bridge to a client: about itself and its devices, to a claim, to commands. The client's
+// end of the connection is real, with its thread. The bridge is played: it answers each frame with the next
+// piece of the input, as it is or (by the control byte) after the beginning of a valid answer. When no piece
+// is left it hangs up. In every case the client ends soon with a line, and has no more than it requested.
+// Each piece has a control byte and two of length.
 
 #include <algorithm>
 #include <array>
@@ -39,7 +39,7 @@ DeviceRow good_row() {
     return row;
 }
 
-/// Over the first bytes of what the input says: a welcome with one device, or the terms that were asked for.
+/// Overwrites the first bytes of the input: a welcome with one device, or the requested terms.
 void put_right(FrameType type, std::vector<std::byte>& bytes) {
     const auto over = [&](const auto&... parts) {
         bytes.resize(std::max(bytes.size(), (sizeof parts + ...)));
@@ -95,7 +95,7 @@ class Bridge {
             ::poll(sources, 2, -1);
             if (sources[1].revents != 0) echo();
             if (sources[0].revents == 0) continue;
-            // Whatever it is that was asked: they ask one thing at a time.
+            // Any request: the client makes one at a time.
             if (::recv(peer.get(), bytes.data(), bytes.size(), 0) <= 0) break;
             if (!say_next(peer, pieces, ++asked <= 2)) ::shutdown(peer.get(), SHUT_WR);
         }
@@ -146,7 +146,7 @@ void require_a_line(const std::string& text) {
     fuzz::require(!text.empty() && text.find_first_of("\n\r\x1b") == std::string::npos);
 }
 
-/// Claims, commands for as long as the other end is there, and what came back.
+/// Claims, and sends commands while the other end is there and answers.
 void use(detail::Link& link) {
     protocol::ClaimRequest request;
     request.capacity = capacity;
@@ -187,7 +187,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (!link->devices().empty()) use(*link);
     } catch (const Error& error) {
         require_a_line(error.what());
-        // It has not waited for what a bridge that had hung up would never say. (A refusal may say anything.)
+        // It has not waited for an answer from a bridge that had hung up. (A refusal may have any text.)
         fuzz::require(!std::string_view(error.what()).starts_with("bridge played does not answer"),
                       error.what());
     }

@@ -1,6 +1,6 @@
-// Any frames of commands and batches from a peer that is in. What reaches the servo's ring is whole groups of
-// messages, nothing that a role forbids goes unmarked, and everything else ends the peer with a reason. The
-// first byte says the role; each frame has a control byte (batch or commands, whether the ring has room) and
+// Any frames of commands and batches from an admitted peer. The servo's ring gets only whole groups of
+// messages, every command that a role restricts is marked, and all else ends the peer with a reason. The
+// first byte is the role; each frame has a control byte (batch or commands, whether the ring has room) and
 // two of length.
 
 #include "fake_claim.hpp"

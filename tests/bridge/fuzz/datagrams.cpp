@@ -1,7 +1,6 @@
-// Any datagrams at both ends of the data channel. The first byte says whether there is a key; then come
-// datagrams, each with a control byte and two of length. With a key nothing that a stranger sends is
-// believed; without one it may be, and then nothing reaches the servo but whole batches within the claim's
-// bounds.
+// Any datagrams at both ends of the data channel. The first byte says whether there is a key; then follow
+// datagrams, each with a control byte and two of length. With a key nothing from a stranger is accepted.
+// Without one it may be, and then the servo gets only whole batches within the claim's bounds.
 
 #include <array>
 
@@ -16,10 +15,10 @@ using namespace knurl::bridge;
 namespace {
 
 constexpr std::uint64_t session = 0x123456789abcdef0;
-// What the control byte sets right, so that chance gets further than the first check.
+// What the control byte corrects, so that random input passes the first checks.
 constexpr unsigned right_session = 1, next_counter = 2, is_batch = 4, is_report = 8;
 
-/// As the client's end reads it.
+/// Parses it like the client's end.
 void to_feedback(FeedbackAssembly& assembly, const DatagramHeader& header, std::span<const std::byte> body) {
     ReportPiece piece;
     if (!take(body, piece)) return;

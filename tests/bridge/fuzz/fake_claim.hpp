@@ -1,5 +1,5 @@
 #pragma once
-// The servo's side of a claim, which demands what the servo may rely on.
+// The servo's side of a claim, which checks what the servo relies on.
 
 #include <cstring>
 

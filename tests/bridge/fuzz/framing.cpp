@@ -1,6 +1,6 @@
-// Any bytes, cut anywhere, into a plain connection. The frames that come out are those that a plain reading
-// of the whole finds, and a length that is not allowed ends the connection. The first byte says which side we
-// are and how the bytes are cut.
+// Any bytes, cut anywhere, into a plain connection. The resulting frames are those of a simple parse of the
+// whole, and an illegal length ends the connection. The first byte chooses the side and how the bytes are
+// cut.
 
 #include <algorithm>
 #include <cstring>
@@ -20,7 +20,7 @@ struct Expected {
     bool refused = false;
 };
 
-/// As the format is defined; not as it is implemented.
+/// As the format is defined, not as it is implemented.
 Expected read_plainly(std::span<const std::uint8_t> bytes) {
     Expected expected;
     while (bytes.size() >= 8 && !expected.refused) {

@@ -1,7 +1,6 @@
-// Any frames of somebody who is let in or not: greeting, attach, release, at the servo's end. Each attach
-// that is understood has one answer, nothing is attached that there is not, all is given back, and whoever is
-// closed is closed for a reason. Each frame has a control byte (what is put right, its type) and two of
-// length.
+// Any frames of a peer, admitted or not: greeting, attach, release, at the servo's end. Each valid attach
+// gets one answer, no missing device is attached, all is released, and a peer that is closed is closed for a
+// reason. Each frame has a control byte (what is corrected, its type) and two of length.
 
 #include <cmath>
 #include <cstring>
@@ -45,7 +44,7 @@ struct NoReports final : detail::ReportSource {
     void rearm() noexcept override {}
 };
 
-/// Takes assets, which are whole and sealed, and never has them ready.
+/// Takes assets, which are whole and sealed, and never completes them.
 struct FakeDoor final : detail::AssetDoor {
     struct Transfer final : detail::AssetTransfer {
         int event() const override { return never.get(); }
@@ -63,7 +62,7 @@ struct FakeDoor final : detail::AssetDoor {
     void forget(std::uint32_t) override { fuzz::require(false); }
 };
 
-/// A servo that demands what a broker may rely on, and refuses what it refuses.
+/// A servo that checks what a broker relies on, and refuses as a broker does.
 struct FakeServo final : detail::Link {
     const std::vector<DeviceDescription> rows{device_count};
     const std::vector<DeviceDescription>& devices() const override { return rows; }
@@ -96,7 +95,7 @@ struct Heard {
     std::size_t welcomed = 0, attached = 0, refused = 0;
 };
 
-/// What was said to the peer: whole frames of the types that it knows.
+/// What the peer received: whole frames of known types.
 Heard listen(const shm::UniqueFd& theirs) {
     Heard heard;
     static std::vector<std::byte> all(1 << 20);

@@ -1,5 +1,5 @@
-// Any bytes into an end that expects TLS and a key: it never opens, never gives a frame, and says why it
-// closed. The first byte says which side we are; the corpus holds real first flights of both sides.
+// Any bytes into an end that expects TLS and a key: it never opens, never returns a frame, and states why it
+// closed. The first byte chooses the side; the corpus has real first flights of both sides.
 
 #include "streams.hpp"
 

@@ -1,4 +1,4 @@
-// Any bytes as a keys file: keys that could have been written, or one line that says what is wrong.
+// Any bytes as a keys file: valid keys, or one line that says what is wrong.
 
 #include <stdexcept>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-// An input as a row of pieces: each has a control byte, two of length (little-endian), and its bytes.
+// An input as a sequence of pieces: each has a control byte, two of length (little-endian), and its bytes.
 
 #include <algorithm>
 #include <cstddef>
@@ -16,7 +16,7 @@ class Pieces {
 
     struct Piece {
         unsigned control = 0;
-        std::vector<std::byte> bytes;  // a copy to the byte: reading past its end is seen
+        std::vector<std::byte> bytes;  // an exact copy, so that reading past its end is detected
     };
     /// The last piece may be shorter than it says. False: there is none left.
     bool next(Piece& piece) {

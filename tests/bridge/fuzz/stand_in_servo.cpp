@@ -1,4 +1,4 @@
-// For targets that have no servo of their own.
+// For targets without a servo.
 
 #include <cstdlib>
 

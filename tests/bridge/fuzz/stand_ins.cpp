@@ -1,4 +1,4 @@
-// For what the targets do not look at.
+// For parts that the targets do not test.
 
 #include <knurl/protocol/attach.hpp>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the targets share: bytes from a stranger into a connection of ours.
+// Shared by the targets: a stranger's bytes into a connection.
 
 #include <cstddef>
 #include <cstdint>
@@ -25,7 +25,7 @@ inline Ends connected() {
     return {shm::UniqueFd(fds[0]), shm::UniqueFd(fds[1])};
 }
 
-/// Eats what we answer, so that nothing waits for a reader.
+/// Reads all answers, so that nothing waits for a reader.
 inline void discard(const shm::UniqueFd& theirs) {
     char bytes[4096];
     while (::recv(theirs.get(), bytes, sizeof bytes, MSG_DONTWAIT) > 0) {

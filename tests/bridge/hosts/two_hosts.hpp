@@ -1,6 +1,6 @@
 #pragma once
-// Two hosts in one machine: two network namespaces with a pair of veth between them. Where the right to make
-// them is missing, or `ip`, both are this host, and why() says so.
+// Two hosts in one machine: two network namespaces with a pair of veth between them. Without the right to
+// create them, or without `ip`, both are this host, and why() gives the reason.
 
 #include <cstdint>
 #include <string>
@@ -13,8 +13,8 @@ class TwoHosts {
   public:
     enum class Host : std::uint8_t { server, client };
 
-    /// Bytes of an IP packet that each end of the wire carries. An end drops without a word what is longer
-    /// and comes from the other: where they differ long datagrams vanish on their way to the narrower one.
+    /// Bytes of an IP packet that each end of the wire carries. An end silently drops longer packets from the
+    /// other: with different values long datagrams vanish on their way to the narrower one.
     explicit TwoHosts(int server_mtu = 1500, int client_mtu = 1500);
     struct One {};
     explicit TwoHosts(One) : two_(false), why_("one was asked for") {}
@@ -24,13 +24,13 @@ class TwoHosts {
 
     bool two() const noexcept { return two_; }
     const std::string& why() const noexcept { return why_; }  // there are not two
-    /// An end carries so many from now on. False: it could not be changed.
+    /// Changes what an end carries from now on. False: it could not be changed.
     bool narrow(Host host, int mtu);
     /// IPv4 of a host, as the other one reaches it.
     std::string address(Host host) const;
 
-    /// While it lives, this thread, and what it starts, is on that host. File systems are shared as ever, so
-    /// a servo's socket is seen from both; networks are not.
+    /// While it lives, this thread and its children are on that host. File systems are shared, so both see a
+    /// servo's socket; networks are separate.
     class On {
       public:
         On(const TwoHosts& hosts, Host host);

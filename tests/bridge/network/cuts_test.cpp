@@ -1,5 +1,5 @@
-// The cable is out, the bridge dies, the servo dies: the hand is let go gently, and nothing comes back by
-// itself that must not.
+// The cable is unplugged, the bridge dies, the servo dies: the hand is released gently, and nothing returns
+// by itself that must not.
 
 #include "setting.hpp"
 
@@ -22,7 +22,7 @@ struct Cuts : testing::Test {
                            [&] { hand.commit(); });
         setting.trace.clear();
     }
-    /// The application goes on as if nothing had happened.
+    /// The application continues as if nothing had happened.
     void commit() {
         try {
             hand.commit();
@@ -42,7 +42,7 @@ TEST_F(Cuts, ACutFadesWithinTheSilenceAllowedAndComesBackAsGently) {
     std::uint64_t zero = 0;
     for (std::size_t i = setting.trace.size(); i > 0 && setting.trace[i - 1].scene == 0; --i) zero = i;
     ASSERT_GT(zero, 0u) << "still " << setting.felt() << " N after a second";
-    // 250 ms of silence, 200 ms that a network may add, 100 ms of fading, and what was under way.
+    // 250 ms of silence, 200 ms allowed for a network, 100 ms of fading, and what was under way.
     EXPECT_LE(zero, 250u + 200u + 100u + 30u);
     EXPECT_GE(zero, 200u) << "not at the first datagram that is late";
     setting.proxy.heal();  // well before the connection counts as dead

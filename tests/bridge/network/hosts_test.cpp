@@ -1,4 +1,4 @@
-// The servo on one host, the application on another: two network namespaces, keys, an encrypted way.
+// The servo on one host, the application on another: two network namespaces, keys, an encrypted path.
 
 #include <algorithm>
 #include <atomic>
@@ -15,7 +15,7 @@ namespace {
 
 using Host = TwoHosts::Host;
 
-/// A servo and its bridge on the one; nothing is started where there is one host only.
+/// A servo and its bridge on one host; nothing is started if there is only one host.
 struct Apart {
     Apart(int server_mtu, int client_mtu) : hosts(server_mtu, client_mtu) {
         if (!hosts.two()) return;
@@ -45,7 +45,7 @@ using TwoHostsWithAWireTooNarrow = With<780>;  // not even the least
 using TwoHostsNarrowToTheClient = With<1500, 1000>;
 using TwoHostsNarrowToTheServer = With<1000, 1500>;
 
-/// Batches and what is felt in one datagram, in several, and in ones that a wider path would carry.
+/// Batches and feedback in one datagram, in several, and in sizes that need a wider path.
 void expect_batches_and_what_is_felt(Client& client, bool none_lost = true) {
     for (const std::uint32_t count : {1u, 6u, 20u, 30u}) {
         Claim hand = client.claim("", {.shared = true, .representations = count});
@@ -112,7 +112,7 @@ TEST_F(TwoHostsNarrowToTheServer, NothingThatIsSentVanishes) {
     expect_batches_and_what_is_felt(client);
 }
 
-/// The path was wide when they connected: one end of the wire drops without a word what is long from now on.
+/// The path was wide at connection time: from now on one end of the wire silently drops long datagrams.
 void expect_all_to_come_again_when(TwoHosts& hosts, Host narrow, const BridgeProcess& bridge,
                                    const std::string& key) {
     const TwoHosts::On on(hosts, Host::client);
@@ -129,8 +129,8 @@ TEST_F(TwoHostsApart, NothingVanishesForGoodWhenThePathToTheServerBecomesNarrow)
     expect_all_to_come_again_when(hosts, Host::server, *bridge, key);
 }
 
-/// Without a key a bridge listens at its own host alone: what brings the datagrams there from another one, as
-/// a tunnel would, is on that host as well.
+/// Without a key a bridge listens only at its own host. A tunnel that brings datagrams from another host ends
+/// on this host as well.
 void expect_nothing_vanishes_without_a_key(const TwoHosts& hosts) {
     std::optional<BridgeProcess> keyless;
     std::optional<Proxy> tunnel;
@@ -154,7 +154,7 @@ TEST_F(TwoHostsNarrowToTheServer, NothingThatIsSentVanishesWithoutAKeyEither) {
     expect_nothing_vanishes_without_a_key(hosts);
 }
 
-/// Else nobody would see that only short datagrams are sent any more.
+/// Else nobody would notice that only short datagrams are sent any more.
 TEST(AWideWire, CarriesLongDatagramsBothWays) {
     std::atomic<std::size_t> longest[2]{};  // bytes, of batches and of reports
     Setting setting({}, 1, Keyed::yes, [&](proxy::Way way, Proxy::At, std::span<const char> datagram) {

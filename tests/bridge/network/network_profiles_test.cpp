@@ -1,5 +1,5 @@
-// A remote application under every network profile: what the hand feels is what it was to feel, newest first,
-// and nothing from the past. The servo's own reports are the judge; they count in cycles.
+// A remote application under every network profile: the hand gets what was committed, the newest first, and
+// nothing from the past. The servo's own reports are the judge; they count in cycles.
 
 #include <algorithm>
 #include <cstring>
@@ -37,7 +37,7 @@ const Case profiles[] = {
     {"FoulWithoutAKey", foul, Keyed::no},  // which is for loopback alone
 };
 
-/// What the network has done to one observer's reports, by the datagrams' counters, which anybody can read.
+/// The network's effect on one observer's reports, by the datagrams' counters, which anybody can read.
 class Ledger {
   public:
     struct Counts {
@@ -51,7 +51,7 @@ class Ledger {
         const std::scoped_lock lock(mutex_);
         (at == Proxy::At::entry ? entered_ : left_).push_back(header.counter);
     }
-    /// From the first that has left it to the newest that has.
+    /// From the first datagram sent to the newest.
     Counts counts() const {
         const std::scoped_lock lock(mutex_);
         Counts counts;
@@ -85,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(NetworkProfile, Under, testing::ValuesIn(profiles),
 
 TEST_P(Under, OnlyTheNewestIsAppliedNothingFromThePastAndTheLastOneArrives) {
     Remote remote(setting, along_x(0.01), {.on_silence = OnSilence::hold});
-    // 0.011, 0.012, ... N: each can be told from every other, and later is more.
+    // 0.011, 0.012, ... N: all distinct, and later ones are larger.
     std::vector<double> committed{0.01};
     setting.pass(1200, 10, [&] {
         committed.push_back(0.01 + 0.001 * static_cast<double>(committed.size()));
@@ -120,7 +120,7 @@ TEST_P(Under, ALivePeerNeverCountsAsSilent) {
 }
 
 TEST_P(Under, TheForceChangesWithoutBumps) {
-    constexpr double step = 0.3;        // N, of the force that is asked for
+    constexpr double step = 0.3;        // N, of the requested force
     constexpr double recovery = 0.050;  // s, in which the hand gets it
     const auto gently = [](double x) { return ConstantForce{.force = {x, 0, 0}, .recovery = recovery}; };
     Remote remote(setting, gently(0.1));
@@ -152,8 +152,8 @@ TEST_P(Under, EachReportIsReadOnceInOrderAndTheOthersAreCounted) {
     };
     // Of its own reports: the watcher beside it may have far more of them waiting already.
     setting.pass_until([&] { return last >= first->cycle + 1200; }, read_all);
-    // What has arrived but was not read is in the network's counts and not in the reader's: until both mean
-    // the same.
+    // Reports that have arrived unread are in the network's counts but not in the reader's: waits until both
+    // agree.
     Network now = observer.network(), then;
     do {
         then = now;
@@ -173,14 +173,14 @@ TEST_P(Under, EachReportIsReadOnceInOrderAndTheOthersAreCounted) {
 
 TEST_P(Under, WhatIsCountedIsWhatTheNetworkDid) {
     setting.proxy.set({});  // until the first report has come none is sent twice by the bridge itself
-    Client client = setting.remote(250);  // so seldom that no kernel drops any when a thread has to wait
+    Client client = setting.remote(250);  // so rarely that no kernel drops any when a thread has to wait
     Observer observer = client.observe();
     ASSERT_TRUE(observer.next_report(20s));
     setting.pass(100);
     const NetworkProfile& profile = GetParam().profile;
     setting.proxy.set(profile);
     setting.pass(2000);
-    setting.proxy.cut();  // nothing comes any more but what has left the proxy
+    setting.proxy.cut();  // only what has left the proxy still arrives
     const Ledger::Counts did = ledger.counts();
     Network counted;
     static_cast<void>(test::eventually([&] {
@@ -206,7 +206,7 @@ TEST_P(Under, TheClockIsKnownWithinWhatItSays) {
     std::uint64_t looked = 0;
     const auto look = [&] {
         while (const auto report = observer.next_report(0ns)) {
-            // Both ends are on this host: the truth is known, but for what passes while it is looked at.
+            // Both ends are on this host, so the truth is known, except for the time of looking.
             const auto truth = [&] {
                 return std::chrono::steady_clock::now().time_since_epoch() -
                        std::chrono::nanoseconds(report->read_ns);
@@ -225,7 +225,7 @@ TEST_P(Under, TheClockIsKnownWithinWhatItSays) {
         }
     };
     setting.pass(1200, 10, look);
-    // Of those that such a network delays by turns the newest win: in a second there may be few.
+    // With such varying delays the newest win: in a second there may be few.
     setting.pass_until([&] { return looked > 20; }, look);
 }
 

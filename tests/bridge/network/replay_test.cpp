@@ -1,5 +1,5 @@
-// Whoever listens on the way may send again what he heard, or what he made of it: nothing moves, nobody's
-// reports come to him, and the bridge says how much there was of it.
+// An eavesdropper on the path may send again what he heard, or a modified copy: nothing moves, he gets no
+// reports, and the bridge logs how much there was.
 
 #include <cstring>
 #include <mutex>
@@ -42,7 +42,7 @@ struct Replay : testing::Test {
         pollfd one{.fd = attacker.get(), .events = POLLIN, .revents = 0};
         EXPECT_EQ(::poll(&one, 1, 0), 0) << "something was sent to the attacker";
     }
-    /// Forces up to `most`, then `held`, which no datagram of before holds.
+    /// Forces up to `most`, then `held`, which no earlier datagram contains.
     void vary(Remote& remote, double most, double held) {
         int n = 0;
         setting.pass(800, 8, [&] { remote.commit(along_x(most * (++n % 10 + 1) / 10)); });
@@ -102,7 +102,7 @@ TEST_F(Replay, UnderAnotherSessionsNameOrANewCounterIsNobodys) {
     now.erase(now.begin(), now.begin() + static_cast<std::ptrdiff_t>(before.size()));
     const Datagram newest = now.back();
     std::uint64_t counter = std::uint64_t{1} << 40;
-    // Headers are readable: he gives them the session that is open, and counters that were never seen.
+    // Headers are readable: he inserts the open session, and counters that were never seen.
     for (auto* group : {&before, &now})
         for (Datagram& each : *group) {
             DatagramHeader header;

@@ -1,7 +1,7 @@
 #pragma once
-// A servo with its bridge, a bad network before it, and who looks on from the servo's own host: the local
-// observer's reports are the force trace. The application and the proxy are on a host of their own where two
-// can be made (two_hosts.hpp); the wire between them and the bridge is then a real one.
+// A servo with its bridge, a bad network before it, and an observer on the servo's own host, whose reports
+// are the force trace. The application and the proxy are on a separate host where two can be created
+// (two_hosts.hpp); then the wire to the bridge is a real one.
 
 #include <algorithm>
 #include <chrono>
@@ -31,20 +31,21 @@ using proxy::Proxy;
 /// One cycle as the local observer saw it.
 struct Cycle {
     std::uint64_t number;
-    double dt;           // s, since the one before, no less than the servo took it for: from its deadline
-    double scene, sent;  // N along x: what the scene wants, and what the supervisor passes
+    double dt;           // s, since the previous cycle, at least as long as the servo assumed: from its
+                         // deadline
+    double scene, sent;  // N along x: the scene's force, and the supervisor's output
 };
 
-/// The scene's force never changes by more than `slope` (N/s) allows; on a busy machine a cycle may be late,
-/// and its step is then larger. (What is sent may fall to 0 at once besides: a servo that could not run for
-/// 20 ms ramps up anew.)
+/// The scene's force never changes faster than `slope` (N/s). On a busy machine a cycle may be late, and its
+/// step is then larger. (The sent force may also fall to 0 at once: a servo that could not run for 20 ms
+/// ramps up anew.)
 inline void expect_no_bumps(const std::vector<Cycle>& trace, double slope, std::uint64_t seed = 0) {
     for (std::size_t i = 1; i < trace.size(); ++i)
         ASSERT_LE(std::abs(trace[i].scene - trace[i - 1].scene), slope * trace[i].dt)
             << "cycle " << trace[i].number << ", seed " << seed;
 }
 
-/// Made once: it takes longer than most tests.
+/// Created once: it takes longer than most tests.
 inline const TwoHosts& hosts() {
     static const TwoHosts two;
     static const bool said = [] {
@@ -55,7 +56,7 @@ inline const TwoHosts& hosts() {
     return two;
 }
 
-enum class Keyed : bool { no, yes };  // TLS and sealed datagrams; on two hosts there is nothing else
+enum class Keyed : bool { no, yes };  // TLS and sealed datagrams; the only mode on two hosts
 
 class Setting {
   public:
@@ -78,8 +79,8 @@ class Setting {
                                {.name = "remote", .wait = 20s, .report_rate = report_rate, .key_file = key_});
     }
 
-    /// Lets that many cycles of the servo pass; in each `step` cycles-th, `app` does what an application
-    /// does. The trace goes on.
+    /// Lets that many cycles of the servo pass; every `step` cycles `app` acts as the application. The trace
+    /// continues.
     template <class App>
     void pass(std::uint64_t cycles, std::uint64_t step, App app) {
         for (std::uint64_t i = 0; i < cycles; ++i) {
@@ -96,12 +97,14 @@ class Setting {
     void pass(std::uint64_t cycles) {
         pass(cycles, cycles, [] {});
     }
-    /// Until `so`, at most for a minute of the servo's time.
+    /// Until `so`, for at most a minute of servo time.
     template <class So, class App>
     void pass_until(So so, App app) {
         for (int rounds = 0; rounds < 6000 && !so(); ++rounds) {
             pass(10, 10, app);
-            if (testing::Test::HasFatalFailure()) return;  // the servo stands still, and has been waited for
+            if (testing::Test::HasFatalFailure())
+                return;  // the servo stands still, and the wait has timed
+                         // out
         }
         ASSERT_TRUE(so());
     }
@@ -136,7 +139,7 @@ class Setting {
         return o;
     }
 
-    const TwoHosts::On here_;  // this thread's, and of all that it starts but for the bridge
+    const TwoHosts::On here_;  // for this thread and all that it starts, except the bridge
     KeyRing ring_;
     const std::string key_;  // its owner's file
     ServoProcess servo_;

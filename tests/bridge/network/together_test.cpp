@@ -1,4 +1,4 @@
-// An application beside the servo and one on another host push on one device together.
+// A local application and one on another host push on one device together.
 
 #include <csignal>
 

@@ -14,7 +14,7 @@ std::uint64_t mixed(std::uint64_t x) noexcept {
     return x ^ (x >> 31);
 }
 
-/// Numbers from 0 to 1 by what they are for: adding a question moves no other's answer.
+/// Numbers from 0 to 1 by purpose: a further question changes no other's answer.
 struct Dice {
     std::uint64_t state;
     double roll(std::uint64_t question) const noexcept {

@@ -34,7 +34,7 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr std::size_t max_datagrams_waiting = 65536;
-constexpr std::size_t max_stream_bytes_waiting = 1 << 20;  // of one way: then its sender waits
+constexpr std::size_t max_stream_bytes_waiting = 1 << 20;  // in one direction: then its sender waits
 constexpr std::size_t max_flows = 512;
 constexpr std::size_t piece_bytes = 16 * 1024;
 
@@ -75,7 +75,7 @@ struct Waiting {
     }
 };
 
-/// One client's UDP port, with a port of ours on the other side.
+/// One client's UDP port, with a separate port on the other side.
 struct Flow {
     sockaddr_in client;
     UniqueFd upstream;
@@ -112,7 +112,7 @@ struct Proxy::Impl {
     std::uint16_t port = 0;
     Clock::time_point start = Clock::now();
 
-    mutable std::mutex mutex;  // what the other thread may ask for or see
+    mutable std::mutex mutex;  // data that the other thread may read
     NetworkProfile profile;
     Counts counts;
     bool is_cut = false, hang_up = false, stop = false;
@@ -142,7 +142,8 @@ Proxy::Proxy(const Options& options) : impl_(std::make_unique<Impl>()) {
     self.seed = options.seed;
     self.overhear = options.overhear;
     self.profile = options.profile;
-    // A port that is free for TCP may be taken for UDP: if any will do, the next one may be free for both.
+    // A port that is free for TCP may be taken for UDP: if any port will do, the next one may be free for
+    // both.
     for (int tries = options.port == 0 ? 16 : 1; tries > 0 && !self.udp; --tries) {
         sockaddr_in here = address_of(options.listen, options.port);
         self.tcp = make_socket(SOCK_STREAM, here);
@@ -214,7 +215,7 @@ void Proxy::Impl::run() {
                     const bool blocked = !stream.pieces.empty() && stream.pieces.front().written > 0;
                     if (!is_cut && !blocked && !stream.pieces.empty())
                         due = std::min(due, stream.pieces.front().due);
-                    // Only who is wanted: a hang-up is told by poll() asked or not, again and again.
+                    // Only wanted sources: poll() reports a hang-up repeatedly, whether requested or not.
                     if (reads) fds.push_back({.fd = c.ends[way].get(), .events = POLLIN, .revents = 0});
                     // A partial write waits for room.
                     if (blocked && !is_cut)
@@ -290,7 +291,7 @@ void Proxy::Impl::take(Way way, std::uint32_t flow, const char* bytes, std::size
     // The n-th datagram keeps its fate across a cut.
     const Fate fate = fate_of(profile, seed, way, flow, flows[flow].seen[w]++, at);
     ++counts.datagrams[w];
-    // A sum: the ways' datagrams come in any order.
+    // A sum, since the two directions' datagrams come in any order.
     counts.fates += (flows[flow].seen[w] * 2 + w + 1) * (static_cast<std::uint64_t>(fate.copies) + 1);
     if (fate.copies == 0 || is_cut || waiting.size() + 2 > max_datagrams_waiting) {
         ++counts.lost[w];

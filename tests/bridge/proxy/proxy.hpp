@@ -1,6 +1,6 @@
 #pragma once
-// A network in user space between a client and a server: one TCP and one UDP port of the same number, carried
-// to the server's with a network profile and a seed. In a thread of its own.
+// A network in user space between a client and a server: a TCP and a UDP port with the same number, relayed
+// to the server's with a network profile and a seed. Runs in its own thread.
 
 #include <cstdint>
 #include <functional>
@@ -31,8 +31,8 @@ class Proxy {
         std::uint16_t to_port = 0;
         std::uint64_t seed = 1;
         NetworkProfile profile;
-        /// Each datagram, in the proxy's thread: as it comes in, before its fate, and each copy as it goes
-        /// out.
+        /// Called for each datagram, in the proxy's thread: on arrival, before its fate, and for each copy
+        /// that is sent.
         std::function<void(Way, At, std::span<const char>)> overhear{};
     };
     /// Throws std::runtime_error, one line: a bad address, or it is in use.
@@ -43,7 +43,7 @@ class Proxy {
 
     std::uint16_t port() const noexcept;
     void set(const NetworkProfile& profile);  // from now on
-    /// The cable is out: datagrams are lost, streams stand still, nobody is told. Until heal().
+    /// Unplugs the cable: datagrams are lost, streams stand still, nobody is told. Until heal().
     void cut();
     void heal();
     /// Ends all connections with a reset.

@@ -1,4 +1,4 @@
-// The bad network itself: what it promises, and that a seed replays it.
+// Tests the bad network itself: its guarantees, and that a seed repeats it.
 
 #include "proxy.hpp"
 
@@ -106,7 +106,7 @@ struct Wire {
         return ::poll(&p, 1, ms) == 1;
     }
     void send(int n) { EXPECT_EQ(::send(client.get(), &n, sizeof n, 0), static_cast<ssize_t>(sizeof n)); }
-    /// What arrives until nothing more comes for a while, or `count` are there.
+    /// What arrives until nothing more comes for a while, or `count` have arrived.
     std::vector<int> received(std::size_t count) {
         std::vector<int> all;
         while (all.size() < count && readable(udp, 1000)) {

@@ -1,5 +1,5 @@
-// knurl-fake-device FILE: a simulated device in a process of its own, for the chaos runner. It outlives the
-// servo and records, by its own clock, every effort that reached it.
+// knurl-fake-device FILE: a simulated device in a separate process, for the chaos runner. It outlives the
+// servo and records, by its own clock, every effort that reaches it.
 
 #include <cerrno>
 #include <csignal>
@@ -33,7 +33,7 @@ struct Arguments {
     std::string path, profile = "premium15", hand;
     std::int64_t period_us = 200;
     std::uint64_t capacity = 1 << 18;
-    bool outlive = false;  // go on when the parent dies
+    bool outlive = false;  // continue when the parent dies
 };
 
 Arguments parse(int argc, char** argv) {
@@ -134,7 +134,7 @@ class Loop {
             unplugged_ = unplug;
             efforts_ = {};
             device_.write(now, {});
-            // What was on the wire when the plug was pulled never arrives.
+            // What was on the wire at the moment of unplugging never arrives.
             word_ = shared_.effort.load(std::memory_order_acquire);
             record(now, unplug ? Event::unplugged : Event::plugged, 0);
             shared_.state.store(unplug ? state_unplugged : state_running, std::memory_order_release);
@@ -213,9 +213,8 @@ void run(const Arguments& arguments) {
     Shared& shared = *make_file(being_made, arguments);
     Loop loop(device, shared);
 
-    // If we may: then it looks on time, and no page that it writes first, nor one that was taken from it,
-    // makes it wait. (A hypervisor may take tens of milliseconds to find one, for which this thread sleeps
-    // and no other.)
+    // Real-time priority, if allowed: then it looks on time, and no page that it writes first, or that was
+    // taken from it, makes it wait. (A hypervisor may take tens of milliseconds to find a page.)
     const sched_param priority{.sched_priority = 60};
     sched_setscheduler(0, SCHED_FIFO, &priority);
     mlockall(MCL_CURRENT);

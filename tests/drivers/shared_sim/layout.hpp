@@ -1,14 +1,14 @@
 #pragma once
-// What the fake device's process and the driver "shared-sim" share: one mapped file. Every word has one
-// meaning and fits one atomic, so nothing is ever torn, whoever is killed whenever.
+// Shared by the fake device's process and the driver "shared-sim": one mapped file. Every word has one
+// meaning and fits one atomic, so nothing is ever torn, whichever process is killed at any time.
 //
 //      servo ----effort----> |           |
 //   guardian ----effort----> | the file  | ----> fake device: integrates, logs what it saw with its own clock
 //      servo <---sample----- |           |
 //
-// The race that matters: a servo is stopped (SIGSTOP) between two writes, the guardian writes zero, the servo
-// goes on and overwrites the zero. Nothing here hides that: the log has both, with who wrote, and it is for
-// the oracle to say whether the servo was allowed to.
+// The critical race: a servo is stopped (SIGSTOP) between two writes, the guardian writes zero, the servo
+// continues and overwrites the zero. Nothing here hides that: the log has both, with the writer, and the
+// oracle decides whether the servo was allowed to.
 
 #include <algorithm>
 #include <array>
@@ -79,14 +79,15 @@ enum class Event : std::uint32_t {
 struct Record {
     std::int64_t t = 0;  // ns, CLOCK_MONOTONIC of the fake device's process
     Event event = {};
-    std::uint32_t missed = 0;                // writes of the same writer that came and went between two looks
-    std::array<double, joints> effort = {};  // N m (N) asked for
-    std::array<double, joints> force = {};   // N at the tip that these would be
+    std::uint32_t missed = 0;                  // writes of the same writer that were overwritten between two
+                                               // looks
+    std::array<double, joints> effort = {};    // N m (N) asked for
+    std::array<double, joints> force = {};     // N at the tip that these would be
     std::array<double, joints> position = {};  // m, the true tip
     std::array<double, joints> velocity = {};  // m/s
 };
 
-/// Bits of `control`: a test plays fate.
+/// Bits of `control`, which a test sets.
 inline constexpr std::uint64_t control_unplug = 1;  // reads say unplugged, writes fail
 inline constexpr std::uint64_t control_stall = 2;   // no new samples
 inline constexpr std::uint64_t control_leave = 4;   // the process ends
@@ -110,10 +111,10 @@ struct Shared {
     // before it with acquire, so a new number never comes with an old sample (a newer sample is welcome).
     alignas(64) std::atomic<std::uint64_t> sample = 0;
     std::atomic<std::uint64_t> steps = 0;
-    // The last `control` that it did: stored with release after it, loaded with acquire in tests.
+    // The last `control` that was executed: stored with release after it, loaded with acquire in tests.
     std::atomic<std::uint64_t> obeyed = 0;
     std::atomic<std::uint64_t> state = state_running;
-    std::atomic<std::uint64_t> writes = 0;  // seen, by anybody, equal ones too
+    std::atomic<std::uint64_t> writes = 0;  // seen, from any writer, equal ones too
     // Records [0, records) are complete: stored with release after the record, pairs with the acquire of a
     // reader.
     alignas(64) std::atomic<std::uint64_t> records = 0;

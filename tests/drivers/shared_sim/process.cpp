@@ -51,7 +51,7 @@ std::vector<Record> read_log(const Mapping& mapping) {
 std::string file_in_memory(const std::string& name, std::uint64_t capacity) {
     std::error_code none;
     const std::filesystem::path memory = "/dev/shm";
-    // Who writes where it is full dies of SIGBUS. Half of the file: no test fills its log further.
+    // Writing to a full disk ends a process by SIGBUS. Half of the file: no test fills its log further.
     const bool there = access(memory.c_str(), W_OK) == 0 &&
                        std::filesystem::space(memory, none).available >= file_size(capacity) / 2 && !none;
     return ((there ? memory : std::filesystem::temp_directory_path()) /
@@ -77,7 +77,7 @@ FakeDevice::FakeDevice(const std::string& program, const Settings& settings) : s
     if (error != 0) {
         throw std::runtime_error(program + ": " + std::strerror(error));
     }
-    // The file appears whole (by rename) once the device runs.
+    // The file appears complete (by rename) once the device runs.
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     while (access(settings.path.c_str(), F_OK) != 0) {
         if (waitpid(pid_, nullptr, WNOHANG) == pid_ || std::chrono::steady_clock::now() > give_up) {

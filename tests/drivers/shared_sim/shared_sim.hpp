@@ -34,12 +34,11 @@ class Mapping {
 /// The records written so far. The file stays when its process is killed.
 std::vector<Record> read_log(const Mapping& mapping);
 
-/// A path of this process's own for such a file, in memory where there is room for `capacity` records: a log on a disk that is
-/// busy makes the device wait for it, and the servo then ramps down as it should before a device that stands
-/// still.
+/// A path in memory for such a file of this process, if there is room for `capacity` records. On a busy disk
+/// the device would wait for its log, and the servo would rightly ramp down.
 std::string file_in_memory(const std::string& name, std::uint64_t capacity);
 
-/// A knurl-fake-device of our own: started in the constructor, running and mapped when that returns.
+/// A knurl-fake-device for this test: the constructor returns when it runs and is mapped.
 class FakeDevice {
   public:
     struct Settings {
@@ -61,8 +60,7 @@ class FakeDevice {
     const Mapping& mapping() const { return *mapping_; }
     std::vector<Record> log() const { return read_log(*mapping_); }
     void control(std::uint64_t bits) { (*mapping_)->control.store(bits, std::memory_order_release); }
-    /// Returns when the device has made `steps` more looks, or false after 10 s: a clock that is the
-    /// device's.
+    /// Returns when the device has made `steps` more looks, or false after 10 s: uses the device's clock.
     bool wait_steps(std::uint64_t steps) const;
 
   private:

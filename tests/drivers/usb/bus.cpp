@@ -40,7 +40,7 @@ void check(GError* error, const char* what) {
     throw std::runtime_error(why);
 }
 
-/// What a call's pointer points to, as its number says.
+/// The size of the data behind a call's pointer, by the call's number.
 std::size_t argument_bytes(unsigned long request) {
     switch (request) {
         case USBDEVFS_RESET:
@@ -58,7 +58,7 @@ UMockdevIoctlData* resolve(UMockdevIoctlData* data, std::size_t offset, std::siz
     GError* error = nullptr;
     UMockdevIoctlData* found =
         bytes == 0 ? nullptr : umockdev_ioctl_data_resolve(data, offset, bytes, &error);
-    if (error != nullptr) g_error_free(error);  // the caller has died: its memory is nobody's any more
+    if (error != nullptr) g_error_free(error);  // the caller has died: its memory is gone
     return found;
 }
 
@@ -145,8 +145,8 @@ std::string Bus::plug(std::shared_ptr<Model> model, const Plug& plug) {
     text << "H: descriptors=" << hex(descriptors(identity)) << "\n";
 
     GError* error = nullptr;
-    // First the handler: an opener that finds the node without one would talk to the FIFO. It stays when the
-    // plug is pulled: the preload ends a program that is just opening the node otherwise.
+    // The handler first: an opener that finds the node without one would talk to the FIFO. It stays after
+    // unplugging: else the preload ends a program that is just opening the node.
     if (attached_.insert(node).second)
         umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler_, &error);
     check(error, "attach_ioctl");
@@ -274,9 +274,8 @@ void Bus::on_gone(UMockdevIoctlClient* client, GParamSpec*, gpointer bus) {
     static_cast<Bus*>(bus)->forget(client);
 }
 
-// A client may be freed without having said that it closed, and the next one lie at the same address. The one
-// who frees it may be a request of its own that has just ended, in the middle of serve() with the bus locked:
-// it is only noted here, and forgotten before anybody is served again.
+// A client may be freed without a close, and the next one may have the same address. The thread that frees it
+// may be inside serve() with the bus locked. So it is only noted here, and forgotten before the next service.
 void Bus::on_freed(gpointer bus, GObject* client) {
     const std::lock_guard lock(static_cast<Bus*>(bus)->freed_mutex_);
     static_cast<Bus*>(bus)->freed_.push_back(reinterpret_cast<UMockdevIoctlClient*>(client));
@@ -313,7 +312,8 @@ UsbfsNode* Bus::node_of(UMockdevIoctlClient* client) {
 }
 
 void Bus::handle(UMockdevIoctlClient* client) {
-    // umockdev's worker stands in for the kernel, which a busy machine does not hold up either. Where it may.
+    // umockdev's worker represents the kernel, which a busy machine does not delay either: real-time
+    // priority, if allowed.
     thread_local const int promoted = [] {
         const sched_param real_time{.sched_priority = 60};
         return pthread_setschedparam(pthread_self(), SCHED_FIFO, &real_time);
@@ -357,7 +357,7 @@ void Bus::run() {
     timespec due{};
     clock_gettime(CLOCK_MONOTONIC, &due);
     while (!stop_) {
-        // No catching up: a frame that a busy machine missed never was.
+        // No catching up: a frame that a busy machine missed never existed.
         timespec now{};
         clock_gettime(CLOCK_MONOTONIC, &now);
         due.tv_nsec += frame_ns;

@@ -1,12 +1,12 @@
 #pragma once
-// A USB bus without a bus: umockdev's sysfs, uevents and ioctl hand-over for unmodified libusb, a node of
-// usbfs per device behind them, and a clock of its own.
+// An emulated USB bus: umockdev's sysfs, uevents and ioctl hand-over for unmodified libusb, a node of usbfs
+// per device behind them, and a separate clock.
 //
 //   libusb -- ioctl --> preload -- socket --> umockdev's worker --> UsbfsNode --> Model
 //                                                                      ^
 //                                              a frame per millisecond |  (the bus's thread)
 //
-// Frames count milliseconds of the bus's own time: a machine that stands still does not age it.
+// Frames count milliseconds of the bus's own time, which a stopped machine does not advance.
 
 #include <atomic>
 #include <condition_variable>
@@ -26,8 +26,8 @@
 
 namespace knurl::drivers::usb_emulator {
 
-/// umockdev works through LD_PRELOAD, which must be there when the program starts: starts it again with it.
-/// First thing in main(). Before any thread, since the preload's waits take the timer slack of their thread.
+/// umockdev works through LD_PRELOAD, which must be set when the program starts: restarts it with that. First
+/// thing in main(), before any thread, since the preload's waits use the timer slack of their thread.
 void start_under_umockdev(int argc, char** argv);
 
 struct Plug {
@@ -44,28 +44,27 @@ class Bus {
 
     /// Plugs it in; returns the node's path ("/dev/bus/usb/001/004"). A model may be plugged in again.
     std::string plug(std::shared_ptr<Model> model, const Plug& plug);
-    /// Pulls it out: requests in flight end, the node answers ENODEV, then udev hears of it.
+    /// Unplugs it: requests in flight end, the node answers ENODEV, then udev is notified.
     void unplug(const std::string& port);
     /// The same from inside a Model's call (the lock is held): done at the end of this frame.
     void unplug_soon(const std::string& port);
 
     /// Nothing moves while frozen: requests stay in flight, frames do not pass.
     void freeze(bool frozen);
-    /// Held, the clock goes on by tick() alone, one frame each: a test that paces it depends on no machine's
-    /// speed. Requests are served all the while.
+    /// While held, only tick() advances the clock, one frame each: a test that paces it is independent of the
+    /// machine's speed. Requests are served meanwhile.
     void hold_clock(bool held);
     void tick();
-    /// With the clock held: waits until whoever talks to the bus has brought it to where `true_now` (called
-    /// with the lock held, after every call) says so. False: not within half a minute.
+    /// With the clock held: waits until the bus's users have reached the state `true_now` (called with the
+    /// lock held, after every call). False: not within half a minute.
     bool settles(const std::function<bool()>& true_now);
     /// Requests that wait at an endpoint. With the lock held: inside locked() or a condition.
     std::size_t waiting_at(const std::string& port, std::uint8_t endpoint);
 
-    /// Waits until no call has come for some frames' worth of time: whoever talks to the bus now waits for
-    /// it.
+    /// Waits until no call has come for some frames' worth of time: then the bus's users are waiting for it.
     void wait_until_quiet();
 
-    /// Another program holds the interface of what is plugged in there.
+    /// Another program holds the interface of the device at that port.
     void hold_by_another(const std::string& port, bool held);
     /// The driver that the kernel has bound to it; empty: none.
     std::string bound_driver(const std::string& port);
@@ -73,13 +72,13 @@ class Bus {
     int claims(const std::string& port);
     /// Requests that somebody waits for.
     std::size_t in_flight(const std::string& port);
-    /// Where the node really is, in the mocked tree.
+    /// The node's real path, in the mocked tree.
     std::string real_path(const std::string& node) const;
 
     std::uint64_t frame() const { return frame_.load(std::memory_order_acquire); }
     std::uint64_t calls() const { return calls_.load(std::memory_order_acquire); }
 
-    /// Runs `what` with the bus's lock held: for looking into a model.
+    /// Runs `what` with the bus's lock held, to read a model.
     template <class F>
     auto locked(F&& what) {
         const std::lock_guard lock(mutex_);

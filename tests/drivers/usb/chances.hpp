@@ -1,14 +1,14 @@
 #pragma once
-// A promise in milliseconds on a machine that stands still at times: how often it is tried.
+// A guarantee in milliseconds on a machine that stands still at times: how often it may be tried.
 
 #include <knurl/measure/measure.hpp>
 #include <knurl/measure/sleeper.hpp>
 
 namespace knurl::drivers::usb_emulator {
 
-/// Where the machine itself stood still for as long as the zero was late it is done again, as in the
-/// chaos runner; once also where nobody saw that, since the witness does not see what holds up the bus's
-/// own thread, which is none of real time.
+/// If the machine itself stood still for as long as the zero was late, the test is repeated, as in the chaos
+/// runner. Once it is repeated without such a witness, since the witness does not see what delays the bus's
+/// own thread, which is not real-time.
 class Chances {
   public:
     explicit Chances(int promised) : promised_(promised) {}  // ms

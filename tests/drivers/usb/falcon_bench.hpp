@@ -1,5 +1,5 @@
 #pragma once
-// What the tests with a Falcon share: a bus, a firmware made up, a hand that moves through the delta's own
+// Shared by the tests with a Falcon: a bus, an invented firmware, a hand that moves through the delta's own
 // inverse.
 
 #include <array>
@@ -47,7 +47,7 @@ inline std::vector<std::uint8_t> made_up_firmware(std::size_t words = 400) {
     return bytes;
 }
 
-/// A file that is gone at the end.
+/// A file that is removed at the end.
 class TemporaryFile {
   public:
     explicit TemporaryFile(const std::vector<std::uint8_t>& bytes)
@@ -89,7 +89,7 @@ inline std::shared_ptr<Falcon> falcon_at_centre(bool running = true, bool homed 
     return falcon;
 }
 
-/// The cycle of a servo, as fast as the bus's frames: reads, lets `efforts` decide, writes.
+/// A servo's cycle, at the rate of the bus's frames: reads, lets `efforts` decide, writes.
 template <class Efforts>
 void cycles(Bus& bus, Device& device, int n, Efforts&& efforts) {
     static Nanoseconds now = 0;  // of the servo's clock, which never goes back

@@ -1,7 +1,7 @@
 #pragma once
-// A Novint Falcon as USB sees it: FTDI chip, a DSP with a boot ROM, the firmware's protocol, three legs in a
-// hand. Written from the protocol's description alone and sharing nothing with the driver, so that the two
-// agree by understanding the same text.
+// A Novint Falcon on USB: FTDI chip, a DSP with a boot ROM, the firmware's protocol, three legs in a hand.
+// Written only from the protocol's description, without code from the driver, so that the two agree by
+// understanding the same text.
 
 #include <array>
 #include <cstdint>
@@ -14,13 +14,13 @@
 
 namespace knurl::drivers::usb_emulator {
 
-/// Those of its chip and its boot; MotorFaults has the others. A short packet ends after the chip's first
-/// status byte.
+/// The faults of its chip and its boot; MotorFaults has the others. A short packet ends after the chip's
+/// first status byte.
 struct FalconFaults {
     int fragment = 62;     // payload bytes of a packet at most
-    int wrong_echoes = 0;  // that many bytes of the boot loader come back altered, each at `wrong_echo_at`
+    int wrong_echoes = 0;  // so many bytes of the boot loader are echoed wrongly, each at `wrong_echo_at`
     std::size_t wrong_echo_at = 0;
-    int deaf_loads = 0;         // that many images load and then do not run
+    int deaf_loads = 0;         // so many images load and then do not run
     bool leading_zero = false;  // a 00 before the ROM's answer, as real ones have it
 };
 
@@ -30,7 +30,7 @@ class Falcon final : public MotorModel {
     static constexpr double angle_at_zero = 35 * 3.14159265358979323846 / 180;
     static constexpr int info_homing = 1;
 
-    /// `firmware_kept`: it goes on running over power_on, as when only the host's program is started again.
+    /// `firmware_kept`: the firmware survives power_on, as when only the host's program restarts.
     explicit Falcon(bool firmware_kept = false, bool homed = true);
 
     const Identity& identity() const override { return identity_; }
@@ -42,8 +42,8 @@ class Falcon final : public MotorModel {
 
     FalconFaults chip;
 
-    /// Where the hand wants the legs, rad, at t s of the bus's clock. Rigid unless compliant is set: then a
-    /// spring and damper pull each leg there against the motors (0.055 kg at a lever of 60 mm).
+    /// The hand's wanted legs, rad, at t s of the bus's clock. Rigid unless compliant is set: then a spring
+    /// and damper pull each leg there against the motors (0.055 kg at a lever of 60 mm).
     std::function<std::array<double, 3>(double t)> hand;
     bool compliant = false;
 

@@ -1,4 +1,4 @@
-// A Falcon from plug to force: what a user relies on, against an emulation at the level of usbfs.
+// A Falcon from plugging in to force: what a user relies on, against an emulation at the level of usbfs.
 
 #include <sys/syscall.h>
 
@@ -162,18 +162,18 @@ TEST_F(FalconOnABus, SaysWhenItIsOpenUnderAnotherName) {
 
 TEST_F(FalconOnABus, SaysWhichRuleGivesTheRights) {
     const std::string node = bus_.plug(falcon_at_centre(), {});
-    // What belongs to the mock must go on working.
+    // The mock's own files must stay readable.
     std::filesystem::permissions(bus_.real_path(""), std::filesystem::perms(0777));
     for (const auto& entry : std::filesystem::recursive_directory_iterator(bus_.real_path("/ioctl")))
         std::filesystem::permissions(entry.path(), std::filesystem::perms(0777));
     std::filesystem::permissions(bus_.real_path(node), std::filesystem::perms::none);
-    // This thread as nobody, for files only: root may open anything. Whoever may not become that is stopped
-    // already.
+    // This thread becomes nobody, for files only, since root may open anything. A user without that right is
+    // refused already.
     syscall(SYS_setfsuid, 65534);
     const std::string error = error_of("falcon:");
     syscall(SYS_setfsuid, getuid());
     EXPECT_NE(error.find(node + ": no right to open it"), std::string::npos) << error;
-    // Where Knurl's rule is installed already, it is the group that is missing.
+    // Where Knurl's rule is installed, only the group is missing.
     EXPECT_TRUE(error.find("echo 'SUBSYSTEM==\"usb\", ATTR{idVendor}==\"0403\", ATTR{idProduct}==\"cb48\", "
                            "TAG+=\"uaccess\"'") != std::string::npos ||
                 error.find("usermod --append --groups haptics") != std::string::npos)

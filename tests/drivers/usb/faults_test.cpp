@@ -1,6 +1,6 @@
-// What can go wrong on a cable, and what the cycle then sees. SAFETY's rows "device unplugged" and "USB
-// time-out, short or garbage packets" end in the servo (ReadStatus -> Hand -> Supervisor); here is the
-// driver's half: every fault shows as what it is, and no effort outlives it.
+// Faults of a cable, and what the cycle sees then. SAFETY's rows "device unplugged" and "USB time-out, short
+// or garbage packets" end in the servo (ReadStatus -> Hand -> Supervisor). This is the driver's half: every
+// fault shows as what it is, and no effort outlives it.
 
 #include <cstdlib>
 #include <filesystem>
@@ -56,7 +56,7 @@ class Faults : public testing::TestWithParam<MotorDevice> {
 };
 INSTANTIATE_TEST_SUITE_P(Devices, Faults, each_motor_device(), name_of);
 
-/// Those that its protocol alone has, or alone can tell.
+/// Faults that only its protocol has, or can detect.
 class FaultsOfAFalcon : public Faults {};
 INSTANTIATE_TEST_SUITE_P(Devices, FaultsOfAFalcon, testing::Values(falcon_device), name_of);
 
@@ -94,7 +94,7 @@ TEST_P(FaultsOfAFalcon, FragmentsAreNoFault) {
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
 
-/// Until it is told that the halt is over, a stalled endpoint answers whatever is asked with a stall.
+/// Until the halt is cleared, a stalled endpoint answers every request with a stall.
 TEST_P(Faults, AStalledEndpointIsFreedAndCarriesOn) {
     const auto device = open();
     ASSERT_TRUE(pushes(*device));
@@ -130,7 +130,7 @@ TEST_P(Faults, AZeroThatMeetsAStallAtTheEndIsSentAgain) {
     bus_.freeze(true);
     bus_.locked([&] { model_->stalls_out = 1; });
     std::thread closing([&] { device.reset(); });
-    while (bus_.in_flight("1-1") > 1) std::this_thread::yield();  // it gives up what it had on its way
+    while (bus_.in_flight("1-1") > 1) std::this_thread::yield();  // it cancels its requests in flight
     bus_.freeze(false);
     closing.join();
     EXPECT_TRUE(bus_.wait(1000, [&] { return model_->motors() == std::array<int, 3>{}; }));
@@ -147,7 +147,7 @@ TEST_P(Faults, OneThatStallsForEverIsOpenedAnew) {
     EXPECT_TRUE(until(*device, ReadStatus::ok));
 }
 
-/// As a program leaves it that has died with a stall, or our own session that was closed with one.
+/// As left by a program that died during a stall, or by an earlier session of this one.
 TEST_P(Faults, OneThatWasLeftHaltedIsOpened) {
     bus_.locked([&] { model_->stalls_in = model_->stalls_out = 1; });
     const auto device = open();
@@ -160,7 +160,7 @@ TEST_P(Faults, SilenceIsStale) {
     ASSERT_TRUE(until(*device, ReadStatus::ok));
     bus_.locked([&] { model_->faults.silent = true; });
     ASSERT_TRUE(until(*device, ReadStatus::stale));
-    constexpr int on_their_way = 4;  // at most, however late this machine lets the driver look at them
+    constexpr int on_their_way = 4;  // at most, however late this machine runs the driver
     int fresh = 0;
     for (int i = 0; i < 100; ++i) {
         const ReadStatus status = step(*device, {});
@@ -231,7 +231,7 @@ TEST_P(Faults, UnpluggedIsSeenAndPluggedInAgainItIsFoundWithMotorsAtZero) {
     EXPECT_EQ(pushes(*device), GetParam().homed_after_replug) << "and otherwise never";
 }
 
-/// Looking for a device takes milliseconds at a time, which are the other hand's.
+/// Searching for a device takes milliseconds at a time, which another device may need.
 TEST_P(Faults, WhoLooksForALostDeviceStandsBelowTheServo) {
     constexpr int priority = 56;
     KNURL_NEEDS(test::missing_real_time(priority));
@@ -266,7 +266,7 @@ TEST_P(Faults, GoneAndBackBetweenTwoReadsIsStillSaid) {
     std::size_t heard = 0;
     bus_.locked([&] { heard = model_->requests().size(); });
     ASSERT_TRUE(bus_.wait(5000, [&] { return model_->requests().size() > heard + 3; }));
-    // A cycle that was in the middle when it happened writes what it has worked out for the device before.
+    // A cycle that was running at that time writes an effort for the old device.
     EXPECT_FALSE(device->write(now_, push));
     const std::uint64_t soon = bus_.frame() + 30;
     bus_.wait(5000, [&] { return bus_.frame() > soon; });

@@ -1,4 +1,4 @@
-// The firmware file that the user names: what is accepted, and what is said about the rest.
+// The firmware file that the user names: which are accepted, and the message about others.
 
 #include "falcon/firmware.hpp"
 

@@ -1,5 +1,5 @@
-// The servo is killed or stopped with force on; its guardian, a forked process that holds the node, zeroes
-// the device. The servo is a process of its own here (servo_process.cpp), the bus and its clock are ours.
+// The servo is killed or stopped with force on. Its guardian, a forked process that holds the node, zeroes
+// the device. The servo is a separate process here (servo_process.cpp); the test owns the bus and its clock.
 
 #include <csignal>
 #include <cstring>
@@ -119,16 +119,16 @@ class Guardian : public testing::TestWithParam<MotorDevice> {
         ASSERT_TRUE(bus_.wait(10000, [&] { return device_->motors() == pushed; }));
     }
 
-    /// Until the servo waits for the bus, with efforts on their way. Killed inside a call to the mock, it
-    /// would leave half an exchange in the socket that its guardian shares: a matter of the mock, not of a
-    /// kernel.
+    /// Waits until the servo waits for the bus, with efforts in flight. If it were killed inside a call to
+    /// the mock, half an exchange would stay in the socket that its guardian shares: a problem of the mock,
+    /// not of a kernel.
     void let_it_run_dry() {
         bus_.freeze(true);
         while (bus_.in_flight("1-1") < kept_for_samples + on_their_way_) bus_.wait_until_quiet();
         bus_.wait_until_quiet();
     }
-    /// From now on the bus's clock runs: at once, so that no frame is the guardian's for nothing. (A servo
-    /// that was sent SIGKILL runs no more, whenever its parent hears of it.)
+    /// From now on the bus's clock runs: at once, so that the guardian has no free frames. (A servo that was
+    /// sent SIGKILL no longer runs, whenever its parent learns of it.)
     void run_on(std::uint64_t& since) {
         const std::size_t before = bus_.locked([&] { return device_->requests().size(); });
         since = bus_.frame();
@@ -179,7 +179,7 @@ TEST_P(Guardian, ZeroesItThroughAnEndpointThatTheServoLeftHalted) {
     expect_zero_in_time_after([&](std::uint64_t& since) {
         let_it_run_dry();
         servo_->signal(SIGKILL);
-        bus_.locked([&] { device_->stalls_out = 1; });  // met by what the servo had on its way
+        bus_.locked([&] { device_->stalls_out = 1; });  // the servo's requests in flight meet them
         since = bus_.frame();
         bus_.freeze(false);
     });
@@ -203,8 +203,8 @@ TEST_P(Guardian, ZeroesItWhenTheServoStandsStillAndNothingOldFollowsWhenItGoesOn
     const std::uint64_t stopped_for = bus_.frame() + 600;
     bus_.wait(10000, [&] { return bus_.frame() > stopped_for; });
     servo_->signal(SIGCONT);
-    // The efforts that it had ordered before it was stopped come to nothing. What it pushes once it has read
-    // again is the servo's affair: it has seen the guardian's act.
+    // The efforts from before the stop have no effect. Efforts after a new read are allowed: the servo has
+    // seen the guardian's act.
     ASSERT_TRUE(bus_.wait(5000, [&] { return device_->motors() == pushed_half; }));
     bus_.locked([&] {
         for (std::size_t i = zeroed; i < device_->requests().size(); ++i)
@@ -215,7 +215,7 @@ TEST_P(Guardian, ZeroesItWhenTheServoStandsStillAndNothingOldFollowsWhenItGoesOn
 
 INSTANTIATE_TEST_SUITE_P(Devices, Guardian, each_motor_device(), name_of);
 
-/// Those that switch their amplifiers off by themselves.
+/// Devices that switch their amplifiers off by themselves.
 class Watchdog : public Guardian {};
 INSTANTIATE_TEST_SUITE_P(Devices, Watchdog, testing::Values(wooden_device), name_of);
 
@@ -254,7 +254,7 @@ TEST(ZeroLine, AForkedCopySendsToTheNodeThatWasOpenedLast) {
         const bool inherited = line.forked() && is(line.node(), first);
         if (read(to_child[0], &byte, 1) != 1) _exit(2);
         line.take_newest();
-        // A memfd takes no such call: that fails, and it is counted where the other process sees it.
+        // A memfd does not accept such a call: it fails, and the other process sees the count.
         const bool counted = !line.zero() && line.acts() == 1;
         _exit(inherited && is(line.node(), third) && counted ? 0 : 1);
     }

@@ -1,10 +1,10 @@
-// Preloaded before umockdev's library, for a guardian that was handed the node of a device that was plugged
-// in again. A kernel knows the open file behind a descriptor that came through a socket; umockdev's preload
-// knows only what its own process has opened, and lets the call through to the pipe that stands for the node.
-// Here such a call opens the node that the descriptor names, under the mock, and is made once more there.
+// Preloaded before umockdev's library, for a guardian that was passed the node of a device that was plugged
+// in again. A kernel knows the open file behind a descriptor from a socket. umockdev's preload knows only
+// what its own process has opened, and lets the call through to the pipe that represents the node. Here such
+// a call opens the node that the descriptor names, under the mock, and is repeated there.
 //
-// The mock then sees another opener, so the servo's claim must have ended with the servo; what that had in
-// flight ends with it too (a kernel would keep both for the guardian's copy).
+// The mock then sees another opener, so the servo's claim must have ended with the servo; its requests in
+// flight end with it too (a kernel would keep both for the guardian's copy).
 
 #include <cerrno>
 #include <climits>
@@ -43,7 +43,7 @@ extern "C" int ioctl(int fd, unsigned long request, ...) noexcept {
     for (int i = 0; i < tries && again < 0; ++i) {
         again = next(node, request, argument);
         if (again >= 0 || errno != EBUSY) break;
-        nanosleep(&pause, nullptr);  // until the mock has seen that the servo is gone
+        nanosleep(&pause, nullptr);  // until the mock has noticed the servo's end
     }
     const int error = errno;
     close(node);

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests with a real knurld on the emulated bus share: an application that arms and feels a floor.
+// Shared by the tests with a real knurld on the emulated bus: an application that arms and renders a floor.
 
 #include <optional>
 
@@ -19,7 +19,7 @@ inline constexpr const char* not_here = nullptr;
 
 using namespace std::chrono_literals;
 
-/// A report's time: resets a fault, arms. The state that was reported, if one was.
+/// For one report: resets a fault, arms. Returns the reported state, if any.
 inline std::optional<DeviceState> try_to_arm(Claim& hand) {
     try {
         const auto report = hand.next_report(100ms);

@@ -1,8 +1,7 @@
-// A real knurld that owns a device on the emulated bus, an application that feels a floor through it, and
-// seeded faults of cable, device and servo. The oracle looks at nothing but the efforts that the device
-// received. This is the USB part of the chaos runner (tests/chaos has the applications', the network's and
-// the servo's), in a program of its own because umockdev must be preloaded. Long form: KNURL_USB_FAULTS=200
-// (scripts/usb); KNURL_SEED repeats a run.
+// A real knurld that owns a device on the emulated bus, an application with a floor, and seeded faults of
+// cable, device and servo. The oracle uses only the efforts that the device received. This is the USB part of
+// the chaos runner (tests/chaos has those of applications, network and servo), in a separate program because
+// umockdev must be preloaded. Long form: KNURL_USB_FAULTS=200 (scripts/usb); KNURL_SEED repeats a run.
 
 #include <algorithm>
 #include <csignal>
@@ -57,7 +56,7 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
             servo_->end(SIGTERM);  // in order: a kill would have to wait for the bus, as below
     }
 
-    /// Whatever it takes: resets faults, arms, until the motors push.
+    /// Resets faults and arms, until the motors push.
     bool pushes() {
         const auto deadline = std::chrono::steady_clock::now() + 60s;
         while (std::chrono::steady_clock::now() < deadline) {
@@ -94,7 +93,7 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
             return largest;
         });
     }
-    /// From now on it pushes no more until somebody arms it.
+    /// From now on it does not push until somebody arms it.
     void expect_rest_from(std::size_t first) {
         const std::uint64_t later = bus_.frame() + 100;
         ASSERT_TRUE(bus_.wait(10000, [&] { return bus_.frame() > later; }));
@@ -116,7 +115,7 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         ASSERT_TRUE(bus_.wait(20000, [&] { return device_->requests().size() > before + 3; }));
         expect_rest_from(before);
         if (GetParam().homed_after_replug) return;
-        // Its counters have begun anew, wherever the arm is: nobody arms it.
+        // Its counters have restarted, wherever the arm is: arming must fail.
         for (int i = 0; i < 20; ++i) EXPECT_NE(try_to_arm(), DeviceState::active);
         expect_rest_from(before);
         start_anew();
@@ -138,14 +137,14 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
     void slip() {
         trouble([&] { device_->slip(1, 4000); }, [&] { device_->slip(1, -4000); });
     }
-    /// The OUT endpoint answers NAK: the motors hold what they were told last, until the device listens
+    /// The OUT endpoint answers NAK: the motors hold their last command until the device accepts packets
     /// again.
     void takes_no_packet() {
         bus_.locked([&] { device_->faults.stuck = true; });
         ASSERT_TRUE(comes_to(DeviceState::fault));
         const std::size_t before = requests();
         bus_.locked([&] { device_->faults.stuck = false; });
-        // The two packets that waited are as old as the fault. What follows them is zero.
+        // The two packets that waited are as old as the fault. The next ones are zero.
         ASSERT_TRUE(bus_.wait(10000, [&] { return device_->requests().size() > before + 2; }));
         expect_rest_from(before + 2);
     }
@@ -168,9 +167,9 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         EXPECT_EQ(bus_.locked([&] { return device_->faults.short_packets; }), 0) << "they were sent";
         EXPECT_TRUE(bus_.wait(1000, [&] { return device_->motors() != std::array<int, 3>{}; }));
     }
-    /// Three bad reads in a row ramp down, ten are a fault: six packets are at least the one and never the
-    /// other, unless the servo is so late that it meets several at once (then it may see no three in a row),
-    /// or the machine stood still for 20 ms besides (then there are ten): once more.
+    /// Three bad reads in a row ramp down, ten are a fault. Six packets cause the first and never the second,
+    /// unless the servo is so late that it meets several at once (then it may see no three in a row), or the
+    /// machine also stood still for 20 ms (then there are ten). In these cases the test repeats.
     void a_few_bad_packets() {
         constexpr int attempts = 10;
         for (int i = 0; i < attempts; ++i) {
@@ -186,9 +185,9 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         FAIL() << "it never ramped down, or never without a fault";
     }
 
-    /// Until the servo's I/O thread waits for the bus with efforts on their way: stopped or killed inside a
-    /// call to the mock it would leave half an exchange there, which no kernel does. Well before the servo
-    /// takes the device for silent (20 ms).
+    /// Waits until the servo's I/O thread waits for the bus with efforts in flight. Stopped or killed inside
+    /// a call to the mock it would leave half an exchange there, which no kernel does. Well before the servo
+    /// considers the device silent (20 ms).
     void let_it_run_dry() {
         bus_.freeze(true);
         const auto deadline = std::chrono::steady_clock::now() + 30s;
@@ -211,7 +210,7 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
             if (word(task.path() / "comm") == "knurl-usb") return word(task.path() / "syscall");
         return "none";
     }
-    /// So many frames after `since` came the first zero from request `first` on.
+    /// The number of frames from `since` to the first zero at or after request `first`.
     std::optional<int> zero_after(std::size_t first, std::uint64_t since) {
         std::optional<std::uint64_t> zero;
         const bool came = bus_.wait(1000, [&] {
@@ -224,8 +223,8 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         std::printf("  zero after %d ms\n", static_cast<int>(*zero - since));
         return static_cast<int>(*zero - since);
     }
-    /// Held to it only where the guardian is real-time, and the servo's end takes no longer than a servo's: a
-    /// sanitizer's memory takes the kernel milliseconds to give back.
+    /// Required only if the guardian is real-time, and the servo's end takes no longer than usual: the kernel
+    /// needs milliseconds to free a sanitizer's memory.
     void expect_in_time(int late) const {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
         std::printf("  a sanitizer's build: %d ms are not held against it\n", late);
@@ -256,7 +255,7 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
             ASSERT_TRUE(pushes());
         }
     }
-    /// The guardian sends to a node that it was handed: the servo opened it long after the fork.
+    /// The guardian sends to a node that it received later: the servo opened it long after the fork.
     void unplug_and_kill_servo() {
         unplug();
         ASSERT_FALSE(HasFatalFailure());
@@ -264,7 +263,7 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         kill_servo();
     }
     void stop_servo() {
-        start_anew();  // its claim lives, and under the mock the guardian shares it only of what it inherited
+        start_anew();  // its claim lives, and under the mock the guardian shares only what it inherited
         for (Chances chances(promised);;) {
             std::uint64_t since = 0;
             stop_it_while_active(chances, since);
@@ -282,7 +281,8 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
             if (judged) return expect_in_time(*late);
         }
     }
-    /// A test that is held up while the bus is frozen lets the servo take the device for silent: once more.
+    /// A test that is delayed while the bus is frozen makes the servo consider the device silent: repeats
+    /// then.
     void stop_it_while_active(Chances& chances, std::uint64_t& since) {
         constexpr int attempts = 20;
         for (int i = 0; i < attempts; ++i) {
@@ -300,7 +300,7 @@ class DeviceUnderKnurld : public testing::TestWithParam<MotorDevice> {
         }
         FAIL() << "it was never active when it was stopped";
     }
-    /// Nothing of what it had worked out before: it begins at gain 0.
+    /// No effort computed before: it begins at gain 0.
     void expect_it_began_at_zero(std::size_t zeroed) {
         bus_.locked([&] {
             int first = 0;

@@ -1,8 +1,8 @@
-// 1 kHz with encoders that turn, the driver and the plainest loop over libusb side by side: no frame of the
-// bus goes without a new order, or without a new sample, that the bare loop would have made. Frames pass when
-// both have done all that they can do in one, so that the figures are the bus's and not this machine's; now
-// and then both devices take no packet for some frames. The long form: KNURL_USB_SECONDS=60 (scripts/usb), of
-// the bus's clock.
+// 1 kHz with turning encoders, the driver and a minimal loop over libusb side by side. In every frame the
+// driver must have a new order and a new sample where the minimal loop has them. A frame passes when both
+// have done all they can in it, so the figures belong to the bus and not to this machine. At times both
+// devices accept no packet for some frames. The long form: KNURL_USB_SECONDS=60 (scripts/usb), of the bus's
+// clock.
 
 #include <cstdlib>
 #include <ctime>
@@ -23,7 +23,7 @@ Nanoseconds clock_now() {
     return t.tv_sec * Nanoseconds{1'000'000'000} + t.tv_nsec;
 }
 
-/// How a program without this library would talk to a device.
+/// How a program without this library would use a device.
 struct Cable {
     const char* name;
     const MotorDevice& device;
@@ -31,7 +31,7 @@ struct Cable {
     std::vector<std::pair<int, int>> controls;  // vendor requests and their values, before anything else
     std::vector<std::uint8_t> request;          // zero
     int status_bytes, reply_bytes;              // of each packet; of all packets of a reply without them
-    bool answers;                               // says something when it is told something; else every frame
+    bool answers;                               // it sends only in answer to a packet; else in every frame
 };
 std::ostream& operator<<(std::ostream& text, const Cable& cable) {
     return text << cable.name;
@@ -59,8 +59,8 @@ Cable raw_hid() {
             .answers = false};
 }
 
-/// Writes a packet, reads until the reply has come, and again: no thread, no parser, nothing to spare. Where
-/// the device speaks unasked, neither direction waits for the other.
+/// Writes a packet, reads until the reply has come, and repeats: no thread, no parser, minimal work. If the
+/// device sends by itself, neither direction waits for the other.
 class BareLoop {
   public:
     BareLoop(const std::string& port, const Cable& cable, const Identity& identity)
@@ -146,8 +146,8 @@ class BareLoop {
     std::size_t written_ = 0;
 };
 
-/// Frames that went without, and how many frames before its end the newest order that arrived was written:
-/// their sum.
+/// Frames without an order or sample, and how many frames before its end the newest arrived order was
+/// written: their sum.
 struct Missed {
     int samples = 0, orders = 0;
     double late = 0;
@@ -268,7 +268,7 @@ TEST_P(AtOneKilohertz, TheDriverMissesNoTransferThatABareLoopWouldHaveMade) {
                         : random() % 100 == 0 ? 1 + static_cast<int>(random() % 3)
                                               : 0;
             ours_->faults.stuck = theirs_->faults.stuck = stuck_for > 0;
-            // Where it answers orders, a sample is of the frame of its order.
+            // A device that answers orders sends a sample in the frame of its order.
             if (cable.answers) shown = turned;
             const int by = k / 500 % 2 == 0 ? 2 : -2;
             for (std::size_t axis = 0; axis < 3; ++axis) ours_->slip(axis, by);
@@ -287,7 +287,7 @@ TEST_P(AtOneKilohertz, TheDriverMissesNoTransferThatABareLoopWouldHaveMade) {
         missed.late / compared, bare_missed.late / compared);
     EXPECT_LE(missed.orders, bare_missed.orders);
     EXPECT_LE(missed.samples, bare_missed.samples);
-    // An order that a standstill of the machine hit in one of the two alone is a frame or two in all of them.
+    // A standstill of the machine during an order of one of the two costs a frame or two in total.
     EXPECT_LE(missed.late / compared, bare_missed.late / compared + 0.01);
     EXPECT_LT(bare_missed.orders, compared / 10) << "the bare loop ran";
     EXPECT_EQ(twice_, 0) << "orders that arrived more than once";

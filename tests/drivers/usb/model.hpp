@@ -1,5 +1,5 @@
 #pragma once
-// What sits at the far end of the emulated cable: one kind of USB device, as its host controller meets it.
+// The far end of the emulated cable: one kind of USB device, as its host controller sees it.
 
 #include <climits>
 #include <cstdint>
@@ -47,7 +47,7 @@ class Model {
     virtual int in(std::uint8_t endpoint, std::span<std::uint8_t> room) = 0;
     /// A millisecond of the bus has passed: the start of frame `number`.
     virtual void frame(std::uint64_t number) = 0;
-    /// Power has come: whatever it was told before the plug was pulled is forgotten.
+    /// Power is on: everything that it was told before unplugging is forgotten.
     virtual void power_on() = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// The devices with motors that this library drives over USB, for tests that hold for each of them.
+// The devices with motors that this library drives over USB, for tests that apply to each of them.
 
 #include <cmath>
 #include <ostream>
@@ -18,7 +18,7 @@ struct MotorDevice {
     void (*centre)(MotorModel& model);
     /// What efforts of so many N m on every joint are in its own unit.
     std::array<int, 3> (*all)(double effort);
-    bool homed_after_replug;  // else only a servo that is started anew may push
+    bool homed_after_replug;  // else only a restarted servo may push
 };
 
 inline std::ostream& operator<<(std::ostream& out, const MotorDevice& device) {
@@ -58,8 +58,8 @@ inline const MotorDevice wooden_device = {
         },
     .homed_after_replug = false};
 
-/// Requests that the driver keeps with a device: for samples, and of efforts. A second packet of efforts
-/// would wait where the device takes one a frame.
+/// Requests that the driver keeps in flight: for samples, and for efforts. A second packet of efforts would
+/// wait if the device takes one per frame.
 inline constexpr std::size_t kept_for_samples = 3;
 inline std::size_t kept_of_efforts(const MotorModel& model) {
     return model.identity().interrupt_endpoints ? 1 : 2;

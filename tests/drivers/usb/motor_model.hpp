@@ -1,6 +1,6 @@
 #pragma once
-// A device with three motors, whichever it is: what reached it, and the faults that any of them may have. So
-// that a test of cable, servo or guardian is written once.
+// Any device with three motors: what has reached it, and the faults that any of them may have. So each test
+// of cable, servo or guardian is written once.
 
 #include <array>
 #include <vector>
@@ -10,10 +10,10 @@
 namespace knurl::drivers::usb_emulator {
 
 struct MotorFaults {
-    int garbage_replies = 0;  // that many replies are noise
-    int short_packets = 0;    // that many packets are cut short
-    bool silent = false;      // it hears and says nothing
-    bool stuck = false;       // it takes no packet
+    int garbage_replies = 0;  // so many replies are noise
+    int short_packets = 0;    // so many packets are cut short
+    bool silent = false;      // it receives and sends nothing
+    bool stuck = false;       // it accepts no packet
 };
 
 /// A packet of efforts that reached it.

@@ -1,4 +1,4 @@
-// umockdev's preload: how a test comes to run under it, and what it needs besides to be forked.
+// umockdev's preload: how a test starts under it, and what it needs to survive a fork.
 
 #include <cstdio>
 #include <cstdlib>
@@ -29,9 +29,9 @@ void start_under_umockdev(int, char** argv) {
     prctl(PR_SET_TIMERSLACK, 1UL);  // the preload yields with usleep(0): 50 us each with the ordinary slack
     const char* loaded = std::getenv("LD_PRELOAD");
     if (loaded != nullptr && std::strstr(loaded, preload) != nullptr) {
-        // The preload takes these around every open(), also of threads that have nothing to do with USB. A
-        // fork meanwhile leaves them taken in the child for ever, and its first open() waits. Before any
-        // other handler is there, so that it runs first in the child.
+        // The preload takes these locks around every open(), also of threads without USB. A fork meanwhile
+        // would leave them locked in the child for ever, and its first open() would block. Registered before
+        // any other handler, so that it runs first in the child.
         pthread_atfork([] { with_preload_locks(pthread_mutex_lock); },
                        [] { with_preload_locks(pthread_mutex_unlock); },
                        [] { with_preload_locks(pthread_mutex_unlock); });
@@ -40,7 +40,7 @@ void start_under_umockdev(int, char** argv) {
     const std::string both =
         loaded != nullptr && *loaded != 0 ? std::string(loaded) + ":" + preload : preload;
     setenv("LD_PRELOAD", both.c_str(), 1);
-    // The sanitizer wants to be first; behind the preload it works as well.
+    // The sanitizer wants to be first; it also works behind the preload.
     const char* asan = std::getenv("ASAN_OPTIONS");
     setenv("ASAN_OPTIONS",
            ((asan != nullptr ? std::string(asan) + ":" : "") + "verify_asan_link_order=0").c_str(), 1);

@@ -27,7 +27,7 @@ Nanoseconds now() {
     return t.tv_sec * Nanoseconds{1'000'000'000} + t.tv_nsec;
 }
 
-/// As knurld and its guardian are, where they may. Nothing is promised in milliseconds where they may not.
+/// Like knurld and its guardian, where allowed. Without it, nothing is guaranteed in milliseconds.
 bool real_time(int priority) {
     const sched_param parameters{.sched_priority = priority};
     return sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;

@@ -1,5 +1,5 @@
 #pragma once
-// A SpaceMouse as USB sees it: reports while somebody touches it, nothing else.
+// A SpaceMouse on USB: it sends reports only while it is touched.
 
 #include <algorithm>
 #include <cerrno>

@@ -1,5 +1,5 @@
-// A real knurld that owns two devices on the emulated bus: what happens to one is nothing to the other. Run
-// by scripts/usb (KNURL_USB_TWO_HANDS=1), not by ctest: two devices at 1 kHz ask 8 exchanges a millisecond of
+// A real knurld that owns two devices on the emulated bus: an event on one does not affect the other. Run by
+// scripts/usb (KNURL_USB_TWO_HANDS=1), not by ctest: two devices at 1 kHz need 8 exchanges a millisecond of
 // umockdev's one worker, and a virtual machine on which one takes 0.3 ms carries 3. Both hands then stand
 // still for tens of milliseconds, unplugged or not.
 
@@ -62,8 +62,8 @@ class TwoHandsOfOneApplication : public testing::TestWithParam<std::size_t> {
         }
         return false;
     }
-    /// The application goes on for so many ms, or until the unplugged one's state is `until`; the other is
-    /// never anything but active.
+    /// The application continues for so many ms, or until the unplugged device's state is `until`; the other
+    /// must always be active.
     bool go_on(Hand& pulled, Hand& other, std::uint64_t frames, DeviceState until) {
         for (const std::uint64_t end = bus_.frame() + frames; bus_.frame() < end;) {
             const auto seen = other.claim->next_report(1s);
@@ -78,8 +78,8 @@ class TwoHandsOfOneApplication : public testing::TestWithParam<std::size_t> {
     std::size_t requests(const Hand& hand) {
         return bus_.locked([&] { return hand.model->requests().size(); });
     }
-    /// Nothing but its floor has reached that hand since its packet number `first`, but for the zero that its
-    /// I/O thread sends when this machine has stood still for 10 ms.
+    /// Only the floor's effort has reached that hand since its packet number `first`, except for the zero
+    /// that its I/O thread sends when this machine has stood still for 10 ms.
     void expect_floor(const Hand& hand, std::size_t first) {
         bus_.locked([&] {
             const std::size_t all = hand.model->requests().size();

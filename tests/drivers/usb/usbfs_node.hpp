@@ -1,7 +1,6 @@
 #pragma once
-// One node of usbfs (/dev/bus/usb/001/004) as the kernel's drivers/usb/core/devio.c behaves towards its
-// callers: who holds which interface, requests in flight and done, what is left of them when the plug is
-// pulled.
+// One node of usbfs (/dev/bus/usb/001/004) with the behaviour of the kernel's drivers/usb/core/devio.c: who
+// holds which interface, requests in flight and done, and what remains of them after unplugging.
 
 #include <cstdint>
 #include <deque>

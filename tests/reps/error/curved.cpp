@@ -1,5 +1,5 @@
-// Curved surfaces: how far from the nearest free point each method ends in the groove of two rods that cross at an angle,
-// and in the hollow between three, with the probe 1 to 3 mm below where they meet.
+// Curved surfaces: the error of each method against the nearest free point, in the groove of two rods that
+// cross at an angle, and in the hollow between three, with the probe 1 to 3 mm below their meeting point.
 
 #include <array>
 #include <cmath>
@@ -34,9 +34,8 @@ struct Rod {
 };
 using Rods = std::vector<Rod>;
 
-/// Where all of them hold, in long double: the nearest point to p on all tangent planes at the last one, which comes nearer by
-/// a factor each time, until it rests. Nothing where
-/// it does not, or one of them would pull.
+/// The point where all of them hold, in long double: repeatedly the nearest point to p on all tangent planes
+/// at the last point, which converges linearly. Nothing if it does not converge, or one of them would pull.
 std::optional<Exact> exact_at(const Rods& rods, const Vector3d& hand) {
     using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, 3>;
     using Column = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
@@ -64,7 +63,7 @@ std::optional<Exact> exact_at(const Rods& rods, const Vector3d& hand) {
     return x;
 }
 
-/// Nearest to p within the rods' tangent planes at x; both from p.
+/// Nearest to p within the rods' tangent planes at x; both relative to p.
 struct Planes {
     std::array<double, 3> nx{}, ny{}, nz{}, s{};
     ContactSolution solution;
@@ -90,7 +89,7 @@ Vector3d by_planes(const Rods& rods, const Vector3d& p, int rounds) {
     return dx;
 }
 
-/// As by_planes once, then steps that know how the surfaces bend.
+/// Once like by_planes, then steps that include the curvature of the surfaces.
 Vector3d by_steps(const Rods& rods, const Vector3d& p, int rounds) {
     Planes planes;
     Vector3d dx = planes.solve(rods, p, Vector3d::Zero());
@@ -111,7 +110,7 @@ Vector3d by_steps(const Rods& rods, const Vector3d& p, int rounds) {
     return dx;
 }
 
-/// Out of one after the other, until none holds it: on all of them, and not the nearest such point.
+/// Out of one rod after the other, until none holds it: on all of them, but not the nearest such point.
 Vector3d by_projections(const Rods& rods, const Vector3d& p, int rounds) {
     Vector3d x = p;
     for (int i = 0; i < rounds; ++i) {
@@ -126,7 +125,7 @@ Vector3d by_projections(const Rods& rods, const Vector3d& p, int rounds) {
 struct Stroke {
     Rods rods;
     std::vector<Vector3d> path;
-    std::vector<Exact> exact;  // from the probe, at each place of the path
+    std::vector<Exact> exact;  // relative to the probe, at each place of the path
     Scene scene{{.representations = 3, .probes = 1}, Limits{}};
 };
 
@@ -144,7 +143,7 @@ Rods random_rods(int count, std::mt19937_64& rng) {
     return rods;
 }
 
-/// 64 places of a circle of 0.2 mm, below where the rods meet. False: not all of them hold there.
+/// 64 places of a circle of 0.2 mm, below the meeting of the rods. False: not all of them hold there.
 bool lay_path(Stroke& stroke, double depth) {
     const std::optional<Exact> bottom = exact_at(stroke.rods, Vector3d(0, 0, 0.006));
     if (!bottom) return false;

@@ -1,6 +1,6 @@
-// Friction models: how far a held tip creeps, felt through an encoder. The hand is 0.15 kg and pushes with
-// 0.2 N and 0.1 N at 10 Hz against a grip of 1 N (mu 0.4 and 0.8), so that a tip with friction stays where it
-// is.
+// Friction models: how far a held tip creeps, measured through an encoder. The hand is 0.15 kg and pushes
+// with 0.2 N and 0.1 N at 10 Hz against a grip of 1 N (mu 0.4 and 0.8), so that a tip with friction stays in
+// place.
 
 #include <cstdio>
 
@@ -21,7 +21,7 @@ Vector3d rounded(const Vector3d& x) {
     return count * (x / count).array().round().matrix();
 }
 
-/// Knurl's: a law, and what it remembers.
+/// Knurl's: a law, and its state.
 struct Anchored {
     FrictionLaw law;
     FrictionState state;
@@ -56,7 +56,7 @@ FrictionLaw snags(SnagLaw law) {
 
 using Law = std::function<Vector3d(const Vector3d& position, double n, double dt)>;
 
-/// mm between the means of the first and the last second of 16 s (without the first, in which the tip
+/// mm between the means of the first and the last second of 16 s (without the first second, in which the tip
 /// settles).
 double drift(Law law) {
     Vector3d x = Vector3d::Zero(), force = Vector3d::Zero();
@@ -74,7 +74,7 @@ double drift(Law law) {
     return 1e3 * std::abs(last - first);
 }
 
-/// mJ that the hand gains on each of ten loops: out by 0.9 mm, press twice as hard, back, let go of the rest.
+/// mJ that the hand gains on each of ten loops: out by 0.9 mm, press twice as hard, back, release.
 double gained(Law law) {
     double work = 0, x = 0;
     Vector3d force = law({x, 0, 0}, 1, period);
@@ -112,7 +112,7 @@ void add(Panel& panel, std::vector<Contender>& contenders, const char* name, con
                                                     .error = drift(law),
                                                     .knurl = knurl,
                                                     .flaw = flaw});
-    // To and fro, sticking half of the time: the same path for all.
+    // Back and forth, sticking half of the time: the same path for all.
     std::vector<Vector3d> path;
     for (int i = 0; i < 1024; ++i) {
         const double phase = 2 * M_PI * i / 1024;

@@ -1,6 +1,6 @@
 #pragma once
-// Friction models of the field, from their papers: the force (N) on a tip that moves by dx (m) in a time dt
-// (s) along a surface, pressed on with the normal force n (N). Three-dimensional, as the cycle has it.
+// Friction models from the literature: the force (N) on a tip that moves by dx (m) in a time dt (s) along a
+// surface, pressed on with the normal force n (N). In three dimensions, as in the cycle.
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 
 namespace knurl::error {
 
-/// What they have in common, per N of normal force.
+/// Their common parameters, per N of normal force.
 struct FrictionFigures {
     double static_ = 0.8, dynamic = 0.4;  // 1
     double stiffness = 800;               // 1/m, sigma_0
@@ -54,8 +54,8 @@ struct LuGre {
     }
 };
 
-/// Coulomb friction against the velocity (Adachi et al., VRAIS 95), smoothed as every device does (first
-/// order 100 Hz).
+/// Coulomb friction against the velocity (Adachi et al., VRAIS 95), smoothed as on every device (first order
+/// 100 Hz).
 struct VelocityCoulomb {
     FrictionFigures f;
     Eigen::Vector3d v = Eigen::Vector3d::Zero();  // m/s

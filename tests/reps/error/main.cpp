@@ -17,7 +17,7 @@ using namespace knurl::error;
 
 namespace {
 
-/// A point of the same scene that errs no more, and is faster by more than the measurement's own noise.
+/// A point of the same scene with no larger error, and faster by more than the measurement's noise.
 bool beats(const Panel& panel, const Point& a, const Point& b) {
     const double ea = std::max(a.error, panel.exact), eb = std::max(b.error, panel.exact);
     return a.scene == b.scene && !a.knurl && a.flaw.empty() &&

@@ -1,7 +1,7 @@
 #pragma once
-// Run time against error: what the panels of this benchmark share. A panel compares implementations of one
-// thing in several scenes; each point has the error against a reference that shares no code with it, and the
-// median time of one call over blocks that ran interleaved with those of all others in that scene.
+// Run time against error: shared by the panels of this benchmark. A panel compares implementations of one
+// task in several scenes. Each point has the error against a reference that shares no code with it, and the
+// median time of one call over blocks interleaved with those of all others in that scene.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,12 +14,12 @@
 namespace knurl::error {
 
 struct Point {
-    std::string scene;           // what was computed: "6 planes", "gentle, 20 Hz"
-    double size = 0;             // its number: planes, Hz
-    std::string implementation;  // how: "naive sum"
+    std::string scene;           // the task: "6 planes", "gentle, 20 Hz"
+    double size = 0;             // its value: planes, Hz
+    std::string implementation;  // the method: "naive sum"
     double error = 0;            // in the panel's unit
-    bool knurl = false;          // what Knurl does unless told otherwise
-    std::string flaw = {};       // what rules it out, whatever its time and error
+    bool knurl = false;          // Knurl's default
+    std::string flaw = {};       // the reason that rules it out, whatever its time and error
     double ns = 0;               // median time of one call
     std::size_t samples = 0;     // blocks in that median
 };
@@ -28,12 +28,12 @@ struct Panel {
     std::string name;
     std::string error_unit;
     std::string error_meaning;
-    double exact = 0;      // errors below are no errors: two such points differ in time alone
-    double useless = 1e9;  // where Knurl's errs by more, nothing is of use
+    double exact = 0;      // smaller errors count as none: two such points differ only in time
+    double useless = 1e9;  // Knurl's points with a larger error are skipped
     std::vector<Point> points;
 };
 
-/// The compiler may neither leave out what computes `value` nor move it.
+/// Prevents the compiler from removing or moving the computation of `value`.
 template <class T>
 void keep(const T& value) {
     asm volatile("" : : "g"(&value) : "memory");

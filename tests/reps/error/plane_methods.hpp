@@ -1,6 +1,6 @@
 #pragma once
-// The ways to answer several planes at once that the field uses, from their formulas: dx of the nearest point
-// with n_i . dx >= s_i, or what stands for it. All planes are shifted to the probe.
+// Published ways to solve several planes at once, from their formulas: dx of the nearest point with n_i . dx
+// >= s_i, or its substitute. All planes are relative to the probe.
 
 #include <array>
 #include <cmath>
@@ -47,7 +47,7 @@ Vector<Real> naive_sum(const Shifted<Real>& planes, const Vector<Real>& p) {
     return {x, y, z};
 }
 
-/// Projections onto one plane after the other, which end on some feasible point, not the nearest.
+/// Successive projections onto the planes, which end at a feasible point, not the nearest.
 template <class Real>
 Vector<Real> sequential_projections(const Shifted<Real>& planes, int sweeps) {
     Vector<Real> dx = Vector<Real>::Zero();
@@ -75,7 +75,7 @@ Vector<Real> hildreth(const Shifted<Real>& planes, int sweeps, std::vector<Real>
     return dx;
 }
 
-/// The part of v that leaves the planes a, b alone (b may be null).
+/// The part of v that does not move along the normals of a and b (b may be null).
 template <class Real>
 Vector<Real> within(const Vector<Real>& v, const Vector<Real>* a, const Vector<Real>* b) {
     if (!a) return v;
@@ -85,8 +85,8 @@ Vector<Real> within(const Vector<Real>& v, const Vector<Real>* a, const Vector<R
     return square > 0 ? Vector<Real>((line.dot(v) / square) * line) : Vector<Real>(Vector<Real>::Zero());
 }
 
-/// The proxy of three steps (Zilles & Salisbury 1994 as the field builds it): from a free point straight to
-/// the probe until the first plane, along it until the second, along both until the third.
+/// The proxy in three steps (Zilles & Salisbury 1994, as usually built): from a free point straight to the
+/// probe until the first plane, along it until the second, along both until the third.
 template <class Real>
 Vector<Real> three_step_proxy(const Shifted<Real>& planes, const Vector<Real>& free) {
     Vector<Real> at = free;
@@ -114,7 +114,7 @@ Vector<Real> three_step_proxy(const Shifted<Real>& planes, const Vector<Real>& f
     return at;
 }
 
-/// A dual active set (Goldfarb & Idnani 1983), plain, to see what another precision would do.
+/// A dual active set (Goldfarb & Idnani 1983), without shortcuts, to test other precisions.
 template <class Real>
 class ActiveSetMethod {
   public:
@@ -214,7 +214,7 @@ class ActiveSetMethod {
             const Real square = z.squaredNorm(), epsilon = std::numeric_limits<Real>::epsilon();
             const Real full =
                 count < 3 && square > 64 * epsilon * epsilon ? (planes.s[q] - n.dot(dx_)) / square : never;
-            if (most == never && full == never) return;  // contradictory: as good as it gets
+            if (most == never && full == never) return;  // contradictory: this is the best solution
             const Real t = std::min(most, full);
             if (full < never) dx_ += t * z;
             for (std::uint32_t j = 0; j < count; ++j) u_[j] -= t * r[j];

@@ -1,5 +1,5 @@
-// Planes: how far from the nearest free point each method ends, in random corners with the probe up to 10 mm
-// inside.
+// Planes: the error of each method against the nearest free point, in random corners with the probe up to 10
+// mm inside.
 
 #include <cstdio>
 #include <cstdlib>
@@ -72,7 +72,7 @@ Scene make_scene(Rng& rng, int count) {
     return scene;
 }
 
-/// What a method may keep from call to call.
+/// State that a method may keep between calls.
 struct Memory {
     std::vector<double> s, multiplier;
     std::vector<float> fs, fmultiplier;
@@ -91,7 +91,7 @@ Shifted<double> shift(const Scene& scene, const Eigen::Vector3d& p, Memory& memo
         memory.s[i] = set.c[i] - (set.nx[i] * p.x() + set.ny[i] * p.y() + set.nz[i] * p.z());
     return {set.nx.data(), set.ny.data(), set.nz.data(), memory.s.data(), set.size()};
 }
-// Shifted in double first: float coordinates would be off by more than all else.
+// Shifted in double first: the error of float coordinates would exceed all others.
 template <>
 Shifted<float> shift(const Scene& scene, const Eigen::Vector3d& p, Memory& memory) {
     const PlaneSet& set = scene.set;
@@ -111,7 +111,7 @@ std::vector<Real>& multipliers(Memory& memory) {
 
 using Method = Eigen::Vector3d (*)(const Scene&, const Eigen::Vector3d&, Memory&);
 
-// In one pass: the sum needs no second look at a plane.
+// In one pass: a sum reads each plane once.
 template <class Real>
 Eigen::Vector3d by_sum(const Scene& scene, const Eigen::Vector3d& p, Memory&) {
     if constexpr (std::is_same_v<Real, double>) {

@@ -1,4 +1,4 @@
-// Springs without rest length on one probe: each by itself, or all as one. About a local origin o,
+// Springs without rest length on one probe: each separately, or all as one. About a local origin o,
 //     K = sum k, A = sum k (a - o), B = sum k b, M = sum k b (a - o)^T
 //     F = A - K (p - o) - R B,   torque = axial(R M) - (R B) x (p - o)
 
@@ -43,7 +43,7 @@ struct Collapsed {
     }
 };
 
-/// N, and N of torque at an arm of 30 mm.
+/// N, and torque as N at an arm of 30 mm.
 double distance(const Wrench& got, const Eigen::Matrix<long double, 6, 1>& exact) {
     const double force = static_cast<double>((got.force.cast<long double>() - exact.head<3>()).norm());
     const double torque = static_cast<double>((got.torque.cast<long double>() - exact.tail<3>()).norm());

@@ -1,8 +1,8 @@
-// Surfaces sent by an application at 1 to 1000 Hz: the force that is felt along a given stroke, against that
-// of the true surface. A sine (of the sheet that it makes), stroked at 0.1 m/s, 1.5 to 2.5 mm deep, k = 1000
-// N/m; servo 1 kHz, encoder 30 um, device 8.5 N; an answer is felt half a period after the hand was read. The
-// path is given: no dynamics, so an error is the representation's own. Planes, spheres and caps go through
-// the whole Scene, cross-fade included.
+// Surfaces sent by an application at 1 to 1000 Hz: the rendered force along a given stroke, against that of
+// the true surface. A sine sheet, stroked at 0.1 m/s, 1.5 to 2.5 mm deep, k = 1000 N/m; servo 1 kHz, encoder
+// 30 um, device 8.5 N; an answer acts half a period after the hand was read. The path is given, without
+// dynamics, so an error belongs to the representation. Planes, spheres and caps go through the whole Scene,
+// cross-fade included.
 
 #include <optional>
 
@@ -24,7 +24,7 @@ constexpr double count = 30e-6;     // m, the encoder's
 constexpr double period = 1e-3;     // s, the servo's
 constexpr double speed = 0.1;       // m/s
 constexpr int cycles = 6000;
-constexpr int ignored = 2000;  // cycles at the start, until the slowest application has said something
+constexpr int ignored = 2000;  // cycles at the start, until the slowest application has sent an update
 
 /// z = amplitude sin(x / scale).
 struct Sine {
@@ -84,14 +84,14 @@ std::vector<Cycle> stroke(const Sine& sine) {
 
 enum class Form { force, plane, sphere, cap };
 struct Answer {
-    int felt = 0;  // the cycle from which on it is
+    int felt = 0;  // the first cycle in which it acts
     Vector3d force = Vector3d::Zero();
     Plane plane;
     Sphere sphere;
     Cap cap;
 };
 
-/// All that the application says on that stroke.
+/// All updates of the application on that stroke.
 std::vector<Answer> answers(const Sine& sine, const std::vector<Cycle>& path, double rate, bool predicted) {
     std::vector<Answer> all;
     const double interval = 1 / rate, latency = std::max(interval / 2, period);
@@ -125,7 +125,7 @@ const R& part(const Answer& answer) {
     if constexpr (std::is_same_v<R, Cap>) return answer.cap;
 }
 
-/// What runs the stroke cycle by cycle, for ever: at its end it starts anew.
+/// Runs the stroke cycle by cycle, endlessly: at its end it restarts.
 template <class R>
 class StrokeRunner {
   public:
@@ -173,7 +173,7 @@ class Held {
     std::size_t next_ = 0;
 };
 
-/// The true surface in the servo, where there is one: its foot point in each cycle, from the last.
+/// The true surface in the servo, if it is known: its foot point in each cycle, starting at the last one.
 class True {
   public:
     True(const Sine& sine, const std::vector<Cycle>& path) : sine_(sine), path_(&path) {}
@@ -208,8 +208,8 @@ void add(Panel& panel, std::vector<Contender>& contenders, const std::vector<Cyc
                           }});
 }
 
-/// A force that is held does not push back: stable up to b / (T/2 + L + tau) alone, with a hand and a device
-/// of 3.2 N s/m and 0.53 ms, and an application that is half a period late.
+/// A held force has no stiffness: it is stable only up to b / (T/2 + L + tau), with a hand and a device of
+/// 3.2 N s/m and 0.53 ms, and an application that is half a period late.
 std::string held_is_stable(double rate) {
     const double most = 3.2 / (0.5 / rate + std::max(0.5 / rate, period) + 0.53e-3);
     return most < stiffness ? "stable up to " + std::to_string(static_cast<int>(most)) + " N/m"
@@ -223,7 +223,7 @@ Panel surfaces(const measure::Stopwatch& watch) {
                 .error_unit = "N",
                 .error_meaning = "RMS force error along a stroke at 0.1 m/s, k = 1000 N/m",
                 .exact = 0,
-                .useless = 1,  // half of what should be felt
+                .useless = 1,  // half of the true force
                 .points = {}};
     panel.points.reserve(128);
     for (const Sine& sine : sines) {

@@ -91,7 +91,7 @@ std::vector<Series> clients(Lab& lab) {
     add("clients.idle.cold", look, false, alone, cold);
     add("clients.silent.warm", ask, true, rows, in_a_row);
     add("clients.silent.cold", ask, true, alone, cold);
-    // What the batches are beside: cycles timed in the same way.
+    // The reference for batches: cycles timed in the same way.
     add("clients.silent.alone", ask, true, alone,
         [&](const auto& crowd) { return lab.alone([crowd] { crowd->rig.step(); }, lab.elsewhere([] {})); });
     add("clients.empty_batch.warm", take, true, alone, sending(false, false));

@@ -20,7 +20,7 @@ const Goal goals[] = {
      128, 0.99},
 };
 
-/// The blocks are merged as they are drawn: 30 small histograms a drawing.
+/// The blocks are merged while drawing: 30 small histograms per resampling.
 std::optional<double> percentile(const Point& point, std::span<const std::size_t> drawn, double q) {
     measure::Histogram all;
     for (const std::size_t block : drawn) all.merge(point.blocks[block]);

@@ -1,5 +1,5 @@
 #pragma once
-// What must be reached, judged from the points that were measured.
+// The goals, judged from the measured points.
 
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace knurl::servo::scaling {
 
-/// A percentile of some points' samples, less the median of some others' in the same blocks.
+/// A percentile of some points' samples, minus the median of other points' in the same blocks.
 struct Goal {
     std::string name;
     double limit = 0;  // ns
@@ -32,7 +32,7 @@ std::vector<Judged> judge_goals(const std::vector<Series>& all);
 /// By bootstrap over so many blocks.
 Judged judge(const Goal& goal, std::size_t blocks, const measure::Statistic& statistic);
 
-/// What counters, flight recorder and a recording cost a cycle: no law, two goals.
+/// The cost per cycle of counters, flight recorder and a recording: no law, two goals.
 std::vector<Judged> watching(Lab& lab);
 
 }  // namespace knurl::servo::scaling

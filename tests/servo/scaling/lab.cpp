@@ -77,7 +77,7 @@ std::function<double()> Lab::alone_and_cold(std::function<void()> cycle, std::fu
         if (before) before();
         constexpr std::size_t line = 64 / sizeof(std::uint64_t);
         for (std::size_t i = 0; i < other_work_.size(); i += line) ++other_work_[i];
-        thread_ns();  // the kernel's own lines are no part of the servo
+        thread_ns();  // touches the kernel's own cache lines, which are no part of the servo
     });
 }
 

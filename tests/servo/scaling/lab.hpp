@@ -1,6 +1,6 @@
 #pragma once
-// How knurl_bench_scaling measures: points of all series of an axis by turns, in an order drawn anew for
-// every block; processor time of this thread alone.
+// How knurl_bench_scaling measures: the points of all series of an axis alternate, in a random order for
+// every block. Processor time of this thread only.
 
 #include <cstdint>
 #include <functional>
@@ -20,9 +20,9 @@ struct Options {
     bool quick = false;
 };
 
-/// One thing that is measured, for one value of what is varied.
+/// One measured quantity, at one value of the axis.
 struct Point {
-    double n = 1;                    // 0: beside which the others are stated, not part of the law
+    double n = 1;                    // 0: the reference for the others, not part of the law
     std::function<double()> sample;  // ns
     int samples = 1;                 // of a block
     std::vector<measure::Histogram> blocks{};
@@ -33,8 +33,8 @@ struct Point {
 struct Series {
     std::string name, axis;  // "clients.idle.warm", "clients"
     measure::Growth design = measure::Growth::constant;
-    std::string why;    // what makes it so by design
-    bool mean = false;  // of a block: where a few of its cycles cost what is asked for
+    std::string why;    // the reason by design
+    bool mean = false;  // of a block: where only few of its cycles have the cost in question
     std::vector<Point> points{};
 
     const Point& at(double n) const;
@@ -49,22 +49,19 @@ class Lab {
     std::mt19937_64& random() { return random_; }
     double settling() const { return options_.quick ? 0.5 : 4; }  // s, for Rig::settle
 
-    // What a point's sample may be.
-    /// Mean of so many cycles, one after the other.
+    // The possible samples of a point. Mean of so many consecutive cycles.
     std::function<double()> in_a_row(std::function<void()> cycle, int count);
-    /// One cycle by itself, after `before`, which is not timed. The clock's two readings are in it:
-    /// clock_pair().
+    /// One single cycle, after `before`, which is not timed. Includes the clock's two readings: clock_pair().
     std::function<double()> alone(std::function<void()> cycle, std::function<void()> before = {});
-    /// The same, after this CPU has done a mebibyte of other work: caches of the first and second level are
-    /// cold.
+    /// The same, after this CPU has done a mebibyte of other work: first- and second-level caches are cold.
     std::function<double()> alone_and_cold(std::function<void()> cycle, std::function<void()> before = {});
-    /// For `before`: done by a thread on another CPU, as a client would. The quick form does it here: on a
-    /// busy machine the other one is long in coming.
+    /// For `before`: a thread on another CPU does the work, like a client. The quick form does it here, since
+    /// on a busy machine the other thread responds late.
     std::function<void()> elsewhere(std::function<void()> work);
 
     /// Fills in `blocks` and `middles` of all points.
     void measure(std::vector<Series>& axis);
-    /// Median of what two readings of the clock with nothing between them take, ns.
+    /// Median time of an empty pair of clock readings, ns.
     double clock_pair() const;
 
   private:

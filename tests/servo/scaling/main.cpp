@@ -1,5 +1,5 @@
-// knurl_bench_scaling [--quick] [--seed N] [--json FILE] [AXIS ...]: how the servo's cycle grows with what it
-// is given, the law of each, and beside what it should be by design; and what watching it costs.
+// knurl_bench_scaling [--quick] [--seed N] [--json FILE] [AXIS ...]: how the servo's cycle grows with its
+// load: the law of each axis, compared with the design; and the cost of observing it.
 //   axes: clients readers representations scenes devices updates servo_rates watching
 // scripts/plot_scaling.py draws the file.
 
@@ -83,7 +83,7 @@ Found law_of(Series series) {
     return {std::move(series), fitted, verdict};
 }
 
-/// Median of the blocks', and what a quarter of them are below and above.
+/// Median of the blocks' values, and their quartiles.
 struct Spread {
     double p25, p50, p75;
     explicit Spread(std::vector<double> middles) {
@@ -143,7 +143,8 @@ Json to_json(const Found& found) {
             {"verdict", measure::name_of(verdict)}};
 }
 
-/// As every benchmark's: the last point of each series beside its first, with the blocks for a comparison.
+/// In the form of all benchmarks: the last point of each series beside its first, with the blocks for a
+/// comparison.
 Json results_of(const std::vector<Found>& all) {
     Json results = Json::array();
     for (const Found& found : all) {
@@ -216,7 +217,7 @@ int main(int argc, char** argv) try {
         for (Judged& one : judge_goals(measured)) goals.push_back(std::move(one));
         for (const Series& series : measured) {
             all.push_back(law_of(series));
-            // What it keeps alive is no longer needed, and large.
+            // What the sample keeps alive is large and no longer needed.
             for (Point& point : all.back().series.points) point.sample = nullptr;
             print(all.back());
         }

@@ -1,4 +1,4 @@
-// Devices, and how often anything is done.
+// Devices, and the rates of all events.
 
 #include <cmath>
 
@@ -103,7 +103,7 @@ std::vector<Series> servo_rates(Lab& lab) {
                                  .points = {}}};
     for (const double rate : {1e3, 1.5e3, 2e3, 3e3, 5e3, 7e3, 10e3, 14e3, 20e3}) {
         const auto one = std::make_shared<Application>(rate, lab.settling());
-        // In real time: a cycle's share of sleeping and waking is in it, on both sides of the kernel's line.
+        // In real time: a cycle's share of sleeping and waking is included, in user and kernel time.
         const auto window = [one, rate, length = lab.options().quick ? 0.01 : 0.05] {
             const auto cycles = static_cast<int>(std::lround(rate * length));
             const auto period = static_cast<Nanoseconds>(1e9 / rate);

@@ -55,8 +55,8 @@ const Kind kinds[] = {
      }},
 };
 
-/// Spheres in a cube of 0.2 m, so large that about three are near (within half a radius) and one is touched
-/// by a hand that wanders among them; or by none, 1 m beside it.
+/// Spheres in a cube of 0.2 m, sized so that about three are near (within half a radius) and one is touched
+/// by a hand that moves among them; or none, 1 m away.
 struct Spheres {
     Scene scene;
     Eigen::Vector3d beside = Eigen::Vector3d::Zero();
@@ -114,7 +114,7 @@ std::vector<Series> representations(Lab& lab) {
             if (n > 0 && kind.touched != rig->touching())
                 throw std::runtime_error(series.name +
                                          (kind.touched ? ": nothing is touched" : ": one is touched"));
-            // Silence would fade them: it speaks before every stretch.
+            // In silence they would fade, so the application commits before every stretch.
             series.points.push_back(
                 {.n = n,
                  .sample =

@@ -1,5 +1,5 @@
 #pragma once
-// A servo whose rings lie in shared memory, as knurld's do; its cycles follow each other without a pause.
+// A servo with its rings in shared memory, like knurld's; its cycles follow each other without a pause.
 
 #include <memory>
 #include <vector>
@@ -20,7 +20,8 @@ class Rig {
           memory_(shm::Segment::create("knurl-bench", protocol::device_layout().total)),
           servo_(arm_, clock_, memory_.data(), options(rate)) {}
 
-    /// With room for so many representations; active with gain 1 from the next cycle on, which is done.
+    /// With room for so many representations; after one further cycle, which is done here, active with gain
+    /// 1.
     OfflineClaim& claim(std::uint32_t representations) {
         ClaimTerms terms = next_terms();
         terms.capacity = {.representations = representations,
@@ -32,7 +33,7 @@ class Rig {
         step();
         return *claims_.back();
     }
-    /// One who reads reports, and is in the servo's table.
+    /// A reader of reports that is in the servo's table.
     void observer() {
         ClaimTerms terms = next_terms();
         terms.capacity = {.representations = 0, .batch_bytes = 0};
@@ -50,8 +51,8 @@ class Rig {
         servo_.step(now_, now_);
         waker_.wake(servo_.wake_targets());
     }
-    /// After 0.5 s changes are in force, and who holds nothing has gone quiet; after 4 s who says nothing
-    /// counts as silent.
+    /// After 0.5 s changes are in force, and empty claims are quiet; after 4 s a claim without commits counts
+    /// as silent.
     void settle(double seconds) {
         for (int i = 0; i < static_cast<int>(rate_ * seconds); ++i) step();
     }
@@ -90,7 +91,7 @@ class Rig {
     TableArm arm_;
     MonotonicClock clock_;
     shm::Segment memory_;
-    shm::Waker waker_;  // nobody waits: it looks, and has no thread
+    shm::Waker waker_;  // nobody waits: it checks, and has no thread
     Servo servo_;
     std::vector<shm::Segment> segments_;
     std::vector<std::unique_ptr<OfflineClaim>> claims_;

@@ -1,4 +1,4 @@
-// What it costs that people can look: counters and flight recorder, and a recording.
+// The cost of observation: counters and flight recorder, and a recording.
 
 #include <algorithm>
 #include <array>
@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t sides_size = 4;
 constexpr int cycles = 50;  // a sample's; before it the plane changes: 20 updates a second at 1 kHz
 
-/// All that a cycle writes for those who look, once more, on memory of its own. A servo without counters and
-/// flight recorder there is not, but one with two of each: what the second costs, the first does.
+/// Repeats all that a cycle writes for observers, on separate memory. There is no servo without counters and
+/// flight recorder, but one with two of each: the second costs what the first does.
 class Second {
   public:
     Second()
@@ -55,7 +55,7 @@ class Second {
     MonotonicClock clock_;
 };
 
-/// A hand pressed against a plane that its application changes twenty times a second.
+/// A hand that presses against a plane, which its application changes twenty times a second.
 class Pressed {
   public:
     explicit Pressed(double settling) : claim_(rig_.claim(16)), plane_(claim_.add(params_)) {
@@ -107,7 +107,7 @@ std::vector<Judged> watching(Lab& lab) {
     std::array<std::vector<double>, sides_size> blocks;
     std::array<std::size_t, sides_size> order = {0, 1, 2, 3};
     for (int block = 0; block < lab.blocks(); ++block) {
-        // Anew for each block: where in memory all of it happens to lie makes a difference of a per cent.
+        // Created anew for each block, since the placement in memory makes a difference of a per cent.
         Pressed plain(settling), counted(settling), reported(settling), recorded(settling);
         Second second;
         OfflineMemory memory(input_log_bytes);
@@ -118,7 +118,7 @@ std::vector<Judged> watching(Lab& lab) {
             [&] { return counted.sample([&] { second.count(counted.rig().last().cycle); }); },
             [&] { return reported.sample([&] { second.publish(reported.rig().last()); }); },
             [&] { return recorded.sample([] {}); }};
-        // By turns, sample by sample: what the machine does in a block it does to all of them.
+        // Alternates sample by sample, so that the machine's effects in a block reach all of them.
         std::array<std::vector<double>, sides_size> taken;
         for (int i = -2; i < samples; ++i) {
             std::shuffle(order.begin(), order.end(), lab.random());
@@ -132,7 +132,7 @@ std::vector<Judged> watching(Lab& lab) {
             throw std::runtime_error("watching: nothing was recorded");
     }
 
-    /// What the sides add to a plain cycle, all of them together.
+    /// What the sides together add to a plain cycle.
     const auto share = [&](double limit, const char* name, std::initializer_list<std::size_t> added) {
         return judge({.name = name, .limit = limit, .unit = "%"}, blocks[0].size(),
                      [&](std::span<const std::size_t> drawn, std::span<const std::size_t>) {

@@ -1,6 +1,6 @@
 #pragma once
-// knurl_bench_rings: what the rings cost, each figure beside a reference that ran interleaved with it, in
-// blocks of far less than 50 ms, so that whatever else the machine did fell on both.
+// knurl_bench_rings: the cost of the rings. Each figure stands beside a reference that ran interleaved with
+// it, in blocks of far less than 50 ms, so that the machine's other activity affected both.
 
 #include <atomic>
 #include <cstdint>
@@ -27,7 +27,7 @@ struct Message {
     std::uint64_t word[message_words] = {};
 };
 
-/// Samples of one thing, ns. The first two of each block warm up and are not kept.
+/// Samples of one quantity, ns. The first two of each block warm up and are dropped.
 class Series {
   public:
     static constexpr int warm_up = 2;
@@ -100,7 +100,7 @@ class Helper {
     std::thread thread_;
 };
 
-/// Keeps the compiler from dropping what computed `value`.
+/// Keeps the compiler from removing the computation of `value`.
 template <class T>
 void keep(const T& value) {
     asm volatile("" : : "g"(&value) : "memory");

@@ -1,4 +1,4 @@
-// What a report costs the servo: 256 bytes into 4096 report_slots.
+// The cost of a report for the servo: 256 bytes into 4096 report_slots.
 
 #include <cstring>
 #include <utility>
@@ -27,7 +27,7 @@ struct Ring {
     BroadcastWriter writer{segment.data(), report_slots, sizeof(Message)};
 };
 
-/// Each one, and means of 100 of them: some time-stamp counters only count in steps of 10 ns.
+/// Single calls, and means of 100: some time-stamp counters only count in steps of 10 ns.
 struct Paced {
     Series each, means;
 };

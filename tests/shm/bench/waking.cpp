@@ -1,5 +1,5 @@
-// What K sleeping clients cost the servo that publishes a report each millisecond, and how soon they have it.
-// The waker is a thread on the servo's CPU, below it; the clients sleep on the other one.
+// What K sleeping clients cost a servo that publishes a report each millisecond, and how soon they have it.
+// The waker is a thread on the servo's CPU, with lower priority; the clients sleep on the other CPU.
 
 #include <chrono>
 

@@ -1,8 +1,8 @@
 #pragma once
 // Relacy runs a small program under the C++11 memory model, in thousands of random interleavings, on
-// simulated memory. The rings are templates over their memory, so what runs here is the code that ships.
-// Beside each model stand wrong twins: the same code with one order weakened or one step left out. Each of
-// them must fail, or the model shows nothing.
+// simulated memory. The rings are templates over their memory, so the tested code is the code that ships.
+// Each model has wrong twins: the same code with one order weakened or one step left out. Each of them must
+// fail, or the model proves nothing.
 
 #include <cstdint>
 #include <cstring>

@@ -8,7 +8,7 @@ namespace {
 using Memory = SimulatedMemory<PlainPayload>;
 
 struct Rules : TripleOrders {
-    static constexpr bool merge = true;  // what was not taken stays in the batches to come
+    static constexpr bool merge = true;  // what was not taken stays in later batches
 };
 
 template <class Rules, class Memory = Memory>
@@ -90,7 +90,7 @@ struct AcquireOnlyTake : Rules {
 struct NoMerge : Rules {
     static constexpr bool merge = false;
 };
-/// Looks at the tag, then takes whatever is there by then.
+/// Reads the tag, then takes whatever is there by then.
 struct LookThenExchange : Memory {
     static bool compare_exchange(Word& word, std::uint64_t& expected, std::uint64_t value,
                                  std::memory_order order) {

@@ -54,7 +54,7 @@ struct Sleep : rl::test_suite<Sleep<Orders, by>, 3> {
     }
 
     void after() {
-        if (by == WokenBy::thread) waker();  // a poke is never forgotten: the waker's next round comes
+        if (by == WokenBy::thread) waker();  // a poke is never lost: the waker has a next round
         if (sleeps) require(Memory::load(event, std::memory_order::acquire) != 0);
     }
 };
@@ -131,7 +131,7 @@ struct Asleep : rl::test_suite<Asleep<Orders>, 2> {
         }
     }
 
-    /// Whoever believes that he has seen all of it has.
+    /// A client that believes it has seen everything is right.
     void after() {
         if (Memory::load(sent, std::memory_order::relaxed) == seen) require(taken == 2);
     }

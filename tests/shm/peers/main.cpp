@@ -27,7 +27,7 @@ using namespace knurl::shm::peers;
 
 constexpr Nanoseconds period = 1'000'000, patience = 10'000'000'000;
 constexpr std::size_t cold = 2;  // messages of a block that are left out
-// As knurld and a client of high priority; each on a CPU of its own.
+// As for knurld and a client of high priority; each on a separate CPU.
 constexpr int servo_priority = 80, waker_priority = 60, client_priority = 70;
 
 struct Arguments {
@@ -78,7 +78,7 @@ struct Channel {
     Seen& seen;
     std::uint64_t number = 0;  // of the newest message
 
-    /// Until the first message has come over: whoever subscribes takes time.
+    /// Waits until the first message has arrived: a subscription takes time.
     void wait_until_heard() const {
         for (const Nanoseconds begin = now_ns(); inbox.took(0) < 0;) {
             if (now_ns() - begin > patience) throw std::runtime_error("its receiver hears nothing");
@@ -101,14 +101,14 @@ struct Channel {
             transport.send(message);
             const double took = clock.nanoseconds(begin, measure::Stopwatch::end());
             if (i >= cold) pays.push_back(took);
-            // As a servo, it does not make up for what it has missed.
+            // Like a servo, it skips what it has missed.
             due = std::max(due, now_ns() - period) + period;
         }
         measure::sleep_until(due);
         const double spent = process_cpu_ns() - cpu;
         for (int i = 0; i < 200 && inbox.took(number) < 0; ++i) measure::sleep_until(now_ns() + period);
-        // Where the newest wins, one that was overtaken is known when a newer one is: else who drops what is
-        // late would look early.
+        // Where the newest wins, a skipped message counts as arrived with the next newer one. Else a
+        // transport that drops late messages would look fast.
         std::optional<Nanoseconds> known;
         for (std::size_t i = messages; i-- > cold;) {
             const Nanoseconds took = inbox.took(first + i);
@@ -185,7 +185,7 @@ void write_json(const std::string& path, const measure::Run& run, const std::vec
                 knurl::Json more) {
     more["settings"] = knurl::Json::object();
     for (const Seen& one : all) more["settings"][one.name] = one.settings;
-    // The blocks are a line each, and stay so: what comes on top is put in at the end.
+    // The blocks stay one per line; additions go to the end.
     std::string text = measure::to_json(run);
     text.erase(text.rfind('}'));
     text.erase(text.find_last_not_of(" \n") + 1);

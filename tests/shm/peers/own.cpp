@@ -1,4 +1,4 @@
-// What needs no library: the bare wake-up, a datagram, and Knurl's ring with its two ways of waking.
+// Transports without a library: the bare wake-up, a datagram, and Knurl's ring with its two ways of waking.
 
 #include <atomic>
 #include <cerrno>
@@ -26,7 +26,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The floor: no message at all, only the wake-up; the time of sending lies in memory.
+/// The floor: no message, only the wake-up; the time of sending is in memory.
 class Eventfd : public Transport {
   public:
     Eventfd() : Eventfd("eventfd", "write(), poll(); nothing is carried: the floor") {}
@@ -61,8 +61,8 @@ class Eventfd : public Transport {
     UniqueFd event_;
 };
 
-/// The same by way of a thread on the sender's own CPU, as Knurl's waker does it for several clients: what
-/// one futex call costs, and the second wake-up.
+/// The same through a thread on the sender's own CPU, as Knurl's waker does for several clients: the cost of
+/// one futex call, and the second wake-up.
 class ByThread final : public Eventfd {
   public:
     explicit ByThread(const Place& place)
@@ -128,10 +128,11 @@ class Udp final : public Transport {
     UniqueFd in_, out_;
 };
 
-/// A client's segment and the device's, as knurld has them.
+/// A client's segment and the device's, as in knurld.
 class ReportRing final : public Transport {
   public:
-    /// knurld wakes one who waits alone by itself, if it is its own user's; others its waker wakes.
+    /// knurld wakes a single waiting client itself, if it belongs to its own user; the waker wakes all
+    /// others.
     enum class WokenBy { servo, waker };
     ReportRing(WokenBy by, const Place& place)
         : Transport(by == WokenBy::servo ? "Knurl" : "Knurl, waker",

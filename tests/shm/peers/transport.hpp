@@ -1,6 +1,6 @@
 #pragma once
 // knurl_bench_peers: one 256-byte message a millisecond from a servo's thread to a process that sleeps in the
-// transport's own blocking wait, by Knurl's report ring and by what else could carry it.
+// transport's own blocking wait, by Knurl's report ring and by alternatives.
 
 #include <atomic>
 #include <cstdint>
@@ -54,7 +54,7 @@ class Inbox {
     std::atomic<Nanoseconds>* took_;
 };
 
-/// Made before the processes part.
+/// Constructed before the processes separate.
 class Transport {
   public:
     explicit Transport(std::string name, std::string settings)
@@ -68,8 +68,8 @@ class Transport {
 
     /// The receiver's process, for ever.
     virtual void receive(Inbox& inbox) = 0;
-    /// The sender's process, once, when the receiver runs already. Threads that this makes are scheduled as
-    /// the caller is.
+    /// The sender's process, once, when the receiver already runs. Threads created here are scheduled like
+    /// the caller.
     virtual void connect(const Inbox&) {}
     virtual void send(const Message& message) = 0;
 

@@ -1,5 +1,6 @@
 #pragma once
-// What the blocks of one run say: who is faster than Knurl, and whether Knurl keeps what it promises.
+// Verdicts from the blocks of one run: which transports are faster than Knurl, and whether Knurl meets its
+// goals.
 
 #include <string>
 #include <vector>
@@ -9,7 +10,7 @@
 
 namespace knurl::shm::peers {
 
-/// Samples of one transport, in us; the blocks of all were taken by turns.
+/// Samples of one transport, in us; the blocks of all alternated.
 struct Seen {
     std::string name = {}, settings = {};
     measure::Blocks has_it = {}, pays = {};  // sent -> the receiver has it; how long the call took

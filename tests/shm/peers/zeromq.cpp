@@ -19,8 +19,8 @@ void require(bool good, const std::string& what) {
     if (!good) throw std::runtime_error("ZeroMQ: " + what + ": " + ::zmq_strerror(::zmq_errno()));
 }
 
-/// PUB and SUB: what one would take for reports that any number may read. Conflating, a queue holds the
-/// newest message alone. (libzmq sets TCP_NODELAY by itself.)
+/// PUB and SUB: the usual choice for reports with any number of readers. With conflation a queue holds only
+/// the newest message. (libzmq sets TCP_NODELAY itself.)
 class ZeroMq final : public Transport {
   public:
     ZeroMq(const char* scheme, std::string place)

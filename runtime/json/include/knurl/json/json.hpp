@@ -1,7 +1,7 @@
 #pragma once
 
-// JSON for programs, tests and benchmarks: a value, read from text and written as text. The parser and the writer are
-// nlohmann's, and only json.cpp compiles them: their header takes seconds in every source that includes it.
+// JSON for programs, tests and benchmarks: a value, read from text and written as text. Only json.cpp
+// compiles nlohmann's parser and writer: their header takes seconds in every source that includes it.
 
 #include <compare>
 #include <concepts>
@@ -20,12 +20,12 @@
 
 namespace knurl {
 
-/// The text is no JSON, or the value is of another type or lacks what was asked for.
+/// The text is no JSON, the value has another type, or a member is missing.
 struct JsonError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// null, true or false, a number, text, an array, or an object that keeps the order in which its keys came.
+/// null, true or false, a number, text, an array, or an object that keeps the order of its keys.
 class Json {
   public:
     using value_type = Json;
@@ -88,7 +88,8 @@ class Json {
     bool empty() const { return size() == 0; }
 
     bool contains(std::string_view key) const { return place_of(key).has_value(); }
-    /// What is not there throws. The operator adds it instead, where the value may change: null becomes an object.
+    /// Throws if it is missing. The operator adds it instead, if the value may change: null becomes an
+    /// object.
     const Json& at(std::string_view key) const;
     Json& at(std::string_view key) { return const_cast<Json&>(std::as_const(*this).at(key)); }
     const Json& operator[](std::string_view key) const { return at(key); }
@@ -152,7 +153,7 @@ class Json {
         return get<T>();
     }
 
-    /// In one line, or with members indented by so many spaces. What is no UTF-8 in a text is replaced.
+    /// In one line, or with members indented by so many spaces. Invalid UTF-8 in a text is replaced.
     std::string dump(int indent = -1) const;
 
     /// Numbers by their value, whatever their type; objects whatever their order.
@@ -164,7 +165,7 @@ class Json {
     }
     friend bool operator==(const Json& a, const std::string& b) { return a == Json(b); }
     friend bool operator==(const Json& a, const char* b) { return a == Json(b); }
-    /// Of numbers; false of anything else.
+    /// For numbers; false for all else.
     friend std::partial_ordering operator<=>(const Json& a, const Json& b);
     template <class T>
     requires(std::floating_point<T> || is_integer<T>) friend std::partial_ordering operator<=>(const Json& a,

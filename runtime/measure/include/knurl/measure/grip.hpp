@@ -1,5 +1,5 @@
 #pragma once
-// How a person takes a thing and lets go of it: space, or the device's first button while it is pressed.
+// How a person takes a thing and releases it: space, or the device's first button while it is pressed.
 
 #include <cstdint>
 #include <optional>
@@ -9,19 +9,19 @@
 
 namespace knurl::measure {
 
-/// Single keys from the terminal, if there is one; as it was when this object goes.
+/// Single keys from the terminal, if there is one. The terminal's settings are restored at the end.
 class Keys {
   public:
-    /// `suspends`: Ctrl-Z does, as everywhere.
+    /// `suspends`: Ctrl-Z suspends, as usual.
     explicit Keys(bool suspends = false) {
         if (::isatty(STDIN_FILENO) == 0 || ::tcgetattr(STDIN_FILENO, &before_) != 0) return;
-        // A program in the background would be stopped by the terminal.
+        // The terminal would stop a program in the background.
         if (::tcgetpgrp(STDIN_FILENO) != ::getpgrp()) return;
         termios keys = before_;
         keys.c_lflag &= static_cast<tcflag_t>(~(ICANON | ECHO));
         keys.c_cc[VMIN] = keys.c_cc[VTIME] = 0;
         if (!suspends)
-            keys.c_cc[VSUSP] = _POSIX_VDISABLE;  // who stood still would go on holding what he holds
+            keys.c_cc[VSUSP] = _POSIX_VDISABLE;  // a suspended program would continue to hold the body
         there_ = ::tcsetattr(STDIN_FILENO, TCSANOW, &keys) == 0;
     }
     ~Keys() {
@@ -31,7 +31,7 @@ class Keys {
     Keys& operator=(const Keys&) = delete;
 
     bool there() const { return there_; }
-    /// One that was pressed; 0: none.
+    /// A key that was pressed; 0: none.
     char next() {
         char key = 0;
         return there_ && ::read(STDIN_FILENO, &key, 1) == 1 ? key : '\0';
@@ -42,7 +42,7 @@ class Keys {
     bool there_ = false;
 };
 
-/// Whether something is to be taken (true) or let go of (false); nothing: neither.
+/// Should something be taken (true) or released (false)? Nothing: neither.
 class Grip {
   public:
     /// In every cycle.

@@ -1,6 +1,5 @@
 #pragma once
-// Samples in bounded memory: a log-linear histogram, whose buckets are all equally wide relative to what they
-// hold.
+// Samples in bounded memory: a log-linear histogram, whose buckets all have the same relative width.
 
 #include <cstdint>
 #include <map>
@@ -9,14 +8,14 @@
 
 namespace knurl::measure {
 
-inline constexpr std::size_t least_above = 10;  // samples above a percentile that is worth stating
+inline constexpr std::size_t least_above = 10;  // least number of samples above a stated percentile
 
-/// The fewest samples of which the fraction q (0 to 1) is worth stating as a percentile.
+/// The least number of samples for which the percentile q (0 to 1) may be stated.
 std::size_t needed_for(double q);
 
-/// 128 buckets to an octave, from 2^-10 to 2^40 of whatever unit: a percentile is off by no more than
-/// `resolution`, however many samples there are; smallest, largest and count are exact. What lies below, and
-/// what is negative (two clocks may disagree by that), is 0.
+/// 128 buckets per octave, from 2^-10 to 2^40 of any unit. A percentile's error is at most `resolution`, for
+/// any number of samples; smallest, largest and count are exact. Smaller and negative values (two clocks may
+/// disagree so far) count as 0.
 class Histogram {
   public:
     static constexpr double resolution = 1.0 / 128;
@@ -27,9 +26,9 @@ class Histogram {
 
     std::uint64_t count() const { return count_; }
     double max() const { return max_; }  // 0 if empty
-    /// The value that the fraction q of all samples do not exceed. None: fewer than ten are above it.
+    /// The value that the fraction q of all samples does not exceed. None: fewer than ten are above it.
     std::optional<double> percentile(double q) const;
-    /// By lower edge. An edge is a number with seven binary places after its first: exact in JSON.
+    /// By lower edge. An edge has seven binary places after its first, so it is exact in JSON.
     const std::map<double, std::uint64_t>& buckets() const { return buckets_; }
 
     /// The bucket of a value is [lower_edge, upper_edge).
@@ -42,8 +41,8 @@ class Histogram {
     double min_ = 0, max_ = 0;
 };
 
-/// The blocks of a run, in bounded memory: when there are twice `most` of them, neighbours become one.
-/// Whoever adds to several at the same times finds the same moments in the same block of each.
+/// The blocks of a run, in bounded memory: at twice `most` blocks, neighbours are merged. Several objects
+/// with additions at the same times have the same moments in the same blocks.
 class Blocks {
   public:
     static constexpr std::size_t most = 64;

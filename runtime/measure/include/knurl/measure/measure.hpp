@@ -1,5 +1,5 @@
 #pragma once
-// No percentile without the machine: what every program that measures prints, and its --json form.
+// No percentile without its machine: the output of every program that measures, and its --json form.
 
 #include <cstdint>
 #include <optional>
@@ -29,35 +29,35 @@ struct Machine {
 };
 Machine this_machine();
 
-/// A percentile with fewer than ten samples above it says nothing, and is left out.
+/// A percentile with fewer than ten samples above it has no meaning, and is left out.
 struct Result {
     std::string name;
     std::string unit;
     std::size_t n = 0;
     std::optional<double> p50, p99, p999;
     double max = 0;
-    std::optional<std::string> reference;  // the name of what it was interleaved with in the same run
+    std::optional<std::string> reference;  // the name of the result with which it was interleaved
     std::optional<double> ratio;           // of the medians, to the reference
-    std::vector<Histogram> blocks{};       // of the run, for who compares it with another; may be empty
+    std::vector<Histogram> blocks{};       // of the run, for comparison with another run; may be empty
 };
 
-/// `samples` in any order; may be empty (then everything but the name is missing).
+/// `samples` in any order; may be empty (then only the name is there).
 Result summarise(std::string name, std::string unit, std::vector<double> samples);
 
-/// To the histograms' resolution; keeps the blocks.
+/// With the histograms' resolution; keeps the blocks.
 Result summarise_blocks(std::string name, std::string unit, const Blocks& samples);
 
-/// States `result` as a multiple of `reference`.
+/// Gives `result` as a multiple of `reference`.
 void relate(Result& result, const Result& reference);
 
-/// How many of a result's samples kept to a limit that the same run's references make.
+/// How many of a result's samples met a limit that follows from the same run's references.
 struct Bound {
     std::string name;  // the result's
     std::string unit;
     double limit = 0;
     std::size_t n = 0, within = 0;
-    double references_within = 0;  // share of the references' own samples that would have
-    std::size_t stalled = 0;       // not within, but the machine stood still meanwhile
+    double references_within = 0;  // share of the references' own samples that would meet it
+    std::size_t stalled = 0;       // samples that missed it while the machine stood still
 };
 
 struct Run {
@@ -74,18 +74,18 @@ void print(std::ostream& out, const Run& run);
 /// What is missing is null. A result that has blocks has "histogram": [[lower edge, count], ...], and the
 /// same of each block in "blocks", each on one line.
 std::string to_json(const Run& run);
-/// What to_json() wrote, but for the bounds. Throws std::runtime_error: the text is something else.
+/// Reads the output of to_json(), without the bounds. Throws std::runtime_error: the text is something else.
 Run from_json(const std::string& text);
 
-/// False if this CPU is not ours to choose.
+/// False: the process may not use this CPU.
 bool pin_this_thread(unsigned cpu);
 /// SCHED_FIFO; false without the right to it.
 bool run_real_time(int priority);
 /// The CPUs that this process may use.
 std::vector<unsigned> allowed_cpus();
 
-/// A stopwatch for nanoseconds: serialised reads of the time-stamp counter where there is one. begin() to
-/// end() of nothing takes about 16 ns, and is not subtracted silently: see empty_interval().
+/// A stopwatch for nanoseconds: serialised reads of the time-stamp counter, if there is one. An empty begin()
+/// to end() takes about 16 ns, which is not subtracted: see empty_interval().
 class Stopwatch {
   public:
     Stopwatch();  // calibrates against CLOCK_MONOTONIC, 20 ms

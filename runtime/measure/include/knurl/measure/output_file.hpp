@@ -1,15 +1,15 @@
 #pragma once
-// What a program leaves in a file of the user's.
+// Writes a program's results to the user's files.
 
 #include <string>
 
 namespace knurl::measure {
 
-/// All of it or nothing: what was there stays if it cannot be written. "-" is standard output. Throws
-/// std::runtime_error with the path and the reason.
+/// All or nothing: an existing file stays if writing fails. "-" is standard output. Throws std::runtime_error
+/// with path and reason.
 void write_file(const std::string& path, const std::string& text);
 
-/// For who works long before there is something to write. Throws as write_file() would.
+/// For a program that works long before it writes. Throws as write_file() would.
 void require_writable(const std::string& path);
 
 }  // namespace knurl::measure

@@ -7,12 +7,12 @@
 
 namespace knurl::measure {
 
-/// A knurld of this process's own, in a directory of its own, so that it meets no other. It ends with this
+/// A knurld for this process, in a separate directory, so that it meets no other servo. It ends with this
 /// object, or with this process.
 class PrivateServo {
   public:
-    /// Starts the knurld that lies beside this program (else the PATH's) with these arguments.
-    /// KNURL_RUNTIME_DIR and KNURL_STATE_DIR are set for this process too. Throws std::runtime_error.
+    /// Starts the knurld beside this program (else the PATH's) with these arguments. Sets KNURL_RUNTIME_DIR
+    /// and KNURL_STATE_DIR for this process too. Throws std::runtime_error.
     explicit PrivateServo(const std::vector<std::string>& arguments);
     ~PrivateServo();
     PrivateServo(const PrivateServo&) = delete;
@@ -20,9 +20,9 @@ class PrivateServo {
 
     const std::string& address() const { return address_; }  // for Client::connect
     pid_t pid() const { return pid_; }
-    /// What it has said so far (a servo that cannot start says why).
+    /// Its output so far (a servo that cannot start gives the reason).
     std::string said() const;
-    /// Throws std::runtime_error with what it said if it has ended.
+    /// Throws std::runtime_error with its output if it has ended.
     void require_running();
 
   private:

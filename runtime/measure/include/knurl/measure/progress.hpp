@@ -1,13 +1,13 @@
 #pragma once
-// How far long work is, for whoever waits at a terminal.
+// The progress of long work, for a person at a terminal.
 
 #include <chrono>
 #include <string>
 
 namespace knurl::measure {
 
-/// One line of standard error, written over itself at most ten times a second, and gone with this object. Where
-/// standard error is no terminal nothing is written.
+/// One line of standard error, overwritten at most ten times a second, and removed at the end. Without a
+/// terminal nothing is written.
 class Progress {
   public:
     /// `who`: "knurl record".
@@ -16,7 +16,7 @@ class Progress {
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// "12 of 60 s", ...; what comes too soon after the last one is left out.
+    /// "12 of 60 s", ...; skipped if the last one was too recent.
     void show(const std::string& text);
     /// The terminal is free for other lines until the next show().
     void clear();
@@ -28,7 +28,7 @@ class Progress {
     std::chrono::steady_clock::time_point next_{};
 };
 
-/// "12 of 60 s", or of an end that nobody knows "12 s".
+/// "12 of 60 s", or "12 s" without a known end.
 std::string seconds_of(double done, double all);
 
 }  // namespace knurl::measure

@@ -4,8 +4,8 @@
 
 namespace knurl::measure {
 
-/// A script of Knurl's as people would type it: of the installation that this program belongs to, else
-/// "scripts/NAME", of a checkout.
+/// A Knurl script as a user would type it: from this program's installation, else "scripts/NAME" of a
+/// checkout.
 std::string script(const std::string& name);
 
 }  // namespace knurl::measure

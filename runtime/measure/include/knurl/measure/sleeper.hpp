@@ -1,5 +1,5 @@
 #pragma once
-// What a thread that only sleeps sees of a machine: how late it is woken, and when the machine stood still.
+// What a thread that only sleeps shows about a machine: how late it wakes, and when the machine stood still.
 
 #include <atomic>
 #include <cstddef>
@@ -15,18 +15,18 @@ using Nanoseconds = std::int64_t;
 /// CLOCK_MONOTONIC.
 Nanoseconds now_ns() noexcept;
 void sleep_until(Nanoseconds t) noexcept;
-/// Binds the calling thread to a CPU and gives it that SCHED_FIFO priority (0: ordinary, whatever its maker's
-/// is). False: it runs on without what was not allowed.
+/// Binds the calling thread to a CPU with that SCHED_FIFO priority (0: ordinary, also if its maker is not).
+/// False: it runs without what was not allowed.
 bool settle_on(unsigned cpu, int priority);
 
-/// How late each cycle began, in the order in which they came.
+/// How late each cycle began, in order.
 struct Beginnings {
     std::vector<Nanoseconds> deadline;  // CLOCK_MONOTONIC
     std::vector<Nanoseconds> late;
 };
 
-/// Who sleeps from `first` (or when its thread has started, on the same grid) to `first` + `length` in
-/// absolute sleeps of `period`.
+/// A loop from `first` (or the thread's start, on the same grid) to `first` + `length` with absolute sleeps
+/// of `period`.
 struct BareLoop {
     unsigned cpu = 0;
     int priority = 0;  // SCHED_FIFO; 0, or no right to it: ordinary
@@ -34,22 +34,21 @@ struct BareLoop {
     const std::atomic<bool>* stop = nullptr;  // ends it early
 };
 
-/// A servo's way of sleeping with nothing in between, in a thread of its own. As a servo, it does not make up
-/// for cycles that it has missed.
+/// A servo's sleeps without any work, in a separate thread. Like a servo, it skips missed cycles.
 Beginnings bare_loop(const BareLoop& loop);
 
-/// When a witness was late.
+/// A time at which a witness was late.
 struct Gap {
-    Nanoseconds begin = 0, end = 0;  // when it should have been awake, when it was
+    Nanoseconds begin = 0, end = 0;  // when it should have woken, when it did
 };
 
-/// For how long of the worst `window` the machine stood still, one CPU of it at least: the gaps of several
-/// CPUs overlap, and no time counts twice. In any order; without a window, all of them.
+/// How long in the worst `window` the machine stood still, on at least one CPU: gaps of several CPUs overlap,
+/// and no time counts twice. In any order; without a window, over all.
 Nanoseconds stood_still(std::vector<Gap> gaps, Nanoseconds window = std::numeric_limits<Nanoseconds>::max());
 
-/// A thread on each of these CPUs that sleeps for 1 ms at a time, above everybody's priority: when it is late
-/// all the same, the machine itself stood still. (A virtual one is taken off its processors for tens of
-/// milliseconds at times.) Without the right to that priority it is no witness, and sees nothing.
+/// A thread on each of these CPUs that sleeps for 1 ms at a time, with the highest priority. When it is late
+/// nevertheless, the machine itself stood still. (A virtual machine is stopped for tens of milliseconds at
+/// times.) Without the right to that priority it records nothing.
 class Witness {
   public:
     static constexpr Nanoseconds long_gap = 1'000'000;
@@ -58,9 +57,9 @@ class Witness {
     ~Witness();
     Witness(const Witness&) = delete;
     Witness& operator=(const Witness&) = delete;
-    /// On how many CPUs it has what it needs.
+    /// The number of CPUs on which it has that right.
     std::size_t watching() const;
-    /// Those above `long_gap` since the last call, in the order in which they ended.
+    /// The gaps above `long_gap` since the last call, in order of their ends.
     std::vector<Gap> gaps();
 
   private:

@@ -1,5 +1,5 @@
 #pragma once
-// A file that a program leaves no trace of.
+// A file that is removed at the end.
 
 #include <filesystem>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
-// Polygons become triangles that fill what they outline: concave ones, with corners on their edges, with
-// holes that a bridge of two equal edges joins to the outline, and bent ones.
+// Cuts polygons into triangles that fill their outline: concave ones, ones with corners on their edges, ones
+// with holes that a bridge of two equal edges joins to the outline, and bent ones.
 
 #include <cstdint>
 #include <span>
@@ -17,13 +17,13 @@ class Cutter {
         concave,    // cut along its outline
         nothing,    // without an area: no triangles
         crossed,    // its outline crosses itself: no triangles
-        too_large,  // cutting takes longer than all of a file may: no triangles
+        too_large,  // cutting exceeds the time limit of a file: no triangles
     };
 
     /// Appends the triangles of the polygon with these corners.
     Shape cut(std::span<const knurl::Point3> vertices, std::span<const std::uint32_t> polygon,
               std::vector<knurl::Triangle>& out);
-    /// Of the last one that was cut: how far a corner lies off its plane, of its size.
+    /// Of the last polygon: the distance of a corner from its plane, relative to its size.
     double bent() const { return bent_; }
 
   private:
@@ -43,12 +43,12 @@ class Cutter {
     void take_out(std::uint32_t corner);
 
     std::vector<std::uint32_t> ring_;  // vertices, without repetitions
-    std::vector<knurl::Point3> at_;    // of them, from the first
+    std::vector<knurl::Point3> at_;    // of the ring's vertices, relative to the first
     knurl::Point3 normal_{};           // as long as twice the area
     std::vector<Corner> corners_;
     std::vector<std::uint32_t> by_x_;  // edges; then reflex corners
     double extent_ = 0, bent_ = 0;
-    static constexpr std::uint64_t most_work = 500'000'000;  // corners that are looked at: some seconds
+    static constexpr std::uint64_t most_work = 500'000'000;  // corners visited: some seconds
     std::uint64_t work_ = 0;
 };
 

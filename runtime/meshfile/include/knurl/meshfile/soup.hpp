@@ -1,5 +1,5 @@
 #pragma once
-// What a mesh file says, before anything is made of it: polygons of any number of corners.
+// The raw content of a mesh file: polygons with any number of corners.
 
 #include <cstdint>
 #include <string>
@@ -12,8 +12,8 @@ namespace knurl::meshfile {
 
 struct Soup {
     struct Polygon {
-        std::uint32_t corners = 0;  // how many of Soup::corners, behind those of the polygon before
-        std::uint32_t place = 0;    // the line of a text, else the number of the face, from 1
+        std::uint32_t corners = 0;  // number in Soup::corners, after those of the previous polygon
+        std::uint32_t place = 0;    // the line in a text, else the number of the face, from 1
         std::uint8_t material = 0;
     };
 
@@ -23,8 +23,8 @@ struct Soup {
     std::vector<std::uint32_t> corners;
     std::vector<Polygon> polygons;
     std::vector<std::string> material_names;
-    std::uint64_t points_and_lines = 0;  // left out
-    std::vector<std::string> notes;      // for people, a line each
+    std::uint64_t points_and_lines = 0;  // skipped
+    std::vector<std::string> notes;      // for people, one line each
 };
 
 inline constexpr std::size_t most_materials = 256;
@@ -34,16 +34,16 @@ inline constexpr std::size_t most_materials = 256;
 /// The same at a line of a text, or at a face: "PATH:LINE: ...", "PATH: face N: ...".
 [[noreturn]] void bad_at(const Soup& soup, std::uint64_t place, const std::string& text);
 
-/// Readers of a format each, from the file's bytes. They read it whole and correctly or throw, with the
+/// One reader per format, from the file's bytes. Each reads the whole file correctly or throws, with the
 /// place.
 Soup read_stl(std::string_view bytes, const std::string& path);
 Soup read_obj(std::string_view bytes, const std::string& path);
 Soup read_ply(std::string_view bytes, const std::string& path);
-/// By the bytes alone: is it that?
+/// Tests the bytes only.
 bool is_ply(std::string_view bytes);
 bool is_stl(std::string_view bytes);
 
-/// What else there is, by Assimp: in a process of its own, for a limited time and in limited memory.
+/// Other formats, by Assimp: in a separate process with limited time and memory.
 struct ReadLimits {
     int seconds = 30;
     std::uint64_t bytes = std::uint64_t{4} << 30;

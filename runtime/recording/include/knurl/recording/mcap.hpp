@@ -1,13 +1,13 @@
 #pragma once
-// MCAP, the file format that Foxglove and PlotJuggler open (https://mcap.dev/spec): as much of it as a
-// recording needs.
+// MCAP, the file format that Foxglove and PlotJuggler open (https://mcap.dev/spec): the part that a recording
+// needs.
 //
 //   magic Header Schema... Channel... Metadata { Attachment | Chunk MessageIndex... }... DataEnd
 //   Schema... Channel... Statistics ChunkIndex... AttachmentIndex... MetadataIndex... Footer magic
 //
-// Messages lie in chunks, each compressed by itself (zstd) and with a checksum of its own. Behind the last
-// one an index says where they are, so that a reader can seek; a file that was cut off has none, and its
-// whole chunks are read all the same.
+// Messages lie in chunks, each compressed separately (zstd) and with its own checksum. An index behind the
+// last chunk gives their positions, so that a reader can seek. A file that was cut off has no index, but its
+// whole chunks are read.
 
 #include <cstddef>
 #include <cstdint>
@@ -31,34 +31,34 @@ struct McapSchema {
     std::string name, encoding, text;
 };
 
-/// A file of that name that has something in it.
+/// What to do with an existing file that is not empty.
 enum class Existing { kept, replaced };
 
 class McapWriter {
   public:
     static constexpr std::size_t chunk_bytes = 1 << 20;
 
-    /// Makes the file anew. Throws std::runtime_error.
+    /// Creates the file. Throws std::runtime_error.
     McapWriter(const std::string& path, const std::string& library, Existing existing = Existing::replaced);
     ~McapWriter();
 
-    // Before the first message. Channels are numbered from 1; without a schema for what only its maker reads.
+    // Before the first message. Channels are numbered from 1; without a schema if only Knurl reads them.
     std::uint16_t add_channel(const std::string& topic, const std::string& encoding,
                               const McapSchema* schema);
     void add_metadata(const std::string& name, const McapMetadata& values);
-    /// In front of the messages since the last flush. `between`: called after each MiB, since a disk takes
-    /// its time. False: it could not be written, as of flush().
+    /// Placed before the messages since the last flush. `between`: called after each MiB, since a disk may be
+    /// slow. False: it could not be written, as in flush().
     bool attach(const std::string& name, const std::string& media_type, std::int64_t time_ns,
                 std::span<const std::byte> data, const std::function<void()>& between);
 
     void message(std::uint16_t channel, std::int64_t time_ns, std::span<const std::byte> head,
                  std::span<const std::byte> data);
-    /// True: what was put in since the last flush is in the file, or there was nothing. False: it could not
-    /// be written, `problem` says why, it is dropped, and the file is as it was before.
+    /// True: all since the last flush is in the file. False: it could not be written, and `problem` says why.
+    /// It is dropped, and the file is as before.
     bool flush();
     bool full() const noexcept { return chunk_.size() >= chunk_bytes; }
     std::uint64_t pending() const noexcept { return pending_; }  // messages since the last flush
-    /// Index and end. False: the disk is full; what is there can be read.
+    /// Writes index and end. False: the disk is full; the messages can still be read.
     bool finish();
     std::uint64_t bytes() const noexcept { return at_; }
     const std::string& problem() const noexcept { return problem_; }
@@ -81,7 +81,7 @@ class McapWriter {
     std::vector<std::string> schemas_, channels_;                 // records
     std::vector<std::string> metadata_index_, attachment_index_;  // likewise
     std::string chunk_;
-    std::map<std::uint16_t, std::string> chunk_messages_;  // time and place of each, by channel
+    std::map<std::uint16_t, std::string> chunk_messages_;  // time and position of each, by channel
     std::uint64_t first_ = 0, last_ = 0, pending_ = 0;     // of this chunk
     std::vector<ChunkIndex> chunks_;
     std::map<std::uint16_t, std::uint64_t> counts_;
@@ -103,11 +103,11 @@ class McapReader {
 
     const std::string& library() const noexcept { return library_; }
     const McapMetadata* metadata(const std::string& name) const;
-    /// As much of the file as was read may hold it. None: it does not.
+    /// Searches the part of the file that was read. None: it is not there.
     std::optional<std::vector<std::byte>> attachment(const std::string& name);
     /// 0: there is none.
     std::uint16_t channel(const std::string& topic) const;
-    /// Once next() has said false: the file ends in the middle; this many bytes of it are whole.
+    /// After next() has returned false: the file was cut off after this many whole bytes.
     std::optional<std::uint64_t> cut_off_at() const noexcept { return cut_off_; }
 
   private:

@@ -1,13 +1,13 @@
 #pragma once
-// A recording: an MCAP file with two channels and a word about where it comes from.
+// A recording: an MCAP file with two channels and metadata about its origin.
 //
 //   /knurl/report   every report, as it lies in memory: ros2msg schema, cdr encoding; Foxglove and
 //                   PlotJuggler plot it
 //   /knurl/inputs   every input of Servo::step (knurl/servo/input_log.hpp): u16 type, six zero bytes, the record's
-//                   bytes; type 0: records are missing here. For `knurl replay` alone
-//   attachment "asset-DIGEST"  what an application sent (protocol/asset.hpp), by its SHA-256, once each
-//   metadata "knurl"  build, servo, device, and what the servo was configured with
-//   metadata "knurl missing"  digests of assets that were felt and are not in the file
+//                   bytes; type 0: records are missing here. Only for `knurl replay`
+//   attachment "asset-DIGEST"  an application's asset (protocol/asset.hpp), by its SHA-256, once each
+//   metadata "knurl"  build, servo, device, and the servo's configuration
+//   metadata "knurl missing"  digests of assets in use that are not in the file
 //
 // Times are CLOCK_REALTIME; `realtime_offset_ns` in the metadata is what was added to the servo's
 // CLOCK_MONOTONIC.
@@ -32,7 +32,7 @@ struct RecordingInfo {
     // protocol::wire_hash, servo::input_log_layout, servo::figures_of
     std::uint64_t wire = 0, input_log_layout = 0, figures = 0;
     std::string servo, device, address, profile;
-    std::string cause;  // of a salvaged one: why the servo ended
+    std::string cause;  // if salvaged: why the servo ended
     std::int64_t realtime_offset_ns = 0;
     servo::ServoOptions options;
 };
@@ -45,14 +45,14 @@ class RecordingWriter {
     void report(const Report& report);
     void input(const servo::InputRecord& record);
     void gap();
-    /// An asset of which the next inputs may tell. `between`: called now and then, to read on; it must not
-    /// flush. False: the disk is full, it was dropped and counted.
+    /// An asset to which the next inputs may refer. `between`: called at times, to continue reading; it must
+    /// not flush. False: the disk is full; the asset was dropped and counted.
     bool asset(const protocol::AssetDigest& digest, std::span<const std::byte> source,
                const std::function<void()>& between);
     bool has(const protocol::AssetDigest& digest) const { return assets_.contains(digest); }
     void missing(const protocol::AssetDigest& digest) { missing_.insert(digest); }
-    std::size_t missing() const { return missing_.size(); }  // for good so far
-    /// What was put in so far goes into the file; false: the disk is full, it was dropped and counted.
+    std::size_t missing() const { return missing_.size(); }  // permanently, so far
+    /// Writes what was added so far; false: the disk is full; it was dropped and counted.
     bool flush();
     bool full() const noexcept { return file_.full(); }
     std::uint64_t pending() const noexcept { return file_.pending(); }  // messages since the last flush
@@ -73,17 +73,17 @@ class RecordingWriter {
 
 class RecordingReader {
   public:
-    /// Throws std::runtime_error: not ours, not whole, not readable.
+    /// Throws std::runtime_error: not a recording, incomplete, or unreadable.
     explicit RecordingReader(const std::string& path);
 
     const RecordingInfo& info() const noexcept { return info_; }
-    /// Of those that are in what was read so far. Throws std::runtime_error, without the file's name.
+    /// An asset in the part that was read. Throws std::runtime_error, without the file's name.
     std::vector<std::byte> asset(const protocol::AssetDigest& digest);
-    /// Throws std::runtime_error unless this build made it: only then it replays.
+    /// Throws std::runtime_error unless this build made it, as replay requires.
     void require_this_build() const;
 
     enum class Item { report, input, gap, end };
-    /// The next one, in `report` or `input`. Throws std::runtime_error: the file was changed.
+    /// The next item, in `report` or `input`. Throws std::runtime_error: the file was changed.
     Item next();
     Report report;
     servo::InputRecord input;

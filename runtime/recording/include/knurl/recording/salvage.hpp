@@ -1,5 +1,5 @@
 #pragma once
-// What the guardian saved of a servo that died, as a recording.
+// Makes a recording from what the guardian saved when a servo died.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace knurl::recording {
 
-/// `from`: a flight recorder's file, or a directory: its newest one. Returns a line about it. Throws
+/// `from`: a flight recorder's file, or a directory: its newest one. Returns a one-line summary. Throws
 /// std::runtime_error.
 std::string salvage(const std::string& from, const std::string& to, Existing existing);
 
