@@ -334,6 +334,7 @@ TEST(Record, AnIndependentReaderFindsEverythingInItsPlace) {
     EXPECT_EQ(found.at("schemas")[0][1], "ros2msg");
     ASSERT_GT(found.at("reports").size(), 2000u);
     EXPECT_EQ(found.at("messages").at("/knurl/report"), found.at("reports").size());
+    EXPECT_EQ(found.at("dropped"), 0);
     int felt = 0;
     for (std::size_t i = 1; i < found.at("reports").size(); ++i) {
         const json& report = found.at("reports")[i];

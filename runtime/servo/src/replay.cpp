@@ -76,9 +76,15 @@ T part_of(const InputRecord& record, std::size_t at) {
 
 constexpr std::size_t after_number = sizeof(std::uint64_t);
 
-/// Refuses figures that no broker would grant, since they size the claim's memory.
+/// Refuses figures that no broker would grant, since they size the claim's memory, and bytes that are no bool: to read
+/// one as a bool is undefined.
 void require_sane(const InputRecord& record, const ClaimTerms& terms) {
     const auto& c = terms.capacity;
+    for (const bool* one : {&terms.observer, &terms.resets, &terms.shared}) {
+        unsigned char byte = 0;
+        std::memcpy(&byte, one, 1);
+        if (byte > 1) nonsense(record, "adopts something that is no claim");
+    }
     if (record.bytes.size() != after_number + sizeof terms || c.representations < 1 ||
         c.representations > protocol::max_representations || c.batch_bytes < 8 ||
         c.batch_bytes > protocol::max_batch_bytes || c.batch_bytes % 8 != 0)
