@@ -138,6 +138,7 @@ class HeightSurface {
     /// Cells under low..high: into(low, high, lowest) says whether a block is looked into, cell(i, j) whether
     /// to go on. False: it did not look at all of them.
     template <class Into, class See>
+    // NOLINTNEXTLINE(readability-function-cognitive-complexity): in the cycle, a split costs inlining
     bool visit(const Vec& low, const Vec& high, Work& work, Into&& into, See&& see) const noexcept {
         const double margin = 1e-12 * d_.size;  // of the rounding in columns and rows
         if (high.x < d_.low_x - margin || high.y < d_.low_y - margin || low.x > -d_.low_x + margin ||
