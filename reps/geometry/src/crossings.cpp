@@ -135,23 +135,31 @@ class Finder {
         return false;
     }
 
-    /// Tests the faces of a leaf against all faces whose boxes they meet. A face with a complete query is
-    /// done: other queries need not test it again.
-    void query(const MeshNode& leaf, std::uint32_t place, std::vector<std::uint8_t>& flags) {
-        const std::uint32_t first = leaf_first(leaf.child[place]), count = leaf_count(leaf.child[place]);
+    /// The faces of a leaf, whose query looks for those that cross them.
+    struct Asking {
+        std::uint32_t first, count;
         Corners own[4];
-        float low[3], high[3];
-        for (std::uint32_t i = 0; i < count; ++i) {
-            own[i] = corners(first + i);
-        }
+        float low[3], high[3];  // m, a little wider than the leaf's box
+    };
+    Asking asking(const MeshNode& leaf, std::uint32_t place) const {
+        Asking out;
+        out.first = leaf_first(leaf.child[place]), out.count = leaf_count(leaf.child[place]);
+        for (std::uint32_t i = 0; i < out.count; ++i) out.own[i] = corners(out.first + i);
         for (int k = 0; k < 3; ++k) {
             constexpr float inf = std::numeric_limits<float>::infinity();
             const auto wider = static_cast<float>(touch_);
-            low[k] = std::nextafter(leaf.low[k][place] - wider, -inf);
-            high[k] = std::nextafter(leaf.high[k][place] + wider, inf);
+            out.low[k] = std::nextafter(leaf.low[k][place] - wider, -inf);
+            out.high[k] = std::nextafter(leaf.high[k][place] + wider, inf);
         }
-        // Where very many boxes overlap, faces count as crossed without a test. That costs time in the cycle,
-        // but the contact stays right.
+        return out;
+    }
+
+    /// Tests the faces of a leaf against all whose boxes it meets. A face whose query came to its end is
+    /// done: others need not ask about it again.
+    void query(const MeshNode& leaf, std::uint32_t place, std::vector<std::uint8_t>& flags) {
+        const Asking own = asking(leaf, place);
+        // Where very many boxes overlap, faces are taken for crossed unseen: that costs the hand time, not
+        // truth.
         const std::uint64_t limit = spent_ < 128 * flags.size() + 100000 ? 4096 : 128;
         std::uint64_t work = 0;
         bool all = false;
@@ -160,36 +168,49 @@ class Finder {
             const MeshNode& node = nodes_[stack_.back()];
             stack_.pop_back();
             ++work;
-            alignas(32) std::int32_t meets[MeshNode::fan];  // in groups of four lanes
-            for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
-                meets[i] = (node.low[0][i] <= high[0]) & (node.high[0][i] >= low[0]) &
-                           (node.low[1][i] <= high[1]) & (node.high[1][i] >= low[1]) &
-                           (node.low[2][i] <= high[2]) & (node.high[2][i] >= low[2]);
-            }
-            for (std::uint32_t k = 0; k < MeshNode::fan && !all; ++k) {
-                if (meets[k] == 0) continue;
-                const std::uint32_t child = node.child[k];
-                if (!is_leaf(child)) {
-                    stack_.push_back(child);
-                    continue;
-                }
-                for (std::uint32_t g = leaf_first(child); g < leaf_first(child) + leaf_count(child); ++g) {
-                    if (!done_[g]) work += against(first, {own, count}, g, flags);
-                }
-                all = true;
-                for (std::uint32_t i = 0; i < count; ++i) all = all && (flags[first + i] & face_crossed) != 0;
-            }
+            all = look_into(node, own, work, flags);
         }
         const bool complete = stack_.empty() && !all;
-        for (std::uint32_t i = 0; i < count; ++i) {
+        for (std::uint32_t f = own.first; f < own.first + own.count; ++f) {
             if (complete) {
-                done_[first + i] = true;
+                done_[f] = true;
             } else {
-                flags[first + i] |= face_crossed;
+                flags[f] |= face_crossed;
             }
         }
         spent_ += work;
         slices_(static_cast<std::uint32_t>(4 * work));
+    }
+
+    /// Tests what is in the leaves below a node and puts its other children onto the stack. True, and nothing more
+    /// is looked at: all that ask are crossed.
+    bool look_into(const MeshNode& node, const Asking& own, std::uint64_t& work,
+                   std::vector<std::uint8_t>& flags) {
+        alignas(32) std::int32_t meets[MeshNode::fan];  // in four lanes at a time
+        for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
+            meets[i] = (node.low[0][i] <= own.high[0]) & (node.high[0][i] >= own.low[0]) &
+                       (node.low[1][i] <= own.high[1]) & (node.high[1][i] >= own.low[1]) &
+                       (node.low[2][i] <= own.high[2]) & (node.high[2][i] >= own.low[2]);
+        }
+        for (std::uint32_t k = 0; k < MeshNode::fan; ++k) {
+            if (meets[k] == 0) continue;
+            const std::uint32_t child = node.child[k];
+            if (!is_leaf(child)) {
+                stack_.push_back(child);
+                continue;
+            }
+            for (std::uint32_t g = leaf_first(child); g < leaf_first(child) + leaf_count(child); ++g) {
+                if (!done_[g]) work += against(own.first, {own.own, own.count}, g, flags);
+            }
+            if (all_crossed(own, flags)) return true;
+        }
+        return false;
+    }
+
+    static bool all_crossed(const Asking& own, const std::vector<std::uint8_t>& flags) {
+        bool all = true;
+        for (std::uint32_t i = 0; i < own.count; ++i) all = all && (flags[own.first + i] & face_crossed) != 0;
+        return all;
     }
 
     std::uint32_t against(std::uint32_t first, std::span<const Corners> own, std::uint32_t g,

@@ -160,6 +160,7 @@ class Cycle {
         proxy_.since = patience;  // where there was room, more is likely
     }
 
+    // NOLINTNEXTLINE(readability-function-cognitive-complexity): in the cycle, a split costs inlining
     bool contact(Vec from) noexcept {
         const Vec begin = from;
         const std::uint32_t first = rest_.face;

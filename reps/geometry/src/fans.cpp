@@ -65,6 +65,40 @@ void cut(const Faces& faces, Links& links, std::span<const Corner> fan, bool clo
     }
 }
 
+/// The fan that a corner is of, from it onwards, in order if it is larger than max_fan; `seen` says so of each of
+/// its corners. True: it is closed.
+bool collect(const Links& links, Corner seed, std::vector<Corner>& fan, std::vector<bool>& seen,
+             Slices& slices) {
+    fan.assign(1, seed);
+    seen[seed] = true;
+    Corner at = onwards(links, seed);
+    for (; at != no_link && at != seed; at = onwards(links, at), slices()) {
+        fan.push_back(at);
+        seen[at] = true;
+    }
+    if (at == seed) return true;
+    const std::size_t ahead = fan.size();
+    for (at = back(links, seed); at != no_link; at = back(links, at), slices()) {
+        fan.push_back(at);
+        seen[at] = true;
+    }
+    if (fan.size() > max_fan) {  // those behind the seed come before it, the last first
+        std::rotate(fan.begin(), fan.begin() + static_cast<std::ptrdiff_t>(ahead), fan.end());
+        std::reverse(fan.begin(), fan.end() - static_cast<std::ptrdiff_t>(ahead));
+    }
+    return false;
+}
+
+/// Adds the vertices of edges without a neighbour.
+void add_borders(const Faces& faces, const Links& links, std::vector<bool>& vertices, Slices& slices) {
+    for (std::size_t f = 0; f < links.size(); ++f, slices()) {
+        for (std::size_t e = 0; e < 3; ++e) {
+            if (links[f][e] == no_link)
+                vertices[faces.corners[f][e]] = vertices[faces.corners[f][(e + 1) % 3]] = true;
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes& notes, Slices& slices) {
@@ -75,25 +109,7 @@ std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes
         for (std::uint32_t c = 0; c < 3; ++c) {
             const Corner seed = link_to(f, c);
             if (seen[seed]) continue;
-            fan.assign(1, seed);
-            seen[seed] = true;
-            Corner at = onwards(links, seed);
-            for (; at != no_link && at != seed; at = onwards(links, at), slices()) {
-                fan.push_back(at);
-                seen[at] = true;
-            }
-            const bool closed = at == seed;
-            if (!closed) {
-                const std::size_t ahead = fan.size();
-                for (at = back(links, seed); at != no_link; at = back(links, at), slices()) {
-                    fan.push_back(at);
-                    seen[at] = true;
-                }
-                if (fan.size() > max_fan) {  // the faces behind the seed come before it, in reverse order
-                    std::rotate(fan.begin(), fan.begin() + static_cast<std::ptrdiff_t>(ahead), fan.end());
-                    std::reverse(fan.begin(), fan.end() - static_cast<std::ptrdiff_t>(ahead));
-                }
-            }
+            const bool closed = collect(links, seed, fan, seen, slices);
             slices();
             const std::uint32_t v = faces.corners[f][c];
             if (once[v] || fan.size() > max_fan) {
@@ -104,13 +120,8 @@ std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes
             if (fan.size() > max_fan) cut(faces, links, fan, closed, slices);
         }
     }
-    // Flags all places where the walk may rest without seeing all faces: `several` now also marks borders.
-    for (std::size_t f = 0; f < links.size(); ++f, slices()) {
-        for (std::size_t e = 0; e < 3; ++e) {
-            if (links[f][e] == no_link)
-                several[faces.corners[f][e]] = several[faces.corners[f][(e + 1) % 3]] = true;
-        }
-    }
+    // Wherever the walk may rest without seeing all that is there: `several` marks now borders as well.
+    add_borders(faces, links, several, slices);
     std::vector<std::uint8_t> flags;
     flags.reserve(links.size());
     for (const Triangle& t : faces.corners) {

@@ -138,6 +138,7 @@ class HeightSurface {
     /// Visits the cells under low..high. into(low, high, lowest) says whether to enter a block, cell(i, j)
     /// whether to continue. False: not all cells were visited.
     template <class Into, class See>
+    // NOLINTNEXTLINE(readability-function-cognitive-complexity): in the cycle, a split costs inlining
     bool visit(const Vec& low, const Vec& high, Work& work, Into&& into, See&& see) const noexcept {
         const double margin = 1e-12 * d_.size;  // rounding of columns and rows
         if (high.x < d_.low_x - margin || high.y < d_.low_y - margin || low.x > -d_.low_x + margin ||

@@ -14,6 +14,26 @@ namespace {
 using Eigen::Vector3d;
 using Kind = Meeting::Kind;
 
+/// All corners are in front of the other's plane, or all behind it.
+bool clear(const double (&height)[3], double touch) {
+    return (height[0] > touch && height[1] > touch && height[2] > touch) ||
+           (height[0] < -touch && height[1] < -touch && height[2] < -touch);
+}
+/// All corners lie in the other's plane.
+bool level(const double (&height)[3], double touch) {
+    return std::max({std::abs(height[0]), std::abs(height[1]), std::abs(height[2])}) <= 2 * touch;
+}
+Meeting vertex_at_vertex(const Triangle& s, const Vector3d (&p)[3], const Triangle& t, const Vector3d (&q)[3],
+                         double touch) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (has(t, s[i])) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!has(s, t[k]) && (p[i] - q[k]).squaredNorm() <= touch * touch / 16)
+                return {.kind = Kind::vertices, .a = s[i], .b = t[k]};
+        }
+    }
+    return {};
+}
 Meeting vertex_on_edge(const Triangle& s, const Vector3d (&p)[3], const Triangle& t, const Vector3d (&q)[3],
                        double touch, const Splits& splits) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -41,6 +61,22 @@ bool edges_meet(const Vector3d& a, const Vector3d& b, const Vector3d& c, const V
     const Vector3d on = a + u * i, other = c + v * k;
     x = (on + other) / 2;
     return (on - other).squaredNorm() <= touch * touch;
+}
+/// `may_cross(i, k)`: whether edge i of s and edge k of t do count.
+template <class MayCross>
+Meeting edge_at_edge(const Triangle& s, const Vector3d (&p)[3], const Triangle& t, const Vector3d (&q)[3],
+                     double touch, MayCross&& may_cross) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t i2 = (i + 1) % 3, k2 = (k + 1) % 3;
+            if (s[i] == t[k] || s[i] == t[k2] || s[i2] == t[k] || s[i2] == t[k2]) continue;
+            if (!may_cross(i, k)) continue;
+            Vector3d x;
+            if (!edges_meet(p[i], p[i2], q[k], q[k2], touch, x)) continue;
+            return {.kind = Kind::edges, .a = s[i], .b = s[i2], .c = t[k], .d = t[k2], .at = x};
+        }
+    }
+    return {};
 }
 bool within(const Vector3d& x, const Vector3d (&q)[3], const Vector3d& normal) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -76,34 +112,15 @@ Meeting meet(const Triangle& s, const Vector3d (&p)[3], std::uint32_t s_flat, co
     // Corners that stay separate are farther apart than the distance at which they lie on an edge. So they
     // are in order there.
     const double on = touch / 2;
-    const auto clear = [touch](const double(&h)[3]) {
-        return (h[0] > touch && h[1] > touch && h[2] > touch) ||
-               (h[0] < -touch && h[1] < -touch && h[2] < -touch);
-    };
-    if (clear(p_height) || clear(q_height)) return {};
-    const auto level = [touch](const double(&h)[3]) {
-        return std::max({std::abs(h[0]), std::abs(h[1]), std::abs(h[2])}) <= 2 * touch;
-    };
-    const bool one_plane = level(p_height) || level(q_height);
-    for (std::size_t i = 0; i < 3; ++i) {
-        if (has(t, s[i])) continue;
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (!has(s, t[k]) && (p[i] - q[k]).squaredNorm() <= touch * touch / 16)
-                return {.kind = Kind::vertices, .a = s[i], .b = t[k]};
-        }
-    }
+    if (clear(p_height, touch) || clear(q_height, touch)) return {};
+    if (const Meeting m = vertex_at_vertex(s, p, t, q, touch); m.kind != Kind::none) return m;
     if (const Meeting m = vertex_on_edge(s, p, t, q, on, splits); m.kind != Kind::none) return m;
     if (const Meeting m = vertex_on_edge(t, q, s, p, on, splits); m.kind != Kind::none) return m;
-    for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t i2 = (i + 1) % 3, k2 = (k + 1) % 3;
-            if (s[i] == t[k] || s[i] == t[k2] || s[i2] == t[k] || s[i2] == t[k2]) continue;
-            if (one_plane && (s_flat >> i & 1) != 0 && (t_flat >> k & 1) != 0) continue;
-            Vector3d x;
-            if (!edges_meet(p[i], p[i2], q[k], q[k2], on, x)) continue;
-            return {.kind = Kind::edges, .a = s[i], .b = s[i2], .c = t[k], .d = t[k2], .at = x};
-        }
-    }
+    const bool one_plane = level(p_height, touch) || level(q_height, touch);
+    const auto may_cross = [&](std::size_t i, std::size_t k) {
+        return !(one_plane && (s_flat >> i & 1) != 0 && (t_flat >> k & 1) != 0);
+    };
+    if (const Meeting m = edge_at_edge(s, p, t, q, on, may_cross); m.kind != Kind::none) return m;
     for (std::size_t i = 0; i < 3; ++i) {
         if (!has(t, s[i]) && std::abs(p_height[i]) <= on && within(p[i], q, q_normal))
             return {.kind = Kind::vertex_face, .a = s[i], .whose = 1};

@@ -144,7 +144,7 @@ class Surface {
             data_.nodes = nodes_;
             const bool may_unite = cuts && round < rounds;
             Parts parts;
-            if (may_unite && (notes.parts > 1 || !solid.empty())) parts = find_parts(links, solid, slices_);
+            if (may_unite) parts = parts_apart(solid);
             mark();
             const bool crossed = notes.faces_crossed > 0;
             if (!may_unite || (parts.closed.size() < 2 && !crossed)) return true;
@@ -160,6 +160,12 @@ class Surface {
             near.gap = 0;
             notes.edges_open = notes.edges_non_manifold = notes.vertices_split = notes.faces_crossed = 0;
         }
+    }
+
+    /// Which parts there are; nothing if all is one.
+    Parts parts_apart(const SolidLinks& solid) const {
+        if (data_.notes.parts <= 1 && solid.empty()) return {};
+        return find_parts(links, solid, slices_);
     }
 
     void mark() {

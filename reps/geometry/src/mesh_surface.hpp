@@ -83,6 +83,7 @@ class MeshSurface {
     /// Calls see(face) for faces of leaves nearer to h than sqrt(square), which see() may reduce: roughly
     /// nearer ones first. False: more nodes than allowed.
     template <class See>
+    // NOLINTNEXTLINE(readability-function-cognitive-complexity): in the cycle, a split costs inlining
     bool nearer(const Vec& h, double& square, Work& work, See&& see) const noexcept {
         if (count_ == 0) return true;
         const float at[3] = {static_cast<float>(h.x), static_cast<float>(h.y), static_cast<float>(h.z)};

@@ -38,47 +38,83 @@ Extent extent_of(const Faces& faces, std::uint32_t f) {
     return box;
 }
 
-/// Calls see(f, g), f < g, for faces whose boxes are within `reach` of each other. `asked` says whether to
-/// look at f's leaf, `skipped` which nodes to skip. False when see() returns false.
+bool has_child(const MeshNode& node, std::uint32_t place) {
+    return node.low[0][place] <= node.high[0][place];
+}
+
+bool child_meets(const MeshNode& node, std::uint32_t place, const Extent& box, double reach) {
+    bool meets = has_child(node, place);
+    for (std::size_t k = 0; k < 3; ++k)
+        meets =
+            meets && node.low[k][place] <= box.high[k] + reach && node.high[k][place] >= box.low[k] - reach;
+    return meets;
+}
+
+/// Faces first ... end - 1, and what they lie in.
+struct Leaf {
+    std::uint32_t first, end;
+    Extent box;
+};
+
+Leaf leaf_of(const Faces& faces, std::uint32_t child) {
+    Leaf leaf{leaf_first(child), leaf_first(child) + leaf_count(child), {}};
+    for (std::uint32_t f = leaf.first; f < leaf.end; ++f) leaf.box.add(extent_of(faces, f));
+    return leaf;
+}
+
+/// Calls see(f, g), f < g, for the leaf's faces f and the faces g of another leaf. False when see() does, or when
+/// no more than `left` may be looked at.
+template <class See>
+bool for_near_in(const Faces& faces, const Leaf& leaf, std::uint32_t other_leaf, double reach, Slices& slices,
+                 std::uint64_t& left, See&& see) {
+    const std::uint32_t last = leaf_first(other_leaf) + leaf_count(other_leaf);
+    for (std::uint32_t g = std::max(leaf_first(other_leaf), leaf.first + 1); g < last; ++g) {
+        const Extent other = extent_of(faces, g);
+        slices();
+        if (left-- == 0) return false;
+        for (std::uint32_t f = leaf.first; f < leaf.end && f < g; ++f) {
+            if (extent_of(faces, f).meets(other, reach) && !see(f, g)) return false;
+        }
+    }
+    return true;
+}
+
+/// Calls see(f, g), f < g, for the leaf's faces f: as for_near.
+template <class Skipped, class See>
+bool for_near_leaf(const Faces& faces, std::span<const MeshNode> nodes, const Leaf& leaf, double reach,
+                   Slices& slices, std::vector<std::uint32_t>& stack, Skipped&& skipped, std::uint64_t& left,
+                   See&& see) {
+    stack.assign(1, 0);
+    while (!stack.empty()) {
+        const MeshNode& node = nodes[stack.back()];
+        stack.pop_back();
+        slices(4);
+        for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
+            if (!child_meets(node, i, leaf.box, reach)) continue;
+            const std::uint32_t child = node.child[i];
+            if (is_leaf(child)) {
+                if (!for_near_in(faces, leaf, child, reach, slices, left, see)) return false;
+            } else if (!skipped(child, leaf)) {
+                stack.push_back(child);
+            }
+        }
+    }
+    return true;
+}
+
+/// Calls see(f, g), f < g, for faces whose boxes are within `reach` of each other; `asked` says whether f's
+/// leaf needs to be looked at, and `skipped` which nodes do not. False when see() does.
 template <class Asked, class Skipped, class See>
 bool for_near(const Faces& faces, std::span<const MeshNode> nodes, double reach, Slices& slices,
               Asked&& asked, Skipped&& skipped, std::uint64_t& left, See&& see) {
     std::vector<std::uint32_t> stack;
     for (const MeshNode& from : nodes) {
         for (std::uint32_t place = 0; place < MeshNode::fan; ++place) {
-            if (!(from.low[0][place] <= from.high[0][place]) || !is_leaf(from.child[place])) continue;
-            const std::uint32_t first = leaf_first(from.child[place]),
-                                end = first + leaf_count(from.child[place]);
-            Extent own;
-            for (std::uint32_t f = first; f < end; ++f) own.add(extent_of(faces, f));
+            if (!has_child(from, place) || !is_leaf(from.child[place])) continue;
+            const Leaf leaf = leaf_of(faces, from.child[place]);
             slices();
-            if (!asked(first, end, own)) continue;
-            stack.assign(1, 0);
-            while (!stack.empty()) {
-                const MeshNode& node = nodes[stack.back()];
-                stack.pop_back();
-                slices(4);
-                for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
-                    bool meets = node.low[0][i] <= node.high[0][i];
-                    for (std::size_t k = 0; k < 3; ++k)
-                        meets = meets && node.low[k][i] <= own.high[k] + reach &&
-                                node.high[k][i] >= own.low[k] - reach;
-                    if (!meets) continue;
-                    if (!is_leaf(node.child[i])) {
-                        if (!skipped(node.child[i], first, end)) stack.push_back(node.child[i]);
-                        continue;
-                    }
-                    const std::uint32_t last = leaf_first(node.child[i]) + leaf_count(node.child[i]);
-                    for (std::uint32_t g = std::max(leaf_first(node.child[i]), first + 1); g < last; ++g) {
-                        const Extent other = extent_of(faces, g);
-                        slices();
-                        if (left-- == 0) return false;
-                        for (std::uint32_t f = first; f < end && f < g; ++f) {
-                            if (extent_of(faces, f).meets(other, reach) && !see(f, g)) return false;
-                        }
-                    }
-                }
-            }
+            if (!asked(leaf)) continue;
+            if (!for_near_leaf(faces, nodes, leaf, reach, slices, stack, skipped, left, see)) return false;
         }
     }
     return true;
@@ -133,46 +169,70 @@ Parts find_parts(Links links, const SolidLinks& solid, Slices& slices) {
 
 namespace {
 
-/// Finds pairs of different parts whose boxes are within this distance (m); within one part, pairs that meet,
-/// if faces cross at all. False: more than `most`.
-bool find_pairs(const Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed,
-                const Near& near, std::size_t most, Pairs& pairs, Slices& slices) {
-    const double reach = 3 * near.gap + near.touch;
-    // For few parts far from each other, a look at their boxes is enough.
+/// What each part lies in. None if there are many: few parts far from each other need no look at their faces.
+std::vector<Extent> boxes_of_few(const Faces& faces, const Parts& parts, Slices& slices) {
     constexpr std::size_t few = 64;
     std::vector<Extent> boxes;
-    if (parts.closed.size() <= few) {
-        boxes.resize(parts.closed.size());
-        for (std::uint32_t f = 0; f < faces.corners.size(); ++f, slices())
-            boxes[parts.of[f]].add(extent_of(faces, f));
+    if (parts.closed.size() > few) return boxes;
+    boxes.resize(parts.closed.size());
+    for (std::uint32_t f = 0; f < faces.corners.size(); ++f, slices())
+        boxes[parts.of[f]].add(extent_of(faces, f));
+    return boxes;
+}
+
+/// A face of the leaf is within reach of another part's box.
+bool near_other_part(const Leaf& leaf, const Parts& parts, const std::vector<Extent>& boxes, double reach) {
+    for (std::uint32_t part = 0; part < boxes.size(); ++part) {
+        if (!leaf.box.meets(boxes[part], reach)) continue;
+        for (std::uint32_t f = leaf.first; f < leaf.end; ++f)
+            if (parts.of[f] != part) return true;
     }
-    const auto asked = [&](std::uint32_t first, std::uint32_t end, const Extent& own) {
-        if (crossed || boxes.empty()) return true;
-        for (std::uint32_t part = 0; part < boxes.size(); ++part) {
-            if (!own.meets(boxes[part], reach)) continue;
-            for (std::uint32_t f = first; f < end; ++f)
-                if (parts.of[f] != part) return true;
-        }
-        return false;
-    };
-    // Nodes with one part only: a face of that part need not enter them.
-    constexpr std::uint32_t mixed = 0xffffffff;
-    std::vector<std::uint32_t> of_node(crossed ? 0 : nodes.size(), mixed);
+    return false;
+}
+
+constexpr std::uint32_t many_parts = 0xffffffff;  // more than one part
+
+/// The part that all faces below a child are of.
+std::uint32_t part_of_child(std::uint32_t child, const Parts& parts,
+                            const std::vector<std::uint32_t>& of_node) {
+    if (!is_leaf(child)) return of_node[child];
+    const std::uint32_t part = parts.of[leaf_first(child)];
+    for (std::uint32_t f = 1; f < leaf_count(child); ++f)
+        if (parts.of[leaf_first(child) + f] != part) return many_parts;
+    return part;
+}
+
+/// The part that all faces below each node are of.
+std::vector<std::uint32_t> parts_of_nodes(std::span<const MeshNode> nodes, const Parts& parts,
+                                          Slices& slices) {
+    std::vector<std::uint32_t> of_node(nodes.size(), many_parts);
     for (std::size_t n = of_node.size(); n-- > 0; slices()) {
         bool first = true;
         for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
-            if (!(nodes[n].low[0][i] <= nodes[n].high[0][i])) continue;
-            const std::uint32_t child = nodes[n].child[i];
-            std::uint32_t part = is_leaf(child) ? parts.of[leaf_first(child)] : of_node[child];
-            for (std::uint32_t f = 1; is_leaf(child) && f < leaf_count(child); ++f)
-                if (parts.of[leaf_first(child) + f] != part) part = mixed;
-            of_node[n] = first || of_node[n] == part ? part : mixed;
+            if (!has_child(nodes[n], i)) continue;
+            const std::uint32_t part = part_of_child(nodes[n].child[i], parts, of_node);
+            of_node[n] = first || of_node[n] == part ? part : many_parts;
             first = false;
         }
     }
-    const auto skipped = [&](std::uint32_t node, std::uint32_t first, std::uint32_t end) {
+    return of_node;
+}
+
+/// Pairs of different parts whose boxes are that near (m); of one part those that meet, where faces cross at
+/// all. False: more than `most`.
+bool find_pairs(const Faces& faces, std::span<const MeshNode> nodes, const Parts& parts, bool crossed,
+                const Near& near, std::size_t most, Pairs& pairs, Slices& slices) {
+    const double reach = 3 * near.gap + near.touch;
+    const std::vector<Extent> boxes = boxes_of_few(faces, parts, slices);
+    const auto asked = [&](const Leaf& leaf) {
+        return crossed || boxes.empty() || near_other_part(leaf, parts, boxes, reach);
+    };
+    // Nodes of one part alone, which a face of that part need not look into.
+    std::vector<std::uint32_t> of_node;
+    if (!crossed) of_node = parts_of_nodes(nodes, parts, slices);
+    const auto skipped = [&](std::uint32_t node, const Leaf& leaf) {
         bool own = !crossed;
-        for (std::uint32_t f = first; f < end; ++f) own = own && of_node[node] == parts.of[f];
+        for (std::uint32_t f = leaf.first; f < leaf.end; ++f) own = own && of_node[node] == parts.of[f];
         return own;
     };
     // Where very many boxes overlap, there would be too many cuts.

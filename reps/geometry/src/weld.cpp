@@ -171,37 +171,25 @@ std::pair<double, double> height(const Point3& a, const Point3& b, const Point3&
     return {std::sqrt(nx * nx + ny * ny + nz * nz) / longest, longest};
 }
 
-}  // namespace
-
-double tolerance(const Frame& frame, const MeshBuild& how) {
-    return how.weld * std::min(frame.size, 16 * frame.spread);
-}
-
-Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, MeshNotes& notes,
-           Slices& slices) {
-    slices.ask();
-    Faces faces;
-    faces.at.reserve(given.vertices.size());
-    std::vector<std::uint32_t> number = number_places(given, frame, faces.at, slices);
-
-    const double near = tolerance(frame, how);
-    std::vector<std::uint32_t> becomes;
-    if (near > std::ldexp(frame.size, -40)) {
-        becomes = near_ones(faces.at, near, slices);
-        // Two places that were not close stay separate where a triangle names both.
-        for (std::size_t t = 0; t < given.triangles.size(); ++t, slices()) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = number[given.triangles[t][k]],
-                                    b = number[given.triangles[t][(k + 1) % 3]];
-                if (a == none || b == none || a == b || becomes[a] != becomes[b]) continue;
-                if (square(faces.at[a], faces.at[b]) <= near * near) continue;
-                const std::uint32_t apart = becomes[a] == a ? b : a;
-                becomes[apart] = apart;
-            }
+/// Two that were not near each other stay two where a triangle names both.
+void keep_apart(const Triangles& given, const std::vector<std::uint32_t>& number,
+                const std::vector<Point3>& at, double near, std::vector<std::uint32_t>& becomes,
+                Slices& slices) {
+    for (std::size_t t = 0; t < given.triangles.size(); ++t, slices()) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = number[given.triangles[t][k]],
+                                b = number[given.triangles[t][(k + 1) % 3]];
+            if (a == none || b == none || a == b || becomes[a] != becomes[b]) continue;
+            if (square(at[a], at[b]) <= near * near) continue;
+            const std::uint32_t apart = becomes[a] == a ? b : a;
+            becomes[apart] = apart;
         }
     }
-    keep_survivors(faces.at, becomes, !how.exact, slices);
+}
 
+/// Numbers vertices by the places that stay. Returns how many have one.
+std::uint64_t number_survivors(std::vector<std::uint32_t>& number, const std::vector<std::uint32_t>& becomes,
+                               Slices& slices) {
     std::uint64_t named = 0;
     for (std::uint32_t& n : number) {
         slices();
@@ -209,8 +197,12 @@ Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, Mes
         ++named;
         if (!becomes.empty()) n = becomes[n];
     }
-    notes.vertices_welded = named - faces.at.size();
+    return named;
+}
 
+/// The triangles whose corners all have a place, and that have an area.
+void add_faces(const Triangles& given, const std::vector<std::uint32_t>& number, const Frame& frame,
+               Faces& faces, MeshNotes& notes, Slices& slices) {
     faces.corners.reserve(given.triangles.size());
     faces.given.reserve(given.triangles.size());
     for (std::size_t t = 0; t < given.triangles.size(); ++t, slices(2)) {
@@ -229,6 +221,30 @@ Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, Mes
         faces.corners.push_back(corners);
         faces.given.push_back(static_cast<std::uint32_t>(t));
     }
+}
+
+}  // namespace
+
+double tolerance(const Frame& frame, const MeshBuild& how) {
+    return how.weld * std::min(frame.size, 16 * frame.spread);
+}
+
+Faces weld(const Triangles& given, const Frame& frame, const MeshBuild& how, MeshNotes& notes,
+           Slices& slices) {
+    slices.ask();
+    Faces faces;
+    faces.at.reserve(given.vertices.size());
+    std::vector<std::uint32_t> number = number_places(given, frame, faces.at, slices);
+
+    const double near = tolerance(frame, how);
+    std::vector<std::uint32_t> becomes;
+    if (near > std::ldexp(frame.size, -40)) {
+        becomes = near_ones(faces.at, near, slices);
+        keep_apart(given, number, faces.at, near, becomes, slices);
+    }
+    keep_survivors(faces.at, becomes, !how.exact, slices);
+    notes.vertices_welded = number_survivors(number, becomes, slices) - faces.at.size();
+    add_faces(given, number, frame, faces, notes, slices);
     return faces;
 }
 

@@ -147,45 +147,52 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     if (state_.settles) ops.settle(now);
 }
 
+// What it was so far is what fades out.
+inline void SceneCore::retire_surface(std::uint32_t i, bool same, bool listed) noexcept {
+    Record& current = state_.records.current(i);
+    // It may be sent to the other side of the probe: then it must know where that was.
+    if (same && !current.stands && current.evaluated_cycle < state_.clock.last_timed)
+        catch_up(current, state_, sets_[current.probe].now.held);
+    sets_.release_old(i);
+    effects_.release_old(i);
+    if (!listed) candidates_.forget(i, current);
+    if (!same) candidates_.lose_sight(i);
+    swap_records(i, same);
+}
+
+inline void SceneCore::install_surface(std::uint32_t i, const Record& now, bool same, bool listed) noexcept {
+    renew(i, same ? &state_.records.old(i) : nullptr);
+    state_.any_follows = state_.any_follows || kind_ops()[now.kind].follows;
+    sets_.change_of(now.probe).edited = true;
+    if (!now.recovers) cross_fade(now);
+    if (listed) {
+        candidates_.place_again(i, state_);
+    } else {
+        candidates_.place(i, state_);
+    }
+}
+
+// After a change, of which `is` says whether the slot is a surface still: its old record fades out, or is not needed.
+inline void SceneCore::fade_retired(std::uint32_t i, const Record& now, bool is) noexcept {
+    const Record& old = state_.records.old(i);
+    // One that brings its own changes in does so in place of the cross-fade; but it cannot bring in its
+    // absence.
+    const bool stays = is && now.probe == old.probe;
+    if (!stays) {
+        cross_fade(old);
+    } else if (old.recovers && !now.recovers) {
+        cross_fade(now);
+    }
+    sets_.change_of(old.probe).edited = true;
+    if (!(stays && now.recovers)) sets_.keep_old(i);
+}
+
 void SceneCore::change_surface(std::uint32_t i, bool was, bool is, bool same) noexcept {
-    Records& records = state_.records;
-    const bool listed = same && !candidates_.bounded(i);  // one of the surfaces that are always candidates
-    if (was) {
-        Record& current = records.current(i);
-        // The change may put it on the other side of the probe, so it must know the probe's side before the
-        // change.
-        if (same && !current.stands && current.evaluated_cycle < state_.clock.last_timed)
-            catch_up(current, state_, sets_[current.probe].now.held);
-        sets_.release_old(i);
-        effects_.release_old(i);
-        if (!listed) candidates_.forget(i, current);
-        if (!same) candidates_.lose_sight(i);
-        swap_records(i, same);
-    }
-    const Record& now = records.current(i);
-    if (is) {
-        renew(i, same ? &records.old(i) : nullptr);
-        state_.any_follows = state_.any_follows || kind_ops()[now.kind].follows;
-        sets_.change_of(now.probe).edited = true;
-        if (!now.recovers) cross_fade(now);
-        if (listed) {
-            candidates_.place_again(i, state_);
-        } else {
-            candidates_.place(i, state_);
-        }
-    }
-    if (was) {
-        const Record& old = records.old(i);
-        // A record that applies its own changes gradually needs no cross-fade. But it cannot fade itself out.
-        const bool stays = is && now.probe == old.probe;
-        if (!stays) {
-            cross_fade(old);
-        } else if (old.recovers && !now.recovers) {
-            cross_fade(now);
-        }
-        sets_.change_of(old.probe).edited = true;
-        if (!(stays && now.recovers)) sets_.keep_old(i);
-    }
+    const bool listed = same && !candidates_.bounded(i);  // among those that are always candidates
+    if (was) retire_surface(i, same, listed);
+    const Record& now = state_.records.current(i);
+    if (is) install_surface(i, now, same, listed);
+    if (was) fade_retired(i, now, is);
     if (is && !was) sets_.add(i);
     if (was && !is) sets_.remove(i);
     state_.slots[i].renewed = true;

@@ -67,6 +67,9 @@ class SceneCore {
     bool reshape(std::uint32_t slot) noexcept;
     bool change(std::uint32_t slot, bool was, bool is, bool same) noexcept;  // false: the slot acts as before
     void change_surface(std::uint32_t slot, bool was, bool is, bool same) noexcept;
+    void retire_surface(std::uint32_t slot, bool same, bool listed) noexcept;
+    void install_surface(std::uint32_t slot, const Record& now, bool same, bool listed) noexcept;
+    void fade_retired(std::uint32_t slot, const Record& now, bool is) noexcept;
     void change_effect(std::uint32_t slot, bool was, bool is, bool same) noexcept;
     void renew(std::uint32_t slot, const Record* previous) noexcept;
     void swap_records(std::uint32_t slot, bool same) noexcept;
