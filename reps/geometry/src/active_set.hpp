@@ -62,8 +62,8 @@ inline bool project_onto(const HalfSpace* const (&used)[3], std::uint32_t n, con
     return true;
 }
 
-/// The point nearest to h in all of them, by trying which of them hold it, at most three; false: there is
-/// none.
+/// The point nearest to h that satisfies all planes, found by trying sets of at most three active planes. False:
+/// none does.
 inline bool project(const std::array<HalfSpace, max_planes>& planes, std::uint32_t count, const Vec& h,
                     double slack, Vec& goal, std::uint32_t& holding) noexcept {
     double nearest = HUGE_VAL;
@@ -110,7 +110,7 @@ inline void note_holders(std::array<HalfSpace, max_planes>& planes, std::uint32_
         held.foot = on;
 }
 
-/// From p, which is in front of everything.
+/// Starts at p, which is in front of all faces.
 template <class S>
 [[gnu::noinline]] Held hold(const S& s, Vec p, const Vec& h, Work& work) noexcept {
     const double lift = lift_of_size * s.size(), same = same_of_size * s.size();

@@ -154,12 +154,12 @@ class Finder {
         return out;
     }
 
-    /// Tests the faces of a leaf against all whose boxes it meets. A face whose query came to its end is
-    /// done: others need not ask about it again.
+    /// Tests the faces of a leaf against all faces whose boxes they meet. A face with a complete query is
+    /// done: other queries need not test it again.
     void query(const MeshNode& leaf, std::uint32_t place, std::vector<std::uint8_t>& flags) {
         const Asking own = asking(leaf, place);
-        // Where very many boxes overlap, faces are taken for crossed unseen: that costs the hand time, not
-        // truth.
+        // Where very many boxes overlap, faces count as crossed without a test. That costs time in the cycle,
+        // but the contact stays right.
         const std::uint64_t limit = spent_ < 128 * flags.size() + 100000 ? 4096 : 128;
         std::uint64_t work = 0;
         bool all = false;

@@ -120,7 +120,7 @@ std::vector<std::uint8_t> split_fans(const Faces& faces, Links& links, MeshNotes
             if (fan.size() > max_fan) cut(faces, links, fan, closed, slices);
         }
     }
-    // Wherever the walk may rest without seeing all that is there: `several` marks now borders as well.
+    // Flags all places where the walk may rest without seeing all faces: `several` now also marks borders.
     add_borders(faces, links, several, slices);
     std::vector<std::uint8_t> flags;
     flags.reserve(links.size());

@@ -171,7 +171,7 @@ std::pair<double, double> height(const Point3& a, const Point3& b, const Point3&
     return {std::sqrt(nx * nx + ny * ny + nz * nz) / longest, longest};
 }
 
-/// Two that were not near each other stay two where a triangle names both.
+/// Two places that were not close stay separate where a triangle names both.
 void keep_apart(const Triangles& given, const std::vector<std::uint32_t>& number,
                 const std::vector<Point3>& at, double near, std::vector<std::uint32_t>& becomes,
                 Slices& slices) {
