@@ -83,7 +83,6 @@ class MeshSurface {
     /// Calls see(face) for faces of leaves nearer to h than sqrt(square), which see() may reduce: roughly
     /// nearer ones first. False: more nodes than allowed.
     template <class See>
-    // NOLINTNEXTLINE(readability-function-cognitive-complexity): in the cycle, a split costs inlining
     bool nearer(const Vec& h, double& square, Work& work, See&& see) const noexcept {
         if (count_ == 0) return true;
         const float at[3] = {static_cast<float>(h.x), static_cast<float>(h.y), static_cast<float>(h.z)};
@@ -101,16 +100,7 @@ class MeshSurface {
             ++work.nodes;
             const MeshNode& node = nodes_[place.node];
             alignas(16) float squares[MeshNode::fan];
-            for (std::uint32_t lane = 0; lane < MeshNode::fan; ++lane) {
-                float sum = 0;
-                for (int axis = 0; axis < 3; ++axis) {
-                    const float below = node.low[axis][lane] - at[axis],
-                                above = at[axis] - node.high[axis][lane];
-                    const float far = std::max(std::max(below, above) - loss, 0.0f);
-                    sum += far * far;
-                }
-                squares[lane] = node.low[0][lane] > node.high[0][lane] ? HUGE_VALF : sum * 0.999999f;
-            }
+            to_boxes(node, at, loss, squares);
             const std::uint32_t base = depth;
             for (std::uint32_t lane = 0; lane < MeshNode::fan; ++lane) {
                 if (!(squares[lane] <= square)) continue;
@@ -174,7 +164,21 @@ class MeshSurface {
         for (std::size_t line = 0; line < sizeof(MeshNode); line += 64) __builtin_prefetch(at + line);
     }
 
-    // Bits of the children whose boxes touch the box.
+    // Squares of the distances to the children's boxes, less `loss`.
+    static void to_boxes(const MeshNode& node, const float (&at)[3], float loss,
+                         float (&squares)[MeshNode::fan]) noexcept {
+        for (std::uint32_t lane = 0; lane < MeshNode::fan; ++lane) {
+            float sum = 0;
+            for (int axis = 0; axis < 3; ++axis) {
+                const float below = node.low[axis][lane] - at[axis], above = at[axis] - node.high[axis][lane];
+                const float far = std::max(std::max(below, above) - loss, 0.0f);
+                sum += far * far;
+            }
+            squares[lane] = node.low[0][lane] > node.high[0][lane] ? HUGE_VALF : sum * 0.999999f;
+        }
+    }
+
+    // Bits of the children whose boxes touch that one.
     static std::uint32_t touched(const MeshNode& node, const float (&from)[3],
                                  const float (&to)[3]) noexcept {
         std::uint32_t bits = 0;
